@@ -1,0 +1,24 @@
+# Every dependency is a Debian 12 package; scripts/setup.sh installs them.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)
+find_package(ZLIB REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+pkg_check_modules(NANOFLANN REQUIRED IMPORTED_TARGET nanoflann)
+add_library(nanoflann::nanoflann ALIAS PkgConfig::NANOFLANN)
+
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
+pkg_check_modules(SPNG REQUIRED IMPORTED_TARGET spng)
+pkg_check_modules(EXIF REQUIRED IMPORTED_TARGET libexif)
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
+pkg_check_modules(TOMLPP REQUIRED IMPORTED_TARGET tomlplusplus)
+set(ALIGNGS_IMAGE_LIBRARIES PkgConfig::TURBOJPEG PkgConfig::SPNG PkgConfig::EXIF)
+add_library(hwy::hwy ALIAS PkgConfig::HWY)
+add_library(tomlplusplus::tomlplusplus ALIAS PkgConfig::TOMLPP)
+
+# Debian's embree package ships a CMake config that names no namespaced target; link it by file.
+find_library(EMBREE_LIBRARY embree3 REQUIRED)
+find_path(EMBREE_INCLUDE_DIR embree3/rtcore.h REQUIRED)

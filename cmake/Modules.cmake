@@ -1,0 +1,16 @@
+# aligngs_module(NAME LIBRARIES ...): a static library of src/NAME/**/*.cpp. The tests that stand beside
+# the sources are collected in tests/CMakeLists.txt, one program per module.
+set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
+function(aligngs_module name)
+  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  if(sources)
+    add_library(aligngs_${name} STATIC ${sources})
+    target_link_libraries(aligngs_${name} PUBLIC aligngs_flags ${ARG_LIBRARIES})
+  else()
+    add_library(aligngs_${name} INTERFACE)
+    target_link_libraries(aligngs_${name} INTERFACE aligngs_flags ${ARG_LIBRARIES})
+  endif()
+  set_property(GLOBAL APPEND PROPERTY ALIGNGS_MODULES ${name})
+endfunction()

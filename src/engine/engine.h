@@ -1,0 +1,96 @@
+// The compute seam: one implementation per device. Everything a training run asks of a device goes
+// through this interface; src/engine/cpu implements it, src/engine/reference specifies it.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "engine/loss_terms.h"
+#include "engine/settings.h"
+#include "engine/training_view.h"
+#include "gaussians/density_control.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs {
+
+/// Where a non-finite value appeared first; the step was rolled back.
+struct NonFinite {
+  bool found = false;
+  int64_t gaussian = -1;  ///< row, or -1 when the value is a loss
+  std::string term;       ///< loss term or parameter name
+};
+
+struct StepReport {
+  LossTerms losses;
+  size_t visible = 0;     ///< Gaussians that touched a pixel
+  NonFinite non_finite;
+  double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (kBounded)
+  std::map<std::string, double> seconds;  ///< wall time per stage
+};
+
+struct RenderOptions {
+  RasterSettings raster;
+  SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
+  bool geometry = true;   ///< normal and depth maps
+  bool labels = false;    ///< arg-max label and its probability
+};
+
+/// Maps are at the camera's size. "Nothing here" is alpha < 0.5, never a class and never a depth.
+struct Rendering {
+  ImageF color;            ///< H x W x 3, not clamped
+  ImageF alpha;            ///< H x W
+  ImageF normal;           ///< H x W x 3, camera frame, unit where alpha > 0
+  ImageF depth_plane;      ///< H x W, unbiased plane depth with guards (guidance 2.5), 0 = invalid
+  ImageF depth_median;     ///< H x W, depth of the first intersection with transmittance < 0.5, 0 = none
+  ImageF depth_expected;   ///< H x W, alpha-normalised mean of intersection depths, 0 = none
+  Image<uint16_t> label;   ///< H x W, kNoLabel where alpha < 0.5
+  ImageF label_probability;  ///< H x W
+};
+
+/// Complete state of an engine, for checkpoints: named flat arrays, model and optimiser alike.
+struct EngineState {
+  GaussianModel model;
+  std::map<std::string, std::vector<float>> arrays;  ///< moments ("adam_m.positions"), statistics, running values
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+
+  virtual std::string device_name() const = 0;
+  virtual void load(const GaussianModel& model) = 0;  ///< resets moments and statistics
+  virtual void store(GaussianModel& model) const = 0;
+  virtual void save_state(EngineState& state) const = 0;
+  virtual void load_state(const EngineState& state) = 0;
+  virtual size_t size() const = 0;
+
+  virtual void set_training_views(std::vector<TrainingView> views) = 0;
+  /// Forward, losses, backward, optimiser for one view. On a non-finite value the parameters and moments
+  /// are as before the call and report.non_finite says where.
+  virtual StepReport step(const StepRequest& request) = 0;
+
+  /// What density control decides on; see gaussians/density_control.h.
+  virtual DensityStatistics density_statistics() const = 0;
+  virtual void reset_density_statistics() = 0;
+  /// Keeps, copies and makes rows as the plan says; moments follow their rows, new rows start at zero.
+  virtual void restructure(const RestructurePlan& plan) = 0;
+  /// Caps opacities at the given value and zeroes their moments (3DGS opacity reset).
+  virtual void reset_opacity(float maximum) = 0;
+
+  virtual Rendering render(const Camera& camera, const RenderOptions& options) const = 0;
+
+  /// Closed-form semantic start (guidance 2.1): s_i = log(sum_u w_i(u) t(u) + eps) - row mean over all
+  /// training views. Rows that no pixel sees stay zero.
+  virtual void lift_semantics(const RasterSettings& raster) = 0;
+
+  /// Bytes a run with n Gaussians, C channels and these views needs, for the memory budget.
+  virtual uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const = 0;
+};
+
+/// The multi-threaded float engine. threads == 0: all hardware threads.
+std::unique_ptr<Engine> make_cpu_engine(int threads = 0);
+
+}  // namespace aligngs

@@ -1,0 +1,27 @@
+// Every loss that is a function of the rendered maps of one view: values and hand-derived gradients.
+// The semantic loss is not here: it lives in the tile visit (engine/formulas/semantic_loss.h).
+#pragma once
+
+#include "core/thread_pool.h"
+#include "engine/loss_terms.h"
+#include "engine/maps.h"
+#include "engine/settings.h"
+#include "engine/training_view.h"
+
+namespace aligngs {
+
+template <class T>
+struct MapLossInputs {
+  const RenderMaps<T>& maps;
+  const TrainingView& view;
+  const LossSettings& settings;
+  ThreadPool* pool = nullptr;  ///< nullptr: on the calling thread; results do not depend on it
+};
+
+/// Adds the terms to `terms` (values unweighted, `total` weighted) and their weighted gradients to `gradients`,
+/// which the caller has reset. Terms whose weight is 0 are skipped. Degenerate inputs (see each loss) give
+/// zero loss and zero gradient. Instantiated for float and double.
+template <class T>
+void map_losses(const MapLossInputs<T>& inputs, LossTerms& terms, MapGradients<T>& gradients);
+
+}  // namespace aligngs

@@ -1,0 +1,90 @@
+// What one training step is asked to do. Plain numbers only: every field is a documented config key of
+// the same meaning in train/config.h.
+#pragma once
+
+#include <cstdint>
+
+namespace aligngs {
+
+/// Constants of the rasteriser (spec: aligngs.md 3.1).
+struct RasterSettings {
+  float near_plane = 0.01f;           ///< camera z below which a Gaussian is culled, scene units
+  float low_pass = 0.3f;              ///< pixels^2 added to the diagonal of the 2-D covariance
+  float alpha_min = 1.0f / 255.0f;    ///< contributions below are skipped
+  float alpha_max = 0.99f;            ///< alpha is clamped to this
+  float transmittance_min = 1e-4f;    ///< blending stops before transmittance falls below
+  float guard_band = 1.3f;            ///< t_x / t_z is clamped to this multiple of the image's half angle in the Jacobian
+  float background[3] = {0, 0, 0};
+  /// Tests only: replaces the hard alpha_min cut by a C1 ramp over [alpha_min, 2 alpha_min] so that finite
+  /// differences hold near the threshold. The clamp at alpha_max has zero gradient above it, also in use.
+  bool smooth_cutoff = false;
+};
+
+enum class SemanticBlend {
+  kLogits,        ///< paper: P = sum w s, softmax per pixel
+  kProbabilities  ///< guidance 2.1: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
+};
+
+enum class SemanticCoupling {
+  kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
+  kBounded  ///< guidance 2.1: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+};
+
+/// Weights and switches of the losses; a weight of 0 turns a term off and costs nothing.
+struct LossSettings {
+  float l1_weight = 0.8f;         ///< photometric L1
+  float ssim_weight = 0.2f;       ///< 1 - SSIM
+  float flatten_weight = 100.0f;  ///< mean over visible Gaussians of the smallest scale, already divided by the extent
+
+  float semantic_soft_weight = 1.0f;  ///< KL(teacher || student), mean over valid pixels
+  float semantic_hard_weight = 0.1f;  ///< cross-entropy with the teacher's arg-max, mean over valid pixels
+  SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
+  SemanticCoupling coupling = SemanticCoupling::kBounded;
+  /// kPlain: factor on the gradient (0 = release, 1 = paper). kBounded: target ratio of RMS gradients (0.1).
+  float coupling_strength = 0.1f;
+
+  float pearson_weight = 0.0f;       ///< paper L_d: 1 - Pearson(rendered, prior) outside the edge mask
+  float log_depth_weight = 0.0f;     ///< guidance 2.2 L_z: Huber on log depth against the prior
+  float log_depth_huber = 0.02f;     ///< Huber delta in log units
+  float normal_consistency_weight = 0.0f;  ///< L_ng: 1 - n . n_depth
+  float normal_boundary_weight = 0.0f;     ///< paper L_nb with alpha = 100
+  float crease_weight = 0.0f;        ///< guidance 2.3: one-sided normal supervision at label edges
+  float prior_normal_weight = 0.0f;  ///< 1 - n . n_prior
+  bool paper_normals = false;        ///< L_ng and L_nb exactly as printed, without discontinuity guards
+
+  float opacity_l1_weight = 0.0f;    ///< mean opacity (MCMC regulariser)
+  float scale_l1_weight = 0.0f;      ///< mean scale / extent (MCMC regulariser)
+};
+
+/// Adam rates of one step. Positions and scales are in scene units, so the trainer multiplies by the extent.
+struct LearningRates {
+  float position = 0, sh_dc = 0, sh_rest = 0, opacity = 0, scale = 0, rotation = 0, semantic = 0;
+};
+
+struct AdamSettings {
+  float beta1 = 0.9f, beta2 = 0.999f, epsilon = 1e-15f;
+  /// Rows that no pixel used this step keep parameters and moments (default preset: semantic rows only).
+  bool skip_invisible_semantics = true;
+};
+
+/// Hard limits applied after the optimiser step (guidance 2.6); 0 = off.
+struct ShapeLimits {
+  float flat_ratio_max = 0;    ///< smallest scale <= this share of the middle one
+  float aspect_max = 0;        ///< largest scale <= this multiple of the middle one
+  float scale_max = 0;         ///< largest scale, scene units
+};
+
+struct StepRequest {
+  int view = 0;        ///< index into the training views
+  int64_t step = 1;    ///< 1-based, for Adam's bias correction
+  int sh_degree = 0;
+  LossSettings losses;
+  LearningRates rates;
+  AdamSettings adam;
+  ShapeLimits limits;
+  RasterSettings raster;
+  bool collect_density = true;  ///< accumulate density statistics (photometric gradients only)
+  float extent = 1;             ///< robust scene extent, scene units
+};
+
+}  // namespace aligngs

@@ -1,0 +1,69 @@
+// Growing and pruning: decisions from per-Gaussian statistics, expressed as a plan that an engine carries out.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/random.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs {
+
+/// Sums since the last reset, one entry per Gaussian. Gradients are of the photometric loss only
+/// (guidance 2.1), of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
+struct DensityStatistics {
+  std::vector<float> gradient;        ///< sum over views of |d L / d mean2D|
+  std::vector<float> gradient_abs;    ///< sum over views of | sum over pixels of |d L / d mean2D| | (AbsGS)
+  std::vector<float> visible;         ///< number of views in which the Gaussian touched a pixel
+  std::vector<float> radius;          ///< largest 2-D radius seen, pixels
+  std::vector<float> weight;          ///< sum of blending weights w
+  std::vector<float> residual;        ///< sum of w * photometric residual (mean absolute colour difference)
+  std::vector<float> unsupported;     ///< sum of w on pixels whose prior depth is absent or disagrees (> 5 %)
+};
+
+/// One row of the model after restructuring.
+struct RowOrigin {
+  enum class Kind : uint8_t {
+    kKeep,   ///< the source row with its moments
+    kClone,  ///< a copy of the parameters, zero moments
+    kSplit   ///< a copy displaced by `offset` with scales divided by `shrink`, zero moments
+  };
+  uint32_t source = 0;
+  Kind kind = Kind::kKeep;
+  float offset[3] = {0, 0, 0};  ///< world units, added to the position
+  float shrink = 1;             ///< scales are divided by this
+};
+
+/// The rows of the new model in order. Rows absent from the plan are gone.
+struct RestructurePlan {
+  std::vector<RowOrigin> rows;
+  size_t cloned = 0, split = 0, pruned = 0;
+};
+
+/// Parameters of adaptive density control (aligngs.md section 5; guidance 2.7). Lengths are scene units.
+struct DensityRule {
+  float gradient_threshold = 2e-4f;      ///< mean 2-D gradient above which a Gaussian grows
+  float gradient_abs_threshold = 8e-4f;  ///< mean absolute gradient above which a large one splits; 0 = off
+  float abs_min_radius = 20;             ///< pixels; the absolute rule needs a larger radius
+  size_t abs_max_splits = 50000;         ///< per call
+  float small_scale = 0;                 ///< at most this: clone; larger: split (0.001 * extent)
+  float prune_opacity = 0.005f;
+  float prune_scale = 0;                 ///< largest scale above which a Gaussian is removed; 0 = off
+  size_t max_gaussians = 0;              ///< cap; growth stops there, the largest gradients first; 0 = none
+  float residual_quantile = 0;           ///< grow only in the top (1 - q) of mean residual; 0 = off (guidance: 0.9)
+  float unsupported_min = 0;             ///< grow only where this share of the weight lacks prior support; 0 = off
+  bool grow = true;                      ///< false: prune only
+};
+
+RestructurePlan plan_density_control(const GaussianModel& model, const DensityStatistics& statistics,
+                                     const DensityRule& rule, Random& random);
+
+/// A plan that keeps the rows whose flag is set.
+RestructurePlan plan_keep(const std::vector<uint8_t>& keep);
+
+/// Carries out a plan on the parameters.
+void restructure_model(const RestructurePlan& plan, GaussianModel& model);
+/// Carries out a plan on a per-row array of `width` values per row; new rows are zero (for moments).
+void restructure_rows(const RestructurePlan& plan, size_t width, std::vector<float>& rows);
+
+}  // namespace aligngs

@@ -1,0 +1,27 @@
+// scene.ply in the standard 62-float 3DGS layout, and scene.labels.ply with a class per Gaussian.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs {
+
+struct GaussianLabels {
+  std::string label_set;             ///< e.g. "ade20k150"
+  std::vector<uint16_t> label;       ///< class or kNoLabel
+  std::vector<uint16_t> instance;    ///< 0 = none
+  std::vector<uint8_t> confidence;   ///< probability of the class x 255
+};
+
+/// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path (ecosystem.md 3.1).
+void write_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model);
+void write_labelled_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model,
+                                 const GaussianLabels& labels);
+/// Any property order, type and endianness; missing SH are zero; semantic_0.. are read when present.
+/// Non-finite values and missing required properties are Error{kBadInput}.
+GaussianModel read_gaussian_ply(const std::filesystem::path& path);
+
+}  // namespace aligngs

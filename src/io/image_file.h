@@ -1,0 +1,41 @@
+// JPEG and PNG files. The format is told by the content, not by the name.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "core/image.h"
+
+namespace aligngs {
+
+struct ImageInfo {
+  int width = 0, height = 0;  ///< after EXIF orientation
+  int channels = 0;           ///< 1, 3 or 4
+  int bit_depth = 8;          ///< 8 or 16
+};
+
+/// Reads the header only. Error{kBadInput} for anything that is no JPEG or PNG.
+ImageInfo read_image_info(const std::filesystem::path& path);
+
+/// 8-bit image with 3 or 4 (alpha) channels; grey is widened to 3, 16-bit PNG narrowed; EXIF orientation applied.
+Image<uint8_t> read_image(const std::filesystem::path& path);
+Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
+
+/// One-channel PNG of 8 or 16 bits, values as stored (depth in millimetres, label ids). Palette images give indices.
+Image<uint16_t> read_gray_png(const std::filesystem::path& path);
+Image<uint16_t> decode_gray_png(std::string_view bytes, const std::filesystem::path& name_for_errors);
+
+/// Atomic writes. channels 1, 3 or 4.
+void write_png(const std::filesystem::path& path, const Image<uint8_t>& image);
+void write_png16(const std::filesystem::path& path, const Image<uint16_t>& gray);
+void write_jpeg(const std::filesystem::path& path, const Image<uint8_t>& rgb, int quality = 92);
+std::vector<uint8_t> encode_png(const Image<uint8_t>& image);
+std::vector<uint8_t> encode_jpeg(const Image<uint8_t>& rgb, int quality = 92);
+
+/// sRGB bytes of a float image with 1 or 3 channels, clamped and rounded.
+Image<uint8_t> to_bytes(const ImageF& image);
+ImageF to_float(const Image<uint8_t>& image);  ///< value / 255, channels kept
+
+}  // namespace aligngs

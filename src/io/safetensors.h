@@ -1,0 +1,32 @@
+// safetensors files: an 8-byte header length, a JSON header, raw little-endian tensors.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+struct TensorBytes {
+  std::string dtype;           ///< "F32", "F16", "U8", "U64", "I64", ...
+  std::vector<int64_t> shape;
+  std::vector<uint8_t> bytes;  ///< little-endian, C order
+};
+
+struct TensorFile {
+  std::map<std::string, TensorBytes> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+/// Error{kBadInput} on a malformed header, overlapping or out-of-range offsets, or a truncated file; never
+/// allocates more than the file could hold.
+TensorFile read_safetensors(const std::filesystem::path& path);
+TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::path& name_for_errors);
+void write_safetensors(const std::filesystem::path& path, const TensorFile& file);  ///< atomic
+
+TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> shape = {});  ///< default: one dimension
+std::vector<float> floats_of(const TensorBytes& tensor, const std::string& name_for_errors);
+
+}  // namespace aligngs

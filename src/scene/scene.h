@@ -1,0 +1,68 @@
+// A scene folder: views with cameras, priors and truth, before any pixel is loaded.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/camera.h"
+#include "scene/label_set.h"
+#include "scene/point_cloud.h"
+
+namespace aligngs {
+
+/// How the numbers in segmentation_logits/ become class probabilities (design, section 4).
+enum class SemanticKind {
+  kLogits,         ///< softmax
+  kScores,         ///< Mask2Former scores of about [0, 1]: s / sum s
+  kProbabilities,  ///< used as they are
+};
+
+/// One photo of the scene. Paths are absolute; an empty path means that the map is absent.
+struct View {
+  std::string name;  ///< stem of the image file: up to the last dot
+  Camera camera;     ///< at the size of the image
+  std::filesystem::path image;
+  std::filesystem::path prior_depth;     ///< pred_depths/<stem>.npy
+  std::filesystem::path semantics;       ///< segmentation_logits/<stem>.npy or .pt
+  std::filesystem::path truth_depth;     ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
+  std::filesystem::path truth_labels;    ///< truth/labels/<stem>.png, uint8, 255 = none
+  std::optional<Camera> truth_camera;    ///< from truth/sparse; never used by training
+};
+
+struct Scene {
+  std::filesystem::path folder;
+  bool metric = false;           ///< scene.json units == "metres"
+  std::optional<Vec3d> up;       ///< unit, world
+  std::string source;            ///< scene.json source: what made this scene
+  std::string prior_source;      ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports
+  SemanticKind semantic_kind = SemanticKind::kLogits;
+  std::vector<View> views;       ///< sorted by name
+  std::vector<int> train, test;  ///< indices into views
+  PointCloud cloud;              ///< sparse/points3D
+  LabelSet labels;
+  std::filesystem::path truth_mesh;  ///< truth/mesh.ply or empty
+  std::vector<Camera> evaluation_cameras;  ///< truth/sparse cameras of all views, else the views' own cameras
+
+  bool has_prior_depth() const;  ///< every training view has one
+  bool has_semantics() const;    ///< every training view has one
+};
+
+/// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json.
+/// Without split.json every view is a training view (`default_test_every` > 0: every n-th is a test view).
+/// Throws Error{kBadInput} naming file and field. Checks names and headers, not pixels; see check_scene.
+struct SceneOptions {
+  int default_test_every = 0;
+};
+Scene open_scene(const std::filesystem::path& folder, const SceneOptions& options = {});
+
+/// Robust size of a scene: every threshold of the method that is a length is a share of this.
+/// Half the diagonal of the box between the 5 % and 95 % quantiles of the cloud's points and the training
+/// camera centres, never zero. Invariant under rotation up to the box, linear in scale.
+double robust_extent(const Scene& scene);
+
+/// A digest of what a scene holds (names, sizes, cameras, split), for run.json.
+std::string scene_fingerprint(const Scene& scene);
+
+}  // namespace aligngs

@@ -1,0 +1,61 @@
+// The pixels and prior maps of one view, loaded and brought to the size at which the run works.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+/// The teacher's class probabilities at their native resolution (which may be smaller than the image).
+struct SemanticTarget {
+  int channels = 0;  ///< number of classes C
+  int width = 0, height = 0;
+  /// float16 probabilities, [height][width][channels]: one pixel's classes are contiguous and sum to 1.
+  std::vector<uint16_t> probabilities;
+  /// One per target pixel, [0, 1]: 0 where the teacher says nothing (scores that sum to less than 0.3).
+  std::vector<float> confidence;
+  bool empty() const { return probabilities.empty(); }
+};
+
+/// Everything training and evaluation need of one view. Maps have the size of `camera`.
+struct ViewData {
+  std::string name;
+  Camera camera;       ///< resized to the working resolution
+  ImageF color;        ///< H x W x 3, sRGB in [0, 1]
+  ImageF mask;         ///< H x W x 1, 1 = use this pixel; empty when the image has no alpha channel
+  ImageF prior_depth;  ///< H x W x 1, 0 = no value; empty when absent
+  SemanticTarget semantics;    ///< empty when absent
+  Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel where unknown; empty when absent
+};
+
+struct LoadOptions {
+  double scale = 1;             ///< working resolution / image resolution, e.g. 0.5 for preset `preview`
+  bool prior_depth = true;
+  bool semantics = true;
+  bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
+  double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum (guidance 2.1)
+};
+
+/// Loads one view. Maps smaller or larger than the image are sampled at pixel centres with the half-pixel
+/// rule: source coordinate (x + 0.5) * source_width / width - 0.5.
+/// Throws Error{kBadInput} naming the file, the field and the remedy.
+ViewData load_view(const Scene& scene, int view, const LoadOptions& options = {});
+
+/// True depth in scene units (metres when metric), 0 = none; resized (nearest) to the given camera's size.
+ImageF load_truth_depth(const Scene& scene, int view, const Camera& camera);
+/// True labels, kNoLabel = none; resized (nearest) to the given camera's size.
+Image<uint16_t> load_truth_labels(const Scene& scene, int view, const Camera& camera);
+
+/// Opens and checks every file of every view, training and test; returns one message per problem found,
+/// each naming file, field and remedy; empty when all is well. `train` calls this before its first step.
+struct SceneProblem {
+  std::filesystem::path path;
+  std::string field, message, remedy;
+  bool fatal = true;  ///< false: a warning (for `aligngs data check`)
+};
+std::vector<SceneProblem> check_scene(const Scene& scene);
+
+}  // namespace aligngs
