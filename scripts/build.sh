@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Configures and builds one tree. Usage: scripts/build.sh FOLDER [cmake arguments...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=$1
+shift
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! cmake -S . -B "$folder" -G Ninja "$@" >"$log" 2>&1; then
+  cat "$log" >&2
+  exit 1
+fi
+cmake --build "$folder" --parallel "$(nproc)"

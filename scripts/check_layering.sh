@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# A module may include only modules above it. The order is that of docs/architecture.md and design of the tree.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+modules=(core io scene nn priors synth gaussians engine metrics train mesh edit serve cli)
+
+declare -A rank
+for i in "${!modules[@]}"; do rank[${modules[$i]}]=$i; done
+
+status=0
+for folder in src/*/; do
+  name=$(basename "$folder")
+  if [ -z "${rank[$name]+known}" ]; then
+    echo "layering: src/$name is not in the list of modules" >&2
+    status=1
+  fi
+done
+while IFS=: read -r file line text; do
+  from=$(cut -d/ -f2 <<<"$file")
+  to=$(sed -E 's/.*#include "([a-z_]+)\/.*/\1/' <<<"$text")
+  if [ -z "${rank[$to]+known}" ]; then
+    echo "layering: $file:$line includes \"$to/...\", which is no module" >&2
+    status=1
+  elif [ "${rank[$to]}" -gt "${rank[$from]}" ]; then
+    echo "layering: $file:$line: $from may not include $to" >&2
+    status=1
+  fi
+done < <(grep -rnE '^#include "[a-z_]+/' src --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' |
+         grep -v '^src/main.cpp:')
+[ $status -eq 0 ] && echo "layering: ok"
+exit $status

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
+# Usage: scripts/setup.sh [--clang]     --clang adds clang 14 and the fuzzing runtime
+set -euo pipefail
+
+packages=(
+  build-essential cmake ninja-build git pkg-config ccache
+  libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev
+  libturbojpeg0-dev libspng-dev libexif-dev zlib1g-dev
+  libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+)
+for option in "$@"; do
+  case "$option" in
+    --clang) packages+=(clang-14 libclang-rt-14-dev) ;;
+    -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;;
+    *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
+  esac
+done
+
+# Ubuntu names the TurboJPEG headers libturbojpeg0-dev as well; an installed package costs nothing to ask for.
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || { echo "setup.sh: run me as root, or install sudo; I need: ${missing[*]}" >&2; exit 5; }
+  as_root=(sudo)
+fi
+echo "setup.sh: installing ${missing[*]}" >&2
+"${as_root[@]}" apt-get update -qq
+DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
