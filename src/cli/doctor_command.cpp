@@ -1,0 +1,108 @@
+// `aligngs doctor`: what this machine has, what aligngs will use of it, and what is missing.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/command.h"
+#include "core/memory_budget.h"
+
+namespace aligngs {
+namespace {
+
+struct Check {
+  std::string name;
+  bool ok = true;
+  std::string value, remedy;
+};
+
+std::string cpu_model() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  }
+  return "unknown processor";
+}
+
+Check check_instructions() {
+#if defined(ALIGNGS_SCALAR_ONLY)
+  return {"instructions", true, "scalar only (built with ALIGNGS_SCALAR_ONLY)", "configure without ALIGNGS_SCALAR_ONLY for speed"};
+#elif defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")) return {"instructions", true, "AVX-512", ""};
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"instructions", true, "AVX2", ""};
+  return {"instructions", true, "SSE4.2", "training is about four times slower without AVX2"};
+#else
+  return {"instructions", true, "portable", ""};
+#endif
+}
+
+Check check_memory() {
+  constexpr uint64_t kComfortable = uint64_t(4) << 30;  // a 640x480 room with 150 classes stays below 3 GB
+  const uint64_t available = available_memory_bytes();
+  return {"memory", available >= kComfortable, format_bytes(available) + " available",
+          available >= kComfortable ? "" : "close other programs, or use --preset preview"};
+}
+
+Check check_writable() {
+  const bool writable = access(".", W_OK) == 0;
+  std::error_code error;
+  const auto space = std::filesystem::space(".", error);
+  constexpr uint64_t kRunSize = uint64_t(1) << 30;  // a run with checkpoints stays below 1 GB
+  const bool enough = !error && space.available >= kRunSize;
+  return {"current folder", writable && enough,
+          fmt::format("{}, {} free", writable ? "writable" : "not writable", error ? "unknown" : format_bytes(space.available)),
+          writable && enough ? "" : "change to a folder that you may write to, with 1 GB free"};
+}
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  if (!path) return false;
+  for (const std::string& folder : CLI::detail::split(path, ':')) {
+    if (access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+std::vector<Check> run_checks() {
+  std::vector<Check> checks;
+  checks.push_back({"processor", true, fmt::format("{}, {} hardware threads", cpu_model(), std::thread::hardware_concurrency()), ""});
+  checks.push_back(check_instructions());
+  checks.push_back(check_memory());
+  checks.push_back(check_writable());
+  checks.push_back({"device", true, "cpu (this version has no CUDA engine)", ""});
+  checks.push_back({"network weights", true, "none are read by this version: depth and semantic priors come from files", ""});
+  const bool colmap = on_path("colmap");
+  checks.push_back({"colmap program", true, colmap ? "found" : "not found",
+                    colmap ? "" : "only needed to make poses for your own photos: apt-get install colmap"});
+  return checks;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("doctor", "Check this machine and say what is missing");
+  command->group("Look");
+  command->footer("Example: aligngs doctor");
+  command->callback([&context] {
+    const std::vector<Check> checks = run_checks();
+    bool all = true;
+    nlohmann::json document = {{"version", ALIGNGS_VERSION}, {"checks", nlohmann::json::array()}};
+    for (const Check& check : checks) {
+      all = all && check.ok;
+      document["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"value", check.value}, {"remedy", check.remedy}});
+      if (context.global.json) continue;
+      std::printf("%-4s %-16s %s\n", check.ok ? "ok" : "!!", check.name.c_str(), check.value.c_str());
+      if (!check.remedy.empty()) std::printf("     %-16s %s\n", "", check.remedy.c_str());
+    }
+    document["ok"] = all;
+    if (context.global.json) std::printf("%s\n", document.dump(2).c_str());
+    else std::printf("%s\n", all ? "ready: try `aligngs demo`" : "see the lines marked !!");
+  });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,140 @@
+#include "cli/program.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <new>
+
+#include "cli/command.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/stop_signal.h"
+
+namespace aligngs {
+namespace {
+
+/// CLI11's exit codes are its own; ours has one for every usage error.
+constexpr int kUsageStatus = static_cast<int>(ErrorKind::kUsage);
+
+std::string join(int argc, char** argv) {
+  std::string text = "aligngs";
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool quote = argument.empty() || argument.find_first_of(" \t\"'$&|;<>()*?#") != std::string::npos;
+    text += quote ? " '" + argument + "'" : " " + argument;
+  }
+  return text;
+}
+
+void add_global_options(CLI::App& program, GlobalOptions& global) {
+  program.add_flag("--json", global.json, "print results as one JSON document on standard output")->group("Everywhere");
+  program.add_flag("-q,--quiet", global.quiet, "warnings and errors only")->group("Everywhere");
+  program.add_flag("-v,--verbose", global.verbose, "debug messages")->group("Everywhere");
+  program.add_flag("--offline", global.offline, "never touch the network")->group("Everywhere");
+  program.add_option("--threads", global.threads, "worker threads (default: one per hardware thread)")
+      ->check(CLI::Range(0, 1024))->group("Everywhere");
+}
+
+std::vector<std::string> command_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  return names;
+}
+
+int report_usage_error(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
+  std::string hint;
+  if (argc > 1 && argv[1][0] != '-') {
+    const std::vector<std::string> names = command_names(program);
+    if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+      log_error("there is no command \"{}\"", argv[1]);
+      const std::string near = nearest_word(argv[1], names);
+      if (!near.empty()) std::fprintf(stderr, "  did you mean: aligngs %s\n", near.c_str());
+      std::fputs("  remedy: `aligngs --help` lists the commands\n", stderr);
+      return kUsageStatus;
+    }
+    hint = std::string(" ") + argv[1];
+  }
+  log_error("{}", error.what());
+  std::fprintf(stderr, "  remedy: `aligngs%s --help` shows the options and an example\n", hint.c_str());
+  return kUsageStatus;
+}
+
+int report_error(const Error& error, bool json) {
+  if (json) {
+    const Error::Details& d = error.details();
+    const nlohmann::json document = {{"error", {{"status", error.exit_status()}, {"message", d.message},
+                                                {"path", d.path.string()}, {"field", d.field}, {"remedy", d.remedy}}}};
+    std::printf("%s\n", document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+  log_error("{}", error.what());
+  return error.exit_status();
+}
+
+}  // namespace
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
+  std::string best;
+  size_t best_distance = word.size() / 3 + 1;
+  for (const std::string& candidate : candidates) {
+    std::vector<size_t> row(candidate.size() + 1);
+    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
+    for (size_t i = 0; i < word.size(); ++i) {
+      size_t diagonal = row[0];
+      row[0] = i + 1;
+      for (size_t j = 0; j < candidate.size(); ++j) {
+        const size_t substitute = diagonal + (word[i] != candidate[j]);
+        diagonal = row[j + 1];
+        row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitute});
+      }
+    }
+    if (row.back() <= best_distance && (best.empty() || row.back() < best_distance)) {
+      best_distance = row.back();
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+int run_program(int argc, char** argv) {
+  CommandContext context;
+  context.command_line = join(argc, argv);
+  CLI::App program("aligngs turns a handful of photos of a room into a labelled 3D scene: Gaussian splats,\n"
+                   "a mesh, class labels and measurements of how good they are.\n\n"
+                   "Example: aligngs demo", "aligngs");
+  program.set_version_flag("--version", std::string("aligngs ") + ALIGNGS_VERSION);
+  program.require_subcommand(1);
+  program.fallthrough();
+  program.get_formatter()->column_width(36);
+  add_global_options(program, context.global);
+  // Options are parsed completely before any command runs, so that --json after the command counts.
+  program.parse_complete_callback([&context] {
+    if (context.global.quiet) set_log_level(LogLevel::kWarning);
+    if (context.global.verbose > 0) set_log_level(LogLevel::kDebug);
+  });
+  for (const AddCommand add : {&add_run_command, &add_demo_command, &add_import_command, &add_synth_command,
+                               &add_data_command, &add_train_command, &add_render_command, &add_mesh_command,
+                               &add_eval_command, &add_report_command, &add_info_command, &add_doctor_command}) {
+    add(program, context);
+  }
+
+  install_stop_handlers();
+  try {
+    program.parse(argc, argv);
+    return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::kResources);
+  } catch (const CLI::Success& request) {  // --help, --version
+    return program.exit(request);
+  } catch (const CLI::ParseError& error) {
+    return report_usage_error(program, error, argc, argv);
+  } catch (const Error& error) {
+    return report_error(error, context.global.json);
+  } catch (const std::bad_alloc&) {
+    return report_error(Error({ErrorKind::kResources, "out of memory", {}, {}, "use fewer Gaussians or smaller images (--set train.max_gaussians, --set data.scale)"}),
+                        context.global.json);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}), context.global.json);
+  } catch (const std::exception& error) {
+    return report_error(Error({ErrorKind::kFailed, error.what(), {}, {}, {}}), context.global.json);
+  }
+}
+
+}  // namespace aligngs
