@@ -46,6 +46,7 @@ struct LossSettings {
   float pearson_weight = 0.0f;       ///< paper L_d: 1 - Pearson(rendered, prior) outside the edge mask
   float log_depth_weight = 0.0f;     ///< guidance 2.2 L_z: Huber on log depth against the prior
   float log_depth_huber = 0.02f;     ///< Huber delta in log units
+  float prior_depth_scale = 1.0f;    ///< a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
   float normal_consistency_weight = 0.0f;  ///< L_ng: 1 - n . n_depth
   float normal_boundary_weight = 0.0f;     ///< paper L_nb with alpha = 100
   float crease_weight = 0.0f;        ///< guidance 2.3: one-sided normal supervision at label edges
