@@ -25,7 +25,7 @@ struct DensityStatistics {
 struct RowOrigin {
   enum class Kind : uint8_t {
     kKeep,   ///< the source row with its moments
-    kClone,  ///< a copy of the parameters, zero moments
+    kClone,  ///< a copy of the parameters displaced by `offset`, zero moments
     kSplit   ///< a copy displaced by `offset` with scales divided by `shrink`, zero moments
   };
   uint32_t source = 0;
@@ -55,6 +55,11 @@ struct DensityRule {
   bool grow = true;                      ///< false: prune only
 };
 
+/// The plan of one call of adaptive density control, in this order (3DGS, Kerbl et al. 2023, section 5.2):
+/// rows with a large mean gradient are cloned when small (the copy is drawn from the Gaussian itself) and
+/// split into two of 1 / 1.6 the size when large; then transparent and oversized rows go, children included.
+/// New rows stand behind the kept ones. Random numbers are drawn only for rows that grow, in row order.
+/// Error{kFailed} when the statistics do not have one entry per Gaussian.
 RestructurePlan plan_density_control(const GaussianModel& model, const DensityStatistics& statistics,
                                      const DensityRule& rule, Random& random);
 
