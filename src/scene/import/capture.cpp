@@ -1,0 +1,124 @@
+#include "scene/import/capture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/error.h"
+#include "io/image_file.h"
+#include "scene/import/capture_text.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool has_seven_scenes_frames(const fs::path& folder) {
+  for (const fs::path& file : list_files(folder, {".txt"})) {
+    if (file.filename().string().find(".pose.txt") != std::string::npos) return true;
+  }
+  return false;
+}
+
+CaptureLayout detect_layout(const fs::path& folder) {
+  if (fs::exists(folder / "poses") && fs::exists(folder / "intrinsics.txt")) return CaptureLayout::kRgbd;
+  if (fs::exists(folder / "color") && fs::exists(folder / "pose")) return CaptureLayout::kScanNet;
+  if (fs::exists(folder / "focal.txt") && (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt"))) return CaptureLayout::kNeuralRgbd;
+  if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
+  if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
+  if (fs::exists(folder / "transforms.json")) return CaptureLayout::kTransforms;
+  if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return CaptureLayout::kSevenScenes;
+  }
+  for (const char* file : {"sparse", "cameras.bin", "cameras.txt"}) {
+    if (fs::exists(folder / file)) return CaptureLayout::kColmap;
+  }
+  return CaptureLayout::kAuto;
+}
+
+void require_unique_names(const Capture& capture) {
+  std::set<std::string> names;
+  for (const CapturedFrame& frame : capture.frames) {
+    if (!names.insert(frame.name).second) {
+      throw_bad_input(frame.image, "name", "two frames are called " + frame.name, "rename one of the image files");
+    }
+  }
+}
+
+/// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map with the depth
+/// image's size; the nearer sample wins.
+ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const ColmapCamera& color) {
+  const double sx = static_cast<double>(depth.width) / static_cast<double>(color.width);
+  const double sy = static_cast<double>(depth.height) / static_cast<double>(color.height);
+  const double fx = color.params[0] * sx, fy = color.params[1] * sy, cx = color.params[2] * sx, cy = color.params[3] * sy;
+  ImageF out(depth.width, depth.height, 1, 0.f);
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      const double z = depth.at(x, y);
+      if (!(z > 0)) continue;
+      const Vec3d p = from.to_color * Vec3d{(x + 0.5 - from.cx) / from.fx * z, (y + 0.5 - from.cy) / from.fy * z, z};
+      if (!(p.z > 0)) continue;
+      const double u = fx * p.x / p.z + cx, v = fy * p.y / p.z + cy;
+      if (!(u >= 0 && v >= 0 && u < out.width && v < out.height)) continue;
+      float& target = out.at(static_cast<int>(u), static_cast<int>(v));
+      if (target == 0 || p.z < target) target = static_cast<float>(p.z);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string layout_name(CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kAuto: return "auto";
+    case CaptureLayout::kRgbd: return "rgbd";
+    case CaptureLayout::kSevenScenes: return "7scenes";
+    case CaptureLayout::kTum: return "tum";
+    case CaptureLayout::kScanNet: return "scannet";
+    case CaptureLayout::kNeuralRgbd: return "nrgbd";
+    case CaptureLayout::kReplica: return "replica";
+    case CaptureLayout::kTransforms: return "nerfstudio";
+    case CaptureLayout::kColmap: return "colmap";
+  }
+  return "unknown";
+}
+
+Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
+  if (!fs::is_directory(folder)) throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
+  const CaptureLayout layout = options.layout == CaptureLayout::kAuto ? detect_layout(folder) : options.layout;
+  Capture capture;
+  switch (layout) {
+    case CaptureLayout::kRgbd: capture = read_rgbd_folder(folder); break;
+    case CaptureLayout::kSevenScenes: capture = read_seven_scenes(folder, options); break;
+    case CaptureLayout::kTum: capture = read_tum(folder, options); break;
+    case CaptureLayout::kScanNet: capture = read_scannet(folder); break;
+    case CaptureLayout::kNeuralRgbd: capture = read_neural_rgbd(folder, options); break;
+    case CaptureLayout::kReplica: capture = read_replica(folder); break;
+    case CaptureLayout::kTransforms: capture = read_transforms(folder); break;
+    case CaptureLayout::kColmap: capture = read_colmap_capture(folder); break;
+    case CaptureLayout::kAuto:
+      throw_bad_input(folder, "layout", "this is none of the known layouts",
+                      "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
+                      "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
+                      "(frame-*.pose.txt), transforms.json, COLMAP (sparse/)");
+  }
+  if (capture.frames.empty()) throw_bad_input(folder, "frames", "no frame with a finite pose was found", "check the folder and its poses");
+  require_unique_names(capture);
+  return capture;
+}
+
+ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
+  if (frame.depth.empty()) return {};
+  constexpr uint16_t kInvalid = 65535;
+  const Image<uint16_t> raw = read_gray_png(frame.depth);
+  ImageF depth(raw.width, raw.height, 1, 0.f);
+  for (size_t i = 0; i < raw.data.size(); ++i) {
+    if (raw.data[i] != 0 && raw.data[i] != kInvalid) depth.data[i] = static_cast<float>(raw.data[i] * capture.depth_unit);
+  }
+  return capture.depth_camera ? register_to_color(depth, *capture.depth_camera, frame.camera) : depth;
+}
+
+}  // namespace aligngs

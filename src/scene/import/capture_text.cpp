@@ -1,0 +1,116 @@
+#include "scene/import/capture_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+std::vector<double> read_numbers(const fs::path& file) {
+  constexpr uint64_t kLimit = uint64_t(1) << 28;  // bytes; a trajectory of a million poses is smaller
+  const std::string text = read_file(file, kLimit);
+  std::vector<double> numbers;
+  size_t line = 1;
+  for (const char* p = text.c_str(); *p;) {
+    if (*p == '\n') ++line;
+    if (std::isspace(static_cast<unsigned char>(*p)) || *p == ',') {
+      ++p;
+      continue;
+    }
+    if (*p == '#') {
+      while (*p && *p != '\n') ++p;
+      continue;
+    }
+    char* end = nullptr;
+    const double value = std::strtod(p, &end);
+    if (end == p) throw_bad_input(file, "line " + std::to_string(line), "expected a number", "check that this is the right kind of file");
+    numbers.push_back(value);
+    p = end;
+  }
+  return numbers;
+}
+
+bool all_finite(const double* values, size_t count) {
+  return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
+}
+
+Rigidd rigid_from_matrix(const double* m, const fs::path& file, const std::string& field) {
+  constexpr double kTolerance = 1e-2;  // six printed digits and accumulated tracking leave less than this
+  if (!all_finite(m, 12)) throw_bad_input(file, field, "the pose is not finite", "leave this frame out");
+  Rigidd pose;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) pose.rotation(r, c) = m[4 * r + c];
+    pose.translation[r] = m[4 * r + 3];
+  }
+  const Mat3d product = pose.rotation * transpose(pose.rotation);
+  double deviation = std::fabs(determinant(pose.rotation) - 1);
+  for (int i = 0; i < 9; ++i) deviation = std::max(deviation, std::fabs(product.m[i] - (i % 4 == 0 ? 1 : 0)));
+  if (!(deviation < kTolerance)) {
+    throw_bad_input(file, field, "the upper left 3x3 block is no rotation", "poses must be rigid 4x4 matrices in row-major order");
+  }
+  pose.rotation = rotation_matrix(quaternion_of(pose.rotation));
+  return pose;
+}
+
+Rigidd opencv_world_to_camera_from_opengl(const Rigidd& camera_to_world) {
+  Rigidd flipped = camera_to_world;
+  for (int r = 0; r < 3; ++r) {
+    flipped.rotation(r, 1) = -flipped.rotation(r, 1);
+    flipped.rotation(r, 2) = -flipped.rotation(r, 2);
+  }
+  return flipped.inverse();
+}
+
+bool natural_less(const std::string& a, const std::string& b) {
+  size_t i = 0, j = 0;
+  const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  while (i < a.size() && j < b.size()) {
+    if (digit(a[i]) && digit(b[j])) {
+      size_t a_end = i, b_end = j;
+      while (a_end < a.size() && digit(a[a_end])) ++a_end;
+      while (b_end < b.size() && digit(b[b_end])) ++b_end;
+      std::string x = a.substr(i, a_end - i), y = b.substr(j, b_end - j);
+      x.erase(0, std::min(x.find_first_not_of('0'), x.size() - 1));
+      y.erase(0, std::min(y.find_first_not_of('0'), y.size() - 1));
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+      i = a_end;
+      j = b_end;
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;  // "01" and "1": any fixed order
+}
+
+std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::string>& extensions) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    std::string extension = entry.path().extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+fs::path first_existing(const std::vector<fs::path>& candidates) {
+  for (const fs::path& path : candidates) {
+    if (fs::exists(path)) return path;
+  }
+  return {};
+}
+
+}  // namespace aligngs

@@ -1,0 +1,29 @@
+// Small parsers that the layout readers share.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/rigid.h"
+
+namespace aligngs {
+
+/// All numbers of a text file, "nan" and "inf" included; '#' starts a comment. Error{kBadInput} for other words.
+std::vector<double> read_numbers(const std::filesystem::path& file);
+
+/// A rigid motion from 16 (or 12) row-major numbers. Error{kBadInput} unless the rotation is one within 1e-2.
+Rigidd rigid_from_matrix(const double* m, const std::filesystem::path& file, const std::string& field);
+bool all_finite(const double* values, size_t count);
+
+/// OpenGL camera-to-world (x right, y up, z back) to OpenCV world-to-camera.
+Rigidd opencv_world_to_camera_from_opengl(const Rigidd& camera_to_world);
+
+/// Order of people: runs of digits compare as numbers.
+bool natural_less(const std::string& a, const std::string& b);
+
+/// Files of a folder with one of the given extensions (lower case, with dot), in natural order.
+std::vector<std::filesystem::path> list_files(const std::filesystem::path& folder, const std::vector<std::string>& extensions);
+std::filesystem::path first_existing(const std::vector<std::filesystem::path>& candidates);
+
+}  // namespace aligngs
