@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -23,6 +24,8 @@ class AtomicFile {
   void commit();  ///< fsync, rename, fsync of the folder
 
  private:
+  void flush();
+
   std::filesystem::path path_, temporary_;
   int descriptor_ = -1;
   std::string buffer_;
