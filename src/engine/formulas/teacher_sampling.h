@@ -1,0 +1,72 @@
+// The semantic teacher at one pixel of the image: where its probabilities come from and whether they count. The one
+// definition of a valid pixel, used by every engine.
+#pragma once
+
+#include <cmath>
+
+#include "core/half.h"
+#include "engine/training_view.h"
+
+namespace aligngs {
+
+/// Up to four pixels of the teacher's map and their weights, which sum to 1 when valid.
+struct TeacherTaps {
+  int pixel[4] = {0, 0, 0, 0};        ///< y * width + x in the teacher's map
+  float weight[4] = {0, 0, 0, 0};
+  bool valid = false;                 ///< false: the pixel has no semantic loss and is not counted
+};
+
+/// Bilinear at pixel centres (half-pixel rule, source = (x + 0.5) * source_width / width - 0.5), over the taps whose
+/// confidence is > 0 only. Valid where those hold at least half of the bilinear weight. A teacher of the image's own
+/// size gives exactly its own pixel.
+inline TeacherTaps teacher_taps(const SemanticTarget& target, int x, int y, int width, int height) {
+  TeacherTaps taps;
+  if (target.empty()) return taps;
+  const double sx = (x + 0.5) * target.width / width - 0.5, sy = (y + 0.5) * target.height / height - 0.5;
+  const double fx = std::floor(sx), fy = std::floor(sy);
+  const double ax = sx - fx, ay = sy - fy;
+  double sum = 0, weights[4];
+  for (int k = 0; k < 4; ++k) {
+    int px = static_cast<int>(fx) + (k & 1), py = static_cast<int>(fy) + (k >> 1);
+    px = px < 0 ? 0 : (px >= target.width ? target.width - 1 : px);
+    py = py < 0 ? 0 : (py >= target.height ? target.height - 1 : py);
+    taps.pixel[k] = py * target.width + px;
+    weights[k] = ((k & 1) ? ax : 1 - ax) * ((k >> 1) ? ay : 1 - ay);
+    if (!target.confidence.empty() && !(target.confidence[taps.pixel[k]] > 0)) weights[k] = 0;
+    sum += weights[k];
+  }
+  taps.valid = sum >= 0.5;
+  if (!taps.valid) return taps;
+  for (int k = 0; k < 4; ++k) taps.weight[k] = static_cast<float>(weights[k] / sum);
+  return taps;
+}
+
+/// True where the pixel takes part in the semantic loss: the teacher speaks and the image's mask keeps the pixel.
+inline bool semantic_pixel_valid(const ViewData& view, const TeacherTaps& taps, int x, int y) {
+  return taps.valid && (view.mask.empty() || view.mask.at(x, y) > 0.5f);
+}
+
+/// The number of valid pixels of a view, by which the semantic loss is averaged. It depends on the teacher and the
+/// mask only, so an engine may compute it once per view.
+inline size_t count_semantic_pixels(const ViewData& view) {
+  size_t count = 0;
+  for (int y = 0; y < view.camera.height; ++y) {
+    for (int x = 0; x < view.camera.width; ++x) {
+      const TeacherTaps taps = teacher_taps(view.semantics, x, y, view.camera.width, view.camera.height);
+      count += semantic_pixel_valid(view, taps, x, y) ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+/// Writes the teacher's C probabilities at valid taps: t_c = sum_k weight_k p_k,c, in float in tap order.
+inline void sample_teacher(const SemanticTarget& target, const TeacherTaps& taps, float* out) {
+  for (int c = 0; c < target.channels; ++c) out[c] = 0;
+  for (int k = 0; k < 4; ++k) {
+    if (taps.weight[k] == 0) continue;
+    const uint16_t* row = &target.probabilities[size_t(taps.pixel[k]) * target.channels];
+    for (int c = 0; c < target.channels; ++c) out[c] += taps.weight[k] * half_to_float(row[c]);
+  }
+}
+
+}  // namespace aligngs
