@@ -29,13 +29,14 @@ struct CloudAdaptor {
 
 /// sqrt of the mean squared distance to the (up to) 3 nearest other points; 0 for a lone point.
 std::vector<float> neighbour_distances(const std::vector<Vec3f>& points) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudAdaptor>, CloudAdaptor, 3>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudAdaptor>, CloudAdaptor, 3,
+                                                   uint32_t>;
   const CloudAdaptor adaptor{points};
   Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   std::vector<float> out(points.size(), 0.0f);
   for (size_t i = 0; i < points.size(); ++i) {
     const float query[3] = {points[i].x, points[i].y, points[i].z};
-    size_t index[kNeighbours + 1];
+    uint32_t index[kNeighbours + 1];
     float squared[kNeighbours + 1];
     const size_t found = tree.knnSearch(query, kNeighbours + 1, index, squared);
     // The point itself is one of them, at distance 0 (as is any duplicate): the first entry stands for it.

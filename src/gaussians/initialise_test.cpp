@@ -102,6 +102,11 @@ TEST(InitialiseGaussians, DuplicatesHaveASmallButPositiveScale) {
   EXPECT_NEAR(std::exp(model.log_scales[0]), 0.01, 1e-4);
 }
 
+TEST(InitialiseGaussians, ACloudInOnePlaceHasADefinedScale) {
+  const GaussianModel model = initialise_gaussians(cloud_of(std::vector<Vec3f>(1000, Vec3f{1, 1, 1})), {});
+  for (float s : model.log_scales) ASSERT_NEAR(std::exp(s), 0.01, 1e-6);
+}
+
 TEST(InitialiseGaussians, NonFinitePointsAndBadOptionsAreRefused) {
   EXPECT_THROW(initialise_gaussians(cloud_of({{std::numeric_limits<float>::infinity(), 0, 0}}), {}), Error);
   InitialiseOptions options;
