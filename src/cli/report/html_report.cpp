@@ -1,0 +1,201 @@
+#include "cli/report/html_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/report/overview.h"
+#include "cli/report/svg_chart.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "io/resample.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr int kPictureWidth = 320;   // pixels; larger renders are reduced so that the page stays small
+constexpr int kMaxPictureRows = 12;  // test views shown; the rest are in renders/test
+constexpr int kPictureQuality = 85;  // JPEG
+
+const char* const kStyle = R"(
+body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;max-width:1180px;margin:24px auto;padding:0 16px}
+h1{font-size:24px;margin:0 0 4px} h2{font-size:18px;margin:28px 0 8px;border-bottom:1px solid #e5e7eb}
+table{border-collapse:collapse} td,th{padding:3px 10px;text-align:right;border-bottom:1px solid #f0f0f0} th{font-weight:600}
+td:first-child,th:first-child{text-align:left}
+.cards{display:flex;flex-wrap:wrap;gap:10px} .card{border:1px solid #e5e7eb;border-radius:8px;padding:8px 14px;min-width:110px}
+.card b{display:block;font-size:20px} .note{background:#fef9c3;border-radius:6px;padding:6px 10px;margin:8px 0}
+.views{overflow-x:auto} .views img{width:190px;display:block;image-rendering:auto} .views td{padding:2px;border:0}
+pre{background:#f8fafc;padding:10px;overflow:auto;font-size:12.5px} svg{max-width:100%}
+.chart-title{font:600 13px system-ui} .tick,.legend{font:11px system-ui} .tick{fill:#6b7280} .grid{stroke:#e5e7eb}
+)";
+
+Json read_json(const fs::path& file) {
+  if (!fs::exists(file)) return Json::object();
+  Json value = Json::parse(read_file(file), nullptr, false);
+  return value.is_object() ? value : Json::object();
+}
+
+/// A number at a dotted path, formatted; "–" when absent or null.
+std::string number(const Json& root, const std::string& path, const char* format) {
+  const Json* node = &root;
+  std::istringstream parts(path);
+  for (std::string part; std::getline(parts, part, '.');) {
+    if (!node->is_object() || !node->contains(part)) return "–";
+    node = &(*node)[part];
+  }
+  return node->is_number() ? fmt::format(fmt::runtime(format), node->get<double>()) : "–";
+}
+
+std::string card(const std::string& name, const std::string& value) {
+  return fmt::format("<div class=\"card\"><b>{}</b>{}</div>", value, escape_html(name));
+}
+
+std::string summary(const Json& metrics) {
+  return "<div class=\"cards\">" + card("PSNR (dB)", number(metrics, "nvs.psnr", "{:.2f}")) +
+         card("SSIM", number(metrics, "nvs.ssim", "{:.3f}")) + card("F-score at 5 cm", number(metrics, "geometry.fscore", "{:.3f}")) +
+         card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
+         card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
+         card("mIoU", number(metrics, "semantics.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
+         card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
+}
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+  static const char* const kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t left = std::min<size_t>(3, bytes.size() - i);
+    uint32_t v = 0;
+    for (size_t k = 0; k < 3; ++k) v = v << 8 | (k < left ? bytes[i + k] : 0u);
+    for (size_t k = 0; k < 4; ++k) out += k <= left ? kAlphabet[v >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+std::string picture(const fs::path& file) {
+  if (!fs::exists(file)) return "<td></td>";
+  Image<uint8_t> image = read_image(file);
+  if (image.width > kPictureWidth) {
+    image = to_bytes(resize_area(to_float(image), kPictureWidth, std::max(1, image.height * kPictureWidth / image.width)));
+  }
+  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," + base64(encode_jpeg(image, kPictureQuality)) + "\"></td>";
+}
+
+std::string pictures(const fs::path& run) {
+  const std::vector<std::string> names = rendered_views(run, "test");
+  if (names.empty()) return "<p>No renders: <code>aligngs render RUN</code> makes them.</p>";
+  std::string html = "<div class=\"views\"><table><tr><th>view</th>";
+  for (const char* kind : kRenderKinds) html += fmt::format("<th style=\"text-align:left\">{}</th>", kind);
+  html += "</tr>";
+  for (size_t i = 0; i < names.size() && i < kMaxPictureRows; ++i) {
+    html += "<tr><td>" + escape_html(names[i]) + "</td>";
+    for (const char* kind : kRenderKinds) html += picture(run / "renders" / "test" / kind / (names[i] + ".png"));
+    html += "</tr>";
+  }
+  return html + "</table></div>";
+}
+
+/// One series per numeric field of the events, with the iteration as x.
+std::vector<ChartSeries> series_of(const std::vector<Json>& events, const std::vector<std::string>& fields) {
+  std::vector<ChartSeries> series;
+  for (const std::string& field : fields) {
+    ChartSeries one{field, {}};
+    for (const Json& event : events) {
+      if (!event.contains("step") || !event["step"].is_number()) continue;
+      const Json* value = event.contains(field) ? &event[field] : nullptr;
+      if (!value && event.contains("losses") && event["losses"].is_object() && event["losses"].contains(field)) value = &event["losses"][field];
+      if (value && value->is_number()) one.points.emplace_back(event["step"].get<double>(), value->get<double>());
+    }
+    if (!one.points.empty()) series.push_back(std::move(one));
+  }
+  return series;
+}
+
+/// A running mean: one view's loss jumps, the trend is what is read.
+ChartSeries smoothed(ChartSeries series) {
+  constexpr double kKeep = 0.9;
+  double mean = series.points.empty() ? 0 : series.points[0].second;
+  for (auto& point : series.points) point.second = mean = kKeep * mean + (1 - kKeep) * point.second;
+  return series;
+}
+
+std::string charts(const fs::path& run) {
+  const fs::path file = run / "events.ndjson";
+  if (!fs::exists(file)) return "";
+  std::vector<Json> events;
+  std::istringstream lines(read_file(file));
+  for (std::string line; std::getline(lines, line);) {
+    Json event = Json::parse(line, nullptr, false);
+    if (event.is_object()) events.push_back(std::move(event));
+  }
+  std::vector<ChartSeries> losses = series_of(events, {"total", "l1", "ssim", "semantic_soft", "log_depth", "pearson", "normal_consistency", "prior_normal"});
+  for (ChartSeries& s : losses) s = smoothed(std::move(s));
+  std::vector<ChartSeries> quality = series_of(events, {"psnr"});
+  for (ChartSeries& s : quality) s = smoothed(std::move(s));
+  return "<h2>Training</h2>" + svg_line_chart({"loss terms (unweighted, running mean)", "iteration", "", true}, losses) +
+         svg_line_chart({"PSNR of training views (dB, running mean)", "iteration", "", false}, quality) +
+         svg_line_chart({"Gaussians", "iteration", "", false}, series_of(events, {"gaussians"}));
+}
+
+std::string per_view_table(const Json& metrics) {
+  if (!metrics.contains("per_view") || !metrics["per_view"].is_array() || metrics["per_view"].empty()) return "";
+  std::string html = "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>SSIM</th><th>label accuracy</th></tr>";
+  for (const Json& view : metrics["per_view"]) {
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                        escape_html(view.value("name", std::string())), number(view, "psnr", "{:.2f}"),
+                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
+  }
+  return html + "</table>";
+}
+
+std::string geometry_table(const Json& metrics) {
+  if (!metrics.contains("geometry") || !metrics["geometry"].is_object() || !metrics["geometry"].contains("variants")) return "";
+  std::string html = "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp (m)</th><th>Prec</th><th>Recall</th><th>F</th></tr>";
+  for (const Json& v : metrics["geometry"]["variants"]) {
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", escape_html(v.value("protocol", std::string())),
+                        number(v, "accuracy", "{:.4f}"), number(v, "completeness", "{:.4f}"), number(v, "precision", "{:.3f}"),
+                        number(v, "recall", "{:.3f}"), number(v, "fscore", "{:.3f}"));
+  }
+  return html + "</table>";
+}
+
+std::string notes(const Json& run, const Json& metrics) {
+  std::string html;
+  const std::string priors = metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
+  if (priors.find("simulated") != std::string::npos) {
+    html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) + "): these numbers say nothing about real networks.</p>";
+  }
+  if (run.contains("warnings") && run["warnings"].is_array()) {
+    for (const Json& w : run["warnings"]) {
+      if (w.is_string()) html += "<p class=\"note\">" + escape_html(w.get<std::string>()) + "</p>";
+    }
+  }
+  return html;
+}
+
+}  // namespace
+
+std::string html_report(const fs::path& run) {
+  const Json state = read_json(run / "run.json"), metrics = read_json(run / "metrics.json");
+  const std::string title = "aligngs: " + fs::absolute(run).lexically_normal().filename().string();
+  const std::string config = fs::exists(run / "config.toml") ? read_file(run / "config.toml") : "";
+  std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" +
+                     escape_html(title) + "</title><style>" + kStyle + "</style><h1>" + escape_html(title) + "</h1>";
+  html += "<p><code>" + escape_html(state.value("command", std::string())) + "</code></p>";
+  html += notes(state, metrics) + summary(metrics);
+  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics) + per_view_table(metrics) + charts(run);
+  html += "<h2>Settings</h2><details><summary>config.toml</summary><pre>" + escape_html(config) + "</pre></details>";
+  return html + "</html>\n";
+}
+
+void write_report(const fs::path& run) {
+  write_overview(run);
+  write_file_atomically(run / "report.html", html_report(run));
+}
+
+}  // namespace aligngs
