@@ -4,6 +4,7 @@
 
 #include "core/thread_pool.h"
 #include "engine/loss_terms.h"
+#include "engine/losses/workspace.h"
 #include "engine/maps.h"
 #include "engine/settings.h"
 #include "engine/training_view.h"
@@ -16,12 +17,19 @@ struct MapLossInputs {
   const TrainingView& view;
   const LossSettings& settings;
   ThreadPool* pool = nullptr;  ///< nullptr: on the calling thread; results do not depend on it
+  MapLossWorkspace<T>* workspace = nullptr;  ///< nullptr: buffers are allocated for this call
 };
 
 /// Adds the terms to `terms` (values unweighted, `total` weighted) and their weighted gradients to `gradients`,
-/// which the caller has reset. Terms whose weight is 0 are skipped. Degenerate inputs (see each loss) give
-/// zero loss and zero gradient. Instantiated for float and double.
+/// which the caller has reset. Terms whose weight is 0 are skipped; the PSNR is always computed. Degenerate
+/// inputs (see each loss) give zero loss and zero gradient. Instantiated for float and double.
+/// Throws Error{kFailed} when a map of the view does not have the size of the rendered maps.
 template <class T>
 void map_losses(const MapLossInputs<T>& inputs, LossTerms& terms, MapGradients<T>& gradients);
+
+/// Mean absolute colour difference of each pixel, 0 under the mask; what density control looks at.
+/// `residual` is resized to the number of pixels.
+template <class T>
+void color_residual(const MapLossInputs<T>& inputs, std::vector<float>& residual);
 
 }  // namespace aligngs

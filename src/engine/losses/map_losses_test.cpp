@@ -1,0 +1,208 @@
+#include "engine/losses/map_losses.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+#include "engine/losses/test_maps.h"
+
+namespace aligngs {
+namespace {
+
+using testing_maps::gradient_error;
+using testing_maps::largest;
+using testing_maps::LossFixture;
+
+// One weighted term at a time, then all of them.
+struct Term {
+  const char* name;
+  float LossSettings::*weight;
+  double LossTerms::*value;
+};
+const Term kTerms[] = {
+    {"l1", &LossSettings::l1_weight, &LossTerms::l1},
+    {"ssim", &LossSettings::ssim_weight, &LossTerms::ssim},
+    {"pearson", &LossSettings::pearson_weight, &LossTerms::pearson},
+    {"log_depth", &LossSettings::log_depth_weight, &LossTerms::log_depth},
+    {"normal_consistency", &LossSettings::normal_consistency_weight, &LossTerms::normal_consistency},
+    {"normal_boundary", &LossSettings::normal_boundary_weight, &LossTerms::normal_boundary},
+    {"crease", &LossSettings::crease_weight, &LossTerms::crease},
+    {"prior_normal", &LossSettings::prior_normal_weight, &LossTerms::prior_normal},
+};
+
+class EachTerm : public testing::TestWithParam<std::tuple<int, bool>> {
+ protected:
+  const Term& term() const { return kTerms[std::get<0>(GetParam())]; }
+  LossFixture fixture() const {
+    LossFixture f;
+    f.settings.*term().weight = 0.7f;
+    f.settings.paper_normals = std::get<1>(GetParam());
+    return f;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Losses, EachTerm, testing::Combine(testing::Range(0, 8), testing::Bool()),
+                         [](const auto& each) {
+                           return std::string(kTerms[std::get<0>(each.param)].name) +
+                                  (std::get<1>(each.param) ? "_paper" : "_default");
+                         });
+
+TEST_P(EachTerm, GradientAgreesWithFiniteDifferences) {
+  LossFixture f = fixture();
+  EXPECT_LT(gradient_error(f), 1e-6);
+}
+
+TEST_P(EachTerm, IsActiveOnTheFixture) {
+  MapGradients<double> g;
+  const LossTerms terms = fixture().run(g);
+  EXPECT_GT(terms.*term().value, 0);
+  EXPECT_NEAR(terms.total, double(0.7f) * (terms.*term().value), 1e-12);
+  EXPECT_GT(largest(g), 0);
+}
+
+TEST_P(EachTerm, IsZeroWhereNothingIsVisible) {
+  LossFixture f = fixture();
+  for (auto* map : {&f.maps.color, &f.maps.alpha, &f.maps.normal, &f.maps.distance, &f.maps.expected, &f.maps.median}) {
+    std::fill(map->begin(), map->end(), 0.0);
+  }
+  MapGradients<double> g;
+  const LossTerms terms = f.run(g);
+  EXPECT_TRUE(std::isfinite(terms.total));
+  if (term().weight == &LossSettings::l1_weight || term().weight == &LossSettings::ssim_weight) return;
+  EXPECT_EQ(terms.total, 0);
+  EXPECT_EQ(largest(g), 0);
+}
+
+TEST_P(EachTerm, IsZeroWhenTheMaskLeavesNothing) {
+  LossFixture f = fixture();
+  f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 0.0f);
+  MapGradients<double> g;
+  EXPECT_EQ(f.run(g).total, 0);
+  EXPECT_EQ(largest(g), 0);
+}
+
+TEST_P(EachTerm, MaskedPixelsGetNoGradient) {
+  LossFixture f = fixture();
+  f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 1.0f);
+  for (int x = 0; x < f.maps.width; ++x) f.view.data.mask.at(x, 5) = 0;
+  MapGradients<double> g;
+  f.run(g);
+  for (int x = 0; x < f.maps.width; ++x) {
+    const size_t i = size_t(5) * f.maps.width + x;
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(g.color[c * f.pixels() + i], 0);
+      EXPECT_EQ(g.normal[c * f.pixels() + i], 0);
+    }
+    EXPECT_EQ(g.distance[i], 0);
+  }
+}
+
+TEST_P(EachTerm, GradientWithAMaskAgreesWithFiniteDifferences) {
+  LossFixture f = fixture();
+  f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 1.0f);
+  for (int x = 3; x < 6; ++x) f.view.data.mask.at(x, 2) = 0;
+  EXPECT_LT(gradient_error(f), 1e-6);
+}
+
+TEST_P(EachTerm, PriorsThatAreNotNumbersAreLeftOut) {
+  LossFixture f = fixture();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  f.view.data.prior_depth.at(2, 2) = nan;
+  f.view.data.prior_depth.at(3, 2) = infinity;
+  f.view.data.prior_depth.at(4, 2) = -1;
+  f.view.prior_normal.at(5, 2, 1) = nan;
+  f.view.depth_weight.at(6, 2) = nan;
+  MapGradients<double> g;
+  EXPECT_TRUE(std::isfinite(f.run(g).total));
+  EXPECT_LT(largest(g), 1e3);
+}
+
+TEST_P(EachTerm, FloatAgreesWithDouble) {
+  LossFixture f = fixture();
+  RenderMaps<float> maps;
+  maps.width = f.maps.width;
+  maps.height = f.maps.height;
+  const auto narrow = [](const std::vector<double>& a) { return std::vector<float>(a.begin(), a.end()); };
+  maps.color = narrow(f.maps.color);
+  maps.alpha = narrow(f.maps.alpha);
+  maps.normal = narrow(f.maps.normal);
+  maps.distance = narrow(f.maps.distance);
+  maps.expected = narrow(f.maps.expected);
+  maps.median = narrow(f.maps.median);
+  MapGradients<double> exact;
+  const LossTerms expected = f.run(exact);
+  MapGradients<float> g;
+  g.reset(maps.pixels());
+  LossTerms terms;
+  map_losses<float>({maps, f.view, f.settings, nullptr, nullptr}, terms, g);
+  EXPECT_NEAR(terms.total, expected.total, 2e-6 * std::max(1.0, expected.total));
+  const double scale = largest(exact);
+  for (size_t i = 0; i < g.color.size(); ++i) EXPECT_NEAR(g.color[i], exact.color[i], 1e-4 * scale);
+  for (size_t i = 0; i < g.normal.size(); ++i) EXPECT_NEAR(g.normal[i], exact.normal[i], 1e-4 * scale);
+  for (size_t i = 0; i < g.distance.size(); ++i) EXPECT_NEAR(g.distance[i], exact.distance[i], 1e-4 * scale);
+}
+
+LossSettings every_term(bool paper) {
+  LossSettings s;
+  for (const Term& t : kTerms) s.*t.weight = 0.3f;
+  s.paper_normals = paper;
+  return s;
+}
+
+TEST(MapLosses, AllTermsTogetherAgreeWithFiniteDifferences) {
+  LossFixture f;
+  f.settings = every_term(false);
+  EXPECT_LT(gradient_error(f), 1e-6);
+}
+
+TEST(MapLosses, ResultsAreTheSameForAnyNumberOfThreads) {
+  for (const bool paper : {false, true}) {
+    LossFixture f(61, 53, 4);
+    f.settings = every_term(paper);
+    MapGradients<double> one;
+    const LossTerms first = f.run(one);
+    for (const int threads : {1, 2, 5}) {
+      ThreadPool pool(threads);
+      MapGradients<double> many;
+      const LossTerms terms = f.run(many, &pool);
+      EXPECT_EQ(terms.total, first.total);
+      EXPECT_EQ(terms.psnr, first.psnr);
+      EXPECT_EQ(many.color, one.color);
+      EXPECT_EQ(many.normal, one.normal);
+      EXPECT_EQ(many.distance, one.distance);
+    }
+  }
+}
+
+TEST(MapLosses, AWorkspaceCarriesNothingFromOneViewToTheNext) {
+  LossFixture small(20, 17, 2), large(33, 21, 3);
+  small.settings = large.settings = every_term(false);
+  large.view.data.mask = ImageF(33, 21, 1, 1.0f);
+  MapGradients<double> fresh, reused;
+  const LossTerms expected = small.run(fresh);
+  MapLossWorkspace<double> workspace;
+  LossTerms unused, terms;
+  reused.reset(large.pixels());
+  map_losses<double>({large.maps, large.view, large.settings, nullptr, &workspace}, unused, reused);
+  reused.reset(small.pixels());
+  map_losses<double>({small.maps, small.view, small.settings, nullptr, &workspace}, terms, reused);
+  EXPECT_EQ(terms.total, expected.total);
+  EXPECT_EQ(reused.normal, fresh.normal);
+  EXPECT_EQ(reused.distance, fresh.distance);
+}
+
+TEST(MapLosses, AMapOfTheWrongSizeIsAnError) {
+  LossFixture f;
+  f.view.data.prior_depth = ImageF(7, 5, 1, 1.0f);
+  MapGradients<double> g;
+  try {
+    f.run(g);
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.details().field, "prior_depth");
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,20 @@
+// The paper's L_nb: normals on the two sides of a label edge are pushed apart (aligngs.md 4.7).
+#pragma once
+
+#include "engine/losses/map_losses.h"
+
+namespace aligngs {
+
+inline constexpr double kBoundarySharpness = 100;  ///< alpha of the paper
+
+/// 1 - sigmoid(100 (1 - cos)): 0.5 for equal normals, 0.18 at 10 degrees.
+double boundary_penalty(double cosine);
+
+/// Mean of boundary_penalty over pairs of right and down neighbours with different teacher labels and blended
+/// directions on both sides; zero when there is no such pair. With settings.paper_normals off, pairs whose
+/// depths are not tightly valid or jump by more than 5 % are left out (needs compute_depth_map then).
+template <class T>
+double normal_boundary_loss(const MapLossInputs<T>& inputs, double weight, MapLossWorkspace<T>& workspace,
+                            MapGradients<T>& gradients);
+
+}  // namespace aligngs

@@ -1,0 +1,57 @@
+#include "engine/losses/normal_consistency.h"
+
+#include "engine/losses/depth_normal.h"
+#include "engine/losses/row_parallel.h"
+#include "engine/losses/unit_normal.h"
+
+namespace aligngs {
+
+template <class T>
+double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
+                               MapGradients<T>& gradients) {
+  const int width = in.maps.width, height = in.maps.height;
+  const size_t pixels = in.maps.pixels();
+  const Camera& camera = in.view.data.camera;
+  workspace.stencil.resize(pixels);
+  const double count = sum_rows<1>(in.pool, height, workspace.row_sums, [&](int y) {
+    double valid = 0;
+    for (int x = 0; x < width; ++x) {
+      const size_t i = static_cast<size_t>(y) * width + x;
+      DepthStencil stencil = depth_stencil(workspace, x, y, width, height, in.settings.paper_normals);
+      if (stencil.valid() && !(unit_normal_at(in, i).valid() && depth_normal(workspace, camera, x, y, stencil).valid()))
+        stencil = {};
+      workspace.stencil[i] = stencil.valid() ? stencil.packed() : 0;
+      valid += stencil.valid() ? 1 : 0;
+    }
+    return std::array<double, 1>{valid};
+  })[0];
+  if (count < 1 || count < kMinimumValidShare * static_cast<double>(pixels)) return 0;
+
+  const T step = static_cast<T>(-weight / count);
+  std::vector<double>& row_loss = workspace.row_sums;
+  row_loss.assign(static_cast<size_t>(height), 0.0);
+  for_each_row_scattering(in.pool, height, [&](int y) {
+    double sum = 0;
+    for (int x = 0; x < width; ++x) {
+      const size_t i = static_cast<size_t>(y) * width + x;
+      if (workspace.stencil[i] == 0) continue;
+      const UnitNormal<T> blended = unit_normal_at(in, i);
+      const DepthNormal<T> implied =
+          depth_normal(workspace, camera, x, y, DepthStencil::unpack(workspace.stencil[i]));
+      sum += 1 - static_cast<double>(dot(blended.direction, implied.direction));
+      add_normal_gradient(blended, implied.direction * step, i, pixels, gradients);
+      add_depth_normal_gradient(implied, blended.direction * step, workspace);
+    }
+    row_loss[static_cast<size_t>(y)] = sum;
+  });
+  double total = 0;
+  for (const double s : row_loss) total += s;
+  return total / count;
+}
+
+template double normal_consistency_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&,
+                                               MapGradients<float>&);
+template double normal_consistency_loss<double>(const MapLossInputs<double>&, double, MapLossWorkspace<double>&,
+                                                MapGradients<double>&);
+
+}  // namespace aligngs

@@ -1,0 +1,110 @@
+#include "engine/losses/photometric.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/losses/row_parallel.h"
+#include "engine/losses/ssim.h"
+
+namespace aligngs {
+namespace {
+
+bool counts(const ImageF& mask, size_t pixel) { return mask.empty() || mask.data[pixel] > 0.5f; }
+
+// The photo in planes, and, with a mask, the render with the photo under it.
+template <class T>
+void prepare_planes(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspace) {
+  const size_t pixels = in.maps.pixels();
+  const ImageF& mask = in.view.data.mask;
+  workspace.truth.resize(3 * pixels);
+  workspace.masked_render.resize(mask.empty() ? 0 : 3 * pixels);
+  for_each_row(in.pool, in.maps.height, [&](int y) {
+    const size_t begin = static_cast<size_t>(y) * in.maps.width, end = begin + in.maps.width;
+    for (int c = 0; c < 3; ++c) {
+      T* truth = workspace.truth.data() + c * pixels;
+      const float* source = in.view.data.color.data.data() + c;
+      for (size_t i = begin; i < end; ++i) truth[i] = static_cast<T>(source[3 * i]);
+      if (mask.empty()) continue;
+      for (size_t i = begin; i < end; ++i) {
+        workspace.masked_render[c * pixels + i] = counts(mask, i) ? in.maps.color[c * pixels + i] : truth[i];
+      }
+    }
+  });
+}
+
+}  // namespace
+
+template <class T>
+void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspace, LossTerms& terms,
+                        MapGradients<T>& gradients) {
+  const int width = in.maps.width, height = in.maps.height;
+  const size_t pixels = in.maps.pixels();
+  const ImageF& mask = in.view.data.mask;
+  const size_t counted =
+      mask.empty() ? pixels
+                   : static_cast<size_t>(std::count_if(mask.data.begin(), mask.data.end(),
+                                                       [](float m) { return m > 0.5f; }));
+  if (counted == 0) return;
+  prepare_planes(in, workspace);
+  const T* render = mask.empty() ? in.maps.color.data() : workspace.masked_render.data();
+
+  const double scale = 1.0 / (3.0 * static_cast<double>(counted));
+  const T step = static_cast<T>(static_cast<double>(in.settings.l1_weight) * scale);
+  const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    double absolute[4] = {}, squared[4] = {};  // fixed lanes: no addition waits for the one before it
+    for (int c = 0; c < 3; ++c) {
+      const size_t row = c * pixels + static_cast<size_t>(y) * width;
+      const T* a = render + row;
+      const T* b = workspace.truth.data() + row;
+      T* gradient = gradients.color.data() + row;
+      for (int x = 0; x < width; ++x) {
+        const T d = a[x] - b[x];
+        const T shown = std::min(std::max(a[x], T(0)), T(1)) - b[x];
+        absolute[x & 3] += std::abs(d);
+        squared[x & 3] += shown * shown;
+        gradient[x] += d > T(0) ? step : (d < T(0) ? -step : T(0));
+      }
+    }
+    return std::array<double, 2>{(absolute[0] + absolute[1]) + (absolute[2] + absolute[3]),
+                                 (squared[0] + squared[1]) + (squared[2] + squared[3])};
+  });
+  const double mse = sums[1] * scale;
+  terms.psnr = mse > 0 ? std::min(kPsnrMaximum, -10 * std::log10(mse)) : kPsnrMaximum;
+  if (in.settings.l1_weight != 0) {
+    terms.l1 += sums[0] * scale;
+    terms.total += in.settings.l1_weight * sums[0] * scale;
+  }
+  if (in.settings.ssim_weight != 0) {
+    const SsimInputs<T> similarity{render, workspace.truth.data(), mask.empty() ? nullptr : &mask, width, height,
+                                   in.pool};
+    const double loss = 1 - ssim(similarity, counted, static_cast<T>(in.settings.ssim_weight), workspace,
+                                 gradients.color.data());
+    terms.ssim += loss;
+    terms.total += in.settings.ssim_weight * loss;
+  }
+}
+
+template <class T>
+void color_residual(const MapLossInputs<T>& in, std::vector<float>& residual) {
+  const size_t pixels = in.maps.pixels();
+  residual.resize(pixels);
+  for_each_row(in.pool, in.maps.height, [&](int y) {
+    const size_t begin = static_cast<size_t>(y) * in.maps.width, end = begin + in.maps.width;
+    for (size_t i = begin; i < end; ++i) {
+      T sum = 0;
+      for (int c = 0; c < 3; ++c) {
+        sum += std::abs(in.maps.color[c * pixels + i] - static_cast<T>(in.view.data.color.data[3 * i + c]));
+      }
+      residual[i] = counts(in.view.data.mask, i) ? static_cast<float>(sum / T(3)) : 0.0f;
+    }
+  });
+}
+
+template void photometric_losses<float>(const MapLossInputs<float>&, MapLossWorkspace<float>&, LossTerms&,
+                                        MapGradients<float>&);
+template void photometric_losses<double>(const MapLossInputs<double>&, MapLossWorkspace<double>&, LossTerms&,
+                                         MapGradients<double>&);
+template void color_residual<float>(const MapLossInputs<float>&, std::vector<float>&);
+template void color_residual<double>(const MapLossInputs<double>&, std::vector<float>&);
+
+}  // namespace aligngs

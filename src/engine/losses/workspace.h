@@ -1,0 +1,23 @@
+// Buffers that the map losses reuse from step to step.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace aligngs {
+
+/// Owned by whoever calls map_losses; used by one call at a time. Sizes itself to the maps, carries nothing
+/// from one call to the next.
+template <class T>
+struct MapLossWorkspace {
+  std::vector<T> truth;           ///< 3 planes: the photo
+  std::vector<T> masked_render;   ///< 3 planes: the render with truth under the mask; only with a mask
+  std::vector<T> ssim_gradients;  ///< 9 planes: derivatives of SSIM by its local moments, per channel
+  std::vector<T> depth;           ///< plane depth z, 0 = none
+  std::vector<T> depth_gradient;  ///< dL / dz
+  std::vector<uint8_t> validity;  ///< DepthValidity per pixel
+  std::vector<uint8_t> stencil;   ///< which neighbours the depth normal of a pixel uses
+  std::vector<double> row_sums;
+};
+
+}  // namespace aligngs
