@@ -1,0 +1,186 @@
+#include "cli/stages/eval_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
+#include "metrics/image_metrics.h"
+#include "metrics/mesh_protocols.h"
+#include "metrics/semantic_metrics.h"
+#include "scene/mesh_ply.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// NaN and infinity have no JSON form: null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// Mean of the finite values of one key over the views; null without any.
+Json mean_of(const Json& views, const char* key) {
+  double sum = 0;
+  int count = 0;
+  for (const Json& view : views) {
+    if (!view.contains(key) || !view[key].is_number()) continue;
+    sum += view[key].get<double>();
+    ++count;
+  }
+  return count ? Json(sum / count) : Json(nullptr);
+}
+
+Json semantic_json(const SemanticScores& scores) {
+  return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples}};
+}
+
+struct ViewMetrics {
+  Json per_view = Json::array();
+  Json nvs, semantics = nullptr;
+};
+
+ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
+  ViewMetrics result;
+  ConfusionMatrix confusion(run.scene.labels.size());
+  bool labelled = false;
+  Progress progress(style, "evaluate views", run.scene.test.size());
+  for (const int index : run.scene.test) {
+    const View& view = run.scene.views[index];
+    const ViewData data = load_view(run.scene, index, run.load_options());
+    const Rendering rendering = run.engine->render(data.camera, run.render_options());
+    const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
+    Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
+                  {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
+    if (run.has_labels() && !view.truth_labels.empty()) {
+      const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
+      confusion.add(truth, rendering.label);
+      ConfusionMatrix own(run.scene.labels.size());
+      own.add(truth, rendering.label);
+      entry["label_accuracy"] = number(own.scores().accuracy);
+      labelled = true;
+    }
+    result.per_view.push_back(std::move(entry));
+    progress.update(result.per_view.size());
+  }
+  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")}, {"ssim", mean_of(result.per_view, "ssim")}, {"lpips", nullptr},
+                {"views", result.per_view.size()}, {"pose_refined", nullptr},
+                {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
+                                     {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
+  if (labelled) result.semantics = semantic_json(confusion.scores());
+  return result;
+}
+
+Json geometry_json(const MeshProtocolResult& result) {
+  const MeshScores& s = result.scores;
+  Json json = {{"protocol", fmt::format("{}, {}, alignment: {}", result.protocol, result.culling, result.alignment)},
+               {"accuracy", number(s.accuracy)}, {"completeness", number(s.completeness)}, {"precision", number(s.precision)},
+               {"recall", number(s.recall)}, {"fscore", number(s.fscore)}, {"threshold_m", s.threshold},
+               {"camera_rmse_m", number(result.alignment_report.camera_rmse)},
+               {"truth_area_m2", number(result.truth_area)}};
+  if (result.alignment_report.icp) json["icp_rmse_m"] = number(result.alignment_report.icp->rmse_after);
+  return json;
+}
+
+std::vector<Camera> cameras_of(const Scene& scene) {
+  std::vector<Camera> cameras;
+  for (const View& view : scene.views) cameras.push_back(view.camera);
+  return cameras;
+}
+
+/// Geometry and mesh labels against the true mesh; nulls when either mesh is missing.
+void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry, Json& mesh_semantics) {
+  const fs::path truth_file = options.truth_mesh.empty() ? run.scene.truth_mesh : options.truth_mesh;
+  const fs::path mesh_file = run.folder / "mesh" / "mesh.ply";
+  if (truth_file.empty() || !fs::exists(truth_file)) return;
+  if (!fs::exists(mesh_file)) {
+    log_warning("{} is missing, so geometry is not measured (run `aligngs mesh` first)", mesh_file.string());
+    return;
+  }
+  const TriangleMesh predicted = read_mesh_ply(mesh_file), truth = read_mesh_ply(truth_file);
+  MeshEvaluationInput input;
+  input.predicted = &predicted;
+  input.truth = &truth;
+  input.run_cameras = cameras_of(run.scene);
+  input.truth_cameras = run.scene.evaluation_cameras;
+  input.train = run.scene.train;
+  const MeshEvaluation evaluation = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
+  geometry = geometry_json(evaluation.headline);
+  geometry["variants"] = Json::array();
+  for (const MeshProtocolResult& variant : evaluation.variants) geometry["variants"].push_back(geometry_json(variant));
+  if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() && !truth.vertices.empty() &&
+      run.has_labels()) {
+    const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
+    const TriangleMesh moved = transformed(predicted, evaluation.headline.alignment_report.similarity);
+    const MeshLabelScores labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
+    mesh_semantics = semantic_json(labels.all);
+    mesh_semantics["coverage"] = number(labels.coverage);
+    mesh_semantics["covered_miou"] = number(labels.covered.miou);
+  }
+}
+
+Json training_json(const OpenRun& run) {
+  Json train = {{"seconds", nullptr}, {"iterations", run.config.train.iterations}, {"gaussians", run.model.size()},
+                {"iterations_per_second", nullptr}, {"peak_memory_bytes", nullptr}, {"device", run.engine->device_name()}};
+  const fs::path file = run.folder / "run.json";
+  const Json state = fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json();
+  if (!state.is_object() || !state.contains("train") || !state["train"].is_object()) return train;
+  for (const auto& [key, value] : state["train"].items()) train[key] = value;
+  return train;
+}
+
+}  // namespace
+
+Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
+  ViewMetrics views = measure_views(run, options.progress);
+  Json geometry = nullptr, mesh_semantics = nullptr;
+  measure_mesh(run, options, geometry, mesh_semantics);
+  Json semantics = views.semantics;
+  if (!mesh_semantics.is_null()) {
+    if (semantics.is_null()) semantics = {{"miou", nullptr}, {"accuracy", nullptr}};
+    semantics["mesh"] = mesh_semantics;
+  }
+  const Json metrics = {{"schema", 1}, {"scene_source", run.scene.source}, {"priors", run.scene.prior_source},
+                        {"width", run.working_camera(0).width}, {"height", run.working_camera(0).height},
+                        {"nvs", views.nvs}, {"geometry", geometry}, {"semantics", semantics},
+                        {"train", training_json(run)}, {"per_view", views.per_view}};
+  write_file_atomically(run.folder / "metrics.json", metrics.dump(2) + "\n");
+  return metrics;
+}
+
+void require_at_least(const Json& metrics, const std::vector<std::string>& conditions) {
+  const std::vector<std::pair<std::string, std::string>> short_names = {
+      {"psnr", "nvs.psnr"}, {"ssim", "nvs.ssim"}, {"fscore", "geometry.fscore"}, {"miou", "semantics.miou"}};
+  for (const std::string& condition : conditions) {
+    const size_t equals = condition.find('=');
+    char* end = nullptr;
+    const double wanted = equals == std::string::npos ? 0 : std::strtod(condition.c_str() + equals + 1, &end);
+    if (equals == std::string::npos || end == condition.c_str() + equals + 1 || *end != '\0') {
+      throw_usage("--fail-under needs name=number, got \"" + condition + "\"", "for example --fail-under psnr=24");
+    }
+    std::string path = condition.substr(0, equals);
+    for (const auto& [name, full] : short_names) {
+      if (path == name) path = full;
+    }
+    const Json* node = &metrics;
+    std::istringstream parts(path);
+    for (std::string part; std::getline(parts, part, '.') && node;) {
+      node = node->is_object() && node->contains(part) ? &(*node)[part] : nullptr;
+    }
+    if (!node || !node->is_number()) {
+      throw_usage("--fail-under: this run has no number \"" + path + "\"", "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
+    }
+    if (node->get<double>() < wanted) {
+      throw Error({ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, node->get<double>(), wanted), {}, {}, {}});
+    }
+  }
+}
+
+}  // namespace aligngs

@@ -1,0 +1,25 @@
+// metrics.json of a run: novel views, geometry, semantics, what the training cost.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "cli/stages/open_run.h"
+#include "core/progress.h"
+
+namespace aligngs {
+
+struct EvalStageOptions {
+  std::filesystem::path truth_mesh;  ///< empty: truth/mesh.ply of the scene
+  bool icp = false;                  ///< adds the ICP-aligned variants (a diagnostic)
+  ProgressStyle progress;
+};
+
+/// Measures and writes metrics.json; returns its content. Parts without truth are null, never a stand-in.
+nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
+
+/// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics; Error{kBelow} (status 6) when one is not
+/// met, Error{kUsage} when one cannot be read or names no number. Short names: psnr, ssim, fscore, miou.
+void require_at_least(const nlohmann::json& metrics, const std::vector<std::string>& conditions);
+
+}  // namespace aligngs

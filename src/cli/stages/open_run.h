@@ -1,0 +1,38 @@
+// A run folder opened for the stages after training: its scene, its settings and an engine with its Gaussians.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "core/thread_pool.h"
+#include "engine/engine.h"
+#include "scene/scene.h"
+#include "train/config.h"
+
+namespace aligngs {
+
+struct OpenRunOptions {
+  std::filesystem::path scene;  ///< where the scene went, when it is not where run.json says; may be empty
+  int threads = 0;
+};
+
+struct OpenRun {
+  std::filesystem::path folder;
+  TrainConfig config;
+  Scene scene;
+  GaussianModel model;
+  std::unique_ptr<Engine> engine;
+  std::unique_ptr<ThreadPool> pool;
+
+  bool has_labels() const { return model.semantic_channels > 0; }
+  /// Camera of a view at the resolution at which the run worked.
+  Camera working_camera(int view) const;
+  LoadOptions load_options() const;  ///< pixels only, no priors
+  RenderOptions render_options() const;
+};
+
+/// Error{kBadInput} when the folder is no run, its scene cannot be found, or nothing has been trained yet.
+OpenRun open_run(const std::filesystem::path& folder, const OpenRunOptions& options);
+
+}  // namespace aligngs

@@ -1,0 +1,68 @@
+#include "cli/stages/render_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/pictures.h"
+#include "io/image_file.h"
+#include "scene/triangle_mesh.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Image<uint16_t> depth_values(const ImageF& depth) {
+  Image<uint16_t> out(depth.width, depth.height, 1, 0);
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    const float thousandths = depth.data[i] * 1000;
+    if (thousandths >= 0.5f && thousandths < 65535) out.data[i] = static_cast<uint16_t>(std::lround(thousandths));
+  }
+  return out;
+}
+
+Image<uint8_t> label_ids(const Image<uint16_t>& labels) {
+  Image<uint8_t> out(labels.width, labels.height, 1, 255);
+  for (size_t i = 0; i < labels.data.size(); ++i) {
+    if (labels.data[i] < 255) out.data[i] = static_cast<uint8_t>(labels.data[i]);
+  }
+  return out;
+}
+
+void render_one(OpenRun& run, int index, const fs::path& folder) {
+  const View& view = run.scene.views[index];
+  const std::string file = view.name + ".png";
+  const ViewData data = load_view(run.scene, index, run.load_options());
+  const Rendering rendering = run.engine->render(data.camera, run.render_options());
+  const DepthRange range = depth_range(rendering.depth_median);
+  write_png(folder / "rgb" / file, to_bytes(rendering.color));
+  write_png(folder / "gt" / file, to_bytes(data.color));
+  write_png(folder / "error" / file, error_picture(rendering.color, data.color));
+  write_png(folder / "depth" / file, depth_picture(rendering.depth_median, range.low, range.high));
+  write_png16(folder / "depth16" / file, depth_values(rendering.depth_median));
+  write_png(folder / "normal" / file, normal_picture(rendering.normal));
+  if (run.has_labels()) {
+    write_png(folder / "label" / file, label_picture(rendering.label, run.scene.labels));
+    if (run.scene.labels.size() < 255) write_png(folder / "label_id" / file, label_ids(rendering.label));
+  }
+}
+
+}  // namespace
+
+size_t render_views(OpenRun& run, const RenderStageOptions& options) {
+  const size_t total = (options.test ? run.scene.test.size() : 0) + (options.train ? run.scene.train.size() : 0);
+  Progress progress(options.progress, "render", total);
+  size_t done = 0;
+  for (const bool test : {true, false}) {
+    if (!(test ? options.test : options.train)) continue;
+    for (const int index : test ? run.scene.test : run.scene.train) {
+      render_one(run, index, run.folder / "renders" / (test ? "test" : "train"));
+      progress.update(++done);
+    }
+  }
+  return total;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,22 @@
+// Pictures of a run's views: renders/{test,train}/{rgb,gt,error,depth,normal,label}/<view>.png.
+#pragma once
+
+#include <vector>
+
+#include "cli/stages/open_run.h"
+#include "core/progress.h"
+
+namespace aligngs {
+
+struct RenderStageOptions {
+  bool test = true;
+  bool train = false;
+  ProgressStyle progress;
+};
+
+/// rgb, gt and error are colour; depth is a colour ramp, with the values beside it in depth16/ (uint16, thousandths of a
+/// scene unit, 0 = none); normal is camera-frame; label uses the class colours and label_id/ (uint8, 255 = none) the
+/// class numbers where there are fewer than 255 classes. Returns the number of views.
+size_t render_views(OpenRun& run, const RenderStageOptions& options);
+
+}  // namespace aligngs
