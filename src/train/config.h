@@ -1,0 +1,125 @@
+// Every setting of a training run. The keys, ranges, presets and one-line documentation of these fields
+// stand in one table (config_keys.h); nothing here has a value until a preset fills it.
+//
+// Lengths are shares of the robust scene extent E (scene/scene.h), so a similarity transform of the
+// scene changes nothing. Iteration counts marked [ref] are counted in a run of
+// train.reference_iterations (7000) and scale with the run's length.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace aligngs {
+
+struct DataConfig {
+  double scale = 1;               ///< working resolution / image resolution
+  std::string prior_depth;        ///< auto, metric, relative, none
+  bool semantics = true;          ///< use segmentation_logits/ when every training view has them
+  bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them
+  double score_gamma = 1;         ///< exponent of the calibration of score teachers
+};
+
+struct InitConfig {
+  std::string start;             ///< auto, depth, cloud, random
+  double depth_opacity = 0, depth_flat_ratio = 0;  ///< of a start from prior depth
+  double single_view_opacity = 0;                  ///< of prior depth that only one view confirms
+  double cloud_opacity = 0, cloud_flat_ratio = 0;  ///< of a start from the point cloud (flat only with normals)
+  double voxel_footprints = 0;   ///< edge of the thinning cubes in pixel footprints at the median depth
+  double scale_max = 0;          ///< largest initial scale / E; 0 = none
+  int64_t max_gaussians = 0;     ///< N0 is thinned to this many
+  int64_t random_count = 0;      ///< points of a random start
+};
+
+struct RunConfig {
+  std::string preset;
+  int64_t iterations = 0;
+  int64_t reference_iterations = 0;  ///< the run length in which [ref] keys are counted
+  int64_t schedule_iterations = 0;   ///< length of the schedules; 0 = iterations. Pinned when a run is extended.
+  int64_t seed = 0;
+  int64_t sh_degree = 0;  ///< highest degree; -1: 1, and 2 above 30 training views
+  int64_t sh_every = 0;   ///< [ref] one degree more after so many
+  double near_plane = 0;  ///< / E
+  int64_t log_every = 0;  ///< iterations between lines of events.ndjson
+};
+
+struct LossConfig {
+  double l1 = 0, ssim = 0, flatten = 0;
+  double pearson = 0, log_depth = 0, log_depth_end = 0, log_depth_huber = 0;
+  int64_t depth_start = 0;  ///< [ref] depth terms act after it
+  int64_t depth_align_every = 0;   ///< [ref]
+  double depth_align_limit = 0;    ///< largest |a_v - 1|
+  double normal_consistency = 0, normal_boundary = 0, crease = 0;
+  int64_t normal_start = 0;  ///< [ref] those three act after it
+  double prior_normal = 0, prior_normal_end = 0;
+  bool paper_normals = false;
+  double opacity_l1 = 0, scale_l1 = 0;
+};
+
+struct SemanticConfig {
+  double soft = 0, hard = 0;
+  std::string blend;     ///< probabilities, logits
+  std::string coupling;  ///< bounded, plain
+  double coupling_strength = 0;
+  int64_t coupling_start = 0, coupling_stop = 0;  ///< [ref]
+  bool lift = false;
+  int64_t lift_at = 0;  ///< [ref] the closed-form start of the rows comes after it
+};
+
+struct DensifyConfig {
+  bool enabled = true;
+  int64_t start = 0, stop = 0, every = 0;  ///< [ref]
+  double min_epochs = 0;                   ///< at least so many visits of every view between two calls
+  double gradient = 0, gradient_abs = 0, small_scale = 0, prune_opacity = 0, prune_scale = 0;
+  int64_t prune_scale_start = 0;  ///< [ref]
+  double max_growth = 0;          ///< cap / N0; 0 = none
+  int64_t max_gaussians = 0;      ///< cap; 0 = from max_growth and the memory budget
+  double residual_quantile = 0, unsupported_min = 0;
+  int64_t opacity_reset_every = 0;  ///< [ref] 0 = never
+  int64_t free_space_every = 0;     ///< [ref] 0 = never
+  double free_space_prior = 0, free_space_offset = 0, free_space_rendered = 0, free_space_agreement = 0;
+};
+
+struct OptimizerConfig {
+  double position = 0, position_end = 0;  ///< / E
+  double sh_dc = 0, sh_rest = 0, opacity = 0, scale = 0, rotation = 0, semantic = 0;
+  bool skip_invisible_semantics = true;
+  double flat_ratio_max = 0, aspect_max = 0, scale_max = 0;  ///< hard limits after each step; scale / E
+};
+
+struct CheckpointConfig {
+  int64_t every = 0;  ///< iterations; has no influence on the result
+  int64_t keep = 0;
+};
+
+/// Used by `aligngs mesh`, not by training; 0 = automatic (guidance 2.8).
+struct MeshConfig {
+  std::string depth;  ///< median, plane, expected
+  double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units
+  double alpha_min = 0, min_cosine = 0;
+  double consistency = 0;  ///< relative depth difference within which two views agree
+  int64_t consistency_views = 0;
+  double single_view_weight = 0;
+  double component_min = 0;  ///< share of the largest component's area below which one is removed
+  int64_t interpolated_views = 0;
+};
+
+struct TrainConfig {
+  DataConfig data;
+  InitConfig init;
+  RunConfig train;
+  LossConfig loss;
+  SemanticConfig semantic;
+  DensifyConfig densify;
+  OptimizerConfig optimizer;
+  CheckpointConfig checkpoint;
+  MeshConfig mesh;
+};
+
+enum class Preset { kPreview, kDefault, kPaper, kHigh };
+
+/// "preview", "default", "paper", "high"; Error{kUsage} for anything else.
+Preset parse_preset(const std::string& name);
+std::string preset_name(Preset preset);
+TrainConfig make_preset(Preset preset);
+
+}  // namespace aligngs

@@ -1,0 +1,143 @@
+#include "train/config_file.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "train/config_keys.h"
+
+namespace aligngs {
+namespace {
+
+constexpr uint64_t kLargestConfigFile = 1 << 20;  // a configuration is a few kilobytes
+
+/// The same error, with the file in which the wrong setting stands.
+[[noreturn]] void rethrow_with_path(const Error& error, const std::filesystem::path& path) {
+  Error::Details details = error.details();
+  details.path = path;
+  throw Error(details);
+}
+
+ConfigValue value_of(const toml::node& node, const std::string& key) {
+  if (const auto* v = node.as_boolean()) return v->get();
+  if (const auto* v = node.as_integer()) return v->get();
+  if (const auto* v = node.as_floating_point()) return v->get();
+  if (const auto* v = node.as_string()) return v->get();
+  throw Error({ErrorKind::kUsage, "a number, a text, true or false is expected", {}, key, "see --print-config"});
+}
+
+void apply_table(const toml::table& table, const std::string& prefix, TrainConfig& config) {
+  for (const auto& [name, node] : table) {
+    const std::string key = prefix.empty() ? std::string(name.str()) : prefix + "." + std::string(name.str());
+    if (const toml::table* inner = node.as_table()) {
+      apply_table(*inner, key, config);
+    } else {
+      set_config(config, key, value_of(node, key));
+    }
+  }
+}
+
+toml::table parse_toml(const std::filesystem::path& path) {
+  const std::string text = read_file(path, kLargestConfigFile);
+  try {
+    return toml::parse(text, path.string());
+  } catch (const toml::parse_error& error) {
+    throw Error({ErrorKind::kUsage, fmt::format("not valid TOML: {}", error.description()), path,
+                 fmt::format("line {}", error.source().begin.line), "correct the line"});
+  }
+}
+
+void require(bool good, const char* field, const char* message, const char* remedy) {
+  if (!good) throw Error({ErrorKind::kUsage, message, {}, field, remedy});
+}
+
+}  // namespace
+
+void apply_config_file(const std::filesystem::path& path, TrainConfig& config) {
+  const toml::table table = parse_toml(path);
+  try {
+    apply_table(table, "", config);
+  } catch (const Error& error) {
+    rethrow_with_path(error, path);
+  }
+}
+
+void apply_config_set(const std::string& assignment, TrainConfig& config) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw_usage(fmt::format("--set {} has no value", assignment), "write --set key=value");
+  }
+  const std::string key = assignment.substr(0, equals);
+  if (key == "train.preset") throw_usage("train.preset only tells what a configuration began as", "use --preset");
+  set_config(config, key, assignment.substr(equals + 1));
+}
+
+void check_config(const TrainConfig& config) {
+  const DensifyConfig& d = config.densify;
+  require(!d.enabled || d.start <= d.stop, "densify.start", "density control would end before it starts",
+          "make densify.stop at least densify.start, or set densify.enabled=false");
+  require(config.semantic.coupling_start <= config.semantic.coupling_stop, "semantic.coupling_start",
+          "the coupling would end before it starts", "make semantic.coupling_stop at least semantic.coupling_start");
+  const OptimizerConfig& o = config.optimizer;
+  const char* remedy = "make it positive; a start value of 0 turns the term off";
+  const char* to_zero = "a log-linear schedule cannot reach zero";
+  require(o.position == 0 || o.position_end > 0, "optimizer.position_end", to_zero, remedy);
+  require(o.aspect_max == 0 || o.aspect_max >= 1, "optimizer.aspect_max", "the largest scale cannot be below the middle one",
+          "use 0 (off) or at least 1");
+  const LossConfig& l = config.loss;
+  require(l.log_depth == 0 || l.log_depth_end > 0, "loss.log_depth_end", to_zero, remedy);
+  require(l.prior_normal == 0 || l.prior_normal_end > 0, "loss.prior_normal_end", to_zero, remedy);
+  require(l.l1 + l.ssim > 0, "loss.l1", "there is no photometric loss", "make loss.l1 or loss.ssim positive");
+}
+
+TrainConfig resolve_config(const ConfigSources& sources) {
+  std::string preset = sources.preset;
+  if (preset.empty() && !sources.config_file.empty()) {
+    const toml::table table = parse_toml(sources.config_file);
+    preset = table.at_path("train.preset").value_or(std::string());
+  }
+  TrainConfig config = make_preset(parse_preset(preset.empty() ? "default" : preset));
+  if (!sources.config_file.empty()) apply_config_file(sources.config_file, config);
+  for (const std::string& assignment : sources.sets) apply_config_set(assignment, config);
+  if (sources.iterations) set_config(config, "train.iterations", ConfigValue(*sources.iterations));
+  if (sources.seed) set_config(config, "train.seed", ConfigValue(*sources.seed));
+  check_config(config);
+  return config;
+}
+
+std::string config_to_toml(const TrainConfig& config) {
+  std::string text, group;
+  for (const ConfigKey& key : config_keys()) {
+    const std::string_view this_group = key.name.substr(0, key.name.find('.'));
+    if (this_group != group) {
+      group = this_group;
+      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", group);
+    }
+    text += fmt::format("# {}{}\n{} = {}\n", key.doc,
+                        key.choices.empty() ? "" : fmt::format(" ({})", key.choices),
+                        key.name.substr(group.size() + 1), config_value_text(get_config(config, key)));
+  }
+  return text;
+}
+
+std::vector<std::string> config_differences(const TrainConfig& a, const TrainConfig& b) {
+  std::vector<std::string> differences;
+  for (const ConfigKey& key : config_keys()) {
+    const ConfigValue x = get_config(a, key), y = get_config(b, key);
+    if (x != y) differences.push_back(fmt::format("{}: {} -> {}", key.name, config_value_text(x), config_value_text(y)));
+  }
+  return differences;
+}
+
+std::string config_reference_markdown() {
+  std::string text = "| key | preview | default | paper | high | meaning |\n|---|---|---|---|---|---|\n";
+  for (const ConfigKey& key : config_keys()) {
+    text += fmt::format("| `{}` |", key.name);
+    for (const ConfigValue& v : key.presets) text += fmt::format(" {} |", config_value_text(v));
+    text += fmt::format(" {} |\n", key.doc);
+  }
+  return text;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,79 @@
+// The one table of all settings: name, field, range, value per preset, documentation. Command line,
+// config.toml, --print-config, error messages and the manual are all made from it.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "train/config.h"
+
+namespace aligngs {
+
+using ConfigValue = std::variant<double, int64_t, bool, std::string>;
+using ConfigField = std::variant<double*, int64_t*, bool*, std::string*>;
+
+struct ConfigKey {
+  std::string_view name;                     ///< dotted, e.g. "loss.l1"
+  ConfigField (*field)(TrainConfig&);        ///< where it lives
+  double low, high;                          ///< inclusive range of numbers
+  std::string_view choices;                  ///< of strings: "a|b|c"; empty: any
+  std::array<ConfigValue, 4> presets;        ///< indexed by Preset
+  std::string_view doc;                      ///< one line
+};
+
+/// In the order in which they are written to config.toml.
+const std::vector<ConfigKey>& config_keys();
+/// nullptr when there is none.
+const ConfigKey* find_config_key(std::string_view name);
+/// The nearest key names, best first, at most three; empty when nothing is near.
+std::vector<std::string> suggest_config_keys(std::string_view name);
+
+/// Sets one key from text ("0.8", "true", "median"). Error{kUsage} naming key, range and, for an unknown
+/// key, the nearest ones.
+void set_config(TrainConfig& config, std::string_view name, const std::string& text);
+void set_config(TrainConfig& config, std::string_view name, const ConfigValue& value);
+ConfigValue get_config(const TrainConfig& config, const ConfigKey& key);
+/// As written in TOML: shortest text that reads back to the same value; strings in quotes.
+std::string config_value_text(const ConfigValue& value);
+
+namespace config_table {  // the parts of the table, one file each
+
+template <auto Group, auto Member>
+ConfigField field(TrainConfig& config) {
+  return &(config.*Group.*Member);
+}
+
+inline ConfigValue value(double v) { return v; }
+inline ConfigValue value(int v) { return static_cast<int64_t>(v); }
+inline ConfigValue value(bool v) { return v; }
+inline ConfigValue value(const char* v) { return std::string(v); }
+
+using PresetValues = std::array<ConfigValue, 4>;
+template <class T>
+PresetValues all(T v) {
+  return {value(v), value(v), value(v), value(v)};
+}
+template <class T>
+PresetValues each(T preview, T standard, T paper, T high) {
+  return {value(preview), value(standard), value(paper), value(high)};
+}
+/// The guidance's value in preview, default and high; the paper's in paper.
+template <class T>
+PresetValues ours_paper(T ours, T paper) {
+  return each(ours, ours, paper, ours);
+}
+
+inline constexpr double kAny = std::numeric_limits<double>::infinity();
+inline constexpr double kIterationsMax = 1e7;  ///< far beyond any use; guards sums against overflow
+
+std::vector<ConfigKey> data_init_train_keys();
+std::vector<ConfigKey> loss_semantic_keys();
+std::vector<ConfigKey> densify_optimizer_keys();
+std::vector<ConfigKey> checkpoint_mesh_keys();
+
+}  // namespace config_table
+}  // namespace aligngs

@@ -1,0 +1,67 @@
+#include "train/config_keys.h"
+
+namespace aligngs::config_table {
+
+std::vector<ConfigKey> loss_semantic_keys() {
+  using C = TrainConfig;
+  using L = LossConfig;
+  using S = SemanticConfig;
+  return {
+      {"loss.l1", field<&C::loss, &L::l1>, 0, 1e6, "", all(0.8), "weight of the photometric L1"},
+      {"loss.ssim", field<&C::loss, &L::ssim>, 0, 1e6, "", all(0.2), "weight of 1 - SSIM"},
+      {"loss.flatten", field<&C::loss, &L::flatten>, 0, 1e6, "", ours_paper(10.0, 100.0),
+       "weight of the mean smallest scale / extent of the visible Gaussians"},
+      {"loss.pearson", field<&C::loss, &L::pearson>, 0, 1e6, "", all(0.5),
+       "weight of L_d, 1 - Pearson(depth, prior); acts on relative prior depth, and on metric one when loss.log_depth is 0"},
+      {"loss.log_depth", field<&C::loss, &L::log_depth>, 0, 1e6, "", ours_paper(0.5, 0.0),
+       "weight of L_z, Huber on log depth against metric prior depth, at the start"},
+      {"loss.log_depth_end", field<&C::loss, &L::log_depth_end>, 0, 1e6, "", ours_paper(0.02, 0.0),
+       "weight of L_z at the end of the schedule; log-linear between"},
+      {"loss.log_depth_huber", field<&C::loss, &L::log_depth_huber>, 1e-6, 10, "", all(0.02),
+       "Huber delta of L_z, log units (0.02 = 2 % of depth)"},
+      {"loss.depth_start", field<&C::loss, &L::depth_start>, 0, kIterationsMax, "", ours_paper(0, 1500),
+       "[ref] depth terms act after this iteration (not before loss.normal_start when the start has no normals)"},
+      {"loss.depth_align_every", field<&C::loss, &L::depth_align_every>, 0, kIterationsMax, "", ours_paper(500, 0),
+       "[ref] iterations between closed-form updates of the per-view scale of metric prior depth; 0 = never"},
+      {"loss.depth_align_limit", field<&C::loss, &L::depth_align_limit>, 0, 0.5, "", all(0.03),
+       "largest deviation of that scale from 1"},
+      {"loss.normal_consistency", field<&C::loss, &L::normal_consistency>, 0, 1e6, "", all(0.05),
+       "weight of L_ng, rendered normal against the normal of the rendered depth"},
+      {"loss.normal_boundary", field<&C::loss, &L::normal_boundary>, 0, 1e6, "", ours_paper(0.0, 0.01),
+       "weight of the paper's L_nb at label edges"},
+      {"loss.crease", field<&C::loss, &L::crease>, 0, 1e6, "", ours_paper(0.02, 0.0),
+       "weight of the one-sided normal supervision at label edges that replaces L_nb; needs metric prior depth"},
+      {"loss.normal_start", field<&C::loss, &L::normal_start>, 0, kIterationsMax, "", ours_paper(500, 1500),
+       "[ref] L_ng, L_nb and crease act after this iteration"},
+      {"loss.prior_normal", field<&C::loss, &L::prior_normal>, 0, 1e6, "", ours_paper(0.05, 0.0),
+       "weight of the normals of metric prior depth at the start"},
+      {"loss.prior_normal_end", field<&C::loss, &L::prior_normal_end>, 0, 1e6, "", ours_paper(0.01, 0.0),
+       "the same at the end of the schedule; log-linear between"},
+      {"loss.paper_normals", field<&C::loss, &L::paper_normals>, 0, 0, "", ours_paper(false, true),
+       "L_ng and L_nb exactly as printed, without discontinuity guards"},
+      {"loss.opacity_l1", field<&C::loss, &L::opacity_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),
+       "weight of the mean opacity (takes the place of opacity resets)"},
+      {"loss.scale_l1", field<&C::loss, &L::scale_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),
+       "weight of the mean scale / extent"},
+
+      {"semantic.soft", field<&C::semantic, &S::soft>, 0, 1e6, "", all(1.0), "weight of KL(teacher || student)"},
+      {"semantic.hard", field<&C::semantic, &S::hard>, 0, 1e6, "", all(0.1),
+       "weight of the cross-entropy with the teacher's best class"},
+      {"semantic.blend", field<&C::semantic, &S::blend>, 0, 0, "probabilities|logits",
+       ours_paper("probabilities", "logits"), "what is blended along the ray"},
+      {"semantic.coupling", field<&C::semantic, &S::coupling>, 0, 0, "bounded|plain", ours_paper("bounded", "plain"),
+       "how the semantic loss reaches geometry: a bounded surrogate, or the plain gradient of the printed loss"},
+      {"semantic.coupling_strength", field<&C::semantic, &S::coupling_strength>, 0, 1e6, "", ours_paper(0.1, 1.0),
+       "bounded: share of the photometric gradient; plain: factor (0 = the release, 1 = the paper)"},
+      {"semantic.coupling_start", field<&C::semantic, &S::coupling_start>, 0, kIterationsMax, "", ours_paper(1000, 0),
+       "[ref] semantics reach geometry after this iteration"},
+      {"semantic.coupling_stop", field<&C::semantic, &S::coupling_stop>, 0, kIterationsMax, "", ours_paper(6300, 7000),
+       "[ref] and not after this one"},
+      {"semantic.lift", field<&C::semantic, &S::lift>, 0, 0, "", ours_paper(true, false),
+       "closed-form start of the semantic rows from the teacher's maps"},
+      {"semantic.lift_at", field<&C::semantic, &S::lift_at>, 0, kIterationsMax, "", all(0),
+       "[ref] iteration after which the closed form is taken"},
+  };
+}
+
+}  // namespace aligngs::config_table

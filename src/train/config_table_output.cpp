@@ -1,0 +1,39 @@
+#include "train/config_keys.h"
+
+namespace aligngs::config_table {
+
+std::vector<ConfigKey> checkpoint_mesh_keys() {
+  using C = TrainConfig;
+  using M = MeshConfig;
+  return {
+      {"checkpoint.every", field<&C::checkpoint, &CheckpointConfig::every>, 1, kIterationsMax, "", all(500),
+       "iterations between checkpoints; does not change the result"},
+      {"checkpoint.keep", field<&C::checkpoint, &CheckpointConfig::keep>, 1, 1000, "", all(2),
+       "checkpoints kept, newest first"},
+
+      {"mesh.depth", field<&C::mesh, &M::depth>, 0, 0, "median|plane|expected", ours_paper("median", "plane"),
+       "which rendered depth is fused"},
+      {"mesh.voxel", field<&C::mesh, &M::voxel>, 0, kAny, "", all(0.0),
+       "edge of a voxel, scene units; 0: 1.5 pixel footprints at the median depth, 0.5 to 1.5 cm when metric"},
+      {"mesh.truncation", field<&C::mesh, &M::truncation>, 0, kAny, "", all(0.0),
+       "truncation distance, scene units; 0: from the voxel and the depth residual"},
+      {"mesh.max_depth", field<&C::mesh, &M::max_depth>, 0, kAny, "", all(0.0),
+       "depth beyond which nothing is fused, scene units; 0: 95th percentile"},
+      {"mesh.alpha_min", field<&C::mesh, &M::alpha_min>, 0, 1, "", ours_paper(0.9, 0.5),
+       "accumulated opacity below which a pixel is not fused"},
+      {"mesh.min_cosine", field<&C::mesh, &M::min_cosine>, 0, 1, "", ours_paper(0.17, 0.0),
+       "cosine of the viewing angle below which a pixel is not fused"},
+      {"mesh.consistency", field<&C::mesh, &M::consistency>, 0, 1, "", all(0.01),
+       "relative depth difference within which two views agree"},
+      {"mesh.consistency_views", field<&C::mesh, &M::consistency_views>, 0, 1000, "", ours_paper(2, 0),
+       "views that must agree on a pixel for its full weight; 0 = no check"},
+      {"mesh.single_view_weight", field<&C::mesh, &M::single_view_weight>, 0, 1, "", ours_paper(0.25, 1.0),
+       "weight of pixels that fewer views confirm"},
+      {"mesh.component_min", field<&C::mesh, &M::component_min>, 0, 1, "", all(0.01),
+       "components smaller than this share of the largest one are removed"},
+      {"mesh.interpolated_views", field<&C::mesh, &M::interpolated_views>, 0, 10000, "", all(0),
+       "views rendered between training views that are fused too; they never create or carve surface"},
+  };
+}
+
+}  // namespace aligngs::config_table

@@ -1,0 +1,163 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "core/error.h"
+#include "train/config_file.h"
+#include "train/config_keys.h"
+
+namespace aligngs {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::filesystem::path test_file(const std::string& name, const std::string& content) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "aligngs_config_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / name) << content;
+  return folder / name;
+}
+
+Error::Details error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.details();
+  }
+  ADD_FAILURE() << "no error was thrown";
+  return {};
+}
+
+TEST(ConfigKeys, NamesAreUniqueAndDocumented) {
+  std::set<std::string_view> names;
+  for (const ConfigKey& key : config_keys()) {
+    EXPECT_TRUE(names.insert(key.name).second) << key.name;
+    EXPECT_FALSE(key.doc.empty()) << key.name;
+    EXPECT_NE(key.name.find('.'), std::string_view::npos) << key.name;
+  }
+}
+
+TEST(ConfigKeys, EveryPresetValueHasTheTypeAndRangeOfItsKey) {
+  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh}) {
+    const TrainConfig config = make_preset(p);  // set_config throws otherwise
+    EXPECT_NO_THROW(check_config(config));
+    EXPECT_EQ(config.train.preset, preset_name(p));
+    for (const ConfigKey& key : config_keys()) {
+      EXPECT_EQ(get_config(config, key), key.presets[static_cast<size_t>(p)]) << key.name;
+    }
+  }
+}
+
+TEST(ConfigKeys, PaperPresetHasThePrintedNumbers) {
+  const TrainConfig c = make_preset(Preset::kPaper);
+  EXPECT_EQ(c.train.iterations, 7000);
+  EXPECT_EQ(c.loss.l1, 0.8);
+  EXPECT_EQ(c.loss.ssim, 0.2);
+  EXPECT_EQ(c.loss.pearson, 0.5);
+  EXPECT_EQ(c.loss.normal_consistency, 0.05);
+  EXPECT_EQ(c.loss.normal_boundary, 0.01);
+  EXPECT_EQ(c.loss.log_depth, 0);
+  EXPECT_EQ(c.semantic.soft, 1);
+  EXPECT_EQ(c.semantic.hard, 0.1);
+  EXPECT_EQ(c.semantic.blend, "logits");
+  EXPECT_EQ(c.optimizer.semantic, 1e-3);
+  EXPECT_EQ(c.densify.opacity_reset_every, 3000);
+}
+
+TEST(ConfigKeys, PreviewWorksAtHalfWidthAndHeight) {
+  const TrainConfig c = make_preset(Preset::kPreview);
+  EXPECT_EQ(c.data.scale, 0.5);
+  EXPECT_EQ(c.train.iterations, 1000);
+}
+
+TEST(ConfigKeys, UnknownKeySuggestsTheNearest) {
+  TrainConfig c = make_preset(Preset::kDefault);
+  const Error::Details e = error_of([&] { set_config(c, "loss.sim", std::string("1")); });
+  EXPECT_EQ(e.kind, ErrorKind::kUsage);
+  EXPECT_EQ(e.field, "loss.sim");
+  EXPECT_THAT(e.remedy, HasSubstr("loss.ssim"));
+}
+
+TEST(ConfigKeys, SuggestionFindsAKeyWithoutItsGroup) {
+  EXPECT_THAT(suggest_config_keys("iterations"), ::testing::Contains("train.iterations"));
+  EXPECT_TRUE(suggest_config_keys("completely different").empty());
+}
+
+TEST(ConfigKeys, RejectsValuesOutsideTheirRange) {
+  TrainConfig c = make_preset(Preset::kDefault);
+  for (const char* text : {"-0.1", "nan", "inf", "1e9", "", "0.8x"}) {
+    EXPECT_EQ(error_of([&] { set_config(c, "loss.l1", std::string(text)); }).kind, ErrorKind::kUsage) << text;
+  }
+  EXPECT_THAT(error_of([&] { set_config(c, "mesh.depth", std::string("mean")); }).remedy, HasSubstr("median"));
+  EXPECT_THAT(error_of([&] { set_config(c, "train.iterations", std::string("1.5")); }).message, HasSubstr("whole"));
+  EXPECT_THAT(error_of([&] { set_config(c, "data.semantics", std::string("yes")); }).remedy, HasSubstr("true or false"));
+}
+
+TEST(ConfigFile, RoundTripIsExact) {
+  TrainConfig c = make_preset(Preset::kPaper);
+  set_config(c, "loss.l1", std::string("0.1234567890123"));
+  set_config(c, "train.seed", std::string("12345678901"));
+  const std::filesystem::path path = test_file("round.toml", config_to_toml(c));
+  ConfigSources sources;
+  sources.config_file = path;
+  EXPECT_THAT(config_differences(c, resolve_config(sources)), ::testing::IsEmpty());
+}
+
+TEST(ConfigFile, LaterSourcesWin) {
+  ConfigSources sources;
+  sources.preset = "paper";
+  sources.config_file = test_file("partial.toml", "train.iterations = 50\n[loss]\nl1 = 1\nssim = 0.5\n");
+  sources.sets = {"loss.ssim=0.25"};
+  sources.iterations = 60;
+  sources.seed = 9;
+  const TrainConfig c = resolve_config(sources);
+  EXPECT_EQ(c.loss.l1, 1);
+  EXPECT_EQ(c.loss.ssim, 0.25);
+  EXPECT_EQ(c.loss.pearson, make_preset(Preset::kPaper).loss.pearson);
+  EXPECT_EQ(c.train.iterations, 60);
+  EXPECT_EQ(c.train.seed, 9);
+}
+
+TEST(ConfigFile, FileMadeFromAPresetKeepsItsPreset) {
+  ConfigSources sources;
+  sources.config_file = test_file("preset.toml", "[train]\npreset = \"paper\"\n");
+  EXPECT_EQ(resolve_config(sources).semantic.blend, "logits");
+}
+
+TEST(ConfigFile, ErrorsNameFileAndKey) {
+  TrainConfig c = make_preset(Preset::kDefault);
+  const std::filesystem::path unknown = test_file("unknown.toml", "[loss]\nl3 = 1\n");
+  const Error::Details e = error_of([&] { apply_config_file(unknown, c); });
+  EXPECT_EQ(e.path, unknown);
+  EXPECT_EQ(e.field, "loss.l3");
+  EXPECT_EQ(error_of([&] { apply_config_file(test_file("broken.toml", "[loss\n"), c); }).field, "line 1");
+  EXPECT_EQ(error_of([&] { apply_config_file(test_file("list.toml", "loss.l1 = [1]\n"), c); }).kind, ErrorKind::kUsage);
+  EXPECT_EQ(error_of([&] { apply_config_file("/nonexistent/config.toml", c); }).kind, ErrorKind::kBadInput);
+}
+
+TEST(ConfigFile, SetNeedsAKeyAndAValue) {
+  TrainConfig c = make_preset(Preset::kDefault);
+  EXPECT_EQ(error_of([&] { apply_config_set("loss.l1", c); }).kind, ErrorKind::kUsage);
+  EXPECT_EQ(error_of([&] { apply_config_set("=1", c); }).kind, ErrorKind::kUsage);
+  EXPECT_EQ(error_of([&] { apply_config_set("train.preset=paper", c); }).remedy, "use --preset");
+}
+
+TEST(ConfigFile, ContradictionsAreRefused) {
+  for (const char* set : {"densify.start=4000", "semantic.coupling_stop=10", "optimizer.position_end=0",
+                          "optimizer.aspect_max=0.5", "loss.log_depth_end=0"}) {
+    ConfigSources sources;
+    sources.sets = {set};
+    EXPECT_EQ(error_of([&] { resolve_config(sources); }).kind, ErrorKind::kUsage) << set;
+  }
+}
+
+TEST(ConfigFile, ReferenceListsEveryKey) {
+  const std::string text = config_reference_markdown();
+  for (const ConfigKey& key : config_keys()) EXPECT_THAT(text, HasSubstr(std::string(key.name)));
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,152 @@
+#include "train/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace aligngs {
+namespace {
+
+constexpr int kManyViews = 30;  // guidance section 4: SH degree 2 only above 30 views
+
+float to_float(double v) { return static_cast<float>(v); }
+
+}  // namespace
+
+double log_linear(double start, double end, double t) {
+  if (start <= 0) return 0;
+  return std::exp((1 - t) * std::log(start) + t * std::log(end));
+}
+
+Schedule::Schedule(const TrainConfig& config, const ScheduleFacts& facts) : config_(config), facts_(facts) {
+  length_ = config.train.schedule_iterations > 0 ? config.train.schedule_iterations : config.train.iterations;
+}
+
+int64_t Schedule::scaled(int64_t reference_iterations) const {
+  return std::llround(static_cast<double>(reference_iterations) * static_cast<double>(length_) /
+                      static_cast<double>(config_.train.reference_iterations));
+}
+
+int64_t Schedule::scaled_stop(int64_t reference_iterations) const {
+  if (reference_iterations >= config_.train.reference_iterations) return std::numeric_limits<int64_t>::max();
+  return scaled(reference_iterations);
+}
+
+bool Schedule::every(int64_t iteration, int64_t reference_interval) const {
+  if (reference_interval <= 0 || iteration >= config_.train.iterations) return false;
+  return iteration % std::max<int64_t>(1, scaled(reference_interval)) == 0;
+}
+
+double Schedule::share(int64_t iteration) const {
+  return std::min(1.0, static_cast<double>(iteration) / static_cast<double>(length_));
+}
+
+StepRequest Schedule::request(int64_t iteration) const {
+  StepRequest r;
+  r.step = iteration;
+  const int64_t top = config_.train.sh_degree >= 0 ? config_.train.sh_degree
+                                                   : (facts_.training_views > kManyViews ? 2 : 1);
+  r.sh_degree = static_cast<int>(std::min(top, iteration / std::max<int64_t>(1, scaled(config_.train.sh_every))));
+  r.losses = losses(iteration);
+  r.rates = rates(iteration);
+  r.adam.skip_invisible_semantics = config_.optimizer.skip_invisible_semantics;
+  r.limits.flat_ratio_max = to_float(config_.optimizer.flat_ratio_max);
+  r.limits.aspect_max = to_float(config_.optimizer.aspect_max);
+  r.limits.scale_max = to_float(config_.optimizer.scale_max * facts_.extent);
+  r.raster.near_plane = to_float(config_.train.near_plane * facts_.extent);
+  r.collect_density = config_.densify.enabled && iteration <= scaled_stop(config_.densify.stop);
+  r.extent = facts_.extent;
+  return r;
+}
+
+LossSettings Schedule::losses(int64_t iteration) const {
+  const LossConfig& c = config_.loss;
+  const SemanticConfig& s = config_.semantic;
+  const double t = share(iteration);
+  LossSettings l;
+  l.l1_weight = to_float(c.l1);
+  l.ssim_weight = to_float(c.ssim);
+  l.flatten_weight = to_float(c.flatten / facts_.extent);
+  l.opacity_l1_weight = to_float(c.opacity_l1);
+  l.scale_l1_weight = to_float(c.scale_l1);
+
+  l.semantic_soft_weight = facts_.semantics ? to_float(s.soft) : 0;
+  l.semantic_hard_weight = facts_.semantics ? to_float(s.hard) : 0;
+  l.semantic_blend = s.blend == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
+  l.coupling = s.coupling == "plain" ? SemanticCoupling::kPlain : SemanticCoupling::kBounded;
+  const bool coupled = iteration > scaled(s.coupling_start) && iteration <= scaled_stop(s.coupling_stop);
+  l.coupling_strength = coupled ? to_float(s.coupling_strength) : 0;
+
+  l.log_depth_huber = to_float(c.log_depth_huber);
+  l.paper_normals = c.paper_normals;
+  const bool normal_terms = iteration > scaled(c.normal_start);
+  // Without normals at the start the plane depth is noise until the Gaussians have turned (guidance 2.5).
+  const bool depth_terms = iteration > scaled(c.depth_start) && (facts_.normals_at_start || normal_terms);
+  const bool metric = facts_.prior_depth == PriorDepthKind::kMetric;
+  const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;
+  l.log_depth_weight = depth_terms && metric ? to_float(log_linear(c.log_depth, c.log_depth_end, t)) : 0;
+  l.pearson_weight = depth_terms && (relative || (metric && c.log_depth == 0)) ? to_float(c.pearson) : 0;
+  l.prior_normal_weight = metric ? to_float(log_linear(c.prior_normal, c.prior_normal_end, t)) : 0;
+  l.normal_consistency_weight = normal_terms ? to_float(c.normal_consistency) : 0;
+  l.normal_boundary_weight = normal_terms && facts_.semantics ? to_float(c.normal_boundary) : 0;
+  l.crease_weight = normal_terms && facts_.semantics && metric ? to_float(c.crease) : 0;
+  return l;
+}
+
+LearningRates Schedule::rates(int64_t iteration) const {
+  const OptimizerConfig& o = config_.optimizer;
+  LearningRates r;
+  r.position = to_float(log_linear(o.position, o.position_end, share(iteration)) * facts_.extent);
+  r.sh_dc = to_float(o.sh_dc);
+  r.sh_rest = to_float(o.sh_rest);
+  r.opacity = to_float(o.opacity);
+  r.scale = to_float(o.scale);
+  r.rotation = to_float(o.rotation);
+  r.semantic = facts_.semantics ? to_float(o.semantic) : 0;
+  return r;
+}
+
+bool Schedule::densifies(int64_t iteration) const {
+  const DensifyConfig& d = config_.densify;
+  if (!d.enabled || iteration >= config_.train.iterations) return false;
+  if (iteration <= scaled(d.start) || iteration > scaled_stop(d.stop)) return false;
+  const int64_t epochs = static_cast<int64_t>(std::ceil(d.min_epochs * facts_.training_views));
+  return iteration % std::max<int64_t>({1, scaled(d.every), epochs}) == 0;
+}
+
+bool Schedule::resets_opacity(int64_t iteration) const {
+  const DensifyConfig& d = config_.densify;
+  return d.enabled && every(iteration, d.opacity_reset_every) && iteration <= scaled_stop(d.stop);
+}
+
+bool Schedule::prunes_free_space(int64_t iteration) const {
+  return every(iteration, config_.densify.free_space_every);
+}
+
+bool Schedule::aligns_prior_depth(int64_t iteration) const {
+  return facts_.prior_depth == PriorDepthKind::kMetric && config_.loss.log_depth > 0 &&
+         every(iteration, config_.loss.depth_align_every);
+}
+
+bool Schedule::lifts_semantics(int64_t iteration) const {
+  return facts_.semantics && config_.semantic.lift && iteration == scaled(config_.semantic.lift_at) + 1;
+}
+
+DensityRule Schedule::density_rule(int64_t iteration) const {
+  const DensifyConfig& d = config_.densify;
+  DensityRule rule;
+  rule.gradient_threshold = to_float(d.gradient);
+  rule.gradient_abs_threshold = to_float(d.gradient_abs);
+  rule.small_scale = to_float(d.small_scale * facts_.extent);
+  rule.prune_opacity = to_float(d.prune_opacity);
+  rule.prune_scale = iteration > scaled(d.prune_scale_start) ? to_float(d.prune_scale * facts_.extent) : 0;
+  rule.max_gaussians = facts_.max_gaussians;
+  // A sparse start has everything still to grow; only a dense one is restricted to what it misses.
+  if (facts_.dense_start) {
+    rule.residual_quantile = to_float(d.residual_quantile);
+    rule.unsupported_min = to_float(d.unsupported_min);
+  }
+  return rule;
+}
+
+}  // namespace aligngs

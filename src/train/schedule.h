@@ -1,0 +1,70 @@
+// What each iteration of a run does: settings and facts about the scene in, numbers for one step out.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/settings.h"
+#include "gaussians/density_control.h"
+#include "train/config.h"
+
+namespace aligngs {
+
+/// What pred_depths/ may be used for.
+enum class PriorDepthKind {
+  kNone,
+  kMetric,   ///< one scale in all views: start, L_z, prior normals, free space
+  kRelative  ///< monocular: only its correlation with the rendered depth (L_d)
+};
+
+/// What the schedule needs to know about the scene and the start.
+struct ScheduleFacts {
+  int training_views = 1;
+  PriorDepthKind prior_depth = PriorDepthKind::kNone;
+  bool semantics = false;
+  bool dense_start = false;       ///< the Gaussians started from prior depth
+  bool normals_at_start = false;  ///< the start had normals, so plane depth means something from the first step
+  float extent = 1;               ///< robust scene extent, scene units
+  size_t max_gaussians = 0;       ///< cap of density control; 0 = none
+};
+
+/// Iterations are 1-based. Iteration keys are scaled by schedule length / train.reference_iterations and
+/// rounded; all rates and weights reach their end values at the schedule's length and stay there, so a run
+/// that is extended goes on with the end values. (The paper's release decays positions over 30000
+/// iterations and stops at 7000, a third of the way; here the decay always ends with the run.)
+class Schedule {
+ public:
+  Schedule(const TrainConfig& config, const ScheduleFacts& facts);
+
+  /// Everything but `view` and the view's prior depth scale.
+  StepRequest request(int64_t iteration) const;
+
+  /// After the step of this iteration. Nothing is restructured after the last step of a run: rows that no
+  /// step has touched do not belong in its result.
+  bool densifies(int64_t iteration) const;
+  bool resets_opacity(int64_t iteration) const;
+  bool prunes_free_space(int64_t iteration) const;
+  bool aligns_prior_depth(int64_t iteration) const;
+  /// Before the step of this iteration.
+  bool lifts_semantics(int64_t iteration) const;
+
+  DensityRule density_rule(int64_t iteration) const;
+  int64_t iterations() const { return config_.train.iterations; }
+
+ private:
+  int64_t scaled(int64_t reference_iterations) const;
+  /// Like scaled, but a stop at or behind the reference length means "never".
+  int64_t scaled_stop(int64_t reference_iterations) const;
+  bool every(int64_t iteration, int64_t reference_interval) const;
+  double share(int64_t iteration) const;  ///< of the schedule that is over, in (0, 1]
+  LossSettings losses(int64_t iteration) const;
+  LearningRates rates(int64_t iteration) const;
+
+  TrainConfig config_;
+  ScheduleFacts facts_;
+  int64_t length_;  ///< of the schedules, iterations
+};
+
+/// start^(1 - t) * end^t; 0 when start is 0.
+double log_linear(double start, double end, double t);
+
+}  // namespace aligngs

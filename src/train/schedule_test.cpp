@@ -1,0 +1,215 @@
+#include "train/schedule.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/error.h"
+#include "train/view_order.h"
+
+namespace aligngs {
+namespace {
+
+ScheduleFacts room() {
+  ScheduleFacts f;
+  f.training_views = 20;
+  f.prior_depth = PriorDepthKind::kMetric;
+  f.semantics = true;
+  f.dense_start = true;
+  f.normals_at_start = true;
+  f.extent = 2;
+  return f;
+}
+
+TrainConfig paper() { return make_preset(Preset::kPaper); }
+TrainConfig standard() { return make_preset(Preset::kDefault); }
+
+TEST(Schedule, PositionRateDecaysLogLinearlyToTheRunsRealEnd) {
+  const Schedule s(standard(), room());
+  EXPECT_NEAR(s.request(3500).rates.position, 1.6e-5 * 2, 1e-9);  // geometric mean of 1.6e-4 and 1.6e-6
+  EXPECT_NEAR(s.request(7000).rates.position, 1.6e-6 * 2, 1e-10);
+  EXPECT_NEAR(s.request(9000).rates.position, 1.6e-6 * 2, 1e-10);  // beyond the end: the end value
+}
+
+TEST(Schedule, RatesOfTheSpec) {
+  const LearningRates r = Schedule(paper(), room()).request(1).rates;
+  EXPECT_FLOAT_EQ(r.sh_dc, 2.5e-3f);
+  EXPECT_FLOAT_EQ(r.sh_rest, 1.25e-4f);
+  EXPECT_FLOAT_EQ(r.opacity, 0.05f);
+  EXPECT_FLOAT_EQ(r.scale, 5e-3f);
+  EXPECT_FLOAT_EQ(r.rotation, 1e-3f);
+  EXPECT_FLOAT_EQ(r.semantic, 1e-3f);
+}
+
+TEST(Schedule, PaperTurnsGuidanceOnAt1501) {
+  const Schedule s(paper(), room());
+  const LossSettings before = s.request(1500).losses, after = s.request(1501).losses;
+  EXPECT_EQ(before.pearson_weight + before.normal_consistency_weight + before.normal_boundary_weight, 0);
+  EXPECT_FLOAT_EQ(after.pearson_weight, 0.5f);
+  EXPECT_FLOAT_EQ(after.normal_consistency_weight, 0.05f);
+  EXPECT_FLOAT_EQ(after.normal_boundary_weight, 0.01f);
+  EXPECT_TRUE(after.paper_normals);
+  EXPECT_EQ(after.log_depth_weight + after.crease_weight + after.prior_normal_weight, 0);
+  EXPECT_FLOAT_EQ(after.flatten_weight, 50);  // 100 / extent
+}
+
+TEST(Schedule, PaperShDegreeGrowsEvery1000) {
+  const Schedule s(paper(), room());
+  EXPECT_EQ(s.request(999).sh_degree, 0);
+  EXPECT_EQ(s.request(1000).sh_degree, 1);
+  EXPECT_EQ(s.request(2000).sh_degree, 2);
+  EXPECT_EQ(s.request(7000).sh_degree, 3);
+}
+
+TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViews) {
+  ScheduleFacts f = room();
+  EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 1);
+  f.training_views = 31;
+  EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 2);
+}
+
+TEST(Schedule, PaperDensityControlAndOpacityResets) {
+  const Schedule s(paper(), room());
+  std::vector<int64_t> densify, reset;
+  for (int64_t i = 1; i <= 7000; ++i) {
+    if (s.densifies(i)) densify.push_back(i);
+    if (s.resets_opacity(i)) reset.push_back(i);
+  }
+  EXPECT_EQ(densify.front(), 600);
+  EXPECT_EQ(densify.back(), 6900);  // the one at 7000 would come after the result
+  EXPECT_EQ(densify.size(), 64u);
+  EXPECT_EQ(reset, (std::vector<int64_t>{3000, 6000}));
+  EXPECT_EQ(s.density_rule(3000).prune_scale, 0);
+  EXPECT_FLOAT_EQ(s.density_rule(3001).prune_scale, 0.2f);
+  EXPECT_FLOAT_EQ(s.density_rule(600).small_scale, 0.002f);
+}
+
+TEST(Schedule, DefaultDensityControlActsBetween5And50Percent) {
+  ScheduleFacts f = room();
+  f.training_views = 60;  // two epochs are 120 iterations, more than densify.every
+  const Schedule s(standard(), f);
+  EXPECT_FALSE(s.densifies(240));
+  EXPECT_TRUE(s.densifies(360));
+  EXPECT_FALSE(s.densifies(400));
+  EXPECT_FALSE(s.densifies(3600));
+  EXPECT_FALSE(s.request(3501).collect_density);
+  EXPECT_TRUE(s.request(3500).collect_density);
+  EXPECT_FALSE(s.resets_opacity(3000));
+}
+
+TEST(Schedule, OnlyADenseStartRestrictsGrowth) {
+  ScheduleFacts f = room();
+  EXPECT_FLOAT_EQ(Schedule(standard(), f).density_rule(500).residual_quantile, 0.9f);
+  f.dense_start = false;
+  EXPECT_EQ(Schedule(standard(), f).density_rule(500).residual_quantile, 0);
+  EXPECT_EQ(Schedule(standard(), f).density_rule(500).unsupported_min, 0);
+}
+
+TEST(Schedule, DepthWeightDecaysLogLinearly) {
+  const Schedule s(standard(), room());
+  EXPECT_NEAR(s.request(1).losses.log_depth_weight, 0.5, 1e-3);
+  EXPECT_NEAR(s.request(3500).losses.log_depth_weight, 0.1, 1e-6);  // sqrt(0.5 * 0.02)
+  EXPECT_NEAR(s.request(7000).losses.log_depth_weight, 0.02, 1e-7);
+  EXPECT_EQ(s.request(1).losses.pearson_weight, 0);
+}
+
+TEST(Schedule, DepthTermsWaitForNormalsThatTheStartLacks) {
+  ScheduleFacts f = room();
+  f.normals_at_start = false;
+  const Schedule s(standard(), f);
+  EXPECT_EQ(s.request(500).losses.log_depth_weight, 0);
+  EXPECT_GT(s.request(501).losses.log_depth_weight, 0);
+}
+
+TEST(Schedule, RelativePriorDepthGivesOnlyItsCorrelation) {
+  ScheduleFacts f = room();
+  f.prior_depth = PriorDepthKind::kRelative;
+  const LossSettings l = Schedule(standard(), f).request(1000).losses;
+  EXPECT_GT(l.pearson_weight, 0);
+  EXPECT_EQ(l.log_depth_weight + l.prior_normal_weight + l.crease_weight, 0);
+  EXPECT_FALSE(Schedule(standard(), f).aligns_prior_depth(500));
+}
+
+TEST(Schedule, WithoutPriorsTheirTermsAreOff) {
+  ScheduleFacts f = room();
+  f.prior_depth = PriorDepthKind::kNone;
+  f.semantics = false;
+  const LossSettings l = Schedule(paper(), f).request(5000).losses;
+  EXPECT_EQ(l.pearson_weight + l.semantic_soft_weight + l.semantic_hard_weight + l.normal_boundary_weight, 0);
+  EXPECT_FALSE(Schedule(standard(), f).lifts_semantics(1));
+}
+
+TEST(Schedule, CouplingActsFromASeventhOfTheRunToItsLastTenth) {
+  const Schedule s(standard(), room());
+  EXPECT_EQ(s.request(1000).losses.coupling_strength, 0);
+  EXPECT_FLOAT_EQ(s.request(1001).losses.coupling_strength, 0.1f);
+  EXPECT_FLOAT_EQ(s.request(6300).losses.coupling_strength, 0.1f);
+  EXPECT_EQ(s.request(6301).losses.coupling_strength, 0);
+  const LossSettings p = Schedule(paper(), room()).request(1).losses;
+  EXPECT_EQ(p.coupling, SemanticCoupling::kPlain);
+  EXPECT_FLOAT_EQ(p.coupling_strength, 1);
+}
+
+TEST(Schedule, IterationKeysScaleWithTheRunsLength) {
+  TrainConfig c = paper();
+  c.train.iterations = 700;
+  const Schedule s(c, room());
+  EXPECT_EQ(s.request(150).losses.pearson_weight, 0);
+  EXPECT_GT(s.request(151).losses.pearson_weight, 0);
+  EXPECT_TRUE(s.densifies(60));
+  EXPECT_TRUE(s.resets_opacity(300));
+  EXPECT_EQ(s.request(100).sh_degree, 1);
+}
+
+TEST(Schedule, ExtendedRunKeepsTheOldSchedule) {
+  TrainConfig c = standard();
+  c.train.schedule_iterations = 7000;
+  c.train.iterations = 9000;
+  const Schedule extended(c, room()), before(standard(), room());
+  EXPECT_EQ(extended.request(2000).rates.position, before.request(2000).rates.position);
+  EXPECT_EQ(extended.densifies(3600), before.densifies(3600));
+  EXPECT_EQ(extended.request(8000).losses.coupling_strength, 0);
+}
+
+TEST(Schedule, LiftsSemanticsBeforeTheFirstStep) {
+  EXPECT_TRUE(Schedule(standard(), room()).lifts_semantics(1));
+  EXPECT_FALSE(Schedule(standard(), room()).lifts_semantics(2));
+  EXPECT_FALSE(Schedule(paper(), room()).lifts_semantics(1));
+}
+
+TEST(Schedule, LengthsFollowTheExtent) {
+  ScheduleFacts f = room();
+  f.extent = 0.37f * 2;
+  const StepRequest a = Schedule(standard(), room()).request(10), b = Schedule(standard(), f).request(10);
+  EXPECT_NEAR(b.rates.position / a.rates.position, 0.37, 1e-5);
+  EXPECT_NEAR(b.raster.near_plane / a.raster.near_plane, 0.37, 1e-5);
+  EXPECT_NEAR(a.losses.flatten_weight / b.losses.flatten_weight, 0.37, 1e-5);
+}
+
+TEST(ViewOrder, EveryViewOncePerEpoch) {
+  ViewOrder order(7, 3);
+  for (int epoch = 0; epoch < 3; ++epoch) {
+    std::set<int> seen;
+    for (int i = 0; i < 7; ++i) seen.insert(order.next());
+    EXPECT_EQ(seen.size(), 7u);
+  }
+}
+
+TEST(ViewOrder, ContinuesFromItsState) {
+  ViewOrder order(5, 1);
+  for (int i = 0; i < 8; ++i) order.next();
+  ViewOrder resumed(5, 99);
+  resumed.set_state(order.state());
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(resumed.next(), order.next());
+}
+
+TEST(ViewOrder, RefusesAStateOfAnotherScene) {
+  ViewOrder order(5, 1);
+  order.next();
+  EXPECT_THROW(ViewOrder(2, 1).set_state(order.state()), Error);
+}
+
+TEST(ViewOrder, NeedsAView) { EXPECT_THROW(ViewOrder(0, 1), Error); }
+
+}  // namespace
+}  // namespace aligngs
