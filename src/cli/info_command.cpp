@@ -1,0 +1,152 @@
+// `aligngs info FILE_OR_FOLDER`: what it is, what is in it, who wrote it.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "io/ply.h"
+#include "io/safetensors.h"
+#include "io/torch_archive.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+Json bounds_of(const PlyElement& vertices) {
+  Json low = Json::array(), high = Json::array();
+  for (const char* axis : {"x", "y", "z"}) {
+    const PlyProperty* column = vertices.find(axis);
+    if (!column || column->values.empty()) return nullptr;
+    const auto [least, most] = std::minmax_element(column->values.begin(), column->values.end());
+    low.push_back(*least);
+    high.push_back(*most);
+  }
+  return {{"min", low}, {"max", high}};
+}
+
+Json label_counts(const PlyElement& vertices, const LabelSet& labels) {
+  const PlyProperty* column = vertices.find("label");
+  if (!column) return nullptr;
+  std::vector<size_t> counts(labels.classes.size(), 0);
+  for (const double value : column->values) {
+    if (value >= 0 && value < static_cast<double>(counts.size())) ++counts[static_cast<size_t>(value)];
+  }
+  Json classes = Json::object();
+  for (size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i]) classes[labels.classes[i].name] = counts[i];
+  }
+  return classes;
+}
+
+Json info_of_ply(const fs::path& path) {
+  const PlyFile file = read_ply(path);
+  const PlyElement* vertices = file.find("vertex");
+  const PlyElement* faces = file.find("face");
+  Json info = {{"comments", file.comments}};
+  if (!vertices) throw_bad_input(path, "vertex", "the file has no vertices", "give a Gaussian scene, a mesh or a point cloud");
+  const bool gaussians = vertices->find("opacity") && vertices->find("scale_0") && vertices->find("rot_0");
+  info["kind"] = gaussians ? "Gaussian scene" : faces && faces->count ? "triangle mesh" : "point cloud";
+  info[gaussians ? "gaussians" : "vertices"] = vertices->count;
+  if (faces) info["faces"] = faces->count;
+  info["properties"] = vertices->properties.size();
+  if (gaussians) {
+    const bool strict = vertices->properties.size() == 62;
+    info["layout"] = strict ? "standard 62-float 3DGS" : vertices->find("label") ? "3DGS with labels" : "3DGS variant";
+  }
+  info["bounds"] = bounds_of(*vertices);
+  const Json classes = label_counts(*vertices, ade20k_labels());
+  if (!classes.is_null()) info["classes"] = classes;
+  return info;
+}
+
+Json info_of_array(const char* kind, const ArrayHeader& header) { return {{"kind", kind}, {"shape", header.shape}, {"dtype", header.dtype}}; }
+
+Json info_of_safetensors(const fs::path& path) {
+  const TensorFile file = read_safetensors(path);
+  Json tensors = Json::object();
+  for (const auto& [name, tensor] : file.tensors) tensors[name] = {{"dtype", tensor.dtype}, {"shape", tensor.shape}};
+  return {{"kind", "safetensors"}, {"metadata", file.metadata}, {"tensors", tensors}};
+}
+
+Json info_of_run(const fs::path& folder) {
+  Json info = {{"kind", "run"}, {"run", Json::parse(read_file(folder / "run.json"), nullptr, false)}};
+  if (info["run"].is_discarded()) throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
+  if (fs::exists(folder / "metrics.json")) {
+    const Json metrics = Json::parse(read_file(folder / "metrics.json"), nullptr, false);
+    for (const char* part : {"nvs", "geometry", "semantics", "train"}) {
+      if (metrics.is_object() && metrics.contains(part)) info["metrics"][part] = metrics[part];
+    }
+  }
+  if (fs::exists(folder / "scene.ply")) info["scene"] = info_of_ply(folder / "scene.ply");
+  if (fs::exists(folder / "mesh" / "mesh.ply")) info["mesh"] = info_of_ply(folder / "mesh" / "mesh.ply");
+  return info;
+}
+
+Json info_of_scene(const fs::path& folder) {
+  const Scene scene = open_scene(folder);
+  Json sizes = Json::object();
+  for (const View& view : scene.views) {
+    const std::string size = fmt::format("{}x{}", view.camera.width, view.camera.height);
+    sizes[size] = sizes.value(size, 0) + 1;
+  }
+  return {{"kind", "scene folder"}, {"source", scene.source}, {"units", scene.metric ? "metres" : "arbitrary"},
+          {"up", scene.up ? Json{scene.up->x, scene.up->y, scene.up->z} : Json(nullptr)},
+          {"axes", "camera: x right, y down, z forward; poses world to camera"},
+          {"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()}, {"image_sizes", sizes},
+          {"points", scene.cloud.size()}, {"prior_depth", scene.has_prior_depth()}, {"prior_source", scene.prior_source},
+          {"semantics", scene.has_semantics()}, {"classes", scene.labels.size()}, {"extent", robust_extent(scene)},
+          {"truth_mesh", !scene.truth_mesh.empty()}, {"fingerprint", scene_fingerprint(scene)}};
+}
+
+Json info_of(const fs::path& path) {
+  if (!fs::exists(path)) throw_bad_input(path, "", "there is no such file or folder", "check the name");
+  if (fs::is_directory(path)) return fs::exists(path / "run.json") ? info_of_run(path) : info_of_scene(path);
+  const std::string extension = path.extension().string();
+  if (extension == ".ply") return info_of_ply(path);
+  if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
+  if (extension == ".pt" || extension == ".pth") return info_of_array("torch tensor", read_torch_tensor_header(path));
+  if (extension == ".safetensors") return info_of_safetensors(path);
+  const ImageInfo image = read_image_info(path);
+  return {{"kind", "image"}, {"width", image.width}, {"height", image.height}, {"channels", image.channels}, {"bits", image.bit_depth}};
+}
+
+/// JSON as indented "name: value" lines, which is what people want to read.
+void print_plain(const Json& value, int indent) {
+  for (const auto& [key, item] : value.items()) {
+    if (item.is_object() && !item.empty()) {
+      std::printf("%*s%s:\n", indent, "", key.c_str());
+      print_plain(item, indent + 2);
+    } else {
+      const std::string text = item.is_string() ? item.get<std::string>() : item.dump(-1, ' ', false, Json::error_handler_t::replace);
+      std::printf("%*s%s: %s\n", indent, "", key.c_str(), text.c_str());
+    }
+  }
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("info", "Say what a file, a scene folder or a run folder holds");
+  command->group("Look");
+  command->footer("Example: aligngs info demo_run");
+  auto path = std::make_shared<std::string>();
+  command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
+  command->callback([&context, path] {
+    const Json info = info_of(*path);
+    if (context.global.json) std::printf("%s\n", info.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    else print_plain(info, 0);
+  });
+}
+
+}  // namespace aligngs

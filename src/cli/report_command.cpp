@@ -1,0 +1,30 @@
+// `aligngs report RUN`: report.html and overview.jpg from what stands in the run folder.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/report/html_report.h"
+#include "core/error.h"
+
+namespace aligngs {
+
+void add_report_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("report", "Write report.html: numbers, pictures, charts, settings");
+  command->group("Measure");
+  command->footer("Example: aligngs report demo_run");
+  auto run = std::make_shared<std::string>();
+  command->add_option("run", *run, "run folder")->required();
+  command->callback([&context, run] {
+    const std::filesystem::path folder = *run;
+    if (!std::filesystem::exists(folder / "run.json")) {
+      throw_bad_input(folder, "run.json", "this is no run folder", "give a folder that `aligngs train` or `aligngs run` made");
+    }
+    write_report(folder);
+    const std::string page = (folder / "report.html").string();
+    if (context.global.json) std::printf("%s\n", nlohmann::json({{"report", page}}).dump().c_str());
+    else std::printf("%s\n", page.c_str());
+  });
+}
+
+}  // namespace aligngs
