@@ -37,7 +37,9 @@ struct Scene {
   std::optional<Vec3d> up;       ///< unit, world
   std::string source;            ///< scene.json source: what made this scene
   std::string prior_source;      ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports
+  std::string semantic_source;   ///< priors.json semantics.model, likewise
   SemanticKind semantic_kind = SemanticKind::kLogits;
+  bool semantic_kind_stated = false;  ///< priors.json says the kind; false: taken as logits, as in the paper
   std::vector<View> views;       ///< sorted by name
   std::vector<int> train, test;  ///< indices into views
   PointCloud cloud;              ///< sparse/points3D
@@ -54,6 +56,9 @@ struct Scene {
 /// Throws Error{kBadInput} naming file and field. Checks names and headers, not pixels; see check_scene.
 struct SceneOptions {
   int default_test_every = 0;
+  /// Throw on the first image or map that is missing or whose header contradicts the scene. false: leave that to
+  /// check_scene, which lists all of them (`aligngs data check`).
+  bool check_headers = true;
 };
 Scene open_scene(const std::filesystem::path& folder, const SceneOptions& options = {});
 
