@@ -1,0 +1,95 @@
+// The command line as a user meets it: help, mistakes, exit statuses.
+#include <gmock/gmock.h>
+
+#include "support/process.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::ProcessResult;
+using testing_support::run_aligngs;
+
+class Program : public testing::Test {
+ protected:
+  fs::path scratch() const {
+    return fs::path(testing::TempDir()) / ("program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  }
+  ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, scratch()); }
+};
+
+TEST_F(Program, HelpListsTheCommandsAndAnExample) {
+  const ProcessResult result = run("--help");
+  EXPECT_EQ(result.status, 0);
+  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data"}) {
+    EXPECT_THAT(result.out, HasSubstr(command));
+  }
+  EXPECT_THAT(result.out, HasSubstr("Example: aligngs demo"));
+}
+
+TEST_F(Program, EveryCommandHasHelpWithAnExample) {
+  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data check"}) {
+    const ProcessResult result = run(std::string(command) + " --help");
+    EXPECT_EQ(result.status, 0) << command;
+    EXPECT_THAT(result.out, HasSubstr("Example")) << command;
+  }
+}
+
+TEST_F(Program, AMistypedCommandIsAUsageErrorWithASuggestion) {
+  const ProcessResult result = run("trian somewhere");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("did you mean: aligngs train"));
+  EXPECT_EQ(result.out, "");
+}
+
+TEST_F(Program, NoCommandIsAUsageError) { EXPECT_EQ(run("").status, 2); }
+
+TEST_F(Program, AnUnknownOptionNamesTheHelp) {
+  const ProcessResult result = run("doctor --wat");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("aligngs doctor --help"));
+}
+
+TEST_F(Program, VersionIsPrinted) {
+  const ProcessResult result = run("--version");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("aligngs 0."));
+}
+
+TEST_F(Program, DoctorSpeaksJsonOnStandardOutput) {
+  const ProcessResult result = run("doctor --json");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.out.front(), '{');
+  EXPECT_THAT(result.out, HasSubstr("\"processor\""));
+}
+
+TEST_F(Program, InfoOnSomethingMissingIsBadInput) {
+  const ProcessResult result = run("info /nonexistent/file.ply");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("/nonexistent/file.ply"));
+  EXPECT_THAT(result.err, HasSubstr("remedy"));
+}
+
+TEST_F(Program, TrainOnAFolderThatIsNoSceneIsBadInput) {
+  fs::create_directories(scratch() / "empty");
+  const ProcessResult result = run("train '" + (scratch() / "empty").string() + "' -o '" + (scratch() / "run").string() + "'");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_FALSE(fs::exists(scratch() / "run" / "scene.ply"));
+}
+
+TEST_F(Program, AnUnknownSettingIsAUsageErrorWithASuggestion) {
+  const ProcessResult result = run("train somewhere -o elsewhere --set loss.ssimm=1");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("loss.ssim"));
+}
+
+TEST_F(Program, PrintConfigShowsEveryKeyOfAPreset) {
+  const ProcessResult result = run("train --print-config --preset paper");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.out, HasSubstr("[loss]"));
+  EXPECT_THAT(result.out, HasSubstr("coupling"));
+}
+
+}  // namespace
+}  // namespace aligngs
