@@ -1,0 +1,315 @@
+#include "metrics/mesh_protocols.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "metrics/surface_points.h"
+#include "metrics/visibility.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kBoxScale = 1.1;    // NeuRIS: truth box about its centre
+constexpr size_t kPointGrain = 1024; // points per chunk of visibility tests
+
+void require_input(const MeshEvaluationInput& input) {
+  if (!input.predicted || !input.truth || input.truth->empty()) {
+    throw_bad_input({}, "truth mesh", "there is no true surface to compare with", "put one at truth/mesh.ply");
+  }
+  if (input.truth_cameras.empty() || input.run_cameras.size() != input.truth_cameras.size()) {
+    throw_bad_input({}, "cameras",
+                    fmt::format("{} cameras of the run and {} true cameras", input.run_cameras.size(),
+                                input.truth_cameras.size()),
+                    "give the same views to both, at least one");
+  }
+  for (const int i : input.train) {
+    if (i < 0 || size_t(i) >= input.truth_cameras.size()) {
+      throw_bad_input({}, "training views", fmt::format("view {} does not exist", i));
+    }
+  }
+}
+
+std::vector<Camera> culling_cameras(const MeshEvaluationInput& input, CullingViews culling, size_t max_cameras) {
+  std::vector<Camera> cameras;
+  if (culling == CullingViews::kAll) {
+    cameras = input.truth_cameras;
+  } else {
+    for (const int i : input.train) cameras.push_back(input.truth_cameras[i]);
+  }
+  if (max_cameras == 0 || cameras.size() <= max_cameras) return cameras;
+  std::vector<Camera> strided;
+  for (size_t i = 0; i < max_cameras; ++i) strided.push_back(cameras[i * cameras.size() / max_cameras]);
+  return strided;
+}
+
+/// The cameras at the resolution at which surfaces are looked at.
+std::vector<Camera> ray_cameras(const std::vector<Camera>& cameras, int columns) {
+  std::vector<Camera> resized;
+  for (const Camera& c : cameras) {
+    const int rows = std::max(1, static_cast<int>(std::lround(double(c.height) * columns / c.width)));
+    resized.push_back(c.resized(columns, rows));
+  }
+  return resized;
+}
+
+/// Truth culled to first hits, and per camera the pixels where it is hit.
+struct TruthView {
+  TriangleMesh culled;
+  std::vector<Camera> cameras;  // at ray resolution
+  std::vector<Image<uint8_t>> hit;
+};
+
+TruthView look_at_truth(const TriangleMesh& truth, const std::vector<Camera>& cameras, ThreadPool& pool,
+                        const MeshProtocolOptions& options) {
+  TruthView view;
+  view.cameras = ray_cameras(cameras, options.ray_columns);
+  const RayScene rays(truth);
+  std::vector<uint8_t> keep(truth.triangles.size(), 0);
+  for (const Camera& camera : view.cameras) {
+    const FirstHits hits = rays.cast(camera, pool);
+    Image<uint8_t> mask(camera.width, camera.height, 1);
+    for (size_t i = 0; i < mask.data.size(); ++i) {
+      const uint32_t t = hits.triangle.data[i];
+      if (t == kNoTriangle) continue;
+      keep[t] = 1;
+      mask.data[i] = 1;
+    }
+    view.hit.push_back(std::move(mask));
+  }
+  view.culled = keep_triangles(truth, keep);
+  return view;
+}
+
+bool truth_hit_at(const Image<uint8_t>& mask, const Vec2d& uv) {
+  return mask.at(static_cast<int>(uv.x), static_cast<int>(uv.y)) != 0;
+}
+
+double area_of(const TriangleMesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) area += triangle_area(mesh, t);
+  return area;
+}
+
+std::string name_of(MeshAlignment alignment) {
+  switch (alignment) {
+    case MeshAlignment::kNone: return "none";
+    case MeshAlignment::kCameras: return "cameras";
+    case MeshAlignment::kCamerasAndIcp: return "cameras+icp";
+    case MeshAlignment::kIcp: return "icp";
+  }
+  return "none";
+}
+
+/// The predicted mesh in the world of the truth. ICP runs against area samples of the culled truth.
+TriangleMesh aligned_prediction(const MeshEvaluationInput& input, MeshAlignment alignment, const TriangleMesh& culled,
+                                ThreadPool& pool, const MeshProtocolOptions& options, AlignmentReport& report) {
+  TriangleMesh mesh = *input.predicted;
+  if (alignment == MeshAlignment::kCameras || alignment == MeshAlignment::kCamerasAndIcp) {
+    const SimilarityFit fit = align_on_training_cameras(input);
+    report.similarity = fit.similarity;
+    report.camera_rmse = fit.rmse;
+    report.cameras_well_posed = fit.well_posed;
+    mesh = transformed(mesh, fit.similarity);
+  }
+  if (alignment == MeshAlignment::kIcp || alignment == MeshAlignment::kCamerasAndIcp) {
+    const SurfaceSamples target =
+        sample_surface(culled, {options.points_per_area, options.max_points, options.seed});
+    const IcpReport icp =
+        align_by_icp(thin_to_voxels(mesh.vertices, options.voxel), {target.positions, target.normals}, pool, options.icp);
+    mesh = transformed(mesh, icp.similarity);
+    Similarity& s = report.similarity;
+    s = {icp.similarity.scale * s.scale, icp.similarity.rotation * s.rotation, icp.similarity * s.translation};
+    report.icp = icp;
+  }
+  return mesh;
+}
+
+struct Box {
+  Vec3d low, high;
+  bool contains(const Vec3f& p) const {
+    for (int a = 0; a < 3; ++a) {
+      if (!(p[a] >= low[a] && p[a] <= high[a])) return false;
+    }
+    return true;
+  }
+};
+
+Box scaled_box(const std::vector<Vec3f>& points, double scale) {
+  const double inf = std::numeric_limits<double>::infinity();
+  Box box{{inf, inf, inf}, {-inf, -inf, -inf}};
+  for (const Vec3f& p : points) {
+    for (int a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], double(p[a]));
+      box.high[a] = std::max(box.high[a], double(p[a]));
+    }
+  }
+  for (int a = 0; a < 3; ++a) {
+    const double centre = (box.low[a] + box.high[a]) / 2, half = (box.high[a] - box.low[a]) / 2 * scale;
+    box.low[a] = centre - half;
+    box.high[a] = centre + half;
+  }
+  return box;
+}
+
+TriangleMesh crop_to_box(const TriangleMesh& mesh, const Box& box) {
+  std::vector<uint8_t> keep(mesh.triangles.size(), 1);
+  for (size_t t = 0; t < keep.size(); ++t) {
+    for (const uint32_t v : mesh.triangles[t]) keep[t] &= box.contains(mesh.vertices[v]);
+  }
+  return keep_triangles(mesh, keep);
+}
+
+/// In at least one frustum, and on no pixel, of any view, where the truth has no surface.
+bool inside_truth_masks(const Vec3f& vertex, const TruthView& view) {
+  bool seen = false;
+  for (size_t c = 0; c < view.cameras.size(); ++c) {
+    const auto uv = project_into_image(view.cameras[c], vertex.cast<double>());
+    if (!uv) continue;
+    if (!truth_hit_at(view.hit[c], *uv)) return false;
+    seen = true;
+  }
+  return seen;
+}
+
+template <class Keep>
+std::vector<uint8_t> test_points(const std::vector<Vec3f>& points, ThreadPool& pool, const Keep& keep) {
+  std::vector<uint8_t> kept(points.size(), 0);
+  pool.parallel_for(points.size(), kPointGrain, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) kept[i] = keep(points[i]);
+  });
+  return kept;
+}
+
+PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep) {
+  PointSet set;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    set.positions.push_back(samples.positions[i]);
+    set.normals.push_back(samples.normals[i]);
+  }
+  return set;
+}
+
+/// Samples of a mesh that some camera sees; with `truth`, those where the truth is mostly missing are dropped.
+PointSet visible_samples(const TriangleMesh& mesh, const std::vector<Camera>& cameras, const TruthView* truth,
+                         ThreadPool& pool, const MeshProtocolOptions& options, bool& capped, double& area) {
+  const SurfaceSamples samples = sample_surface(mesh, {options.points_per_area, options.max_points, options.seed});
+  const RayScene rays(mesh);
+  std::vector<Vec3d> eyes;
+  for (const Camera& c : cameras) eyes.push_back(c.centre());
+  const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
+    const Vec3d point = p.cast<double>();
+    size_t seen = 0, missing = 0;
+    for (size_t c = 0; c < cameras.size(); ++c) {
+      if (!project_into_image(cameras[c], point)) continue;
+      if (!rays.sees(eyes[c], point, options.occlusion_tolerance)) continue;
+      if (!truth) return true;
+      ++seen;
+      const auto uv = project_into_image(truth->cameras[c], point);
+      missing += !uv || !truth_hit_at(truth->hit[c], *uv);
+    }
+    return seen > 0 && static_cast<double>(missing) <= options.max_missing_truth * static_cast<double>(seen);
+  });
+  capped |= samples.capped;
+  PointSet visible = select(samples, keep);
+  area = samples.positions.empty() ? 0
+                                   : samples.area * static_cast<double>(visible.positions.size()) /
+                                         static_cast<double>(samples.positions.size());
+  return visible;
+}
+
+MeshProtocolResult named(const char* protocol, CullingViews culling, MeshAlignment alignment) {
+  MeshProtocolResult result;
+  result.protocol = protocol;
+  result.culling = culling == CullingViews::kAll ? "all poses" : "training poses";
+  result.alignment = name_of(alignment);
+  return result;
+}
+
+}  // namespace
+
+SimilarityFit align_on_training_cameras(const MeshEvaluationInput& input) {
+  std::vector<Rigidd> run, truth;
+  for (const int i : input.train) {
+    run.push_back(input.run_cameras[i].world_to_camera);
+    truth.push_back(input.truth_cameras[i].world_to_camera);
+  }
+  return fit_similarity_of_cameras(run, truth);
+}
+
+TriangleMesh transformed(const TriangleMesh& mesh, const Similarity& similarity) {
+  TriangleMesh moved = mesh;
+  for (Vec3f& v : moved.vertices) v = (similarity * v.cast<double>()).cast<float>();
+  for (Vec3f& n : moved.normals) n = (similarity.rotation * n.cast<double>()).cast<float>();
+  return moved;
+}
+
+TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Camera>& cameras, ThreadPool& pool,
+                                const MeshProtocolOptions& options) {
+  const RayScene rays(mesh);
+  return keep_triangles(
+      mesh, first_hit_triangles(rays, mesh.triangles.size(), ray_cameras(cameras, options.ray_columns), pool));
+}
+
+MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,
+                                            MeshAlignment alignment, ThreadPool& pool,
+                                            const MeshProtocolOptions& options) {
+  require_input(input);
+  MeshProtocolResult result = named("neuris_vertices", culling, alignment);
+  const std::vector<Camera> cameras = culling_cameras(input, culling, options.max_cameras);
+  const TruthView truth = look_at_truth(*input.truth, cameras, pool, options);
+  TriangleMesh mesh = aligned_prediction(input, alignment, truth.culled, pool, options, result.alignment_report);
+  mesh = crop_to_box(mesh, scaled_box(truth.culled.vertices, kBoxScale));
+  mesh = keep_triangles(mesh, first_hit_triangles(RayScene(mesh), mesh.triangles.size(), truth.cameras, pool));
+  const std::vector<uint8_t> keep =
+      test_points(mesh.vertices, pool, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
+  std::vector<Vec3f> vertices;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) vertices.push_back(mesh.vertices[i]);
+  }
+  result.truth_area = area_of(truth.culled);
+  result.scores = compare_points({thin_to_voxels(vertices, options.voxel), {}},
+                                 {thin_to_voxels(truth.culled.vertices, options.voxel), {}}, pool,
+                                 {options.threshold, true});
+  return result;
+}
+
+MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, CullingViews culling,
+                                         MeshAlignment alignment, ThreadPool& pool,
+                                         const MeshProtocolOptions& options) {
+  require_input(input);
+  MeshProtocolResult result = named("area_samples", culling, alignment);
+  const std::vector<Camera> cameras = culling_cameras(input, culling, options.max_cameras);
+  const TruthView truth = look_at_truth(*input.truth, cameras, pool, options);
+  const TriangleMesh mesh =
+      aligned_prediction(input, alignment, truth.culled, pool, options, result.alignment_report);
+  const PointSet predicted =
+      visible_samples(mesh, cameras, &truth, pool, options, result.capped, result.predicted_area);
+  const PointSet expected =
+      visible_samples(*input.truth, cameras, nullptr, pool, options, result.capped, result.truth_area);
+  result.scores = compare_points(predicted, expected, pool, {options.threshold, false});
+  return result;
+}
+
+MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,
+                             const MeshProtocolOptions& options) {
+  const MeshAlignment alignment = metric_scene ? MeshAlignment::kNone : MeshAlignment::kCameras;
+  const MeshAlignment icp = metric_scene ? MeshAlignment::kIcp : MeshAlignment::kCamerasAndIcp;
+  MeshEvaluation evaluation;
+  evaluation.headline = evaluate_neuris_vertices(input, CullingViews::kAll, alignment, pool, options);
+  auto& variants = evaluation.variants;
+  variants.push_back(evaluate_area_samples(input, CullingViews::kAll, alignment, pool, options));
+  variants.push_back(evaluate_neuris_vertices(input, CullingViews::kTraining, alignment, pool, options));
+  variants.push_back(evaluate_area_samples(input, CullingViews::kTraining, alignment, pool, options));
+  if (with_icp) {
+    variants.push_back(evaluate_neuris_vertices(input, CullingViews::kAll, icp, pool, options));
+    variants.push_back(evaluate_area_samples(input, CullingViews::kAll, icp, pool, options));
+  }
+  return evaluation;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,89 @@
+#include "metrics/semantic_metrics.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "core/error.h"
+#include "metrics/point_index.h"
+#include "metrics/surface_points.h"
+
+namespace aligngs {
+
+ConfusionMatrix::ConfusionMatrix(int classes) : classes_(classes), counts_(size_t(classes) * (classes + 1), 0) {}
+
+void ConfusionMatrix::add(uint16_t truth, uint16_t predicted) {
+  if (truth == kNoLabel) return;
+  if (truth >= classes_) {
+    throw_bad_input({}, "true label", fmt::format("class {} does not exist, there are {} classes", truth, classes_),
+                    "check labels.csv against the label maps in truth/");
+  }
+  const int column = predicted < classes_ ? predicted : classes_;
+  ++counts_[size_t(truth) * (classes_ + 1) + column];
+}
+
+void ConfusionMatrix::add(const Image<uint16_t>& truth, const Image<uint16_t>& predicted) {
+  if (truth.width != predicted.width || truth.height != predicted.height) {
+    throw_bad_input({}, "label map size",
+                    fmt::format("labels of {}x{} cannot be compared with true labels of {}x{}", predicted.width,
+                                predicted.height, truth.width, truth.height));
+  }
+  for (size_t i = 0; i < truth.pixels(); ++i) add(truth.data[i], predicted.data[i]);
+}
+
+SemanticScores ConfusionMatrix::scores(double min_share) const {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  SemanticScores scores;
+  scores.iou.assign(classes_, kNan);
+  std::vector<uint64_t> in_truth(classes_, 0), in_prediction(classes_, 0);
+  uint64_t right = 0;
+  for (int t = 0; t < classes_; ++t) {
+    for (int p = 0; p <= classes_; ++p) {
+      in_truth[t] += count(t, p);
+      if (p < classes_) in_prediction[p] += count(t, p);
+    }
+    right += count(t, t);
+    scores.samples += in_truth[t];
+  }
+  double sum = 0;
+  for (int c = 0; c < classes_; ++c) {
+    if (in_truth[c] == 0 || static_cast<double>(in_truth[c]) < min_share * static_cast<double>(scores.samples)) continue;
+    const uint64_t both = count(c, c);
+    scores.iou[c] = static_cast<double>(both) / static_cast<double>(in_truth[c] + in_prediction[c] - both);
+    sum += scores.iou[c];
+    ++scores.classes;
+  }
+  scores.miou = scores.classes ? sum / scores.classes : kNan;
+  scores.accuracy = scores.samples ? static_cast<double>(right) / static_cast<double>(scores.samples) : kNan;
+  return scores;
+}
+
+MeshLabelScores compare_mesh_labels(const TriangleMesh& predicted, const TriangleMesh& truth, int classes,
+                                    ThreadPool& pool, const MeshLabelOptions& options) {
+  const TriangleMesh* meshes[] = {&predicted, &truth};
+  for (const TriangleMesh* mesh : meshes) {
+    if (mesh->labels.size() != mesh->vertices.size()) {
+      throw_bad_input({}, "label", mesh == &truth ? "the true mesh has no label per vertex"
+                                                  : "the predicted mesh has no label per vertex");
+    }
+  }
+  const LabelledPoints points = thin_labelled(truth.vertices, truth.labels, options.voxel);
+  const PointIndex index(predicted.vertices);
+  const std::vector<Nearest> nearest = index.nearest(points.positions, pool);
+  ConfusionMatrix all(classes), covered(classes);
+  for (size_t i = 0; i < nearest.size(); ++i) {
+    const bool near = nearest[i].distance < options.threshold;
+    const uint16_t label = near ? predicted.labels[nearest[i].index] : kNoLabel;
+    all.add(points.labels[i], label);
+    if (near) covered.add(points.labels[i], label);
+  }
+  MeshLabelScores scores;
+  scores.all = all.scores(options.min_share);
+  scores.covered = covered.scores(options.min_share);
+  scores.coverage = scores.all.samples
+                        ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples)
+                        : std::numeric_limits<double>::quiet_NaN();
+  return scores;
+}
+
+}  // namespace aligngs

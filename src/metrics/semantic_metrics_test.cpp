@@ -1,0 +1,75 @@
+#include "metrics/semantic_metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+TEST(ConfusionMatrix, HandComputedScores) {
+  ConfusionMatrix matrix(3);
+  // Class 0: 3 right, 1 taken for 1. Class 1: 2 right. Class 2 never in the truth.
+  for (int i = 0; i < 3; ++i) matrix.add(0, 0);
+  matrix.add(0, 1);
+  for (int i = 0; i < 2; ++i) matrix.add(1, 1);
+  const SemanticScores scores = matrix.scores();
+  EXPECT_EQ(scores.classes, 2);
+  EXPECT_NEAR(scores.iou[0], 3.0 / 4, 1e-12);
+  EXPECT_NEAR(scores.iou[1], 2.0 / 3, 1e-12);
+  EXPECT_TRUE(std::isnan(scores.iou[2]));
+  EXPECT_NEAR(scores.miou, (3.0 / 4 + 2.0 / 3) / 2, 1e-12);
+  EXPECT_NEAR(scores.accuracy, 5.0 / 6, 1e-12);
+}
+
+TEST(ConfusionMatrix, NoPredictionIsWrongAndNoTruthIsIgnored) {
+  ConfusionMatrix matrix(2);
+  matrix.add(0, 0);
+  matrix.add(0, kNoLabel);  // wrong
+  matrix.add(0, 77);        // no such class: wrong
+  matrix.add(kNoLabel, 1);  // ignored, and no false positive of class 1
+  const SemanticScores scores = matrix.scores();
+  EXPECT_EQ(scores.samples, 3u);
+  EXPECT_NEAR(scores.accuracy, 1.0 / 3, 1e-12);
+  EXPECT_NEAR(scores.iou[0], 1.0 / 3, 1e-12);
+}
+
+TEST(ConfusionMatrix, RareClassesDoNotCount) {
+  ConfusionMatrix matrix(2);
+  for (int i = 0; i < 2000; ++i) matrix.add(0, 0);
+  matrix.add(1, 0);  // 0.05 % of the pixels
+  EXPECT_EQ(matrix.scores().classes, 1);
+  EXPECT_EQ(matrix.scores(0).classes, 2);
+}
+
+TEST(ConfusionMatrix, NothingLabelledGivesNoNumber) {
+  const SemanticScores scores = ConfusionMatrix(2).scores();
+  EXPECT_TRUE(std::isnan(scores.miou));
+  EXPECT_TRUE(std::isnan(scores.accuracy));
+}
+
+TEST(ConfusionMatrix, BadInputIsRefused) {
+  ConfusionMatrix matrix(2);
+  EXPECT_THROW(matrix.add(2, 0), Error);
+  EXPECT_THROW(matrix.add(Image<uint16_t>(2, 2, 1), Image<uint16_t>(3, 2, 1)), Error);
+}
+
+TEST(MeshLabels, MissingSurfaceCountsAsWrongInAllAndNotInCovered) {
+  TriangleMesh truth, predicted;
+  truth.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
+  truth.labels = {0, 0, 1, kNoLabel};
+  predicted.vertices = {{0, 0, 0.03f}, {1, 0, 0.03f}, {2, 0, 0.5f}};
+  predicted.labels = {0, 1, 1};
+  ThreadPool pool(2);
+  const MeshLabelScores scores = compare_mesh_labels(predicted, truth, 2, pool);
+  EXPECT_NEAR(scores.coverage, 2.0 / 3, 1e-12);
+  EXPECT_NEAR(scores.all.accuracy, 1.0 / 3, 1e-12);
+  EXPECT_NEAR(scores.covered.accuracy, 1.0 / 2, 1e-12);
+  predicted.labels.clear();
+  EXPECT_THROW(compare_mesh_labels(predicted, truth, 2, pool), Error);
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,158 @@
+#include "metrics/visibility.h"
+
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr size_t kRowGrain = 8;  // image rows per chunk of work
+
+RTCRay make_ray(const Vec3d& origin, const Vec3d& direction, float end) {
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(origin.x);
+  ray.org_y = static_cast<float>(origin.y);
+  ray.org_z = static_cast<float>(origin.z);
+  ray.dir_x = static_cast<float>(direction.x);
+  ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_z = static_cast<float>(direction.z);
+  ray.tnear = 0;
+  ray.tfar = end;
+  ray.mask = ~0u;
+  return ray;
+}
+
+}  // namespace
+
+struct RayScene::Handle {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  Handle() {
+    // One thread builds: the tree, and so the winner among coincident triangles, is always the same.
+    device = rtcNewDevice("threads=1");
+    if (!device) throw_resources({}, "Embree could not be started", "check the installation of libembree3");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // no ray slips between two triangles
+  }
+  ~Handle() {
+    if (scene) rtcReleaseScene(scene);
+    if (device) rtcReleaseDevice(device);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+};
+
+RayScene::RayScene(const TriangleMesh& mesh) : handle_(std::make_unique<Handle>()) {
+  if (!mesh.triangles.empty()) {
+    RTCGeometry geometry = rtcNewGeometry(handle_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                 3 * sizeof(float), mesh.vertices.size()));
+    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
+    if (!vertices || !indices) {
+      rtcReleaseGeometry(geometry);
+      throw_resources({}, "not enough memory to cast rays at this mesh", "use a larger voxel for a smaller mesh");
+    }
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      for (int a = 0; a < 3; ++a) vertices[3 * i + a] = mesh.vertices[i][a];
+    }
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (int a = 0; a < 3; ++a) indices[3 * i + a] = mesh.triangles[i][a];
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(handle_->scene, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(handle_->scene);
+}
+
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+FirstHits RayScene::cast(const Camera& camera, ThreadPool& pool) const {
+  FirstHits hits{Image<uint32_t>(camera.width, camera.height, 1, kNoTriangle), ImageF(camera.width, camera.height, 1)};
+  const Vec3d eye = camera.centre();
+  pool.parallel_for(camera.height, kRowGrain, [&](size_t begin, size_t end, int) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        // The direction has camera z = 1, so the ray parameter is the depth.
+        const Vec3d direction =
+            transpose_times(camera.world_to_camera.rotation, camera.ray(x + 0.5, static_cast<double>(y) + 0.5));
+        RTCRayHit hit{};
+        hit.ray = make_ray(eye, direction, kInfinity);
+        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(handle_->scene, &context, &hit);
+        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
+        hits.triangle.at(x, static_cast<int>(y)) = hit.hit.primID;
+        hits.depth.at(x, static_cast<int>(y)) = hit.ray.tfar;
+      }
+    }
+  });
+  return hits;
+}
+
+bool RayScene::sees(const Vec3d& eye, const Vec3d& point, double tolerance) const {
+  const Vec3d direction = point - eye;
+  const double length = norm(direction);
+  if (!(length > tolerance)) return std::isfinite(length);
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = make_ray(eye, direction * (1 / length), static_cast<float>(length - tolerance));
+  rtcOccluded1(handle_->scene, &context, &ray);
+  return ray.tfar >= 0;  // Embree sets -infinity when something was met
+}
+
+std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point) {
+  const Vec3d p = camera.world_to_camera * point;
+  if (!(p.z > 0)) return std::nullopt;
+  const Vec2d uv = camera.project(p);
+  if (!camera.contains(uv)) return std::nullopt;
+  return uv;
+}
+
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, size_t triangles, const std::vector<Camera>& cameras,
+                                         ThreadPool& pool) {
+  std::vector<uint8_t> hit(triangles, 0);
+  for (const Camera& camera : cameras) {
+    for (const uint32_t t : scene.cast(camera, pool).triangle.data) {
+      if (t != kNoTriangle) hit[t] = 1;
+    }
+  }
+  return hit;
+}
+
+TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep) {
+  constexpr uint32_t kUnused = 0xffffffffu;
+  TriangleMesh kept;
+  std::vector<uint32_t> number(mesh.vertices.size(), kUnused);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!keep[t]) continue;
+    for (const uint32_t v : mesh.triangles[t]) number[v] = 0;
+  }
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (number[v] == kUnused) continue;
+    number[v] = static_cast<uint32_t>(kept.vertices.size());
+    kept.vertices.push_back(mesh.vertices[v]);
+    if (!mesh.normals.empty()) kept.normals.push_back(mesh.normals[v]);
+    if (!mesh.colors.empty()) kept.colors.push_back(mesh.colors[v]);
+    if (!mesh.labels.empty()) kept.labels.push_back(mesh.labels[v]);
+  }
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!keep[t]) continue;
+    const auto& corner = mesh.triangles[t];
+    kept.triangles.push_back({number[corner[0]], number[corner[1]], number[corner[2]]});
+  }
+  return kept;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,52 @@
+// What cameras see of a triangle mesh, by ray casting (Embree).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+#include "scene/camera.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+
+/// "The ray hits nothing."
+inline constexpr uint32_t kNoTriangle = 0xffffffffu;
+
+/// First hits of the rays through the pixel centres of a camera.
+struct FirstHits {
+  Image<uint32_t> triangle;  ///< H x W, kNoTriangle where nothing is hit
+  ImageF depth;              ///< H x W, camera z of the hit; 0 where nothing is hit
+};
+
+/// A mesh prepared for ray casting. Both sides of a triangle are hit. Keeps its own copy of the geometry.
+class RayScene {
+ public:
+  explicit RayScene(const TriangleMesh& mesh);
+  ~RayScene();
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+
+  FirstHits cast(const Camera& camera, ThreadPool& pool) const;
+  /// Whether the segment from `eye` to `point`, shortened by `tolerance` (units) at the point, meets no surface.
+  bool sees(const Vec3d& eye, const Vec3d& point, double tolerance) const;
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+};
+
+/// Image point of a world point that lies in front of the camera and inside its image.
+std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point);
+
+/// Per triangle 1 when it is the first hit of the ray of some pixel of some camera.
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, size_t triangles, const std::vector<Camera>& cameras,
+                                         ThreadPool& pool);
+
+/// The mesh of the triangles marked 1 and the vertices that they use; attributes follow.
+TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep);
+
+}  // namespace aligngs
