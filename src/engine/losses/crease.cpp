@@ -45,8 +45,8 @@ EdgePrior prior_at_edge(const TrainingView& view, const LabelPair& p) {
   const double z_before = prior_depth_at(view, before), z_after = prior_depth_at(view, after);
   if (!(prior.weight > 0) || !(z_before > 0) || !(z_after > 0)) return {};
   const Camera& camera = view.data.camera;
-  prior.kind = classify_edge(prior.before, pixel_ray<double>(camera, bx, by) * z_before, prior.after,
-                             pixel_ray<double>(camera, ax, ay) * z_after,
+  prior.kind = classify_edge(prior.before, camera.ray(bx + 0.5, by + 0.5) * z_before, prior.after,
+                             camera.ray(ax + 0.5, ay + 0.5) * z_after,
                              camera.ray(p.x + 0.5 + 0.5 * p.dx, p.y + 0.5 + 0.5 * p.dy));
   return prior;
 }
@@ -81,7 +81,7 @@ double crease_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T
       const int reach = prior.kind == EdgeKind::kCrease ? out : 0;
       const size_t u = static_cast<size_t>(p.y - reach * p.dy) * width + (p.x - reach * p.dx);
       const size_t v = static_cast<size_t>(p.y + (1 + reach) * p.dy) * width + (p.x + (1 + reach) * p.dx);
-      const UnitNormal<T> n_u = unit_normal_at(in, u), n_v = unit_normal_at(in, v);
+      const UnitNormal<T> n_u = unit_normal_at(workspace, u), n_v = unit_normal_at(workspace, v);
       if (prior.kind == EdgeKind::kCrease) {
         if (n_u.valid()) crease(u, n_u, prior.before.cast<T>(), prior.weight);
         if (n_v.valid()) crease(v, n_v, prior.after.cast<T>(), prior.weight);

@@ -26,6 +26,7 @@ EdgeKind classify_edge(const Vec3d& normal_before, const Vec3d& point_before, co
 /// 1 - n . n' across the edge; otherwise nothing. Terms are weighted by the smaller view.depth_weight of the
 /// two prior pixels; their sum is divided by the sum of weights, or by 1 % of the pixels if that is more, so that
 /// a single edge pixel never carries the whole term. Zero without labels, prior depth or prior normals.
+/// Needs compute_unit_normals.
 template <class T>
 double crease_loss(const MapLossInputs<T>& inputs, double weight, MapLossWorkspace<T>& workspace,
                    MapGradients<T>& gradients);

@@ -11,8 +11,9 @@ template <class T>
 double log_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace) {
   if (in.view.data.prior_depth.empty()) return 0;
   const int width = in.maps.width, height = in.maps.height;
-  const double delta = in.settings.log_depth_huber, scale = in.settings.prior_depth_scale;
-  if (!(scale > 0)) return 0;
+  const double delta = in.settings.log_depth_huber;
+  const T scale = static_cast<T>(in.settings.prior_depth_scale);
+  if (!(scale > T(0))) return 0;
   // Weight of a pixel, 0 where it does not take part.
   const auto weight_at = [&](size_t i) -> double {
     if (workspace.validity[i] != kDepthTight || !(prior_depth_at(in.view, i) > 0)) return 0;
@@ -38,12 +39,12 @@ double log_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspac
            for (size_t i = begin; i < begin + width; ++i) {
              const double w = weight_at(i);
              if (!(w > 0)) continue;
-             const double z = static_cast<double>(workspace.depth[i]);
-             const double e = std::log(z / (scale * prior_depth_at(in.view, i)));
+             const T z = workspace.depth[i];
+             const double e = static_cast<double>(std::log(z / (scale * static_cast<T>(prior_depth_at(in.view, i)))));
              const bool inside = std::abs(e) < delta;
              sum += w * (inside ? e * e / (2 * delta) : std::abs(e) - delta / 2);
              const double slope = inside ? e / delta : (e > 0 ? 1 : (e < 0 ? -1 : 0));
-             workspace.depth_gradient[i] += static_cast<T>(weight * normalisation * w * slope / z);
+             workspace.depth_gradient[i] += static_cast<T>(weight * normalisation * w * slope) / z;
            }
            return std::array<double, 1>{sum};
          })[0];

@@ -5,28 +5,36 @@
 #include <cstdint>
 
 #include "core/vec.h"
+#include "engine/formulas/plane_depth.h"
 #include "engine/losses/map_losses.h"
 
 namespace aligngs {
 
-/// How far a pixel's depth can be trusted. Every level asks for A > 0.5, a finite z > 0 and no mask.
+/// How far a pixel's depth can be trusted. Every level asks for A > 0.5, a finite z > 0 and a pixel that the
+/// mask keeps.
 enum DepthValidity : uint8_t {
   kDepthInvalid = 0,
   kDepthLoose = 1,  ///< 0.5 z_e < z < 2 z_e with z_e the alpha-normalised expected depth (guidance 2.2)
-  kDepthTight = 2   ///< z within 15 % of z_e (guidance 2.5)
+  kDepthTight = 2   ///< z within 15 % of z_e (plane_depth_valid)
 };
 
-inline constexpr double kAlphaSurface = 0.5;       ///< alpha above which a pixel shows a surface
-inline constexpr double kDepthTightShare = 0.15;   ///< allowed |z - z_e| / z_e (guidance 2.5)
 inline constexpr double kDepthJumpShare = 0.05;    ///< |dz| / z between neighbours that is a discontinuity (guidance 2.3)
 inline constexpr double kMinimumValidShare = 0.01; ///< a depth or normal loss with fewer valid pixels is zero: a
                                                    ///< handful of pixels would carry the whole weight of the term
 
-/// Ray of pixel (x, y) through its centre, camera frame, z = 1.
+/// Camera::ray of pixel centres in T, without a division per pixel.
 template <class T>
-Vec3<T> pixel_ray(const Camera& camera, int x, int y) {
-  return camera.ray(x + 0.5, y + 0.5).template cast<T>();
-}
+struct PixelRays {
+  T step_x, step_y, first_x, first_y;
+  explicit PixelRays(const Camera& camera)
+      : step_x(static_cast<T>(1 / camera.fx)),
+        step_y(static_cast<T>(1 / camera.fy)),
+        first_x(static_cast<T>(0.5 - camera.cx)),
+        first_y(static_cast<T>(0.5 - camera.cy)) {}
+  Vec3<T> operator()(int x, int y) const {
+    return {(static_cast<T>(x) + first_x) * step_x, (static_cast<T>(y) + first_y) * step_y, T(1)};
+  }
+};
 
 /// True unless the view's mask excludes the pixel.
 inline bool pixel_counts(const TrainingView& view, size_t pixel) {

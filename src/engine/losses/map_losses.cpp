@@ -11,6 +11,7 @@
 #include "engine/losses/normal_consistency.h"
 #include "engine/losses/photometric.h"
 #include "engine/losses/prior_normal.h"
+#include "engine/losses/unit_normal.h"
 
 namespace aligngs {
 namespace {
@@ -59,6 +60,10 @@ void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& g
 
   const bool depth_terms = s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0;
   if (depth_terms || (s.normal_boundary_weight != 0 && !s.paper_normals)) compute_depth_map(in, workspace);
+  if (s.normal_consistency_weight != 0 || s.normal_boundary_weight != 0 || s.crease_weight != 0 ||
+      s.prior_normal_weight != 0) {
+    compute_unit_normals(in, workspace);
+  }
   // loss() returns the unweighted value and adds weighted gradients.
   const auto add = [&](float weight, double& term, const auto& loss) {
     if (weight == 0) return;

@@ -27,7 +27,7 @@ double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWo
         const T jump = std::abs(workspace.depth[u] - workspace.depth[v]);
         if (!(jump <= T(kDepthJumpShare) * workspace.depth[u])) return;
       }
-      const UnitNormal<T> a = unit_normal_at(in, u), b = unit_normal_at(in, v);
+      const UnitNormal<T> a = unit_normal_at(workspace, u), b = unit_normal_at(workspace, v);
       if (a.valid() && b.valid()) use(u, v, a, b);
     });
   };

@@ -11,15 +11,16 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
                                MapGradients<T>& gradients) {
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
-  const Camera& camera = in.view.data.camera;
+  const PixelRays<T> rays(in.view.data.camera);
   workspace.stencil.resize(pixels);
   const double count = sum_rows<1>(in.pool, height, workspace.row_sums, [&](int y) {
     double valid = 0;
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
-      DepthStencil stencil = depth_stencil(workspace, x, y, width, height, in.settings.paper_normals);
-      if (stencil.valid() && !(unit_normal_at(in, i).valid() && depth_normal(workspace, camera, x, y, stencil).valid()))
-        stencil = {};
+      DepthStencil stencil;
+      if (workspace.inverse_length[i] > T(0)) {
+        stencil = depth_stencil(workspace, x, y, width, height, in.settings.paper_normals);
+      }
       workspace.stencil[i] = stencil.valid() ? stencil.packed() : 0;
       valid += stencil.valid() ? 1 : 0;
     }
@@ -35,9 +36,10 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
       if (workspace.stencil[i] == 0) continue;
-      const UnitNormal<T> blended = unit_normal_at(in, i);
+      const UnitNormal<T> blended = unit_normal_at(workspace, i);
       const DepthNormal<T> implied =
-          depth_normal(workspace, camera, x, y, DepthStencil::unpack(workspace.stencil[i]));
+          depth_normal(workspace, rays, x, y, width, DepthStencil::unpack(workspace.stencil[i]));
+      if (!implied.valid()) continue;
       sum += 1 - static_cast<double>(dot(blended.direction, implied.direction));
       add_normal_gradient(blended, implied.direction * step, i, pixels, gradients);
       add_depth_normal_gradient(implied, blended.direction * step, workspace);

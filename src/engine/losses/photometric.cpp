@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/losses/function_versions.h"
+#include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/ssim.h"
 
@@ -32,6 +34,31 @@ void prepare_planes(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspace) 
   });
 }
 
+// One row: |d| and the squared difference as shown (clamped to [0, 1]), and the gradient of the L1 term.
+template <class T>
+ALIGNGS_ALWAYS_INLINE void differences_of_row(const T* render, const T* truth, int width, T step,
+                                              T* __restrict absolute, T* __restrict squared,
+                                              T* __restrict gradient) {
+  for (int x = 0; x < width; ++x) {
+    const T d = render[x] - truth[x];
+    const T low = render[x] < T(0) ? T(0) : render[x];
+    const T shown = (low > T(1) ? T(1) : low) - truth[x];
+    absolute[x] = std::abs(d);
+    squared[x] = shown * shown;
+    gradient[x] += d > T(0) ? step : (d < T(0) ? -step : T(0));
+  }
+}
+
+ALIGNGS_FUNCTION_VERSIONS
+void row_differences(const float* render, const float* truth, int width, float step, float* absolute,
+                     float* squared, float* gradient) {
+  differences_of_row<float>(render, truth, width, step, absolute, squared, gradient);
+}
+void row_differences(const double* render, const double* truth, int width, double step, double* absolute,
+                     double* squared, double* gradient) {
+  differences_of_row<double>(render, truth, width, step, absolute, squared, gradient);
+}
+
 }  // namespace
 
 template <class T>
@@ -51,22 +78,18 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
   const double scale = 1.0 / (3.0 * static_cast<double>(counted));
   const T step = static_cast<T>(static_cast<double>(in.settings.l1_weight) * scale);
   const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
-    double absolute[4] = {}, squared[4] = {};  // fixed lanes: no addition waits for the one before it
+    thread_local std::vector<T> scratch;
+    scratch.resize(2 * static_cast<size_t>(width));
+    T *absolute = scratch.data(), *squared = absolute + width;
+    std::array<double, 2> row_sum{};
     for (int c = 0; c < 3; ++c) {
       const size_t row = c * pixels + static_cast<size_t>(y) * width;
-      const T* a = render + row;
-      const T* b = workspace.truth.data() + row;
-      T* gradient = gradients.color.data() + row;
-      for (int x = 0; x < width; ++x) {
-        const T d = a[x] - b[x];
-        const T shown = std::min(std::max(a[x], T(0)), T(1)) - b[x];
-        absolute[x & 3] += std::abs(d);
-        squared[x & 3] += shown * shown;
-        gradient[x] += d > T(0) ? step : (d < T(0) ? -step : T(0));
-      }
+      row_differences(render + row, workspace.truth.data() + row, width, step, absolute, squared,
+                      gradients.color.data() + row);
+      row_sum[0] += ordered_sum(absolute, width);
+      row_sum[1] += ordered_sum(squared, width);
     }
-    return std::array<double, 2>{(absolute[0] + absolute[1]) + (absolute[2] + absolute[3]),
-                                 (squared[0] + squared[1]) + (squared[2] + squared[3])};
+    return row_sum;
   });
   const double mse = sums[1] * scale;
   terms.psnr = mse > 0 ? std::min(kPsnrMaximum, -10 * std::log10(mse)) : kPsnrMaximum;

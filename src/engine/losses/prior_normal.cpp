@@ -19,7 +19,7 @@ double prior_normal_loss(const MapLossInputs<T>& in, double weight, MapLossWorks
       if (!(w > 0)) continue;
       const Vec3<T> prior = prior_normal_at<T>(in.view, i);
       if (dot(prior, prior) == T(0)) continue;
-      const UnitNormal<T> blended = unit_normal_at(in, i);
+      const UnitNormal<T> blended = unit_normal_at(workspace, i);
       if (blended.valid()) use(i, static_cast<double>(w), blended, prior);
     }
   };

@@ -16,6 +16,7 @@ Vec3<T> prior_normal_at(const TrainingView& view, size_t pixel) {
 
 /// sum w (1 - n . n_prior) / sum w over pixels with a blended direction and a prior normal, w = view.depth_weight.
 /// Zero without prior normals or with fewer than 1 % valid pixels.
+/// Needs compute_unit_normals.
 template <class T>
 double prior_normal_loss(const MapLossInputs<T>& inputs, double weight, MapLossWorkspace<T>& workspace,
                          MapGradients<T>& gradients);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/losses/function_versions.h"
+#include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
@@ -165,18 +166,6 @@ void row_backward(const RowPointers<double>* rows, const double* x, const double
   backward_of_row<double>(rows, x, y, width, w, scale, blurred, gradient);
 }
 
-// Sum in eight interleaved lanes: a fixed order that does not wait for each addition.
-template <class T>
-double sum_of(const T* values, int count) {
-  double lane[8] = {};
-  int i = 0;
-  for (; i + 8 <= count; i += 8) {
-    for (int k = 0; k < 8; ++k) lane[k] += values[i + k];
-  }
-  for (; i < count; ++i) lane[0] += values[i];
-  return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
-}
-
 }  // namespace
 
 template <class T>
@@ -205,7 +194,7 @@ double ssim(const SsimInputs<T>& in, size_t counted, T weight, MapLossWorkspace<
         value[x] = d_ex[x] = d_exx[x] = d_exy[x] = T(0);
       }
     }
-    return std::array<double, 1>{sum_of(value, width)};
+    return std::array<double, 1>{ordered_sum(value, width)};
   };
   const double total = sum_rows<1>(in.pool, 3 * height, workspace.row_sums, forward_row)[0];
   const double scale = 1.0 / (3.0 * static_cast<double>(counted));

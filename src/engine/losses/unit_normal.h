@@ -13,24 +13,20 @@ inline constexpr double kNormalCoherence = 0.1;
 
 template <class T>
 struct UnitNormal {
-  Vec3<T> direction;       ///< N / |N|
-  T inverse_length = 0;    ///< 1 / |N|; 0 when the pixel has no direction
+  Vec3<T> direction;     ///< N / |N|
+  T inverse_length = 0;  ///< 1 / |N|; 0 when the pixel has no direction
   bool valid() const { return inverse_length > T(0); }
 };
 
-/// Valid where A > 0.5, |N| > 0.1 A and the mask allows the pixel.
+/// Fills workspace.direction and .inverse_length: valid where A > 0.5, |N| > 0.1 A and the mask allows the pixel.
 template <class T>
-UnitNormal<T> unit_normal_at(const MapLossInputs<T>& in, size_t pixel) {
-  UnitNormal<T> result;
-  const T alpha = in.maps.alpha[pixel];
-  if (!(alpha > T(kAlphaSurface)) || !pixel_counts(in.view, pixel)) return result;
-  const size_t n = in.maps.pixels();
-  const Vec3<T> blended{in.maps.normal[pixel], in.maps.normal[n + pixel], in.maps.normal[2 * n + pixel]};
-  const T length = norm(blended);
-  if (!(length > T(kNormalCoherence) * alpha) || !std::isfinite(length)) return result;
-  result.inverse_length = T(1) / length;
-  result.direction = blended * result.inverse_length;
-  return result;
+void compute_unit_normals(const MapLossInputs<T>& inputs, MapLossWorkspace<T>& workspace);
+
+template <class T>
+UnitNormal<T> unit_normal_at(const MapLossWorkspace<T>& workspace, size_t pixel) {
+  const size_t n = workspace.inverse_length.size();
+  return {{workspace.direction[pixel], workspace.direction[n + pixel], workspace.direction[2 * n + pixel]},
+          workspace.inverse_length[pixel]};
 }
 
 /// Adds dL / dN given dL / d(N / |N|) = g.

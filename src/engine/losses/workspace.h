@@ -15,6 +15,8 @@ struct MapLossWorkspace {
   std::vector<T> ssim_gradients;  ///< 9 planes: derivatives of SSIM by its local moments, per channel
   std::vector<T> depth;           ///< plane depth z, 0 = none
   std::vector<T> depth_gradient;  ///< dL / dz
+  std::vector<T> direction;       ///< 3 planes: N / |N|, zero where a pixel has no direction
+  std::vector<T> inverse_length;  ///< 1 / |N|, 0 = none
   std::vector<uint8_t> validity;  ///< DepthValidity per pixel
   std::vector<uint8_t> stencil;   ///< which neighbours the depth normal of a pixel uses
   std::vector<double> row_sums;
