@@ -98,7 +98,7 @@ std::vector<Camera> cameras_of(const Scene& scene) {
 /// Geometry and mesh labels against the true mesh; nulls when either mesh is missing.
 void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry, Json& mesh_semantics) {
   const fs::path truth_file = options.truth_mesh.empty() ? run.scene.truth_mesh : options.truth_mesh;
-  const fs::path mesh_file = run.folder / "mesh" / "mesh.ply";
+  const fs::path mesh_file = options.mesh.empty() ? run.folder / "mesh" / "mesh.ply" : options.mesh;
   if (truth_file.empty() || !fs::exists(truth_file)) return;
   if (!fs::exists(mesh_file)) {
     log_warning("{} is missing, so geometry is not measured (run `aligngs mesh` first)", mesh_file.string());
@@ -151,7 +151,7 @@ Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
                         {"width", run.working_camera(0).width}, {"height", run.working_camera(0).height},
                         {"nvs", views.nvs}, {"geometry", geometry}, {"semantics", semantics},
                         {"train", training_json(run)}, {"per_view", views.per_view}};
-  write_file_atomically(run.folder / "metrics.json", metrics.dump(2) + "\n");
+  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", metrics.dump(2) + "\n");
   return metrics;
 }
 

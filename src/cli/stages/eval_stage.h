@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "cli/stages/open_run.h"
 #include "core/progress.h"
@@ -11,11 +13,12 @@ namespace aligngs {
 
 struct EvalStageOptions {
   std::filesystem::path truth_mesh;  ///< empty: truth/mesh.ply of the scene
+  std::filesystem::path mesh;        ///< empty: mesh/mesh.ply of the run; otherwise metrics.json is not written
   bool icp = false;                  ///< adds the ICP-aligned variants (a diagnostic)
   ProgressStyle progress;
 };
 
-/// Measures and writes metrics.json; returns its content. Parts without truth are null, never a stand-in.
+/// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null, never a stand-in.
 nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
 /// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics; Error{kBelow} (status 6) when one is not

@@ -1,0 +1,44 @@
+// `aligngs eval RUN`: measures and writes metrics.json.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/stages/eval_stage.h"
+#include "cli/summary.h"
+
+namespace aligngs {
+
+void add_eval_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("eval", "Measure a run against its test views and truth, write metrics.json");
+  command->group("Measure");
+  command->footer("Example: aligngs eval demo_run --fail-under psnr=20");
+  struct Options {
+    std::string run, scene, truth, mesh;
+    bool icp = false;
+    std::vector<std::string> fail_under;
+  };
+  auto options = std::make_shared<Options>();
+  command->add_option("run", options->run, "run folder")->required();
+  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
+  command->add_option("--gt-mesh", options->truth, "true mesh (default: truth/mesh.ply of the scene)");
+  command->add_option("--mesh", options->mesh, "measure this mesh instead of mesh/mesh.ply; prints, writes no metrics.json");
+  command->add_flag("--icp", options->icp, "add variants aligned by ICP (a diagnostic: hides scale and bend)");
+  command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
+  command->callback([&context, options] {
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    EvalStageOptions stage;
+    stage.truth_mesh = options->truth;
+    stage.mesh = options->mesh;
+    stage.icp = options->icp;
+    stage.progress = context.progress();
+    const nlohmann::json metrics = evaluate_run(run, stage);
+    if (context.global.json) std::printf("%s\n", metrics.dump(2).c_str());
+    else std::fputs(metrics_summary(metrics).c_str(), stdout);
+    require_at_least(metrics, options->fail_under);
+  });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,35 @@
+// `aligngs render RUN`: pictures of the run's views.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/stages/render_stage.h"
+
+namespace aligngs {
+
+void add_render_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("render", "Write pictures of the views: colour, depth, normals, labels, error");
+  command->group("Measure");
+  command->footer("Example: aligngs render demo_run --split all");
+  struct Options {
+    std::string run, scene, split = "test";
+  };
+  auto options = std::make_shared<Options>();
+  command->add_option("run", options->run, "run folder")->required();
+  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
+  command->add_option("--split", options->split, "which views")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
+  command->callback([&context, options] {
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    RenderStageOptions stage;
+    stage.test = options->split != "train";
+    stage.train = options->split != "test";
+    stage.progress = context.progress();
+    const size_t views = render_views(run, stage);
+    const std::string folder = (run.folder / "renders").string();
+    if (context.global.json) std::printf("%s\n", nlohmann::json({{"views", views}, {"folder", folder}}).dump().c_str());
+    else std::printf("%zu views in %s\n", views, folder.c_str());
+  });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,50 @@
+#include "cli/summary.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace aligngs {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string value(const Json& object, const char* key, const char* format) {
+  if (!object.is_object() || !object.contains(key) || !object[key].is_number()) return "–";
+  return fmt::format(fmt::runtime(format), object[key].get<double>());
+}
+
+}  // namespace
+
+std::string metrics_summary(const Json& metrics) {
+  std::string text;
+  const Json& nvs = metrics["nvs"];
+  if (nvs.value("views", 0) == 0) {
+    text += "novel views  no test views\n";
+  } else {
+    text += fmt::format("novel views  PSNR {} dB (after colour fit {}), SSIM {}, {} test views\n", value(nvs, "psnr", "{:.2f}"),
+                        value(nvs["exposure_fitted"], "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"), nvs.value("views", 0));
+  }
+  const Json& geometry = metrics["geometry"];
+  if (geometry.is_null()) {
+    text += "geometry     not measured: the scene has no true mesh\n";
+  } else {
+    text += fmt::format("geometry     F {} at {} m (precision {}, recall {}), accuracy {} m, completeness {} m\n             [{}]\n",
+                        value(geometry, "fscore", "{:.3f}"), value(geometry, "threshold_m", "{:g}"), value(geometry, "precision", "{:.3f}"),
+                        value(geometry, "recall", "{:.3f}"), value(geometry, "accuracy", "{:.4f}"), value(geometry, "completeness", "{:.4f}"),
+                        geometry.value("protocol", std::string()));
+  }
+  const Json& semantics = metrics["semantics"];
+  if (semantics.is_null()) {
+    text += "labels       not measured: no semantics or no true labels\n";
+  } else {
+    text += fmt::format("labels       mIoU {}, accuracy {} (rendered test views)", value(semantics, "miou", "{:.3f}"), value(semantics, "accuracy", "{:.3f}"));
+    if (semantics.contains("mesh")) text += fmt::format("; mesh mIoU {}", value(semantics["mesh"], "miou", "{:.3f}"));
+    text += "\n";
+  }
+  const std::string priors = metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
+  if (priors.find("simulated") != std::string::npos) text += "priors       simulated (" + priors + ")\n";
+  return text;
+}
+
+}  // namespace aligngs
