@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/image_quality.h"
 
 namespace aligngs {
 namespace {
@@ -126,36 +127,6 @@ CoarseDepth coarse_depth(const Capture& capture, const CapturedFrame& frame) {
 }
 
 }  // namespace
-
-double sharpness(const Image<uint8_t>& image) {
-  const int factor = std::max(1, image.width / 320);
-  const int w = image.width / factor, h = image.height / factor;
-  if (w < 3 || h < 3) return 0;
-  std::vector<double> gray(size_t(w) * h);
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      double sum = 0;
-      for (int dy = 0; dy < factor; ++dy) {
-        for (int dx = 0; dx < factor; ++dx) {
-          const uint8_t* p = image.pixel(x * factor + dx, y * factor + dy);
-          sum += 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
-        }
-      }
-      gray[size_t(y) * w + x] = sum / (factor * factor);
-    }
-  }
-  double sum = 0, square = 0;
-  for (int y = 1; y + 1 < h; ++y) {
-    for (int x = 1; x + 1 < w; ++x) {
-      const size_t i = size_t(y) * w + x;
-      const double l = gray[i - 1] + gray[i + 1] + gray[i - w] + gray[i + w] - 4 * gray[i];
-      sum += l;
-      square += l * l;
-    }
-  }
-  const double n = double(w - 2) * (h - 2);
-  return square / n - (sum / n) * (sum / n);
-}
 
 std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions& options, ThreadPool& pool) {
   if (options.count < 1) throw_usage("--views needs at least one view");

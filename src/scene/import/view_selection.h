@@ -14,9 +14,6 @@ struct ViewSelectionOptions {
   int max_candidates = 400;     ///< long captures are thinned to this many sharp frames first
 };
 
-/// Variance of the Laplacian of the grey image, box-reduced to about 320 pixels width: larger is sharper.
-double sharpness(const Image<uint8_t>& image);
-
 /// Indices into capture.frames, in capture order. Greedy: each step adds the frame that gains most, where a surface
 /// sample counts 1 when first seen, 1/2 the second time, 1/4 the third (reconstruction needs two views), and a second view
 /// counts only if its direction differs by 2 degrees or more. Samples come from the frames' depth when there is any,
