@@ -1,0 +1,255 @@
+// check_scene of view_data.h: decodes every file of every view.
+#include "scene/scene_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/memory_budget.h"
+#include "core/thread_pool.h"
+#include "io/image_file.h"
+#include "scene/image_quality.h"
+#include "scene/mesh_ply.h"
+#include "scene/prior_maps.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kBlurred = 0.25;       ///< of the median sharpness (variance of the Laplacian)
+constexpr double kExposureRatio = 1.6;  ///< brighter or darker than the median by this factor
+constexpr size_t kMinForMedians = 4;    ///< views below which "unlike the others" means nothing
+/// softmax of values within [0, 2] among 150 classes reaches at most 0.047: such numbers are hardly logits.
+constexpr float kScoreLike = 2;
+
+/// What decoding the files of one view found.
+struct ViewFindings {
+  std::vector<SceneProblem> problems;
+  double sharpness = -1, luminance = -1;  ///< negative: the image could not be read
+  bool has_semantics = false;
+  bool score_like = false;                ///< all semantic values lie in [0, 2]
+};
+
+void add(ViewFindings& findings, const fs::path& path, const char* field, std::string message, std::string remedy,
+         bool fatal) {
+  findings.problems.push_back({path, field, std::move(message), std::move(remedy), fatal});
+}
+
+template <class Check>
+void note_error(ViewFindings& findings, const fs::path& path, Check check) {
+  try {
+    check();
+  } catch (const Error& error) {
+    const Error::Details& d = error.details();
+    findings.problems.push_back({d.path.empty() ? path : d.path, d.field, d.message, d.remedy, true});
+  }
+}
+
+void check_image(const View& view, ViewFindings& findings) {
+  const Image<uint8_t> image = read_image(view.image);
+  findings.sharpness = sharpness(image);
+  findings.luminance = mean_luminance(image);
+  if (image.channels != 4) return;
+  const bool used = std::any_of(image.data.begin(), image.data.end(), [&, i = size_t(0)](uint8_t value) mutable {
+    return i++ % 4 == 3 && value >= 128;
+  });
+  if (!used) {
+    add(findings, view.image, "alpha", "the mask hides the whole image", "remove the alpha channel or the view", true);
+  }
+}
+
+void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
+  FloatArray array = read_map(view.prior_depth);
+  const MapShape shape = depth_map_shape(array.shape, view.prior_depth);
+  size_t valid = 0, negative = 0;
+  float low = 0, high = 0;
+  for (float z : array.data) {
+    negative += z < 0;
+    if (!(std::isfinite(z) && z > 0)) continue;
+    low = valid == 0 ? z : std::min(low, z);
+    high = std::max(high, z);
+    ++valid;
+  }
+  const char* recompute = "compute this map again, or remove it";
+  if (valid == 0) {
+    add(findings, view.prior_depth, "values", "no pixel has a depth (all are zero, negative or not finite)", recompute,
+        true);
+    return;
+  }
+  if (negative > 0) {
+    add(findings, view.prior_depth, "values", fmt::format("{} pixels are negative and count as no value", negative),
+        "write 0 where there is no depth", false);
+  }
+  if (low == high) {
+    add(findings, view.prior_depth, "values", "every depth is the same number", recompute, false);
+    return;
+  }
+  ImageF depth;
+  depth.width = shape.width;
+  depth.height = shape.height;
+  depth.channels = 1;
+  depth.data = std::move(array.data);
+  const DisparityEvidence evidence = disparity_evidence(scene.cloud, view.camera, depth);
+  if (evidence.is_disparity()) {
+    add(findings, view.prior_depth, "values",
+        fmt::format("larger values are nearer (rank correlation {:.2f} with the depth of {} points): this is "
+                    "disparity or inverse depth, not depth",
+                    evidence.rank_correlation, evidence.points),
+        "write depth: 1 / (disparity * scale + shift), larger is farther", true);
+  }
+}
+
+void check_semantics(const Scene& scene, const View& view, ViewFindings& findings) {
+  const FloatArray array = read_map(view.semantics);
+  semantic_map_shape(array.shape, scene.labels.size(), view.semantics);
+  size_t bad = 0;
+  float low = 0, high = 0;
+  for (float v : array.data) {
+    bad += !std::isfinite(v);
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+  findings.has_semantics = true;
+  findings.score_like = low >= 0 && high <= kScoreLike;
+  const char* recompute = "compute this map again, or remove it";
+  if (bad == array.data.size()) {
+    add(findings, view.semantics, "values", "no value is finite", recompute, true);
+  } else if (bad > 0) {
+    add(findings, view.semantics, "values", fmt::format("{} values are not finite; their pixels are not used", bad),
+        recompute, false);
+  }
+  if (scene.semantic_kind != SemanticKind::kLogits && high <= 0) {
+    add(findings, view.semantics, "values", "no class has a positive value anywhere", recompute, true);
+  }
+}
+
+void check_truth(const Scene& scene, int index, ViewFindings& findings) {
+  const View& view = scene.views[index];
+  if (!view.truth_depth.empty()) {
+    note_error(findings, view.truth_depth, [&] { load_truth_depth(scene, index, view.camera); });
+  }
+  if (!view.truth_labels.empty()) {
+    note_error(findings, view.truth_labels, [&] { load_truth_labels(scene, index, view.camera); });
+  }
+}
+
+/// Decodes the files of one view; files that a problem was already found for are left out.
+ViewFindings check_view(const Scene& scene, int index, const std::vector<SceneProblem>& known) {
+  const View& view = scene.views[index];
+  const auto good = [&](const fs::path& path) {
+    return !path.empty() &&
+           std::none_of(known.begin(), known.end(), [&](const SceneProblem& p) { return p.path == path; });
+  };
+  ViewFindings findings;
+  if (good(view.image)) note_error(findings, view.image, [&] { check_image(view, findings); });
+  if (good(view.prior_depth)) note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
+  if (good(view.semantics)) note_error(findings, view.semantics, [&] { check_semantics(scene, view, findings); });
+  check_truth(scene, index, findings);
+  return findings;
+}
+
+/// As many threads as the largest map, decoded (file bytes and float32), leaves room for.
+int thread_count(const Scene& scene, const std::vector<int>& used) {
+  uintmax_t largest = 1;
+  for (int i : used) {
+    for (const fs::path* path : {&scene.views[i].image, &scene.views[i].prior_depth, &scene.views[i].semantics}) {
+      std::error_code error;
+      const uintmax_t size = path->empty() ? 0 : fs::file_size(*path, error);
+      if (!error) largest = std::max(largest, size);
+    }
+  }
+  constexpr uint64_t kExpansion = 8;  // float16 or JPEG file, its bytes and its floats, with some room
+  const uint64_t fit = available_memory_bytes() / (largest * kExpansion);
+  const uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
+  return static_cast<int>(std::clamp<uint64_t>(fit, 1, threads));
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Views that are blurred or exposed unlike the others.
+void compare_images(const Scene& scene, const std::vector<int>& used, const std::vector<ViewFindings>& findings,
+                    std::vector<SceneProblem>& problems) {
+  std::vector<double> sharp, bright;
+  for (const ViewFindings& f : findings) {
+    if (f.sharpness < 0) continue;
+    sharp.push_back(f.sharpness);
+    bright.push_back(f.luminance);
+  }
+  if (sharp.size() < kMinForMedians) return;
+  const double median_sharpness = median_of(sharp), median_luminance = median_of(bright);
+  for (size_t k = 0; k < used.size(); ++k) {
+    const ViewFindings& f = findings[k];
+    if (f.sharpness < 0) continue;
+    const fs::path& path = scene.views[used[k]].image;
+    if (f.sharpness < kBlurred * median_sharpness) {
+      problems.push_back({path, "sharpness",
+                          fmt::format("blurred: variance of the Laplacian {:.1f}, median of the views {:.1f}",
+                                      f.sharpness, median_sharpness),
+                          "take a sharper photo from there, or leave the view out", false});
+    }
+    const double ratio = f.luminance / std::max(median_luminance, 1e-6);
+    if (ratio > kExposureRatio || ratio < 1 / kExposureRatio) {
+      problems.push_back({path, "exposure",
+                          fmt::format("{:.2f} times as bright as the median of the views", ratio),
+                          "fix the exposure while taking photos, or leave the view out", false});
+    }
+  }
+}
+
+void check_semantic_kind(const Scene& scene, const std::vector<ViewFindings>& findings,
+                         std::vector<SceneProblem>& problems) {
+  if (scene.semantic_kind_stated) return;
+  bool any = false;
+  for (const ViewFindings& f : findings) {
+    if (f.has_semantics && !f.score_like) return;
+    any |= f.has_semantics;
+  }
+  if (!any) return;
+  problems.push_back({scene.folder / "priors.json", "semantics.kind",
+                      "all semantic values lie in [0, 2]: these are hardly logits, and their softmax is almost uniform",
+                      "write {\"semantics\": {\"kind\": \"scores\"}} or \"probabilities\" into priors.json", false});
+}
+
+}  // namespace
+
+std::vector<SceneProblem> check_scene(const Scene& scene) {
+  std::vector<SceneProblem> problems = check_headers(scene);
+  std::vector<int> used = scene.train;
+  used.insert(used.end(), scene.test.begin(), scene.test.end());
+  std::sort(used.begin(), used.end());
+
+  std::vector<ViewFindings> findings(used.size());
+  ThreadPool pool(thread_count(scene, used));
+  const std::vector<SceneProblem> known = problems;
+  pool.parallel_for(used.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t k = begin; k < end; ++k) findings[k] = check_view(scene, used[k], known);
+  });
+  for (ViewFindings& f : findings) {
+    std::move(f.problems.begin(), f.problems.end(), std::back_inserter(problems));
+  }
+  if (!scene.truth_mesh.empty()) {
+    try {
+      read_mesh_ply(scene.truth_mesh);
+    } catch (const Error& error) {
+      problems.push_back({scene.truth_mesh, error.details().field, error.details().message, error.details().remedy, true});
+    }
+  }
+  compare_images(scene, used, findings, problems);
+  check_semantic_kind(scene, findings, problems);
+  std::vector<SceneProblem> geometry = check_geometry(scene);
+  std::move(geometry.begin(), geometry.end(), std::back_inserter(problems));
+  return problems;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,30 @@
+// The parts of checking a scene: headers first, then pixels, then what the geometry says.
+#pragma once
+
+#include <vector>
+
+#include "scene/view_data.h"
+
+namespace aligngs {
+
+/// Missing files and headers that contradict the scene, of the training and test views; nothing is decoded.
+std::vector<SceneProblem> check_headers(const Scene& scene);
+/// Throws the first of them as Error{kBadInput}, with the number of the others.
+void require_good_headers(const Scene& scene);
+
+/// Whether a map given as depth is disparity (larger is nearer), judged on the scene's points.
+struct DisparityEvidence {
+  int points = 0;              ///< visible points with a prior value
+  double rank_correlation = 0; ///< Spearman's, of prior value and depth of the points
+  bool is_disparity() const;   ///< at least 30 points and a correlation below -0.5
+};
+DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
+
+/// Warnings from cameras and points alone: views that see few points or share few with any other view, cameras
+/// that (nearly) stand in one place.
+std::vector<SceneProblem> check_geometry(const Scene& scene);
+
+/// Indices of the points that project into the image, less those clearly behind others (a coarse depth test).
+std::vector<uint32_t> visible_points(const PointCloud& cloud, const Camera& camera);
+
+}  // namespace aligngs

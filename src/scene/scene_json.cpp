@@ -1,0 +1,172 @@
+#include "scene/scene_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kMaxFile = size_t(64) << 20;  // bytes; a split of a million names fits
+
+/// The object in a file; null when there is no file.
+json read_object(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return json();
+  const std::string content = read_file(path, kMaxFile);
+  json value;
+  try {
+    value = json::parse(content);
+  } catch (const json::parse_error& error) {
+    throw_bad_input(path, "byte " + std::to_string(error.byte), "this is no valid JSON", "correct or remove the file");
+  }
+  if (!value.is_object()) throw_bad_input(path, "", "a JSON object expected", "correct or remove the file");
+  return value;
+}
+
+std::string text_of(const json& object, const char* key, const std::filesystem::path& path) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return "";
+  if (!found->is_string()) throw_bad_input(path, key, "a string expected", "put the value in double quotes");
+  return found->get<std::string>();
+}
+
+std::optional<std::vector<std::string>> names_of(const json& object, const char* key,
+                                                 const std::filesystem::path& path) {
+  const auto found = object.find(key);
+  if (found == object.end()) return std::nullopt;
+  const char* remedy = "write the names of the views as [\"0001\", \"0002\"]";
+  if (!found->is_array()) throw_bad_input(path, key, "a list of names expected", remedy);
+  std::vector<std::string> names;
+  for (const json& name : *found) {
+    if (!name.is_string()) throw_bad_input(path, key, "a list of names expected, but one is no string", remedy);
+    names.push_back(name.get<std::string>());
+  }
+  return names;
+}
+
+std::optional<PriorJson> prior_of(const json& object, const char* key, const std::filesystem::path& path) {
+  const auto found = object.find(key);
+  if (found == object.end() || found->is_null()) return std::nullopt;
+  if (!found->is_object()) throw_bad_input(path, key, "an object expected", "correct or remove the file");
+  PriorJson prior;
+  prior.model = text_of(*found, "model", path);
+  prior.weights = text_of(*found, "weights", path);
+  const auto settings = found->find("settings");
+  if (settings != found->end() && settings->is_object()) {
+    for (const auto& [name, value] : settings->items()) {
+      if (value.is_structured()) continue;  // other programs may nest what they like; it is only shown
+      prior.settings[name] = value.is_string() ? value.get<std::string>() : value.dump();
+    }
+  }
+  return prior;
+}
+
+json json_of(const PriorJson& prior) {
+  json out = {{"model", prior.model}};
+  if (!prior.weights.empty()) out["weights"] = prior.weights;
+  if (!prior.settings.empty()) out["settings"] = prior.settings;
+  return out;
+}
+
+/// Text with invalid UTF-8 replaced: file names may hold any bytes.
+void write_object(const std::filesystem::path& path, const json& value) {
+  write_file_atomically(path, value.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+const char* name_of(SemanticKind kind) {
+  switch (kind) {
+    case SemanticKind::kScores:
+      return "scores";
+    case SemanticKind::kProbabilities:
+      return "probabilities";
+    case SemanticKind::kLogits:
+      break;
+  }
+  return "logits";
+}
+
+SceneJson read_scene_json(const std::filesystem::path& path) {
+  SceneJson scene;
+  const json object = read_object(path);
+  if (object.is_null()) return scene;
+  const std::string units = text_of(object, "units", path);
+  if (!units.empty() && units != "metres" && units != "arbitrary") {
+    throw_bad_input(path, "units", "'" + units + "' is unknown", "write \"metres\" or \"arbitrary\"");
+  }
+  scene.metric = units == "metres";
+  scene.source = text_of(object, "source", path);
+  const auto up = object.find("up");
+  if (up == object.end() || up->is_null()) return scene;
+  Vec3d v;
+  bool good = up->is_array() && up->size() == 3;
+  for (int i = 0; good && i < 3; ++i) {
+    good = (*up)[i].is_number();
+    if (good) v[i] = (*up)[i].get<double>();
+  }
+  if (!good || !std::isfinite(norm(v)) || norm(v) < 1e-9) {
+    throw_bad_input(path, "up", "a direction of three numbers, not all zero, or null expected",
+                    "write \"up\": null when it is not known");
+  }
+  scene.up = normalized(v);
+  return scene;
+}
+
+SplitJson read_split_json(const std::filesystem::path& path) {
+  const json object = read_object(path);
+  SplitJson split;
+  if (object.is_null()) return split;
+  split.train = names_of(object, "train", path);
+  split.test = names_of(object, "test", path);
+  if (!split.train && !split.test) {
+    throw_bad_input(path, "", "neither a list 'train' nor a list 'test'",
+                    "write {\"train\": [names], \"test\": [names]} or remove the file");
+  }
+  return split;
+}
+
+PriorsJson read_priors_json(const std::filesystem::path& path) {
+  const json object = read_object(path);
+  PriorsJson priors;
+  if (object.is_null()) return priors;
+  priors.depth = prior_of(object, "depth", path);
+  priors.semantics = prior_of(object, "semantics", path);
+  if (!priors.semantics) return priors;
+  const std::string kind = text_of(object["semantics"], "kind", path);
+  for (SemanticKind known : {SemanticKind::kLogits, SemanticKind::kScores, SemanticKind::kProbabilities}) {
+    if (kind == name_of(known)) priors.kind = known;
+  }
+  if (!kind.empty() && !priors.kind) {
+    throw_bad_input(path, "semantics.kind", "'" + kind + "' is unknown",
+                    "write \"logits\", \"scores\" or \"probabilities\"");
+  }
+  return priors;
+}
+
+void write_scene_json(const std::filesystem::path& path, const SceneJson& scene) {
+  json object = {{"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
+  if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
+  write_object(path, object);
+}
+
+void write_split_json(const std::filesystem::path& path, const SplitJson& split) {
+  json object = json::object();
+  if (split.train) object["train"] = *split.train;
+  if (split.test) object["test"] = *split.test;
+  write_object(path, object);
+}
+
+void write_priors_json(const std::filesystem::path& path, const PriorsJson& priors) {
+  json object = json::object();
+  if (priors.depth) object["depth"] = json_of(*priors.depth);
+  if (priors.semantics) object["semantics"] = json_of(*priors.semantics);
+  if (priors.semantics && priors.kind) object["semantics"]["kind"] = name_of(*priors.kind);
+  write_object(path, object);
+}
+
+}  // namespace aligngs

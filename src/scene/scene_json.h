@@ -1,0 +1,50 @@
+// The small JSON files of a scene folder: scene.json, split.json, priors.json.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace aligngs {
+
+/// scene.json: {"units": "metres" | "arbitrary", "up": [x, y, z] | null, "source": "..."}.
+struct SceneJson {
+  bool metric = false;
+  std::optional<Vec3d> up;  ///< unit
+  std::string source;
+};
+
+/// split.json: {"train": [names], "test": [names]}; a list that is absent is nullopt.
+struct SplitJson {
+  std::optional<std::vector<std::string>> train, test;
+};
+
+/// One entry of priors.json: what made a prior.
+struct PriorJson {
+  std::string model;                            ///< e.g. "sensor", "simulated", "vggt-1b"
+  std::string weights;                          ///< checksum of the weights; empty when there are none
+  std::map<std::string, std::string> settings;  ///< anything worth knowing later
+};
+
+/// priors.json: {"depth": {...}, "semantics": {..., "kind": "logits" | "scores" | "probabilities"}}.
+struct PriorsJson {
+  std::optional<PriorJson> depth, semantics;
+  std::optional<SemanticKind> kind;
+};
+
+/// An absent file gives the defaults; a malformed one is Error{kBadInput} naming the field.
+SceneJson read_scene_json(const std::filesystem::path& path);
+SplitJson read_split_json(const std::filesystem::path& path);
+PriorsJson read_priors_json(const std::filesystem::path& path);
+
+void write_scene_json(const std::filesystem::path& path, const SceneJson& scene);
+void write_split_json(const std::filesystem::path& path, const SplitJson& split);
+void write_priors_json(const std::filesystem::path& path, const PriorsJson& priors);
+
+const char* name_of(SemanticKind kind);
+
+}  // namespace aligngs

@@ -1,0 +1,88 @@
+#include "scene/scene_json.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+std::filesystem::path json_file(const std::string& name, const std::string& content) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_json_test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / name) << content;
+  return folder / name;
+}
+
+template <class Read>
+std::string message_of(Read read, const std::string& content) {
+  try {
+    read(json_file("bad.json", content));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SceneJson, AbsentFilesGiveTheDefaults) {
+  EXPECT_FALSE(read_scene_json("/no/such/scene.json").metric);
+  EXPECT_FALSE(read_split_json("/no/such/split.json").train);
+  EXPECT_FALSE(read_priors_json("/no/such/priors.json").kind);
+}
+
+TEST(SceneJson, WrittenSceneReadsBackEqual) {
+  SceneJson scene;
+  scene.metric = true;
+  scene.up = normalized(Vec3d{0, -1, 0.25});
+  scene.source = "a \"quoted\" source";
+  const auto path = json_file("scene.json", "");
+  write_scene_json(path, scene);
+  const SceneJson back = read_scene_json(path);
+  EXPECT_TRUE(back.metric);
+  EXPECT_NEAR(back.up->z, scene.up->z, 1e-15);
+  EXPECT_EQ(back.source, scene.source);
+}
+
+TEST(SceneJson, UpIsBroughtToUnitLength) {
+  EXPECT_EQ(read_scene_json(json_file("up.json", R"({"up": [0, 0, 3]})")).up->z, 1);
+}
+
+TEST(SceneJson, WrittenSplitReadsBackEqual) {
+  SplitJson split;
+  split.train = {{"a", "b"}};
+  const auto path = json_file("split.json", "");
+  write_split_json(path, split);
+  EXPECT_EQ(read_split_json(path).train, split.train);
+  EXPECT_FALSE(read_split_json(path).test);
+}
+
+TEST(SceneJson, WrittenPriorsReadBackEqual) {
+  PriorsJson priors;
+  priors.depth = PriorJson{"sensor", "", {{"unit", "metres"}}};
+  priors.semantics = PriorJson{"simulated", "abc", {}};
+  priors.kind = SemanticKind::kScores;
+  const auto path = json_file("priors.json", "");
+  write_priors_json(path, priors);
+  const PriorsJson back = read_priors_json(path);
+  EXPECT_EQ(back.depth->settings.at("unit"), "metres");
+  EXPECT_EQ(back.semantics->weights, "abc");
+  EXPECT_EQ(back.kind, SemanticKind::kScores);
+}
+
+TEST(SceneJson, MalformedFilesNameTheField) {
+  EXPECT_NE(message_of(read_scene_json, "{").find("no valid JSON"), std::string::npos);
+  EXPECT_NE(message_of(read_scene_json, "[]").find("object expected"), std::string::npos);
+  EXPECT_NE(message_of(read_scene_json, R"({"units": "feet"})").find("units"), std::string::npos);
+  EXPECT_NE(message_of(read_scene_json, R"({"up": [0, 0, 0]})").find("up"), std::string::npos);
+  EXPECT_NE(message_of(read_scene_json, R"({"up": [0, "x", 0]})").find("up"), std::string::npos);
+  EXPECT_NE(message_of(read_split_json, R"({"test": "a"})").find("test"), std::string::npos);
+  EXPECT_NE(message_of(read_split_json, R"({"test": [1]})").find("test"), std::string::npos);
+  EXPECT_NE(message_of(read_split_json, "{}").find("neither"), std::string::npos);
+  EXPECT_NE(message_of(read_priors_json, R"({"semantics": {"kind": "x"}})").find("semantics.kind"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace aligngs

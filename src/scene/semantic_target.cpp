@@ -1,0 +1,150 @@
+#include "scene/semantic_target.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/half.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+namespace {
+
+/// Turns the C values of one pixel into probabilities; returns the confidence.
+float softmax(float* v, int channels) {
+  const float largest = *std::max_element(v, v + channels);
+  double sum = 0;
+  for (int c = 0; c < channels; ++c) {
+    v[c] = std::exp(v[c] - largest);
+    sum += v[c];
+  }
+  const float scale = static_cast<float>(1 / sum);
+  for (int c = 0; c < channels; ++c) v[c] *= scale;
+  return 1;
+}
+
+float normalise_scores(float* v, int channels, double gamma) {
+  double raw = 0, sum = 0;
+  for (int c = 0; c < channels; ++c) {
+    v[c] = std::max(v[c], 0.0f);
+    raw += v[c];
+    if (gamma != 1) v[c] = static_cast<float>(std::pow(static_cast<double>(v[c]), gamma));
+    sum += v[c];
+  }
+  if (!(sum > 0)) {
+    std::fill(v, v + channels, 1.0f / static_cast<float>(channels));
+    return 0;
+  }
+  const double scale = 1 / sum;
+  for (int c = 0; c < channels; ++c) v[c] = static_cast<float>(v[c] * scale);
+  return raw < kUnknownScoreSum ? 0.0f : 1.0f;
+}
+
+float convert(float* v, int channels, const SemanticConversion& conversion) {
+  if (!std::all_of(v, v + channels, [](float x) { return std::isfinite(x); })) {
+    std::fill(v, v + channels, 1.0f / static_cast<float>(channels));
+    return 0;
+  }
+  if (conversion.kind == SemanticKind::kLogits) return softmax(v, channels);
+  return normalise_scores(v, channels, conversion.kind == SemanticKind::kScores ? conversion.score_gamma : 1);
+}
+
+/// Source row or column pair of an output coordinate: (i + 0.5) * source / target - 0.5, clamped at the border.
+struct Sample {
+  int low, high;
+  float weight;  ///< of `high`
+  Sample(int i, int source, int target) {
+    const double s = std::clamp((i + 0.5) * source / target - 0.5, 0.0, source - 1.0);
+    low = static_cast<int>(s);
+    high = std::min(low + 1, source - 1);
+    weight = static_cast<float>(s - low);
+  }
+};
+
+/// Rows of the target as float, multiplied by confidence; keeps the two used last.
+class RowCache {
+ public:
+  explicit RowCache(const SemanticTarget& target) : target_(target) {}
+
+  const std::vector<float>& row(int y) {
+    Row& slot = rows_[y & 1];
+    if (slot.y == y) return slot.values;
+    slot.y = y;
+    const size_t width = static_cast<size_t>(target_.width), channels = static_cast<size_t>(target_.channels);
+    slot.values.resize(width * channels);
+    const uint16_t* source = &target_.probabilities[y * width * channels];
+    for (size_t x = 0; x < width; ++x) {
+      const float confidence = target_.confidence[y * width + x];
+      for (size_t c = 0; c < channels; ++c) {
+        slot.values[x * channels + c] = confidence * half_to_float(source[x * channels + c]);
+      }
+    }
+    return slot.values;
+  }
+
+ private:
+  struct Row {
+    int y = -1;
+    std::vector<float> values;
+  };
+  const SemanticTarget& target_;
+  Row rows_[2];
+};
+
+}  // namespace
+
+SemanticTarget semantic_target(const float* values, int channels, int width, int height,
+                               const SemanticConversion& conversion) {
+  SemanticTarget out;
+  out.channels = channels;
+  out.width = width;
+  out.height = height;
+  const size_t pixels = static_cast<size_t>(width) * height;
+  out.probabilities.resize(pixels * channels);
+  out.confidence.resize(pixels);
+  std::vector<float> row(static_cast<size_t>(width) * channels);
+  for (int y = 0; y < height; ++y) {
+    for (int c = 0; c < channels; ++c) {  // planar to interleaved, one row at a time: stays in cache
+      const float* plane = values + c * pixels + static_cast<size_t>(y) * width;
+      for (int x = 0; x < width; ++x) row[static_cast<size_t>(x) * channels + c] = plane[x];
+    }
+    for (int x = 0; x < width; ++x) {
+      float* v = &row[static_cast<size_t>(x) * channels];
+      const size_t pixel = static_cast<size_t>(y) * width + x;
+      out.confidence[pixel] = convert(v, channels, conversion);
+      uint16_t* half = &out.probabilities[pixel * channels];
+      for (int c = 0; c < channels; ++c) half[c] = float_to_half(v[c]);
+    }
+  }
+  return out;
+}
+
+Image<uint16_t> target_labels(const SemanticTarget& target, int width, int height) {
+  Image<uint16_t> labels(width, height, 1, kNoLabel);
+  if (target.empty()) return labels;
+  const int channels = target.channels;
+  RowCache cache(target);
+  std::vector<float> blended(static_cast<size_t>(target.width) * channels), pixel(channels);
+  std::vector<float> confidence(target.width);
+  for (int y = 0; y < height; ++y) {
+    const Sample v(y, target.height, height);
+    const std::vector<float>& top = cache.row(v.low);
+    const std::vector<float>& bottom = cache.row(v.high);
+    for (size_t i = 0; i < blended.size(); ++i) blended[i] = top[i] * (1 - v.weight) + bottom[i] * v.weight;
+    for (int x = 0; x < target.width; ++x) {
+      const size_t stride = target.width;
+      confidence[x] = target.confidence[v.low * stride + x] * (1 - v.weight) +
+                      target.confidence[v.high * stride + x] * v.weight;
+    }
+    for (int x = 0; x < width; ++x) {
+      const Sample h(x, target.width, width);
+      if (confidence[h.low] * (1 - h.weight) + confidence[h.high] * h.weight < 0.5f) continue;
+      const float* left = &blended[static_cast<size_t>(h.low) * channels];
+      const float* right = &blended[static_cast<size_t>(h.high) * channels];
+      for (int c = 0; c < channels; ++c) pixel[c] = left[c] * (1 - h.weight) + right[c] * h.weight;
+      labels.at(x, y) = static_cast<uint16_t>(std::max_element(pixel.begin(), pixel.end()) - pixel.begin());
+    }
+  }
+  return labels;
+}
+
+}  // namespace aligngs

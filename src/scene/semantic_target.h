@@ -1,0 +1,28 @@
+// From a teacher's numbers to class probabilities, and from probabilities to labels.
+#pragma once
+
+#include "core/image.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+
+/// Scores whose sum lies below this say nothing about a pixel (Mask2Former's "no object"; guidance 2.1).
+inline constexpr float kUnknownScoreSum = 0.3f;
+
+struct SemanticConversion {
+  SemanticKind kind = SemanticKind::kLogits;
+  double score_gamma = 1;  ///< exponent of positive scores
+};
+
+/// Converts values[C][height][width]:
+/// logits: softmax; scores: max(s, 0)^gamma / sum, confidence 0 where sum of max(s, 0) < 0.3; probabilities: as
+/// they are (brought to sum 1), confidence 0 where they sum to less than 0.3. Pixels with a value that is not
+/// finite and pixels without any positive value get uniform probabilities and confidence 0.
+SemanticTarget semantic_target(const float* values, int channels, int width, int height,
+                               const SemanticConversion& conversion);
+
+/// Arg-max of the probabilities, interpolated bilinearly at pixel centres to width x height and weighted by
+/// confidence; kNoLabel where the interpolated confidence is below 0.5. Ties go to the lower class.
+Image<uint16_t> target_labels(const SemanticTarget& target, int width, int height);
+
+}  // namespace aligngs
