@@ -235,7 +235,9 @@ Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view,
           residual += std::abs(static_cast<double>(maps.color[c * pixels + u]) - view.data.color.at(x, y, c)) / 3;
         }
       }
-      const T prior = view.data.prior_depth.empty() ? T(0) : T(view.data.prior_depth.at(x, y));
+      const T prior = view.data.prior_depth.empty()
+                          ? T(0)
+                          : T(view.data.prior_depth.at(x, y)) * T(set.prior_depth_scale);
 
       for (const Contribution<T>& k : list) {
         const Projection<T>& p = s.projections[k.row];
