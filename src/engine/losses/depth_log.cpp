@@ -1,17 +1,23 @@
 #include "engine/losses/depth_log.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/losses/depth_map.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
+namespace {
+
+constexpr double kHuberMinimum = 1e-9;  // log units: a delta of 0 means the absolute value
+
+}  // namespace
 
 template <class T>
 double log_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace) {
   if (in.view.data.prior_depth.empty()) return 0;
   const int width = in.maps.width, height = in.maps.height;
-  const double delta = in.settings.log_depth_huber;
+  const double delta = std::max(static_cast<double>(in.settings.log_depth_huber), kHuberMinimum);
   const T scale = static_cast<T>(in.settings.prior_depth_scale);
   if (!(scale > T(0))) return 0;
   // Weight of a pixel, 0 where it does not take part.
@@ -41,10 +47,9 @@ double log_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspac
              if (!(w > 0)) continue;
              const T z = workspace.depth[i];
              const double e = static_cast<double>(std::log(z / (scale * static_cast<T>(prior_depth_at(in.view, i)))));
-             const bool inside = std::abs(e) < delta;
-             sum += w * (inside ? e * e / (2 * delta) : std::abs(e) - delta / 2);
-             const double slope = inside ? e / delta : (e > 0 ? 1 : (e < 0 ? -1 : 0));
-             workspace.depth_gradient[i] += static_cast<T>(weight * normalisation * w * slope) / z;
+             const double near = std::min(std::max(e, -delta), delta);  // h = near (e - near / 2) / delta
+             sum += w * near * (e - near / 2) / delta;
+             workspace.depth_gradient[i] += static_cast<T>(weight * normalisation * w * near / delta) / z;
            }
            return std::array<double, 1>{sum};
          })[0];

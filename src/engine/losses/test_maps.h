@@ -1,6 +1,7 @@
 // Random rendered maps and a matching view for the tests of the map losses.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/random.h"
@@ -78,6 +79,32 @@ struct LossFixture {
     return terms;
   }
 };
+
+/// Makes a pixel show the plane n . X = -d (n unit, camera frame) opaquely, with the prior depth and normal to match.
+inline void show_plane(LossFixture& f, int x, int y, const Vec3d& n, double d) {
+  const size_t i = size_t(y) * f.maps.width + x;
+  const double z = -d / dot(n, f.view.data.camera.ray(x + 0.5, y + 0.5));
+  f.maps.alpha[i] = 1;
+  f.maps.distance[i] = d;
+  f.maps.expected[i] = f.maps.median[i] = z;
+  f.view.data.prior_depth.at(x, y) = static_cast<float>(z);
+  f.view.depth_weight.at(x, y) = 1;
+  for (int c = 0; c < 3; ++c) {
+    f.maps.normal[c * f.pixels() + i] = n[c];
+    f.view.prior_normal.at(x, y, c) = static_cast<float>(n[c]);
+  }
+}
+
+/// Every pixel shows the same plane and is far from any label edge.
+inline LossFixture plane_fixture(const Vec3d& n, double d, int width = 14, int height = 11) {
+  LossFixture f(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) show_plane(f, x, y, n, d);
+  }
+  std::fill(f.view.data.labels.data.begin(), f.view.data.labels.data.end(), uint16_t(0));
+  std::fill(f.view.label_edge.data.begin(), f.view.label_edge.data.end(), uint8_t(0));
+  return f;
+}
 
 /// Largest absolute value over all gradients.
 template <class T>
