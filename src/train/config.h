@@ -97,9 +97,8 @@ struct MeshConfig {
   double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units
   double alpha_min = 0, min_cosine = 0;
   double consistency = 0;  ///< relative depth difference within which two views agree
-  int64_t consistency_views = 0;
-  double single_view_weight = 0;
-  double component_min = 0;  ///< share of the largest component's area below which one is removed
+  double single_view_weight = 0, contradicted_weight = 0;
+  double component_area = 0, component_extent = 0;  ///< scene units; negative: keep all
   int64_t interpolated_views = 0;
 };
 

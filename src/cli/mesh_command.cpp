@@ -1,0 +1,45 @@
+// `aligngs mesh RUN`: the surface of a run.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/stages/mesh_stage.h"
+#include "train/config_file.h"
+
+namespace aligngs {
+
+void add_mesh_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("mesh", "Fuse the depth of the training views into a labelled triangle mesh");
+  command->group("Measure");
+  command->footer("Example: aligngs mesh demo_run --set mesh.voxel=0.01");
+  struct Options {
+    std::string run, scene, output;
+    bool from_prior = false;
+    std::vector<std::string> sets;
+  };
+  auto options = std::make_shared<Options>();
+  command->add_option("run", options->run, "run folder")->required();
+  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
+  command->add_option("-o,--output", options->output, "PLY file to write (default: mesh/mesh.ply in the run)");
+  command->add_flag("--from-prior", options->from_prior, "fuse the prior depth instead of rendered depth: the yardstick");
+  command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
+  command->callback([&context, options] {
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);
+    MeshStageOptions stage;
+    stage.from_prior = options->from_prior;
+    stage.output = options->output;
+    const MeshStageResult result = mesh_run(run, stage);
+    const FusionReport& f = result.fusion;
+    if (context.global.json) {
+      std::printf("%s\n", nlohmann::json({{"mesh", result.file.string()}, {"vertices", f.vertices}, {"triangles", f.triangles},
+                                          {"voxel", f.voxel}, {"truncation", f.truncation}, {"max_depth", f.max_depth},
+                                          {"predicted_bytes", f.predicted_bytes}, {"labelled_vertices", result.labels.labelled}}).dump(2).c_str());
+    } else {
+      std::printf("%s: %zu vertices, %zu triangles, voxel %.4g\n", result.file.string().c_str(), f.vertices, f.triangles, f.voxel);
+    }
+  });
+}
+
+}  // namespace aligngs

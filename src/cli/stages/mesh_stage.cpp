@@ -1,0 +1,107 @@
+#include "cli/stages/mesh_stage.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "scene/mesh_ply.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+namespace {
+
+FusionOptions fusion_options(const OpenRun& run) {
+  const MeshConfig& mesh = run.config.mesh;
+  FusionOptions options;
+  options.metric = run.scene.metric;
+  options.extent = robust_extent(run.scene);
+  options.voxel = mesh.voxel;
+  options.truncation = mesh.truncation;
+  options.max_depth = mesh.max_depth;
+  options.min_alpha = mesh.alpha_min;
+  options.min_cosine = mesh.min_cosine;
+  options.consistency.depth_tolerance = mesh.consistency;
+  options.single_view_weight = mesh.single_view_weight;
+  options.contradicted_weight = mesh.contradicted_weight;
+  options.min_component_area = mesh.component_area;
+  options.min_component_extent = mesh.component_extent;
+  return options;
+}
+
+const ImageF& chosen_depth(const Rendering& rendering, const std::string& kind) {
+  return kind == "plane" ? rendering.depth_plane : kind == "expected" ? rendering.depth_expected : rendering.depth_median;
+}
+
+FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name) {
+  const Rendering rendering = run.engine->render(camera, run.render_options());
+  FusionFrame frame;
+  frame.name = name;
+  frame.camera = camera;
+  frame.depth = chosen_depth(rendering, run.config.mesh.depth);
+  frame.color = rendering.color;
+  frame.normal = rendering.normal;
+  frame.alpha = rendering.alpha;
+  frame.label = rendering.label;
+  frame.label_probability = rendering.label_probability;
+  return frame;
+}
+
+FusionFrame prior_frame(const OpenRun& run, int view) {
+  LoadOptions options = run.load_options();
+  options.prior_depth = true;
+  const ViewData data = load_view(run.scene, view, options);
+  if (data.prior_depth.empty()) {
+    throw_bad_input(run.scene.folder / "pred_depths", data.name, "this view has no prior depth", "fuse rendered depth instead (without --from-prior)");
+  }
+  FusionFrame frame;
+  frame.name = data.name;
+  frame.camera = data.camera;
+  frame.depth = data.prior_depth;
+  frame.color = data.color;
+  return frame;
+}
+
+/// A camera half-way between two: mean centre, mean rotation, the first one's intrinsics.
+Camera between(const Camera& a, const Camera& b) {
+  const Quaterniond p = quaternion_of(a.world_to_camera.rotation), q0 = quaternion_of(b.world_to_camera.rotation);
+  const double sign = p.w * q0.w + p.x * q0.x + p.y * q0.y + p.z * q0.z < 0 ? -1 : 1;
+  Camera camera = a;
+  camera.world_to_camera.rotation =
+      rotation_matrix(normalized(Quaterniond{p.w + sign * q0.w, p.x + sign * q0.x, p.y + sign * q0.y, p.z + sign * q0.z}));
+  camera.world_to_camera.translation = -(camera.world_to_camera.rotation * ((a.centre() + b.centre()) * 0.5));
+  return camera;
+}
+
+void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
+  const size_t wanted = static_cast<size_t>(run.config.mesh.interpolated_views);
+  const size_t pairs = run.scene.train.size() - 1;
+  for (size_t k = 0; k < wanted && k < pairs; ++k) {
+    const size_t i = k * pairs / std::min(wanted, pairs);
+    frames.push_back(rendered_frame(run, between(run.working_camera(run.scene.train[i]), run.working_camera(run.scene.train[i + 1])),
+                                    "between " + std::to_string(i)));
+    frames.back().interpolated = true;
+    frames.back().label = {};
+  }
+}
+
+}  // namespace
+
+MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
+  std::vector<FusionFrame> frames;
+  for (const int view : run.scene.train) {
+    frames.push_back(options.from_prior ? prior_frame(run, view) : rendered_frame(run, run.working_camera(view), run.scene.views[view].name));
+  }
+  if (!options.from_prior && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
+
+  FusionResult fused = fuse_depth(frames, fusion_options(run), *run.pool);
+  if (fused.mesh.empty()) {
+    throw Error({ErrorKind::kFailed, "fusion found no surface", run.folder, {}, "look at the renders: is there anything in them?"});
+  }
+  MeshStageResult result;
+  result.fusion = fused.report;
+  if (run.has_labels() && !options.from_prior) result.labels = label_mesh(fused.mesh, frames, *run.pool);
+  result.file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
+  write_mesh_ply(result.file, fused.mesh);
+  log_info("{}", fused.report.text());
+  return result;
+}
+
+}  // namespace aligngs
