@@ -1,0 +1,310 @@
+#include "scene/scene_writer.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/half.h"
+#include "io/colmap.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "io/ply.h"
+#include "scene/mesh_ply.h"
+#include "scene/prior_maps.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& message, const fs::path& path, const std::string& field) {
+  throw Error({ErrorKind::kFailed, message, path, field, {}});
+}
+
+/// Runs a file-system operation and turns its failure into Error{kResources}.
+template <class Operation>
+void on_disk(const fs::path& path, const char* what, Operation operation) {
+  std::error_code error;
+  operation(error);
+  if (error) throw_resources(path, std::string(what) + ": " + error.message(), "check free space and permissions");
+}
+
+void make_folder(const fs::path& path) {
+  on_disk(path, "the folder cannot be made", [&](std::error_code& error) { fs::create_directories(path, error); });
+}
+
+void copy_into_place(const fs::path& from, const fs::path& to) {
+  if (!fs::is_regular_file(from)) throw_bad_input(from, "file", "missing", "check the path");
+  make_folder(to.parent_path());
+  on_disk(to, "the file cannot be copied", [&](std::error_code& error) { fs::copy_file(from, to, error); });
+}
+
+bool looks_like_a_scene(const fs::path& folder) {
+  return fs::is_regular_file(folder / "scene.json") || fs::is_directory(folder / "sparse");
+}
+
+std::vector<uint16_t> to_half(const std::vector<float>& values) {
+  std::vector<uint16_t> half(values.size());
+  std::transform(values.begin(), values.end(), half.begin(), float_to_half);
+  return half;
+}
+
+void write_depth(const fs::path& path, const SceneViewParts& view) {
+  const ImageF& depth = view.prior_depth;
+  const std::vector<int64_t> shape = {depth.height, depth.width};
+  make_folder(path.parent_path());
+  if (view.half_depth) {
+    write_npy_float16(path, shape, to_half(depth.data).data());
+  } else {
+    write_npy_float32(path, shape, depth.data.data());
+  }
+}
+
+void write_truth_depth(const fs::path& path, const ImageF& depth) {
+  Image<uint16_t> millimetres(depth.width, depth.height, 1);
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    const float z = depth.data[i];
+    if (std::isfinite(z) && z > 0) {
+      millimetres.data[i] = static_cast<uint16_t>(std::clamp(std::round(z * 1000.0f), 1.0f, 65535.0f));
+    }
+  }
+  make_folder(path.parent_path());
+  write_png16(path, millimetres);
+}
+
+void write_truth_labels(const fs::path& path, const Image<uint16_t>& labels) {
+  Image<uint8_t> bytes(labels.width, labels.height, 1, 255);
+  for (size_t i = 0; i < labels.data.size(); ++i) {
+    if (labels.data[i] == kNoLabel) continue;
+    if (labels.data[i] >= 255) fail("a label does not fit into uint8", path, "label " + std::to_string(labels.data[i]));
+    bytes.data[i] = static_cast<uint8_t>(labels.data[i]);
+  }
+  make_folder(path.parent_path());
+  write_png(path, bytes);
+}
+
+ColmapCamera colmap_camera(uint32_t id, const Camera& camera) {
+  ColmapCamera out;
+  out.id = id;
+  out.model = "PINHOLE";
+  out.width = static_cast<uint64_t>(camera.width);
+  out.height = static_cast<uint64_t>(camera.height);
+  out.params = {camera.fx, camera.fy, camera.cx, camera.cy};
+  return out;
+}
+
+/// Adds an image with its camera; cameras with the same size and intrinsics are shared.
+void add_image(const Camera& camera, const std::string& image_name, ColmapModel& model) {
+  const ColmapCamera wanted = colmap_camera(static_cast<uint32_t>(model.cameras.size() + 1), camera);
+  const auto same = std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) {
+    return c.width == wanted.width && c.height == wanted.height && c.params == wanted.params;
+  });
+  ColmapImage image;
+  image.camera_id = same == model.cameras.end() ? wanted.id : same->id;
+  if (same == model.cameras.end()) model.cameras.push_back(wanted);
+  image.id = static_cast<uint32_t>(model.images.size() + 1);
+  image.rotation = quaternion_of(camera.world_to_camera.rotation);
+  image.translation = camera.world_to_camera.translation;
+  image.name = image_name;
+  model.images.push_back(image);
+}
+
+void add_points(const PointCloud& cloud, ColmapModel& model) {
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    ColmapPoint point;
+    point.id = i + 1;
+    point.position = cloud.positions[i].cast<double>();
+    for (int k = 0; k < 3; ++k) {
+      point.color[k] = static_cast<uint8_t>(std::lround(std::clamp(cloud.colors[i][k], 0.0f, 1.0f) * 255));
+    }
+    model.points.push_back(point);
+  }
+}
+
+PlyProperty column(const char* name, PlyType type, size_t rows) {
+  PlyProperty property;
+  property.name = name;
+  property.type = type;
+  property.values.reserve(rows);
+  return property;
+}
+
+}  // namespace
+
+void write_cloud_ply(const fs::path& path, const PointCloud& cloud) {
+  PlyElement vertex;
+  vertex.name = "vertex";
+  vertex.count = cloud.size();
+  const auto add_columns = [&](std::initializer_list<const char*> names, PlyType type, const std::vector<Vec3f>& rows,
+                               float scale) {
+    int k = 0;
+    for (const char* name : names) {
+      PlyProperty property = column(name, type, rows.size());
+      for (const Vec3f& row : rows) {
+        const double value = static_cast<double>(row[k]) * scale;
+        property.values.push_back(type == PlyType::kUint8 ? std::round(std::clamp(value, 0.0, 255.0)) : value);
+      }
+      vertex.properties.push_back(std::move(property));
+      ++k;
+    }
+  };
+  add_columns({"x", "y", "z"}, PlyType::kFloat32, cloud.positions, 1);
+  if (cloud.has_normals()) add_columns({"nx", "ny", "nz"}, PlyType::kFloat32, cloud.normals, 1);
+  add_columns({"red", "green", "blue"}, PlyType::kUint8, cloud.colors, 255);
+  PlyFile file;
+  file.elements.push_back(std::move(vertex));
+  write_ply(path, file);
+}
+
+SceneWriter::SceneWriter(fs::path folder, bool overwrite)
+    : folder_(fs::absolute(folder).lexically_normal()), overwrite_(overwrite) {
+  if (folder_.filename().empty()) folder_ = folder_.parent_path();  // "scene/" names the folder "scene"
+  if (fs::exists(folder_) && !(fs::is_directory(folder_) && fs::is_empty(folder_))) {
+    if (!overwrite) {
+      throw Error({ErrorKind::kUsage, "the folder exists and is not empty", folder_, "output",
+                   "choose another folder, or add --overwrite to replace the scene in it"});
+    }
+    if (!fs::is_directory(folder_) || !looks_like_a_scene(folder_)) {
+      throw Error({ErrorKind::kUsage, "this is no scene folder: it is not replaced", folder_, "output",
+                   "choose another folder"});
+    }
+  }
+  partial_ = folder_;
+  partial_ += ".partial-" + std::to_string(getpid());
+  on_disk(partial_, "an old temporary folder cannot be removed",
+          [&](std::error_code& error) { fs::remove_all(partial_, error); });
+  make_folder(partial_ / "images");
+}
+
+SceneWriter::~SceneWriter() {
+  std::error_code ignored;  // nothing to be done about a left-over while another error may be on its way
+  fs::remove_all(partial_, ignored);
+}
+
+fs::path SceneWriter::write_image(const SceneViewParts& view) const {
+  const bool copy = !view.image_file.empty(), jpeg = view.jpeg_quality > 0 && view.image.channels == 3;
+  const std::string extension = copy ? view.image_file.extension().string() : (jpeg ? ".jpg" : ".png");
+  const fs::path path = partial_ / "images" / (view.name + extension);
+  make_folder(path.parent_path());
+  int width = view.image.width, height = view.image.height;
+  if (copy) {
+    const ImageInfo info = read_image_info(view.image_file);
+    width = info.width;
+    height = info.height;
+  }
+  if (width != view.camera.width || height != view.camera.height) {
+    fail("the image has not the size of its camera", copy ? view.image_file : path, "size");
+  }
+  if (copy) {
+    copy_into_place(view.image_file, path);
+  } else if (jpeg) {
+    write_jpeg(path, view.image, view.jpeg_quality);
+  } else {
+    write_png(path, view.image);
+  }
+  return path;
+}
+
+void SceneWriter::add_view(const SceneViewParts& view) {
+  const fs::path name(view.name);
+  const bool inside = !view.name.empty() && name.is_relative() && !name.filename().empty() &&
+                      std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+  if (!inside) fail("the name '" + view.name + "' cannot name a view", folder_, "name");
+  const bool repeated =
+      std::any_of(views_.begin(), views_.end(), [&](const Written& w) { return w.name == view.name; });
+  if (repeated) fail("two views have the name '" + view.name + "'", folder_, "name");
+
+  const fs::path image = write_image(view);
+  const auto require_aspect = [&](int width, int height, const char* field) {
+    require_same_aspect({1, height, width}, view.camera.width, view.camera.height, folder_ / view.name, field);
+  };
+  if (!view.prior_depth.empty()) {
+    require_aspect(view.prior_depth.width, view.prior_depth.height, "prior_depth");
+    write_depth(partial_ / "pred_depths" / (view.name + ".npy"), view);
+  }
+  const SemanticMap& semantics = view.semantics;
+  if (!semantics.values.empty()) {
+    require_aspect(semantics.width, semantics.height, "semantics");
+    if (semantics.values.size() != size_t(semantics.channels) * semantics.width * semantics.height) {
+      fail("the number of values is not C x height x width", folder_ / view.name, "semantics");
+    }
+    const fs::path path = partial_ / "segmentation_logits" / (view.name + ".npy");
+    make_folder(path.parent_path());
+    write_npy_float16(path, {semantics.channels, semantics.height, semantics.width}, to_half(semantics.values).data());
+  }
+  if (!view.truth_depth.empty()) {
+    require_aspect(view.truth_depth.width, view.truth_depth.height, "truth_depth");
+    write_truth_depth(partial_ / "truth" / "depth" / (view.name + ".png"), view.truth_depth);
+  }
+  if (!view.truth_labels.empty()) {
+    require_aspect(view.truth_labels.width, view.truth_labels.height, "truth_labels");
+    write_truth_labels(partial_ / "truth" / "labels" / (view.name + ".png"), view.truth_labels);
+  }
+  views_.push_back({view.name, image.lexically_relative(partial_ / "images").generic_string(), view.camera,
+                    view.truth_camera});
+}
+
+void SceneWriter::write_models(const SceneParts& parts) const {
+  ColmapModel model, truth;
+  size_t with_truth = 0;
+  for (const Written& view : views_) {
+    add_image(view.camera, view.image_name, model);
+    if (!view.truth_camera) continue;
+    add_image(*view.truth_camera, view.image_name, truth);
+    ++with_truth;
+  }
+  if (with_truth != 0 && with_truth != views_.size()) {
+    fail("a true camera for every view or for none expected", folder_, "truth_camera");
+  }
+  add_points(parts.cloud, model);
+  make_folder(partial_ / "sparse");
+  write_colmap_binary(partial_ / "sparse", model);
+  if (parts.cloud.has_normals()) write_cloud_ply(partial_ / "sparse" / "points3D.ply", parts.cloud);
+  if (with_truth == 0) return;
+  make_folder(partial_ / "truth" / "sparse");
+  write_colmap_binary(partial_ / "truth" / "sparse", truth);
+}
+
+void SceneWriter::replace_target() const {
+  // The old folder moves aside first: rename() does not replace a folder that is not empty.
+  fs::path old = folder_;
+  old += ".old-" + std::to_string(getpid());
+  const bool replace = fs::exists(folder_);
+  if (replace) {
+    if (!overwrite_ && !fs::is_empty(folder_)) {
+      throw Error({ErrorKind::kUsage, "the folder was filled meanwhile", folder_, "output", "choose another folder"});
+    }
+    on_disk(folder_, "the old scene cannot be moved aside",
+            [&](std::error_code& error) { fs::rename(folder_, old, error); });
+  }
+  std::error_code failed;
+  fs::rename(partial_, folder_, failed);
+  if (failed) {
+    std::error_code ignored;
+    if (replace) fs::rename(old, folder_, ignored);
+    throw_resources(folder_, "the finished scene cannot be put in place: " + failed.message(), "check permissions");
+  }
+  std::error_code ignored;
+  if (replace) fs::remove_all(old, ignored);
+}
+
+void SceneWriter::finish(const SceneParts& parts) {
+  if (views_.empty()) fail("a scene needs at least one view", folder_, "views");
+  if (parts.cloud.colors.size() != parts.cloud.size()) fail("one colour per point expected", folder_, "cloud");
+  write_models(parts);
+  write_scene_json(partial_ / "scene.json", parts.description);
+  if (parts.split.train || parts.split.test) write_split_json(partial_ / "split.json", parts.split);
+  if (parts.priors.depth || parts.priors.semantics) write_priors_json(partial_ / "priors.json", parts.priors);
+  if (parts.labels.size() > 0) write_label_csv(partial_ / "labels.csv", parts.labels);
+  if (!parts.truth_mesh_file.empty()) {
+    copy_into_place(parts.truth_mesh_file, partial_ / "truth" / "mesh.ply");
+  } else if (!parts.truth_mesh.vertices.empty()) {
+    make_folder(partial_ / "truth");
+    write_mesh_ply(partial_ / "truth" / "mesh.ply", parts.truth_mesh);
+  }
+  replace_target();
+}
+
+}  // namespace aligngs
