@@ -1,0 +1,211 @@
+#include "scene/scene_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "io/image_file.h"
+#include "scene/image_quality.h"
+#include "scene/test_scene_folder.h"
+
+namespace aligngs {
+namespace {
+
+using namespace test_scene;
+
+std::vector<SceneProblem> problems_of(const fs::path& folder) {
+  SceneOptions options;
+  options.check_headers = false;
+  return check_scene(open_scene(folder, options));
+}
+
+/// The problems of one file.
+std::vector<SceneProblem> of_file(const std::vector<SceneProblem>& problems, const std::string& file) {
+  std::vector<SceneProblem> out;
+  std::copy_if(problems.begin(), problems.end(), std::back_inserter(out),
+               [&](const SceneProblem& p) { return p.path.filename() == file; });
+  return out;
+}
+
+void write_depth(const fs::path& folder, const std::string& name, float (*value)(float)) {
+  ImageF depth = surface_depth_map(camera_at(0.1 * (name[1] - '0')), kWidth, kHeight);
+  for (float& z : depth.data) z = value(z);
+  write_npy_float32(folder / "pred_depths" / (name + ".npy"), {kHeight, kWidth}, depth.data.data());
+}
+
+TEST(CheckScene, AGoodSceneHasNoProblem) {
+  for (const SceneProblem& p : problems_of(write_scene())) ADD_FAILURE() << p.path << " " << p.field << " " << p.message;
+}
+
+TEST(CheckScene, EveryProblemIsListedOnce) {
+  const fs::path folder = write_scene();
+  fs::remove(folder / "images" / "v0.png");
+  write_png(folder / "images" / "v1.png", Image<uint8_t>(20, 15, 3));
+  write_text(folder / "images" / "v2.png", "no image at all");
+  fs::remove(folder / "pred_depths" / "v0.npy");
+  write_text(folder / "pred_depths" / "v1.npy", "broken");
+  const ImageF wrong(kWidth, kWidth, 1, 1.0f);
+  write_npy_float32(folder / "pred_depths" / "v2.npy", {kWidth, kWidth}, wrong.data.data());
+  const SemanticMap two{2, 4, 3, std::vector<float>(24, 0.5f)};
+  write_npy_float32(folder / "segmentation_logits" / "v1.npy", {2, 3, 4}, two.values.data());
+  const std::vector<SceneProblem> problems = problems_of(folder);
+  for (const char* file : {"v0.png", "v1.png", "v2.png", "v0.npy", "v2.npy"}) {
+    EXPECT_EQ(of_file(problems, file).size(), 1u) << file;
+  }
+  EXPECT_EQ(of_file(problems, "v1.npy").size(), 2u) << "one broken depth map, one semantic map of two classes";
+  for (const SceneProblem& p : problems) {
+    EXPECT_TRUE(p.fatal) << p.path;
+    EXPECT_FALSE(p.remedy.empty()) << p.path;
+  }
+  EXPECT_THROW(open_scene(folder), Error);
+}
+
+TEST(CheckScene, ATruncatedImageIsFoundThoughItsHeaderIsGood) {
+  const fs::path folder = write_scene();
+  const std::string bytes = read_text(folder / "images" / "v2.png");
+  write_text(folder / "images" / "v2.png", bytes.substr(0, bytes.size() / 2));
+  const auto problems = of_file(problems_of(folder), "v2.png");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].fatal);
+}
+
+TEST(CheckScene, DepthWithoutAnyValueIsFatal) {
+  const fs::path folder = write_scene();
+  write_depth(folder, "v0", [](float) { return 0.0f; });
+  write_depth(folder, "v1", [](float) { return std::nanf(""); });
+  const auto problems = problems_of(folder);
+  for (const char* file : {"v0.npy", "v1.npy"}) {
+    ASSERT_EQ(of_file(problems, file).size(), 1u);
+    EXPECT_TRUE(of_file(problems, file)[0].fatal);
+  }
+}
+
+TEST(CheckScene, DisparityGivenAsDepthIsFatal) {
+  const fs::path folder = write_scene();
+  write_depth(folder, "v1", [](float z) { return 1 / z; });
+  const auto problems = of_file(problems_of(folder), "v1.npy");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].fatal);
+  EXPECT_NE(problems[0].message.find("disparity"), std::string::npos);
+}
+
+TEST(CheckScene, ConstantDepthIsAWarning) {
+  const fs::path folder = write_scene();
+  write_depth(folder, "v0", [](float) { return 2.0f; });
+  const auto problems = of_file(problems_of(folder), "v0.npy");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+}
+
+TEST(CheckScene, SemanticsWithoutAFiniteValueAreFatal) {
+  const fs::path folder = write_scene();
+  const std::vector<float> values(3 * 3 * 4, std::nanf(""));
+  write_npy_float32(folder / "segmentation_logits" / "v0.npy", {3, 3, 4}, values.data());
+  const auto problems = of_file(problems_of(folder), "v0.npy");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].fatal);
+}
+
+TEST(CheckScene, ScoresOfUnstatedKindAreAWarningOncePerScene) {
+  const fs::path folder = write_scene();
+  fs::remove(folder / "priors.json");
+  const auto problems = problems_of(folder);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_FALSE(problems[0].fatal);
+  EXPECT_EQ(problems[0].field, "semantics.kind");
+}
+
+TEST(CheckScene, RealLogitsOfUnstatedKindAreFine) {
+  const fs::path folder = write_scene();
+  fs::remove(folder / "priors.json");
+  std::vector<float> values(3 * 3 * 4, -5.0f);
+  values[0] = 9;
+  write_npy_float32(folder / "segmentation_logits" / "v0.npy", {3, 3, 4}, values.data());
+  EXPECT_TRUE(problems_of(folder).empty());
+}
+
+TEST(CheckScene, ATruthMapOfAnotherAspectIsFound) {
+  const fs::path folder = write_scene();
+  write_png16(folder / "truth" / "depth" / "v2.png", Image<uint16_t>(10, 30, 1, 1000));
+  const auto problems = of_file(problems_of(folder), "v2.png");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_TRUE(problems[0].fatal);
+}
+
+TEST(CheckScene, BlurredAndDarkViewsAreWarnings) {
+  const fs::path folder = fresh_folder("scene");
+  SceneWriter writer(folder, false);
+  SceneParts parts = scene_parts();
+  parts.split = {};
+  for (int i = 0; i < 6; ++i) {
+    SceneViewParts view = view_parts(i);
+    if (i == 0) view.image = Image<uint8_t>(kWidth, kHeight, 3, 128);
+    if (i == 1) {
+      for (uint8_t& value : view.image.data) value = static_cast<uint8_t>(value / 2 - value / 20);
+    }
+    writer.add_view(view);
+  }
+  writer.finish(parts);
+  const auto problems = problems_of(folder);
+  ASSERT_EQ(problems.size(), 2u);
+  EXPECT_EQ(problems[0].field, "sharpness");
+  EXPECT_EQ(problems[0].path.filename(), "v0.png");
+  EXPECT_EQ(problems[1].field, "exposure");
+  EXPECT_FALSE(problems[1].fatal);
+}
+
+TEST(CheckGeometry, AViewThatSeesOtherThingsIsAWarning) {
+  Scene scene = open_scene(write_scene());
+  Camera& camera = scene.views[1].camera;
+  camera.world_to_camera.rotation = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}};  // turned round: no point lies before it
+  const auto problems = check_geometry(scene);
+  ASSERT_EQ(problems.size(), 2u);
+  EXPECT_EQ(problems[0].field, "overlap");
+  EXPECT_EQ(problems[1].field, "points");
+}
+
+TEST(CheckGeometry, CamerasInOnePlaceAreAWarning) {
+  Scene scene = open_scene(write_scene());
+  for (View& view : scene.views) view.camera.world_to_camera.translation = {0, 0, 0};
+  const auto problems = check_geometry(scene);
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].field, "poses");
+}
+
+TEST(DisparityEvidence, NeedsEnoughPointsAndAClearSign) {
+  const Scene scene = open_scene(write_scene());
+  const Camera camera = scene.views[0].camera;
+  ImageF depth = surface_depth_map(camera, kWidth, kHeight);
+  EXPECT_GT(disparity_evidence(scene.cloud, camera, depth).rank_correlation, 0.9);
+  for (float& z : depth.data) z = 1 / z;
+  EXPECT_TRUE(disparity_evidence(scene.cloud, camera, depth).is_disparity());
+  EXPECT_FALSE(disparity_evidence({}, camera, depth).is_disparity());
+  EXPECT_FALSE(disparity_evidence(scene.cloud, camera, ImageF(kWidth, kHeight, 1, 1.0f)).is_disparity());
+}
+
+TEST(VisiblePoints, PointsBehindOthersAreHidden) {
+  PointCloud cloud;
+  cloud.positions = {{0, 0, 2}, {0, 0, 3}, {0.3f, 0.2f, 3}, {0, 0, -1}, {9, 0, 2}};
+  cloud.colors.resize(5);
+  EXPECT_EQ(visible_points(cloud, camera_at(0)), (std::vector<uint32_t>{0, 2}));
+}
+
+TEST(ImageQuality, BlurLowersSharpness) {
+  Image<uint8_t> sharp = textured_image(1), blurred = sharp;
+  for (int y = 1; y < kHeight - 1; ++y)
+    for (int x = 1; x < kWidth - 1; ++x)
+      for (int c = 0; c < 3; ++c) {
+        int sum = 0;
+        for (int j = -1; j <= 1; ++j)
+          for (int i = -1; i <= 1; ++i) sum += sharp.at(x + i, y + j, c);
+        blurred.at(x, y, c) = static_cast<uint8_t>(sum / 9);
+      }
+  EXPECT_GT(sharpness(sharp), 4 * sharpness(blurred));
+  EXPECT_EQ(sharpness(Image<uint8_t>(2, 2, 3)), 0);
+  EXPECT_NEAR(mean_luminance(Image<uint8_t>(4, 4, 3, 51)), 0.2, 1e-6);
+}
+
+}  // namespace
+}  // namespace aligngs
