@@ -1,0 +1,215 @@
+#include "train/checkpoint.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "io/safetensors.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "aligngs-checkpoint-1";
+constexpr const char* kPrefix = "step_";
+constexpr const char* kSuffix = ".safetensors";
+constexpr const char* kOtherScene = "other scene";  // field by which the caller tells this case from damage
+
+template <class T>
+TensorBytes raw_tensor(const char* dtype, const T* values, size_t count) {
+  TensorBytes t;
+  t.dtype = dtype;
+  t.shape = {static_cast<int64_t>(count)};
+  t.bytes.resize(count * sizeof(T));
+  if (count > 0) std::memcpy(t.bytes.data(), values, t.bytes.size());
+  return t;
+}
+
+template <class T>
+std::vector<T> raw_values(const TensorFile& file, const char* name, const char* dtype, const fs::path& path) {
+  const auto it = file.tensors.find(name);
+  if (it == file.tensors.end() || it->second.dtype != dtype || it->second.bytes.size() % sizeof(T) != 0) {
+    throw_bad_input(path, name, "the tensor is missing or of another type");
+  }
+  std::vector<T> values(it->second.bytes.size() / sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), it->second.bytes.data(), it->second.bytes.size());
+  return values;
+}
+
+std::vector<float> float_tensor(const TensorFile& file, const std::string& name, size_t count, const fs::path& path) {
+  const auto it = file.tensors.find(name);
+  if (it == file.tensors.end()) throw_bad_input(path, name, "the tensor is missing");
+  std::vector<float> values = floats_of(it->second, path.string() + ": " + name);
+  if (values.size() != count) throw_bad_input(path, name, "the tensor has another size than the Gaussians need");
+  return values;
+}
+
+uint32_t add_to_checksum(uint32_t crc, const void* data, size_t bytes) {
+  return static_cast<uint32_t>(crc32_z(crc, static_cast<const Bytef*>(data), bytes));
+}
+
+/// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too.
+std::string checksum(const TensorFile& file) {
+  uint32_t crc = static_cast<uint32_t>(crc32_z(0, nullptr, 0));
+  for (const auto& [name, tensor] : file.tensors) {
+    crc = add_to_checksum(crc, name.data(), name.size());
+    crc = add_to_checksum(crc, tensor.dtype.data(), tensor.dtype.size());
+    crc = add_to_checksum(crc, tensor.bytes.data(), tensor.bytes.size());
+  }
+  for (const auto& [name, text] : file.metadata) {
+    if (name == "crc32") continue;
+    crc = add_to_checksum(crc, name.data(), name.size());
+    crc = add_to_checksum(crc, text.data(), text.size());
+  }
+  return fmt::format("{:08x}", crc);
+}
+
+template <class T>
+T metadata_number(const TensorFile& file, const char* name, const fs::path& path) {
+  const auto it = file.metadata.find(name);
+  T value{};
+  if (it != file.metadata.end()) {
+    const std::string& text = it->second;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (result.ec == std::errc() && result.ptr == text.data() + text.size()) return value;
+  }
+  throw_bad_input(path, name, "the number is missing or malformed");
+}
+
+void put_model(const GaussianModel& model, TensorFile& file) {
+  const int64_t n = static_cast<int64_t>(model.size());
+  file.tensors["model.positions"] = tensor_of(model.positions, {n, 3});
+  file.tensors["model.log_scales"] = tensor_of(model.log_scales, {n, 3});
+  file.tensors["model.rotations"] = tensor_of(model.rotations, {n, 4});
+  file.tensors["model.opacity_logits"] = tensor_of(model.opacity_logits, {n});
+  file.tensors["model.sh"] = tensor_of(model.sh, {n, kShCoefficients, 3});
+  file.tensors["model.semantics"] = tensor_of(model.semantics, {n, model.semantic_channels});
+  file.metadata["gaussians"] = std::to_string(n);
+  file.metadata["sh_degree"] = std::to_string(model.sh_degree);
+  file.metadata["semantic_channels"] = std::to_string(model.semantic_channels);
+}
+
+GaussianModel take_model(const TensorFile& file, const fs::path& path) {
+  GaussianModel model;
+  const size_t n = metadata_number<uint64_t>(file, "gaussians", path);
+  model.sh_degree = metadata_number<int>(file, "sh_degree", path);
+  model.semantic_channels = metadata_number<int>(file, "semantic_channels", path);
+  model.positions = float_tensor(file, "model.positions", 3 * n, path);
+  model.log_scales = float_tensor(file, "model.log_scales", 3 * n, path);
+  model.rotations = float_tensor(file, "model.rotations", 4 * n, path);
+  model.opacity_logits = float_tensor(file, "model.opacity_logits", n, path);
+  model.sh = float_tensor(file, "model.sh", size_t(3) * kShCoefficients * n, path);
+  model.semantics = float_tensor(file, "model.semantics", static_cast<size_t>(model.semantic_channels) * n, path);
+  return model;
+}
+
+}  // namespace
+
+std::vector<fs::path> list_checkpoints(const fs::path& folder) {
+  std::vector<std::pair<int64_t, fs::path>> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const std::string_view prefix = kPrefix, suffix = kSuffix;
+    if (name.size() <= prefix.size() + suffix.size() || name.compare(0, prefix.size(), prefix) != 0) continue;
+    if (name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0) continue;
+    const char* begin = name.data() + prefix.size();
+    const char* end = name.data() + name.size() - suffix.size();
+    int64_t step = 0;
+    const auto result = std::from_chars(begin, end, step);
+    if (result.ec == std::errc() && result.ptr == end) found.emplace_back(step, entry.path());
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<fs::path> paths;
+  for (auto& f : found) paths.push_back(std::move(f.second));
+  return paths;
+}
+
+void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint, int64_t keep) {
+  TensorFile file;
+  put_model(state.engine.model, file);
+  for (const auto& [name, values] : state.engine.arrays) file.tensors["engine." + name] = tensor_of(values);
+  const std::vector<int64_t> left(state.order.left.begin(), state.order.left.end());
+  file.tensors["order.left"] = raw_tensor("I64", left.data(), left.size());
+  file.tensors["order.random"] = raw_tensor("U64", state.order.random.data(), state.order.random.size());
+  file.tensors["density.random"] = raw_tensor("U64", state.density_random.data(), state.density_random.size());
+  file.tensors["depth_scales"] = tensor_of(state.depth_scales);
+  file.metadata["schema"] = kSchema;
+  file.metadata["version"] = ALIGNGS_VERSION;
+  file.metadata["fingerprint"] = fingerprint;
+  file.metadata["iteration"] = std::to_string(state.iteration);
+  file.metadata["non_finite_steps"] = std::to_string(state.non_finite_steps);
+  file.metadata["max_gaussians"] = std::to_string(state.max_gaussians);
+  file.metadata["dense_start"] = state.dense_start ? "1" : "0";
+  file.metadata["normals_at_start"] = state.normals_at_start ? "1" : "0";
+  file.metadata["psnr_average"] = fmt::format("{}", state.psnr_average);
+  file.metadata["seconds"] = fmt::format("{}", state.seconds);
+  file.metadata["crc32"] = checksum(file);
+  write_safetensors(folder / fmt::format("{}{:06d}{}", kPrefix, state.iteration, kSuffix), file);
+
+  const std::vector<fs::path> all = list_checkpoints(folder);
+  for (size_t i = static_cast<size_t>(std::max<int64_t>(1, keep)); i < all.size(); ++i) {
+    std::error_code ignored;  // an old checkpoint that cannot be removed does no harm
+    fs::remove(all[i], ignored);
+  }
+}
+
+TrainingState read_checkpoint(const fs::path& path, const std::string& fingerprint) {
+  const TensorFile file = read_safetensors(path);
+  const auto meta = [&](const char* name) {
+    const auto it = file.metadata.find(name);
+    return it == file.metadata.end() ? std::string() : it->second;
+  };
+  if (meta("schema") != kSchema) throw_bad_input(path, "schema", "not a checkpoint of this program");
+  if (meta("crc32") != checksum(file)) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
+  if (meta("fingerprint") != fingerprint) {
+    throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
+                    "give the scene the run began with, or start anew with --overwrite");
+  }
+  TrainingState state;
+  state.iteration = metadata_number<int64_t>(file, "iteration", path);
+  state.non_finite_steps = metadata_number<int64_t>(file, "non_finite_steps", path);
+  state.max_gaussians = metadata_number<uint64_t>(file, "max_gaussians", path);
+  state.dense_start = meta("dense_start") == "1";
+  state.normals_at_start = meta("normals_at_start") == "1";
+  state.psnr_average = metadata_number<double>(file, "psnr_average", path);
+  state.seconds = metadata_number<double>(file, "seconds", path);
+  state.engine.model = take_model(file, path);
+  const std::string engine_prefix = "engine.";
+  for (const auto& [name, tensor] : file.tensors) {
+    if (name.compare(0, engine_prefix.size(), engine_prefix) != 0) continue;
+    state.engine.arrays[name.substr(engine_prefix.size())] = floats_of(tensor, path.string() + ": " + name);
+  }
+  for (const int64_t view : raw_values<int64_t>(file, "order.left", "I64", path)) {
+    state.order.left.push_back(static_cast<int>(view));
+  }
+  const auto take_random = [&](const char* name, std::array<uint64_t, 4>& out) {
+    const std::vector<uint64_t> values = raw_values<uint64_t>(file, name, "U64", path);
+    if (values.size() != out.size()) throw_bad_input(path, name, "a random state has four words");
+    std::copy(values.begin(), values.end(), out.begin());
+  };
+  take_random("order.random", state.order.random);
+  take_random("density.random", state.density_random);
+  state.depth_scales = raw_values<float>(file, "depth_scales", "F32", path);
+  return state;
+}
+
+std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, const std::string& fingerprint) {
+  for (const fs::path& path : list_checkpoints(folder)) {
+    try {
+      return read_checkpoint(path, fingerprint);
+    } catch (const Error& error) {
+      if (error.details().field == kOtherScene || error.kind() != ErrorKind::kBadInput) throw;
+      log_warning("checkpoint {} cannot be used ({}); taking the one before", path.string(), error.details().message);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace aligngs

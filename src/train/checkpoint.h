@@ -1,0 +1,46 @@
+// Everything a run needs to go on exactly where it stood, in one safetensors file per checkpoint.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/engine.h"
+#include "train/view_order.h"
+
+namespace aligngs {
+
+/// The state of a run between two iterations. Together with config.toml and the scene it determines every
+/// later number, so writing one changes nothing and reading one continues bit for bit.
+struct TrainingState {
+  int64_t iteration = 0;       ///< completed iterations
+  EngineState engine;          ///< parameters, moments, density statistics, running values
+  ViewOrder::State order;
+  std::array<uint64_t, 4> density_random{};  ///< of density control
+  std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
+  int64_t non_finite_steps = 0;              ///< steps rolled back so far
+  uint64_t max_gaussians = 0;                ///< cap found at the start, 0 = none
+  bool dense_start = false, normals_at_start = false;
+  double psnr_average = 0;                   ///< running mean shown as progress, dB
+  double seconds = 0;                        ///< training time so far, over all resumes
+};
+
+/// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond
+/// `keep` are removed afterwards.
+void write_checkpoint(const std::filesystem::path& folder, const TrainingState& state, const std::string& fingerprint,
+                      int64_t keep);
+
+/// Error{kBadInput} when the file is damaged or belongs to another scene.
+TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint);
+
+/// The newest good checkpoint. A damaged one is reported as a warning and the one before is taken; nothing
+/// when there is none. Error{kBadInput} when a good one belongs to another scene.
+std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
+
+/// Newest first; files that are being written or that are named otherwise are not listed.
+std::vector<std::filesystem::path> list_checkpoints(const std::filesystem::path& folder);
+
+}  // namespace aligngs

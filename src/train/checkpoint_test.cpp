@@ -1,0 +1,125 @@
+#include "train/checkpoint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/log.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Checkpoint : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / "aligngs_checkpoint_test" /
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    set_log_level(LogLevel::kSilent);
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  static TrainingState state_at(int64_t iteration) {
+    TrainingState s;
+    s.iteration = iteration;
+    s.engine.model.semantic_channels = 3;
+    s.engine.model.sh_degree = 2;
+    s.engine.model.resize(2);
+    s.engine.model.positions = {1, 2, 3, 4, 5, static_cast<float>(iteration)};
+    s.engine.model.semantics[5] = 0.1f;
+    s.engine.arrays["adam_m.positions"] = {0.5f, -0.25f, 1e-30f};
+    s.engine.arrays["coupling"] = {};
+    s.order.left = {4, 0, 2};
+    s.order.random = {1, 2, 3, ~uint64_t(0)};
+    s.density_random = {9, 8, 7, 6};
+    s.depth_scales = {1.0f, 0.98f};
+    s.max_gaussians = 123;
+    s.dense_start = true;
+    s.psnr_average = 21.123456789012345;
+    return s;
+  }
+  fs::path newest() const { return list_checkpoints(folder_).front(); }
+
+  fs::path folder_;
+};
+
+TEST_F(Checkpoint, RoundTripIsExact) {
+  const TrainingState s = state_at(7000);
+  write_checkpoint(folder_, s, "scene", 2);
+  EXPECT_EQ(newest().filename(), "step_007000.safetensors");
+  const TrainingState r = read_checkpoint(newest(), "scene");
+  EXPECT_EQ(r.iteration, 7000);
+  EXPECT_EQ(r.engine.model.positions, s.engine.model.positions);
+  EXPECT_EQ(r.engine.model.semantics, s.engine.model.semantics);
+  EXPECT_EQ(r.engine.model.sh_degree, 2);
+  EXPECT_EQ(r.engine.model.semantic_channels, 3);
+  EXPECT_EQ(r.engine.arrays, s.engine.arrays);
+  EXPECT_EQ(r.order.left, s.order.left);
+  EXPECT_EQ(r.order.random, s.order.random);
+  EXPECT_EQ(r.density_random, s.density_random);
+  EXPECT_EQ(r.depth_scales, s.depth_scales);
+  EXPECT_EQ(r.max_gaussians, 123u);
+  EXPECT_TRUE(r.dense_start);
+  EXPECT_FALSE(r.normals_at_start);
+  EXPECT_EQ(r.psnr_average, s.psnr_average);
+}
+
+TEST_F(Checkpoint, KeepsTheLastK) {
+  for (const int64_t i : {100, 200, 300, 1000000}) write_checkpoint(folder_, state_at(i), "scene", 2);
+  const std::vector<fs::path> all = list_checkpoints(folder_);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].filename(), "step_1000000.safetensors");
+  EXPECT_EQ(all[1].filename(), "step_000300.safetensors");
+}
+
+TEST_F(Checkpoint, TruncatedNewestFallsBackToThePrevious) {
+  write_checkpoint(folder_, state_at(100), "scene", 2);
+  write_checkpoint(folder_, state_at(200), "scene", 2);
+  fs::resize_file(newest(), fs::file_size(newest()) / 2);
+  EXPECT_EQ(read_latest_checkpoint(folder_, "scene")->iteration, 100);
+}
+
+TEST_F(Checkpoint, OneFlippedBitIsNoticed) {
+  write_checkpoint(folder_, state_at(100), "scene", 2);
+  write_checkpoint(folder_, state_at(200), "scene", 2);
+  std::fstream file(newest(), std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(-5, std::ios::end);
+  const char byte = static_cast<char>(file.get());
+  file.seekp(-5, std::ios::end);
+  file.put(static_cast<char>(byte ^ 4));
+  file.close();
+  EXPECT_EQ(read_latest_checkpoint(folder_, "scene")->iteration, 100);
+}
+
+TEST_F(Checkpoint, WithoutAGoodOneThereIsNone) {
+  EXPECT_FALSE(read_latest_checkpoint(folder_, "scene").has_value());
+  EXPECT_FALSE(read_latest_checkpoint(folder_ / "absent", "scene").has_value());
+  std::ofstream(folder_ / "step_000100.safetensors") << "garbage";
+  EXPECT_FALSE(read_latest_checkpoint(folder_, "scene").has_value());
+}
+
+TEST_F(Checkpoint, AnotherSceneIsRefused) {
+  write_checkpoint(folder_, state_at(100), "scene", 2);
+  try {
+    read_latest_checkpoint(folder_, "another scene");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kBadInput);
+    EXPECT_THAT(e.details().remedy, testing::HasSubstr("--overwrite"));
+  }
+}
+
+TEST_F(Checkpoint, FilesOfOtherNamesAreIgnored) {
+  for (const char* name : {"step_.safetensors", "step_12a.safetensors", "step_000001.safetensors.tmp-1-1", "notes.txt"}) {
+    std::ofstream(folder_ / name) << "x";
+  }
+  EXPECT_TRUE(list_checkpoints(folder_).empty());
+}
+
+}  // namespace
+}  // namespace aligngs

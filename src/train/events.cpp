@@ -1,0 +1,84 @@
+#include "train/events.h"
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/memory_budget.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string kept_lines(const std::string& text, int64_t completed) {
+  std::string kept;
+  size_t begin = 0;
+  for (size_t end = text.find('\n'); end != std::string::npos; begin = end + 1, end = text.find('\n', begin)) {
+    const std::string line = text.substr(begin, end - begin);
+    const Json json = Json::parse(line, nullptr, false);
+    if (!json.is_object()) continue;
+    const auto step = json.find("step");
+    if (step != json.end() && step->is_number_integer() && step->get<int64_t>() > completed) continue;
+    kept += line + "\n";
+  }
+  return kept;
+}
+
+Json losses_of(const LossTerms& l) {
+  return {{"total", l.total},
+          {"l1", l.l1},
+          {"ssim", l.ssim},
+          {"flatten", l.flatten},
+          {"semantic_soft", l.semantic_soft},
+          {"semantic_hard", l.semantic_hard},
+          {"pearson", l.pearson},
+          {"log_depth", l.log_depth},
+          {"normal_consistency", l.normal_consistency},
+          {"normal_boundary", l.normal_boundary},
+          {"crease", l.crease},
+          {"prior_normal", l.prior_normal},
+          {"opacity_l1", l.opacity_l1},
+          {"scale_l1", l.scale_l1}};
+}
+
+}  // namespace
+
+EventLog::EventLog(fs::path path, int64_t completed_iterations) : path_(std::move(path)) {
+  if (fs::exists(path_)) {
+    const std::string text = read_file(path_);
+    const std::string kept = kept_lines(text, completed_iterations);
+    if (kept != text) write_file_atomically(path_, kept);
+  }
+  file_.reset(std::fopen(path_.c_str(), "ab"));
+  if (!file_) throw_resources(path_, std::string("the file cannot be opened: ") + std::strerror(errno));
+}
+
+void EventLog::line(const std::string& text) {
+  // Flushed line by line: a viewer follows the file while the run goes on.
+  if (std::fputs((text + "\n").c_str(), file_.get()) < 0 || std::fflush(file_.get()) != 0) {
+    throw_resources(path_, std::string("the file cannot be written: ") + std::strerror(errno), "free some disk space and use --resume");
+  }
+}
+
+void EventLog::step(const Step& s) {
+  Json json = {{"step", s.step}, {"view", s.view}, {"losses", losses_of(s.report->losses)},
+               {"psnr", s.report->losses.psnr}, {"gaussians", s.gaussians}, {"visible", s.report->visible},
+               {"coupling_scale", s.report->coupling_scale}, {"seconds_per_step", s.seconds_per_step},
+               {"memory_bytes", peak_memory_bytes()}};
+  line(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void EventLog::restructured(int64_t step, const std::string& event, const RestructurePlan& plan) {
+  line(Json{{"step", step}, {"event", event}, {"gaussians", plan.rows.size()}, {"cloned", plan.cloned},
+            {"split", plan.split}, {"pruned", plan.pruned}}.dump());
+}
+
+void EventLog::message(int64_t step, const std::string& event, const std::string& message) {
+  line(Json{{"step", step}, {"event", event}, {"message", message}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace aligngs

@@ -1,0 +1,73 @@
+#include "train/run_folder.h"
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a run writes into its folder; scene/ (an input that may stand there) is not in the list.
+constexpr std::array<std::string_view, 18> kProducts = {
+    "run.json",      "config.toml", "events.ndjson", "checkpoints", "scene.ply",    "scene.labels.ply", "scene.glb",
+    "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",
+    "report.html",   "edits.json",  "edits",         "log.txt"};
+constexpr std::string_view kSceneFolder = "scene";
+constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
+
+bool is_temporary(const std::string& name) { return name.find(kTemporary) != std::string::npos; }
+
+void remove_temporaries(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (is_temporary(entry.path().filename().string()) && entry.is_regular_file(error)) found.push_back(entry.path());
+  }
+  for (const fs::path& path : found) fs::remove(path, error);
+}
+
+}  // namespace
+
+bool RunFolder::has_run() const { return fs::exists(record()) || fs::exists(config()); }
+
+void RunFolder::check(RunMode mode) const {
+  std::error_code error;
+  if (!fs::exists(folder_, error)) return;
+  if (!fs::is_directory(folder_, error)) {
+    throw Error({ErrorKind::kUsage, "the run folder is a file", folder_, "-o", "name a new folder"});
+  }
+  if (mode == RunMode::kNew && has_run()) {
+    throw Error({ErrorKind::kUsage, "the folder already holds a run", folder_, "-o",
+                 "use --resume to go on with it, --overwrite to replace it, or name another folder"});
+  }
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    // In a run folder people may keep notes of their own.
+    if (has_run() || name == kSceneFolder || is_temporary(name)) continue;
+    throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run", folder_ / name, "-o",
+                 "name a new or empty folder"});
+  }
+}
+
+void RunFolder::prepare(RunMode mode) const {
+  check(mode);
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw_resources(folder_, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (mode == RunMode::kOverwrite) {
+    // run.json last: a folder that is cleared half-way is still recognised as a run's.
+    for (auto product = kProducts.rbegin(); product != kProducts.rend(); ++product) {
+      fs::remove_all(folder_ / *product, error);
+      if (error) throw_resources(folder_ / *product, "the old run cannot be removed: " + error.message());
+    }
+  }
+  remove_temporaries(folder_);
+  remove_temporaries(checkpoints());
+}
+
+}  // namespace aligngs

@@ -1,0 +1,40 @@
+// The run folder: who may write into it, and what stands where (design, section 4).
+#pragma once
+
+#include <filesystem>
+
+namespace aligngs {
+
+enum class RunMode {
+  kNew,       ///< the folder must be absent, empty, or hold nothing but scene/
+  kResume,    ///< go on with the run in it; begins one when there is none
+  kOverwrite  ///< what a run wrote there before is removed first; scene/ stays
+};
+
+class RunFolder {
+ public:
+  explicit RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path record() const { return folder_ / "run.json"; }
+  std::filesystem::path config() const { return folder_ / "config.toml"; }
+  std::filesystem::path events() const { return folder_ / "events.ndjson"; }
+  std::filesystem::path checkpoints() const { return folder_ / "checkpoints"; }
+  std::filesystem::path scene_ply() const { return folder_ / "scene.ply"; }
+  std::filesystem::path labelled_ply() const { return folder_ / "scene.labels.ply"; }
+  std::filesystem::path classes() const { return folder_ / "classes.json"; }
+  std::filesystem::path cameras() const { return folder_ / "cameras.json"; }
+
+  bool has_run() const;  ///< run.json or config.toml stands in it
+
+  /// Applies the rules of the mode without changing anything; call before long checks. Error{kUsage} when
+  /// the folder holds a run and the mode is kNew, or holds files that are not a run's.
+  void check(RunMode mode) const;
+  /// check(), then creates the folder, removes a previous run (kOverwrite) and temporary files of killed writers.
+  void prepare(RunMode mode) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace aligngs

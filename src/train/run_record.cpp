@@ -1,0 +1,116 @@
+#include "train/run_record.h"
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kSchema = 1;
+constexpr uint64_t kLargestRecord = 1 << 24;
+
+Json or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+std::string text_of(const Json& json, const char* name) {
+  const auto it = json.find(name);
+  return it != json.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+
+template <class T>
+T number_of(const Json& json, const char* name) {
+  const auto it = json.find(name);
+  return it != json.end() && it->is_number() ? it->get<T>() : T{};
+}
+
+}  // namespace
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", utc.tm_year + 1900, utc.tm_mon + 1, utc.tm_mday,
+                     utc.tm_hour, utc.tm_min, utc.tm_sec);
+}
+
+void write_run_record(const fs::path& path, const RunRecord& r) {
+  Json json = Json::object();
+  if (fs::exists(path)) {
+    const Json old = Json::parse(read_file(path, kLargestRecord), nullptr, false);
+    if (old.is_object()) json = old;
+  }
+  json["schema"] = kSchema;
+  json["status"] = r.status;
+  json["stage"] = r.stage;
+  json["command"] = r.command;
+  json["version"] = r.version;
+  json["device"] = r.device;
+  json["seed"] = r.seed;
+  json["started"] = or_null(r.started);
+  json["updated"] = or_null(r.updated);
+  json["finished"] = or_null(r.finished);
+  json["reason"] = or_null(r.reason);
+  json["scene"] = r.scene;
+  json["fingerprint"] = r.fingerprint;
+  json["warnings"] = r.warnings;
+  json["train"] = {{"seconds", r.train.seconds},
+                   {"iterations", r.train.iterations},
+                   {"gaussians", r.train.gaussians},
+                   {"iterations_per_second", r.train.iterations_per_second},
+                   {"peak_memory_bytes", r.train.peak_memory_bytes},
+                   {"device", r.device}};
+  // A path or message that is not UTF-8 must not end a run: such bytes are replaced.
+  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+RunRecord read_run_record(const fs::path& path) {
+  const Json json = Json::parse(read_file(path, kLargestRecord), nullptr, false);
+  if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start anew with --overwrite");
+  RunRecord r;
+  r.status = text_of(json, "status");
+  r.stage = text_of(json, "stage");
+  r.command = text_of(json, "command");
+  r.version = text_of(json, "version");
+  r.device = text_of(json, "device");
+  r.seed = number_of<int64_t>(json, "seed");
+  r.started = text_of(json, "started");
+  r.updated = text_of(json, "updated");
+  r.finished = text_of(json, "finished");
+  r.reason = text_of(json, "reason");
+  r.scene = text_of(json, "scene");
+  r.fingerprint = text_of(json, "fingerprint");
+  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array()) {
+    for (const Json& w : *warnings) {
+      if (w.is_string()) r.warnings.push_back(w.get<std::string>());
+    }
+  }
+  if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
+    r.train.seconds = number_of<double>(*train, "seconds");
+    r.train.iterations = number_of<int64_t>(*train, "iterations");
+    r.train.gaussians = number_of<uint64_t>(*train, "gaussians");
+    r.train.iterations_per_second = number_of<double>(*train, "iterations_per_second");
+    r.train.peak_memory_bytes = number_of<uint64_t>(*train, "peak_memory_bytes");
+  }
+  return r;
+}
+
+fs::path scene_of_run(const fs::path& run_folder, const RunRecord& record, const fs::path& override_folder) {
+  if (!override_folder.empty()) return override_folder;
+  const fs::path scene = record.scene;
+  return scene.is_absolute() ? scene : (run_folder / scene).lexically_normal();
+}
+
+std::string relative_scene_path(const fs::path& run_folder, const fs::path& scene) {
+  std::error_code error;
+  const fs::path relative = fs::relative(scene, run_folder, error);
+  return error || relative.empty() ? fs::absolute(scene).string() : relative.string();
+}
+
+}  // namespace aligngs

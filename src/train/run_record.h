@@ -1,0 +1,45 @@
+// run.json: what a run is, where it stands and why it ended.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+struct RunRecord {
+  std::string status;       ///< "running", "done", "stopped" (by a signal, can be resumed), "failed"
+  std::string stage;        ///< "check", "prepare", "train", then whatever later stages write
+  std::string command;      ///< the command line as typed
+  std::string version;      ///< of the program
+  std::string device;
+  int64_t seed = 0;
+  std::string started, updated, finished;  ///< UTC, ISO 8601; finished is empty until the end
+  std::string reason;       ///< why it ended
+  std::string scene;        ///< folder, relative to the run folder
+  std::string fingerprint;  ///< scene_fingerprint
+  std::vector<std::string> warnings;  ///< e.g. priors that were missing
+  struct Train {
+    double seconds = 0;     ///< over all resumes
+    int64_t iterations = 0; ///< completed
+    uint64_t gaussians = 0;
+    double iterations_per_second = 0;
+    uint64_t peak_memory_bytes = 0;
+  } train;
+};
+
+/// Atomic; fields of the file that are not in the record (written by later stages) are kept.
+void write_run_record(const std::filesystem::path& path, const RunRecord& record);
+/// Error{kBadInput} when it cannot be read.
+RunRecord read_run_record(const std::filesystem::path& path);
+
+std::string utc_now();  ///< "2026-11-21T00:13:21Z"
+
+/// The scene folder of a run: `override_folder` when given, else run.json's path from the run folder.
+std::filesystem::path scene_of_run(const std::filesystem::path& run_folder, const RunRecord& record,
+                                   const std::filesystem::path& override_folder = {});
+/// `scene` as it is written into run.json of `run_folder`.
+std::string relative_scene_path(const std::filesystem::path& run_folder, const std::filesystem::path& scene);
+
+}  // namespace aligngs
