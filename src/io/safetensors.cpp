@@ -1,0 +1,247 @@
+// Format: https://huggingface.co/docs/safetensors (8-byte header length, JSON header, data without holes)
+#include "io/safetensors.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <cstring>
+#include <set>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/half.h"
+#include "io/array_shape.h"
+#include "io/atomic_file.h"
+#include "io/byte_reader.h"
+
+namespace aligngs {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the reference implementation's limit
+const char* const kMetadata = "__metadata__";
+const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
+
+struct DataType {
+  std::string_view name;
+  unsigned bytes;
+};
+constexpr DataType kDataTypes[] = {{"F64", 8}, {"I64", 8},  {"U64", 8}, {"F32", 4},     {"I32", 4},
+                                   {"U32", 4}, {"F16", 2},  {"BF16", 2}, {"I16", 2},     {"U16", 2},
+                                   {"I8", 1},  {"U8", 1},   {"BOOL", 1}, {"F8_E4M3", 1}, {"F8_E5M2", 1}};
+
+/// 0 for an unknown type.
+unsigned item_bytes(std::string_view dtype) {
+  for (const DataType& type : kDataTypes) {
+    if (type.name == dtype) return type.bytes;
+  }
+  return 0;
+}
+
+/// Parses the header, refusing keys that occur twice in an object (the JSON library would keep the last).
+Json parse_header(std::string_view text, const std::filesystem::path& name) {
+  constexpr int kMaxDepth = 4;  // header, tensor, shape
+  std::vector<std::set<std::string>> keys;
+  std::string repeated;
+  bool too_deep = false;
+  const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > kMaxDepth) too_deep = true;
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end && !keys.empty()) keys.pop_back();
+    if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
+      repeated = value.get<std::string>();
+    }
+    return !too_deep;
+  };
+  try {
+    Json header = Json::parse(text.begin(), text.end(), check);
+    if (too_deep || !header.is_object()) throw_bad_input(name, "header", "not a safetensors header", kRemedy);
+    if (!repeated.empty()) throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kRemedy);
+    return header;
+  } catch (const Json::exception&) {
+    throw_bad_input(name, "header", "not valid JSON", kRemedy);
+  }
+}
+
+struct Placement {
+  uint64_t begin = 0, end = 0;
+  std::string name;
+};
+
+Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorBytes& tensor, uint64_t data_bytes,
+                       const std::filesystem::path& name) {
+  const std::string field = tensor_name.substr(0, 200);
+  const auto fail = [&](const std::string& message) { throw_bad_input(name, field, message, kRemedy); };
+  const auto list_of = [&](const char* key) -> const Json& {
+    const auto found = entry.find(key);
+    if (found == entry.end() || !found->is_array()) fail(std::string(key) + " is missing or not a list");
+    for (const Json& value : *found) {
+      if (!value.is_number_unsigned() || value.get<uint64_t>() > uint64_t(INT64_MAX)) {
+        fail(std::string(key) + " holds what is no size");
+      }
+    }
+    return *found;
+  };
+  if (!entry.is_object() || entry.size() != 3) fail("dtype, shape and data_offsets expected");
+  const auto dtype = entry.find("dtype");
+  if (dtype == entry.end() || !dtype->is_string()) fail("dtype is missing");
+  tensor.dtype = dtype->get<std::string>();
+  const unsigned bytes = item_bytes(tensor.dtype);
+  if (bytes == 0) fail("unknown dtype '" + tensor.dtype.substr(0, 40) + "'");
+  for (const Json& value : list_of("shape")) tensor.shape.push_back(value.get<int64_t>());
+  const Json& offsets = list_of("data_offsets");
+  if (offsets.size() != 2) fail("data_offsets needs two numbers");
+  const Placement place{offsets[0].get<uint64_t>(), offsets[1].get<uint64_t>(), tensor_name};
+  if (place.begin > place.end || place.end > data_bytes) fail("data_offsets reach beyond the file");
+  if (element_count(tensor.shape, bytes, name, field) * bytes != place.end - place.begin) {
+    fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype + " does not fill data_offsets");
+  }
+  return place;
+}
+
+/// The tensors must fill the data one after the other, in some order.
+void require_no_holes(std::vector<Placement> places, uint64_t data_bytes, const std::filesystem::path& name) {
+  std::sort(places.begin(), places.end(), [](const Placement& a, const Placement& b) {
+    return a.begin != b.begin ? a.begin < b.begin : a.end < b.end;
+  });
+  uint64_t position = 0;
+  for (const Placement& place : places) {
+    if (place.begin != position) {
+      throw_bad_input(name, place.name.substr(0, 200),
+                      place.begin < position ? "its data overlap another tensor's" : "there is a hole before its data",
+                      kRemedy);
+    }
+    position = place.end;
+  }
+  if (position != data_bytes) {
+    throw_bad_input(name, "data", std::to_string(data_bytes - position) + " bytes belong to no tensor", kRemedy);
+  }
+}
+
+template <class T>
+std::vector<float> convert_all(const TensorBytes& tensor) {
+  std::vector<float> values(tensor.bytes.size() / sizeof(T));
+  const char* bytes = reinterpret_cast<const char*>(tensor.bytes.data());
+  for (size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<float>(load_number<T>(bytes + i * sizeof(T), false));
+  }
+  return values;
+}
+
+}  // namespace
+
+TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::path& name_for_errors) {
+  const std::filesystem::path& name = name_for_errors;
+  ByteReader reader(bytes, name);
+  const auto header_bytes = reader.little<uint64_t>("header length");
+  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
+  const Json header = parse_header(reader.take(header_bytes, "header"), name);
+  const std::string_view data = reader.take(reader.remaining(), "data");
+
+  TensorFile file;
+  std::vector<Placement> places;
+  for (const auto& [key, entry] : header.items()) {
+    if (key == kMetadata) {
+      if (!entry.is_object()) throw_bad_input(name, kMetadata, "not an object", kRemedy);
+      for (const auto& [meta_key, value] : entry.items()) {
+        if (!value.is_string()) throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kRemedy);
+        file.metadata[meta_key] = value.get<std::string>();
+      }
+    } else {
+      places.push_back(parse_tensor(key, entry, file.tensors[key], data.size(), name));
+    }
+  }
+  require_no_holes(places, data.size(), name);
+  for (const Placement& place : places) {
+    file.tensors[place.name].bytes.assign(data.begin() + std::ptrdiff_t(place.begin),
+                                          data.begin() + std::ptrdiff_t(place.end));
+  }
+  return file;
+}
+
+TensorFile read_safetensors(const std::filesystem::path& path) { return decode_safetensors(read_file(path), path); }
+
+void write_safetensors(const std::filesystem::path& path, const TensorFile& file) {
+  // Wide types first, so that every tensor is aligned to its own item size.
+  std::vector<const std::pair<const std::string, TensorBytes>*> order;
+  for (const auto& tensor : file.tensors) {
+    const unsigned bytes = item_bytes(tensor.second.dtype);
+    if (bytes == 0 || element_count(tensor.second.shape, bytes, path, tensor.first) * bytes != tensor.second.bytes.size()) {
+      throw Error({ErrorKind::kFailed, "the bytes do not fit dtype and shape", path, tensor.first, ""});
+    }
+    order.push_back(&tensor);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) {
+    return item_bytes(a->second.dtype) > item_bytes(b->second.dtype);
+  });
+
+  nlohmann::ordered_json header = nlohmann::ordered_json::object();
+  if (!file.metadata.empty()) header[kMetadata] = file.metadata;
+  uint64_t offset = 0;
+  for (const auto* tensor : order) {
+    const uint64_t end = offset + tensor->second.bytes.size();
+    header[tensor->first] = {{"dtype", tensor->second.dtype},
+                             {"shape", tensor->second.shape},
+                             {"data_offsets", {offset, end}}};
+    offset = end;
+  }
+  std::string text;
+  try {
+    text = header.dump();
+  } catch (const Json::exception&) {
+    throw Error({ErrorKind::kFailed, "a name or metadata value is not UTF-8", path, "header", ""});
+  }
+  constexpr size_t kAlignment = 8;
+  text.append((kAlignment - text.size() % kAlignment) % kAlignment, ' ');
+  std::string length;
+  append_little(length, static_cast<uint64_t>(text.size()));
+
+  AtomicFile out(path);
+  out.write(length);
+  out.write(text);
+  for (const auto* tensor : order) out.write(tensor->second.bytes.data(), tensor->second.bytes.size());
+  out.commit();
+}
+
+TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> shape) {
+  if (shape.empty()) shape = {static_cast<int64_t>(values.size())};
+  if (element_count(shape, sizeof(float), {}, "shape") != values.size()) {
+    throw Error({ErrorKind::kFailed, "the shape " + shape_text(shape) + " does not have " +
+                                         std::to_string(values.size()) + " elements", {}, "shape", ""});
+  }
+  TensorBytes tensor{"F32", std::move(shape), {}};
+  tensor.bytes.resize(values.size() * sizeof(float));
+  if constexpr (std::endian::native == std::endian::little) {
+    if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), tensor.bytes.size());
+  } else {
+    std::string bytes;
+    for (const float value : values) append_little(bytes, value);
+    tensor.bytes.assign(bytes.begin(), bytes.end());
+  }
+  return tensor;
+}
+
+std::vector<float> floats_of(const TensorBytes& tensor, const std::string& name_for_errors) {
+  const std::string& dtype = tensor.dtype;
+  if (dtype == "F32") return convert_all<float>(tensor);
+  if (dtype == "F64") return convert_all<double>(tensor);
+  if (dtype == "I64") return convert_all<int64_t>(tensor);
+  if (dtype == "U64") return convert_all<uint64_t>(tensor);
+  if (dtype == "I32") return convert_all<int32_t>(tensor);
+  if (dtype == "U32") return convert_all<uint32_t>(tensor);
+  if (dtype == "I16") return convert_all<int16_t>(tensor);
+  if (dtype == "U16") return convert_all<uint16_t>(tensor);
+  if (dtype == "I8") return convert_all<int8_t>(tensor);
+  if (dtype == "U8" || dtype == "BOOL") return convert_all<uint8_t>(tensor);
+  if (dtype == "F16" || dtype == "BF16") {
+    std::vector<float> values(tensor.bytes.size() / 2);
+    for (size_t i = 0; i < values.size(); ++i) {
+      const auto bits = uint16_t(tensor.bytes[2 * i] | tensor.bytes[2 * i + 1] << 8);
+      values[i] = dtype == "F16" ? half_to_float(bits) : bfloat16_to_float(bits);
+    }
+    return values;
+  }
+  throw_bad_input({}, name_for_errors, "cannot convert a tensor of type " + dtype + " to float");
+}
+
+}  // namespace aligngs
