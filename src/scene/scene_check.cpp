@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBlurred = 0.25;       ///< of the median sharpness (variance of the Laplacian)
+constexpr double kBlurred = 0.25;       ///< of the median sharpness at equal brightness
 constexpr double kExposureRatio = 1.6;  ///< brighter or darker than the median by this factor
 constexpr size_t kMinForMedians = 4;    ///< views below which "unlike the others" means nothing
 /// softmax of values within [0, 2] among 150 classes reaches at most 0.047: such numbers are hardly logits.
@@ -125,7 +125,7 @@ void check_semantics(const Scene& scene, const View& view, ViewFindings& finding
     add(findings, view.semantics, "values", fmt::format("{} values are not finite; their pixels are not used", bad),
         recompute, false);
   }
-  if (scene.semantic_kind != SemanticKind::kLogits && high <= 0) {
+  if (scene.semantic_kind != SemanticKind::kLogits && high <= 0 && bad < array.data.size()) {
     add(findings, view.semantics, "values", "no class has a positive value anywhere", recompute, true);
   }
 }
@@ -177,13 +177,19 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+/// Sharpness without the effect of exposure: a gain g scales the Laplacian's variance by g^2.
+double relative_sharpness(const ViewFindings& findings) {
+  const double brightness = std::max(findings.luminance, 1e-3);
+  return findings.sharpness / (brightness * brightness);
+}
+
 /// Views that are blurred or exposed unlike the others.
 void compare_images(const Scene& scene, const std::vector<int>& used, const std::vector<ViewFindings>& findings,
                     std::vector<SceneProblem>& problems) {
   std::vector<double> sharp, bright;
   for (const ViewFindings& f : findings) {
     if (f.sharpness < 0) continue;
-    sharp.push_back(f.sharpness);
+    sharp.push_back(relative_sharpness(f));
     bright.push_back(f.luminance);
   }
   if (sharp.size() < kMinForMedians) return;
@@ -192,10 +198,10 @@ void compare_images(const Scene& scene, const std::vector<int>& used, const std:
     const ViewFindings& f = findings[k];
     if (f.sharpness < 0) continue;
     const fs::path& path = scene.views[used[k]].image;
-    if (f.sharpness < kBlurred * median_sharpness) {
+    if (relative_sharpness(f) < kBlurred * median_sharpness) {
       problems.push_back({path, "sharpness",
-                          fmt::format("blurred: variance of the Laplacian {:.1f}, median of the views {:.1f}",
-                                      f.sharpness, median_sharpness),
+                          fmt::format("blurred: {:.2f} of the median sharpness of the views",
+                                      relative_sharpness(f) / std::max(median_sharpness, 1e-12)),
                           "take a sharper photo from there, or leave the view out", false});
     }
     const double ratio = f.luminance / std::max(median_luminance, 1e-6);
