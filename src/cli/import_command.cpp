@@ -1,0 +1,96 @@
+// `aligngs import SRC -o SCENE`: other layouts become a scene folder.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
+#include "scene/import/import_capture.h"
+
+namespace aligngs {
+namespace {
+
+constexpr CaptureLayout kLayouts[] = {CaptureLayout::kAuto, CaptureLayout::kRgbd, CaptureLayout::kSevenScenes, CaptureLayout::kTum,
+                                      CaptureLayout::kScanNet, CaptureLayout::kNeuralRgbd, CaptureLayout::kReplica,
+                                      CaptureLayout::kTransforms, CaptureLayout::kColmap};
+
+struct Options {
+  std::string source, output, layout = "auto", intrinsics, train_file, test_file, sfm;
+  bool assume_registered = false, trajectory = false, no_depth_prior = false;
+  ImportOptions import;
+};
+
+std::vector<std::string> names_in(const std::string& file) {
+  std::vector<std::string> names;
+  if (file.empty()) return names;
+  std::istringstream words(read_file(file));
+  for (std::string word; words >> word;) names.push_back(word);
+  return names;
+}
+
+void run_import(const CommandContext& context, Options& options) {
+  CaptureOptions capture_options;
+  for (const CaptureLayout layout : kLayouts) {
+    if (layout_name(layout) == options.layout) capture_options.layout = layout;
+  }
+  capture_options.intrinsics = options.intrinsics;
+  capture_options.assume_registered = options.assume_registered;
+  capture_options.neural_rgbd_trajectory = options.trajectory;
+  const Capture capture = read_capture(options.source, capture_options);
+  for (const std::string& line : capture.skipped) log_info("left out: {}", line);
+
+  ImportOptions& import = options.import;
+  import.train_names = names_in(options.train_file);
+  import.test_names = names_in(options.test_file);
+  import.depth_prior = !options.no_depth_prior;
+  import.sfm = options.sfm;
+  import.progress = context.progress();
+  ThreadPool pool(context.global.threads);
+  const ImportReport report = import_capture(capture, options.output, import, pool);
+  if (context.global.json) {
+    std::printf("%s\n", nlohmann::json({{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
+                                        {"skipped", report.skipped}, {"points", report.points}, {"cloud_source", report.cloud_source},
+                                        {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}}).dump(2).c_str());
+    return;
+  }
+  std::printf("%s: %s layout, %zu training and %zu test views, %zu points from %s, depth prior: %s\n", options.output.c_str(),
+              capture.layout.c_str(), report.train, report.test, report.points, report.cloud_source.c_str(),
+              report.depth_prior ? "sensor" : "none");
+  if (report.cloud_source == "sfm") std::printf("SfM model aligned on %zu cameras, residual %.4g\n", report.sfm_cameras, report.sfm_rmse);
+}
+
+}  // namespace
+
+void add_import_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("import", "Turn an RGB-D, ScanNet, Neural RGB-D, Replica, TUM, 7-Scenes, nerfstudio or COLMAP folder into a scene");
+  command->group("Data");
+  command->footer("Example: aligngs import scans/scene0085_00 -o scene --views 36");
+  auto options = std::make_shared<Options>();
+  std::vector<std::string> layouts;
+  for (const CaptureLayout layout : kLayouts) layouts.push_back(layout_name(layout));
+  command->add_option("source", options->source, "folder of the capture")->required();
+  command->add_option("-o,--output", options->output, "scene folder to write")->required();
+  command->add_option("--layout", options->layout, "layout of the source")->check(CLI::IsMember(layouts))->capture_default_str();
+  command->add_option("--views", options->import.views, "choose so many well-spread sharp training views")->check(CLI::PositiveNumber);
+  command->add_option("--stride", options->import.stride, "train on every n-th frame")->check(CLI::PositiveNumber);
+  command->add_option("--train", options->train_file, "file with the names of the training frames");
+  command->add_option("--test", options->test_file, "file with the names of the test frames");
+  command->add_option("--test-views", options->import.test_views, "so many test views of the rest (default: a third of the training views)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--intrinsics", options->intrinsics, "3x3 matrix file where the layout has none (TUM, 7-Scenes)");
+  command->add_flag("--assume-registered", options->assume_registered, "7-Scenes: use depth as if registered to colour");
+  command->add_flag("--tracked-poses", options->trajectory, "Neural RGB-D: trainval_poses.txt instead of poses.txt");
+  command->add_option("--sfm", options->sfm, "COLMAP model whose points make the cloud; no sensor depth is used then");
+  command->add_flag("--no-depth-prior", options->no_depth_prior, "leave sensor depth out of pred_depths/");
+  command->add_flag("--neuris-crop", options->import.neuris_crop, "crop and resize to 640x480 as NeuRIS does with ScanNet");
+  command->add_option("--voxel", options->import.voxel, "edge of the cubes that thin the fused cloud, scene units (default: automatic)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--overwrite", options->import.overwrite, "replace a scene that stands there");
+  command->callback([&context, options] { run_import(context, *options); });
+}
+
+}  // namespace aligngs

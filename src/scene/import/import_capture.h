@@ -1,0 +1,54 @@
+// From a capture to a scene folder: views chosen, lenses undistorted, cloud and depth written.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "core/thread_pool.h"
+#include "scene/import/capture.h"
+
+namespace aligngs {
+
+struct ImportOptions {
+  // Which frames train and test. At most one of views, stride and train_names; none of them: the split that came with the
+  // capture, else all frames train (a capture of more than kMaxUnselected frames is thinned to kDefaultViews).
+  int views = 0;                         ///< so many well-spread sharp views
+  int stride = 0;                        ///< every n-th frame
+  std::vector<std::string> train_names;  ///< exactly these
+  std::vector<std::string> test_names;   ///< exactly these
+  int test_views = -1;                   ///< otherwise so many of the rest; -1: a third of the training views
+
+  bool depth_prior = true;          ///< sensor depth of training views also becomes pred_depths/
+  std::filesystem::path sfm;        ///< COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
+  bool neuris_crop = false;         ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
+  double voxel = 0;                 ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
+  bool overwrite = false;
+  ProgressStyle progress;
+};
+
+inline constexpr int kMaxUnselected = 100;  ///< frames; more is a video, not a handful of photos
+inline constexpr int kDefaultViews = 36;    ///< the paper's number of training views
+
+struct ImportReport {
+  size_t train = 0, test = 0, skipped = 0;
+  size_t points = 0;
+  std::string cloud_source;   ///< "sensor depth", "sfm", "capture", "none"
+  double sfm_rmse = 0;        ///< residual of the alignment on camera centres, scene units
+  size_t sfm_cameras = 0;     ///< cameras it was aligned on
+  bool depth_prior = false;
+};
+
+/// Error{kBadInput} for names that do not exist and files that cannot be read; the folder appears complete or not at all.
+ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options, ThreadPool& pool);
+
+/// SfM points of a COLMAP model brought into the capture's world by the similarity of their common cameras.
+struct AlignedSfm {
+  PointCloud cloud;
+  double rmse = 0;
+  size_t cameras = 0;
+};
+AlignedSfm align_sfm(const Capture& capture, const std::filesystem::path& model_folder);
+
+}  // namespace aligngs
