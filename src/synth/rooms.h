@@ -1,0 +1,25 @@
+// The four kinds of furnished rooms.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "synth/room_model.h"
+
+namespace aligngs {
+
+struct RoomOptions {
+  std::string kind = "bedroom";  ///< bedroom, living, kitchen or office
+  uint64_t seed = 1;
+  bool glossy = true;            ///< polished floor and table tops
+};
+
+/// Names that RoomOptions::kind may take.
+const std::vector<std::string>& room_kinds();
+
+/// A room in its own frame: floor at z = 0, z up, a corner at the origin; metres. The same options give the same
+/// room. Throws Error{kUsage} for an unknown kind.
+RoomModel build_room(const RoomOptions& options);
+
+}  // namespace aligngs
