@@ -80,6 +80,21 @@ struct LossFixture {
   }
 };
 
+/// The same maps in single precision.
+inline RenderMaps<float> narrow(const RenderMaps<double>& maps) {
+  const auto copy = [](const std::vector<double>& a) { return std::vector<float>(a.begin(), a.end()); };
+  RenderMaps<float> out;
+  out.width = maps.width;
+  out.height = maps.height;
+  out.color = copy(maps.color);
+  out.alpha = copy(maps.alpha);
+  out.normal = copy(maps.normal);
+  out.distance = copy(maps.distance);
+  out.expected = copy(maps.expected);
+  out.median = copy(maps.median);
+  return out;
+}
+
 /// Makes a pixel show the plane n . X = -d (n unit, camera frame) opaquely, with the prior depth and normal to match.
 inline void show_plane(LossFixture& f, int x, int y, const Vec3d& n, double d) {
   const size_t i = size_t(y) * f.maps.width + x;
