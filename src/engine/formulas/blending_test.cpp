@@ -52,18 +52,20 @@ TEST(Blending, AlphaGradientMatchesDifferences) {
   const double h = 1e-6;
   for (double opacity : {0.8, 0.008}) {  // 0.008: inside the ramp
     double p[6] = {kMean.x, kMean.y, kConic.xx, kConic.xy, kConic.yy, opacity};
-    const auto alpha = [&] { return alpha_at<double>({p[0], p[1]}, {p[2], p[3], p[4]}, p[5], 3.5, 4.5, settings).alpha; };
+    const auto sample = [&] {
+      return alpha_at<double>({p[0], p[1]}, {p[2], p[3], p[4]}, p[5], 3.5, 4.5, settings);
+    };
     ProjectionGradient<double> g;
-    const AlphaSample<double> s = alpha_at<double>({p[0], p[1]}, {p[2], p[3], p[4]}, p[5], 3.5, 4.5, settings);
+    const AlphaSample<double> s = sample();
     const Vec2d mean = alpha_backward(s, {p[2], p[3], p[4]}, p[5], 1.0, g);
     EXPECT_EQ(mean.x, g.mean.x);
     const double analytic[6] = {g.mean.x, g.mean.y, g.conic.xx, g.conic.xy, g.conic.yy, g.opacity};
     for (int k = 0; k < 6; ++k) {
       const double start = p[k];
       p[k] = start + h;
-      const double up = alpha();
+      const double up = sample().alpha;
       p[k] = start - h;
-      const double down = alpha();
+      const double down = sample().alpha;
       p[k] = start;
       EXPECT_NEAR((up - down) / (2 * h), analytic[k], 1e-6) << k;
     }

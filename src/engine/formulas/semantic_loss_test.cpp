@@ -63,7 +63,8 @@ TEST(SemanticLoss, LogitsGradientMatchesDifferences) {
   EXPECT_LT(difference(logits, g,
                        [&](const std::vector<double>& x) {
                          std::vector<double> a(kC), b(kC);
-                         return total(semantic_loss_logits(x.data(), kTeacher.data(), kC, kWeights, a.data(), b.data()));
+                         return total(
+                             semantic_loss_logits(x.data(), kTeacher.data(), kC, kWeights, a.data(), b.data()));
                        }),
             1e-9);
 }
@@ -81,7 +82,8 @@ TEST(SemanticLoss, UniformStudentOfAScoreTeacher) {
   teacher[7] = 1;
   softmax(teacher.data(), 150, teacher.data());
   EXPECT_NEAR(teacher[7], 0.0179, 5e-5);
-  const SemanticTerms<double> t = semantic_loss_logits(logits.data(), teacher.data(), 150, {1, 0.1}, q.data(), g.data());
+  const SemanticTerms<double> t =
+      semantic_loss_logits(logits.data(), teacher.data(), 150, {1, 0.1}, q.data(), g.data());
   EXPECT_NEAR(t.soft, 0.00653, 5e-6);
   EXPECT_NEAR(t.hard, std::log(150.0), 1e-12);
 }
@@ -102,7 +104,8 @@ TEST(SemanticLoss, ProbabilitiesGradientMatchesDifferences) {
 TEST(SemanticLoss, FloorStopsTheLogarithm) {
   const std::vector<double> blended = {1, 0, 0, 0, 0};
   std::vector<double> g(kC);
-  const SemanticTerms<double> t = semantic_loss_probabilities(blended.data(), 1.0, kTeacher.data(), kC, kWeights, g.data());
+  const SemanticTerms<double> t =
+      semantic_loss_probabilities(blended.data(), 1.0, kTeacher.data(), kC, kWeights, g.data());
   EXPECT_NEAR(t.hard, -std::log(1e-3), 1e-12);
   EXPECT_EQ(g[1], 0);
   EXPECT_LT(semantic_floor<double>(2000), 1.0 / 2000);  // the uniform start has a gradient for any C

@@ -5,9 +5,8 @@
 #include <functional>
 
 #include "engine/formulas/shape_terms.h"
-#include "engine/formulas/teacher_sampling.h"
 #include "engine/losses/map_losses.h"
-#include "engine/reference/reference_forward.h"
+#include "engine/reference/reference_semantics.h"
 
 namespace aligngs::reference {
 
@@ -89,42 +88,152 @@ void shape_terms(const Splats<T>& s, const std::vector<uint8_t>& touched, size_t
   terms.total += set.flatten_weight * flatten + set.opacity_l1_weight * opacity + set.scale_l1_weight * scale;
 }
 
-/// The semantic loss at one pixel: values, row gradient g, coupling direction h and offset.
-template <class T>
-struct SemanticPixel {
-  SemanticTerms<T> terms;
-  T surrogate{};
-  std::vector<T> row_gradient, coupling;
-  T offset{};
-};
-
-template <class T>
-SemanticPixel<T> semantic_pixel(const std::vector<T>& blended, T alpha, const std::vector<T>& teacher,
-                                const LossSettings& set, const SemanticWeights<T>& weights, T omega) {
-  const int channels = static_cast<int>(blended.size());
-  const bool probabilities = set.semantic_blend == SemanticBlend::kProbabilities;
-  SemanticPixel<T> out;
-  out.row_gradient.resize(channels);
-  std::vector<T> student(channels);
-  out.terms = probabilities ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), channels, weights,
-                                                          out.row_gradient.data())
-                            : semantic_loss_logits(blended.data(), teacher.data(), channels, weights, student.data(),
-                                                   out.row_gradient.data());
-  if (set.coupling == SemanticCoupling::kPlain) {
-    out.coupling = out.row_gradient;
-    out.offset = plain_coupling_offset(probabilities, out.row_gradient.data(), channels);
-    return out;
-  }
-  out.coupling.resize(channels);
-  out.surrogate =
-      probabilities
-          ? bounded_coupling_probabilities(blended.data(), alpha, teacher.data(), channels, omega, out.coupling.data())
-          : bounded_coupling_logits(student.data(), alpha, teacher.data(), channels, omega, out.coupling.data());
-  return out;
-}
-
 inline double rms_over(size_t visible, double sum_of_squares) {
   return visible > 0 ? std::sqrt(sum_of_squares / static_cast<double>(visible)) : 0.0;
+}
+
+/// Sums over the pixels of a view, per row. Three ways into alpha are kept apart: colour (density statistics take it
+/// alone), geometry, semantics.
+template <class T>
+struct RowSums {
+  std::vector<ProjectionGradient<T>> by_color, by_geometry, by_semantics;
+  std::vector<Vec3<T>> color;      ///< dL / d colour
+  std::vector<Vec2<T>> mean_abs;   ///< sum of |dL_photometric / d mean2D|
+  std::vector<double> weight, residual, unsupported;
+  std::vector<uint8_t> touched;
+  explicit RowSums(size_t n)
+      : by_color(n), by_geometry(n), by_semantics(n), color(n), mean_abs(n), weight(n), residual(n), unsupported(n),
+        touched(n) {}
+};
+
+/// Mean absolute colour difference of a pixel; 0 where the mask leaves it out.
+template <class T>
+double color_residual_at(const RenderMaps<T>& maps, const TrainingView& view, int x, int y) {
+  if (view.data.color.empty() || (!view.data.mask.empty() && !(view.data.mask.at(x, y) > 0.5f))) return 0;
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double rendered = static_cast<double>(maps.color[c * maps.pixels() + size_t(y) * maps.width + x]);
+    sum += std::abs(rendered - view.data.color.at(x, y, c)) / 3;
+  }
+  return sum;
+}
+
+/// The prior depth of a pixel in this step's scale, 0 = none.
+template <class T>
+T prior_depth_of(const TrainingView& view, const LossSettings& settings, int x, int y) {
+  return view.data.prior_depth.empty() ? T(0) : T(view.data.prior_depth.at(x, y)) * T(settings.prior_depth_scale);
+}
+
+/// The way back through one pixel: from the gradients of its maps to the projections, colours and rows.
+template <class T>
+void backward_pixel(const Splats<T>& s, const RenderMaps<T>& maps, const MapGradients<T>& dmap,
+                    const TrainingView& view, const StepRequest& request, int x, int y, SemanticPass<T>& semantics,
+                    std::vector<Contribution<T>>& list, RowSums<T>& sums) {
+  const RasterSettings& raster = request.raster;
+  const size_t pixels = maps.pixels(), u = size_t(y) * maps.width + x;
+  const Vec3<T> gcolor{dmap.color[u], dmap.color[pixels + u], dmap.color[2 * pixels + u]};
+  const Vec3<T> gnormal{dmap.normal[u], dmap.normal[pixels + u], dmap.normal[2 * pixels + u]};
+  T left = T(1);
+  blend_pixel(s, x, y, raster, list, left);
+  const SemanticPixel<T> semantic = semantics.visit(x, y, list, maps.alpha[u]);
+
+  // q_k = v_k . g for the three kinds of values, then their totals (see AlphaSweep).
+  const auto q_color = [&](uint32_t row) { return dot(s.colors[row], gcolor); };
+  const auto q_geometry = [&](uint32_t row) {
+    return dot(s.projections[row].normal, gnormal) + s.projections[row].distance * dmap.distance[u] + dmap.alpha[u];
+  };
+  const auto q_semantic = [&](uint32_t row) { return semantics.coupling_of(semantic, row); };
+  AlphaSweep<T> by_color, by_geometry, by_semantics;
+  for (const Contribution<T>& k : list) {
+    by_color.total += k.weight * q_color(k.row);
+    by_geometry.total += k.weight * q_geometry(k.row);
+    by_semantics.total += k.weight * q_semantic(k.row);
+  }
+  for (int c = 0; c < 3; ++c) by_color.total += left * T(raster.background[c]) * gcolor[c];
+
+  const double residual = color_residual_at(maps, view, x, y);
+  const T prior = prior_depth_of<T>(view, request.losses, x, y);
+  for (const Contribution<T>& k : list) {
+    const uint32_t i = k.row;
+    const Projection<T>& p = s.projections[i];
+    const auto next = [&](AlphaSweep<T>& sweep, T q) {
+      return sweep.next(k.sample.alpha, k.transmittance, k.weight, q);
+    };
+    const Vec2<T> dmean =
+        alpha_backward(k.sample, p.conic, p.opacity, next(by_color, q_color(i)), sums.by_color[i]);
+    alpha_backward(k.sample, p.conic, p.opacity, next(by_geometry, q_geometry(i)), sums.by_geometry[i]);
+    alpha_backward(k.sample, p.conic, p.opacity, next(by_semantics, q_semantic(i)), sums.by_semantics[i]);
+    sums.color[i] += k.weight * gcolor;
+    sums.by_geometry[i].normal += k.weight * gnormal;
+    sums.by_geometry[i].distance += k.weight * dmap.distance[u];
+
+    sums.touched[i] = 1;
+    sums.mean_abs[i].x += std::abs(dmean.x);
+    sums.mean_abs[i].y += std::abs(dmean.y);
+    sums.weight[i] += static_cast<double>(k.weight);
+    sums.residual[i] += static_cast<double>(k.weight) * residual;
+    if (prior_unsupported(prior, intersection_depth(p, s.camera.ray(x, y)))) {
+      sums.unsupported[i] += static_cast<double>(k.weight);
+    }
+  }
+}
+
+/// This view's contribution to DensityStatistics; rows that touched nothing stay zero.
+template <class T>
+DensityStatistics density_contribution(const Splats<T>& s, const RowSums<T>& sums) {
+  const size_t n = sums.touched.size();
+  const double to_ndc_x = 0.5 * s.camera.width, to_ndc_y = 0.5 * s.camera.height;
+  DensityStatistics d;
+  for (std::vector<float>* field :
+       {&d.gradient, &d.gradient_abs, &d.visible, &d.radius, &d.weight, &d.residual, &d.unsupported}) {
+    field->assign(n, 0.0f);
+  }
+  for (size_t i = 0; i < n; ++i) {
+    if (!sums.touched[i]) continue;
+    const Vec2<T> mean = sums.by_color[i].mean, absolute = sums.mean_abs[i];
+    d.gradient[i] = static_cast<float>(std::hypot(mean.x * to_ndc_x, mean.y * to_ndc_y));
+    d.gradient_abs[i] = static_cast<float>(std::hypot(absolute.x * to_ndc_x, absolute.y * to_ndc_y));
+    d.visible[i] = 1;
+    d.radius[i] = static_cast<float>(s.projections[i].radius);
+    d.weight[i] = static_cast<float>(sums.weight[i]);
+    d.residual[i] = static_cast<float>(sums.residual[i]);
+    d.unsupported[i] = static_cast<float>(sums.unsupported[i]);
+  }
+  return d;
+}
+
+/// From projections, colours and blended features to the parameters of every row that touched a pixel.
+template <class T>
+void to_parameters(const GaussianModelT<T>& model, const Splats<T>& s, const RowSums<T>& sums,
+                   const SemanticPass<T>& semantics, int sh_degree, Gradients<T>& out) {
+  const size_t rows = model.size();
+  out.photometric_mean.assign(rows, Vec2<T>());
+  out.coupling_mean.assign(rows, Vec2<T>());
+  double photometric_square = 0, coupling_square = 0;
+  for (size_t i = 0; i < rows; ++i) {
+    if (!sums.touched[i]) continue;
+    ++out.visible;
+    const GaussianShape<T>& g = s.shapes[i];
+    const Projection<T>& p = s.projections[i];
+    add_shape(project_backward(g, s.camera, p, sums.by_color[i]), T(1), i, out.gradient);
+    add_shape(project_backward(g, s.camera, p, sums.by_geometry[i]), T(1), i, out.gradient);
+    const ShapeGradient<T> coupled = project_backward(g, s.camera, p, sums.by_semantics[i]);
+    add_shape(coupled, T(1), i, out.coupling);
+    add_shape(coupled, T(out.coupling_scale), i, out.gradient);
+    const size_t first = 3 * kShCoefficients * i;
+    const Vec3<T> dposition = sh_color_backward(sh_degree, g.position, s.camera.centre, &model.sh[first], s.colors[i],
+                                                sums.color[i], &out.gradient.sh[first]);
+    for (int k = 0; k < 3; ++k) out.gradient.positions[3 * i + k] += dposition[k];
+    if (semantics.valid > 0) semantics.row_gradient(i, &out.gradient.semantics[i * model.semantic_channels]);
+
+    const Vec2<T> mean = sums.by_color[i].mean, coupling = sums.by_semantics[i].mean;
+    out.photometric_mean[i] = mean;
+    out.coupling_mean[i] = coupling;
+    photometric_square += static_cast<double>(mean.x * mean.x + mean.y * mean.y);
+    coupling_square += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
+  }
+  out.photometric_rms = rms_over(out.visible, photometric_square);
+  out.coupling_rms = rms_over(out.visible, coupling_square);
 }
 
 }  // namespace detail
@@ -136,193 +245,35 @@ template <class T>
 Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view, const StepRequest& request,
                        double bounded_scale, const MapLossFunction<T>& map_loss) {
   const LossSettings& set = request.losses;
-  const RasterSettings& raster = request.raster;
-  const size_t rows = model.size();
-  const Splats<T> s = make_splats(model, view.data.camera, raster, request.sh_degree);
-  const RenderMaps<T> maps = render_maps(s, raster);
-  const size_t pixels = maps.pixels();
+  const Splats<T> s = make_splats(model, view.data.camera, request.raster, request.sh_degree);
+  const RenderMaps<T> maps = render_maps(s, request.raster);
 
   Gradients<T> out;
   out.non_finite = s.non_finite;
   out.gradient = detail::zeros_like(model);
   out.coupling = detail::zeros_like(model);
+  out.coupling_scale = set.coupling == SemanticCoupling::kPlain ? set.coupling_strength : bounded_scale;
   MapGradients<T> dmap;
-  dmap.reset(pixels);
+  dmap.reset(maps.pixels());
   map_loss(maps, out.losses, dmap);
 
-  // Semantics: on with a teacher of this model's classes and at least one valid pixel.
-  const int channels = model.semantic_channels;
-  const SemanticTarget& target = view.data.semantics;
-  const bool probabilities = set.semantic_blend == SemanticBlend::kProbabilities;
-  size_t valid = 0;
-  if (channels > 0 && target.channels == channels && (set.semantic_soft_weight != 0 || set.semantic_hard_weight != 0)) {
-    valid = count_semantic_pixels(view.data);
-  }
-  const std::vector<T> features = valid > 0 ? semantic_features(model, set.semantic_blend) : std::vector<T>();
-  std::vector<T> dfeatures(features.size(), T(0));
-  std::vector<T> teacher(channels), blended(channels);
-  std::vector<float> teacher_row(channels);
-  SemanticWeights<T> weights;
-  if (valid > 0) weights = {T(set.semantic_soft_weight) / T(valid), T(set.semantic_hard_weight) / T(valid)};
-  out.coupling_scale = set.coupling == SemanticCoupling::kPlain ? set.coupling_strength : bounded_scale;
-
-  // Three ways into alpha are kept apart: colour (density statistics take it alone), geometry, semantics.
-  std::vector<ProjectionGradient<T>> by_color(rows), by_geometry(rows), by_semantics(rows);
-  std::vector<Vec3<T>> dcolor(rows);
-  out.photometric_mean_abs.assign(rows, Vec2<T>());
-  std::vector<uint8_t> touched(rows, 0);
-  for (std::vector<float>* field : {&out.statistics.gradient, &out.statistics.gradient_abs, &out.statistics.visible,
-                                    &out.statistics.radius, &out.statistics.weight, &out.statistics.residual,
-                                    &out.statistics.unsupported}) {
-    field->assign(rows, 0.0f);
-  }
-  std::vector<double> weight_sum(rows, 0), residual_sum(rows, 0), unsupported_sum(rows, 0);
-  double soft = 0, hard = 0, surrogate = 0;
-
+  SemanticPass<T> semantics(model, view, set);
+  detail::RowSums<T> sums(model.size());
   std::vector<Contribution<T>> list;
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
-      const size_t u = size_t(y) * maps.width + x;
-      const Vec3<T> ray = s.camera.ray(x, y);
-      T left = T(1);
-      blend_pixel(s, x, y, raster, list, left);
-
-      const Vec3<T> gcolor{dmap.color[u], dmap.color[pixels + u], dmap.color[2 * pixels + u]};
-      const Vec3<T> gnormal{dmap.normal[u], dmap.normal[pixels + u], dmap.normal[2 * pixels + u]};
-      const T gdistance = dmap.distance[u], galpha = dmap.alpha[u];
-
-      // The semantic loss of this pixel.
-      const bool speaks = valid > 0;
-      const TeacherTaps taps = speaks ? teacher_taps(target, x, y, maps.width, maps.height) : TeacherTaps();
-      const bool semantic = speaks && semantic_pixel_valid(view.data, taps, x, y);
-      detail::SemanticPixel<T> sem;
-      if (semantic) {
-        sample_teacher(target, taps, teacher_row.data());
-        std::fill(blended.begin(), blended.end(), T(0));
-        for (int c = 0; c < channels; ++c) teacher[c] = T(teacher_row[c]);
-        for (const Contribution<T>& k : list) {
-          for (int c = 0; c < channels; ++c) blended[c] += k.weight * features[size_t(k.row) * channels + c];
-        }
-        const T confidence = view.semantic_weight.empty() ? T(1) : T(view.semantic_weight.at(x, y));
-        sem = detail::semantic_pixel(blended, maps.alpha[u], teacher, set, weights, confidence / T(valid));
-        soft += static_cast<double>(sem.terms.soft) / valid;
-        hard += static_cast<double>(sem.terms.hard) / valid;
-        surrogate += static_cast<double>(sem.surrogate);
-      }
-
-      // q_k = v_k . g for the three kinds of values, then their totals (see AlphaSweep).
-      const auto q_color = [&](uint32_t row) { return dot(s.colors[row], gcolor); };
-      const auto q_geometry = [&](uint32_t row) {
-        return dot(s.projections[row].normal, gnormal) + s.projections[row].distance * gdistance + galpha;
-      };
-      const auto q_semantic = [&](uint32_t row) {
-        if (!semantic) return T(0);
-        T q = -sem.offset;
-        for (int c = 0; c < channels; ++c) q += sem.coupling[c] * features[size_t(row) * channels + c];
-        return q;
-      };
-      AlphaSweep<T> color, geometry, semantics;
-      for (const Contribution<T>& k : list) {
-        color.total += k.weight * q_color(k.row);
-        geometry.total += k.weight * q_geometry(k.row);
-        semantics.total += k.weight * q_semantic(k.row);
-      }
-      for (int c = 0; c < 3; ++c) color.total += left * T(raster.background[c]) * gcolor[c];
-
-      double residual = 0;
-      if (!view.data.color.empty() && (view.data.mask.empty() || view.data.mask.at(x, y) > 0.5f)) {
-        for (int c = 0; c < 3; ++c) {
-          residual += std::abs(static_cast<double>(maps.color[c * pixels + u]) - view.data.color.at(x, y, c)) / 3;
-        }
-      }
-      const T prior = view.data.prior_depth.empty()
-                          ? T(0)
-                          : T(view.data.prior_depth.at(x, y)) * T(set.prior_depth_scale);
-
-      for (const Contribution<T>& k : list) {
-        const Projection<T>& p = s.projections[k.row];
-        const T alpha = k.sample.alpha;
-        const T dcolor_alpha = color.next(alpha, k.transmittance, k.weight, q_color(k.row));
-        const T dgeometry_alpha = geometry.next(alpha, k.transmittance, k.weight, q_geometry(k.row));
-        const T dsemantic_alpha = semantics.next(alpha, k.transmittance, k.weight, q_semantic(k.row));
-        const Vec2<T> dmean = alpha_backward(k.sample, p.conic, p.opacity, dcolor_alpha, by_color[k.row]);
-        alpha_backward(k.sample, p.conic, p.opacity, dgeometry_alpha, by_geometry[k.row]);
-        alpha_backward(k.sample, p.conic, p.opacity, dsemantic_alpha, by_semantics[k.row]);
-        dcolor[k.row] += k.weight * gcolor;
-        by_geometry[k.row].normal += k.weight * gnormal;
-        by_geometry[k.row].distance += k.weight * gdistance;
-        if (semantic) {
-          for (int c = 0; c < channels; ++c) {
-            dfeatures[size_t(k.row) * channels + c] += k.weight * sem.row_gradient[c];
-          }
-        }
-        touched[k.row] = 1;
-        out.photometric_mean_abs[k.row].x += std::abs(dmean.x);
-        out.photometric_mean_abs[k.row].y += std::abs(dmean.y);
-        weight_sum[k.row] += static_cast<double>(k.weight);
-        residual_sum[k.row] += static_cast<double>(k.weight) * residual;
-        if (prior_unsupported(prior, intersection_depth(p, ray))) {
-          unsupported_sum[k.row] += static_cast<double>(k.weight);
-        }
-      }
+      detail::backward_pixel(s, maps, dmap, view, request, x, y, semantics, list, sums);
     }
   }
+  detail::to_parameters(model, s, sums, semantics, request.sh_degree, out);
+  out.photometric_mean_abs = sums.mean_abs;
+  out.statistics = detail::density_contribution(s, sums);
 
-  // From projections to parameters.
-  out.photometric_mean.assign(rows, Vec2<T>());
-  out.coupling_mean.assign(rows, Vec2<T>());
-  double photometric_square = 0, coupling_square = 0;
-  const double to_ndc_x = 0.5 * maps.width, to_ndc_y = 0.5 * maps.height;
-  for (const uint32_t i : s.order) {
-    if (!touched[i]) continue;
-    ++out.visible;
-    const GaussianShape<T>& g = s.shapes[i];
-    const Projection<T>& p = s.projections[i];
-    detail::add_shape(project_backward(g, s.camera, p, by_color[i]), T(1), i, out.gradient);
-    detail::add_shape(project_backward(g, s.camera, p, by_geometry[i]), T(1), i, out.gradient);
-    const ShapeGradient<T> coupled = project_backward(g, s.camera, p, by_semantics[i]);
-    detail::add_shape(coupled, T(1), i, out.coupling);
-    detail::add_shape(coupled, T(out.coupling_scale), i, out.gradient);
-    const Vec3<T> dposition =
-        sh_color_backward(request.sh_degree, g.position, s.camera.centre, &model.sh[3 * kShCoefficients * i],
-                          s.colors[i], dcolor[i], &out.gradient.sh[3 * kShCoefficients * i]);
-    for (int k = 0; k < 3; ++k) out.gradient.positions[3 * i + k] += dposition[k];
-
-    const Vec2<T> mean = by_color[i].mean, absolute = out.photometric_mean_abs[i], coupling = by_semantics[i].mean;
-    out.photometric_mean[i] = mean;
-    out.coupling_mean[i] = coupling;
-    photometric_square += static_cast<double>(mean.x * mean.x + mean.y * mean.y);
-    coupling_square += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
-    out.statistics.gradient[i] = static_cast<float>(std::hypot(mean.x * to_ndc_x, mean.y * to_ndc_y));
-    out.statistics.gradient_abs[i] = static_cast<float>(std::hypot(absolute.x * to_ndc_x, absolute.y * to_ndc_y));
-    out.statistics.visible[i] = 1;
-    out.statistics.radius[i] = static_cast<float>(p.radius);
-    out.statistics.weight[i] = static_cast<float>(weight_sum[i]);
-    out.statistics.residual[i] = static_cast<float>(residual_sum[i]);
-    out.statistics.unsupported[i] = static_cast<float>(unsupported_sum[i]);
-  }
-  out.photometric_rms = detail::rms_over(out.visible, photometric_square);
-  out.coupling_rms = detail::rms_over(out.visible, coupling_square);
-
-  // Semantic rows.
-  for (size_t i = 0; valid > 0 && i < rows; ++i) {
-    const T* g = &dfeatures[i * channels];
-    T* row = &out.gradient.semantics[i * channels];
-    if (!touched[i]) continue;
-    if (probabilities) {
-      softmax_backward(&features[i * channels], g, channels, row);
-    } else {
-      std::copy(g, g + channels, row);
-    }
-  }
-  out.losses.semantic_soft += soft;
-  out.losses.semantic_hard += hard;
-  out.losses.total += set.semantic_soft_weight * soft + set.semantic_hard_weight * hard;
-  out.coupling_value = surrogate;
-
-  if (out.visible > 0 || set.opacity_l1_weight != 0 || set.scale_l1_weight != 0) {
-    detail::shape_terms(s, touched, out.visible, request, out.losses, out.gradient);
-  }
+  out.losses.semantic_soft += semantics.soft;
+  out.losses.semantic_hard += semantics.hard;
+  out.losses.total += set.semantic_soft_weight * semantics.soft + set.semantic_hard_weight * semantics.hard;
+  out.coupling_value = semantics.surrogate;
+  detail::shape_terms(s, sums.touched, out.visible, request, out.losses, out.gradient);
   return out;
 }
 
