@@ -1,0 +1,55 @@
+// Writes valid files for the fuzzers to start from: OUT/<target>/<seed>.
+#include <cstdio>
+
+#include "core/error.h"
+#include "io/valid_files_for_tests.h"
+#include "io/zip_archive.h"
+#include "split_input.h"
+
+namespace aligngs {
+namespace {
+
+void make_seeds(const std::filesystem::path& out) {
+  namespace valid = valid_files;
+  const std::filesystem::path scratch = out / "scratch";
+  const auto seed = [&](const char* target, const char* name, const std::string& bytes) {
+    write_file_atomically(out / target / name, bytes);
+  };
+  seed("fuzz_npy", "c_order", valid::npy(scratch));
+  const std::string torch = valid::torch(scratch);
+  seed("fuzz_torch", "tensor", torch);
+  const ZipArchive archive(memory_source(torch, "tensor"));
+  seed("fuzz_pickle", "tensor", archive.read(*archive.find("archive/data.pkl")));
+  seed("fuzz_safetensors", "two", valid::safetensors(scratch));
+  seed("fuzz_ply", "binary", valid::binary_ply(scratch));
+  seed("fuzz_ply", "ascii", valid::ascii_ply());
+  seed("fuzz_image", "exif.jpg", valid::jpeg_with_exif());
+  seed("fuzz_image", "grey.jpg", valid::text_of(encode_jpeg(valid::picture(1), 60)));
+  seed("fuzz_image", "rgba.png", valid::text_of(encode_png(valid::picture(4))));
+  seed("fuzz_gray_png", "16bit", valid::gray_png16(scratch));
+  seed("fuzz_gray_png", "8bit", valid::text_of(encode_png(valid::picture(1))));
+  seed("fuzz_toml", "settings", valid::toml());
+  const valid::ColmapFiles binary = valid::colmap(scratch), text = valid::colmap_text();
+  seed("fuzz_colmap", "model", join_input(binary.cameras, binary.images, binary.points));
+  seed("fuzz_colmap_text", "cameras", text.cameras);
+  seed("fuzz_colmap_text", "images", text.images);
+  seed("fuzz_colmap_text", "points", text.points);
+  std::filesystem::remove_all(scratch);
+}
+
+}  // namespace
+}  // namespace aligngs
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: fuzz_seeds OUT\n");
+    return 2;
+  }
+  try {
+    aligngs::make_seeds(argv[1]);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
