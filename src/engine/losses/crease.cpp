@@ -33,11 +33,11 @@ EdgePrior prior_at_edge(const TrainingView& view, const LabelPair& p) {
   const Image<uint16_t>& labels = view.data.labels;
   const int out = kCreasePriorOffset - 1;  // the first and second pixel are the first beside the edge
   const int x1 = p.x + p.dx, y1 = p.y + p.dy;
-  if (!same_label_out_to(labels, p.x, p.y, -p.dx, -p.dy, out) || !same_label_out_to(labels, x1, y1, p.dx, p.dy, out)) {
-    return {};
-  }
+  if (!same_label_out_to(labels, p.x, p.y, -p.dx, -p.dy, out)) return {};
+  if (!same_label_out_to(labels, x1, y1, p.dx, p.dy, out)) return {};
   const int bx = p.x - out * p.dx, by = p.y - out * p.dy, ax = x1 + out * p.dx, ay = y1 + out * p.dy;
-  const size_t before = static_cast<size_t>(by) * labels.width + bx, after = static_cast<size_t>(ay) * labels.width + ax;
+  const size_t before = static_cast<size_t>(by) * labels.width + bx;
+  const size_t after = static_cast<size_t>(ay) * labels.width + ax;
   EdgePrior prior;
   prior.weight = std::min(depth_weight_at(view, before), depth_weight_at(view, after));
   prior.before = prior_normal_at<double>(view, before);

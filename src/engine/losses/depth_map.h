@@ -18,9 +18,9 @@ enum DepthValidity : uint8_t {
   kDepthTight = 2   ///< z within 15 % of z_e (plane_depth_valid)
 };
 
-inline constexpr double kDepthJumpShare = 0.05;    ///< |dz| / z between neighbours that is a discontinuity (guidance 2.3)
-inline constexpr double kMinimumValidShare = 0.01; ///< a depth or normal loss with fewer valid pixels is zero: a
-                                                   ///< handful of pixels would carry the whole weight of the term
+inline constexpr double kDepthJumpShare = 0.05;  ///< |dz| / z of neighbours that is a discontinuity (guidance 2.3)
+/// A depth or normal loss with fewer valid pixels is zero: a handful would carry the whole weight of the term.
+inline constexpr double kMinimumValidShare = 0.01;
 
 /// Camera::ray of pixel centres in T, without a division per pixel.
 template <class T>

@@ -22,9 +22,12 @@ ALIGNGS_ALWAYS_INLINE void normal_row(const NormalRowGeometry<T>& geometry, cons
   for (int x = 0; x < width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x;
     const T wanted = in[kInUsed * stride + x];
-    const T right_x = ray_x + in[kInRightOffset * stride + x] * step_x, left_x = ray_x + in[kInLeftOffset * stride + x] * step_x;
-    const T top_y = ray_y + in[kInTopOffset * stride + x] * step_y, bottom_y = ray_y + in[kInBottomOffset * stride + x] * step_y;
-    const T right = in[kInRight * stride + x], left = in[kInLeft * stride + x], top = in[kInTop * stride + x], bottom = in[kInBottom * stride + x];
+    const T right_x = ray_x + in[kInRightOffset * stride + x] * step_x;
+    const T left_x = ray_x + in[kInLeftOffset * stride + x] * step_x;
+    const T top_y = ray_y + in[kInTopOffset * stride + x] * step_y;
+    const T bottom_y = ray_y + in[kInBottomOffset * stride + x] * step_y;
+    const T right = in[kInRight * stride + x], left = in[kInLeft * stride + x];
+    const T top = in[kInTop * stride + x], bottom = in[kInBottom * stride + x];
     const Vec3<T> across{right_x * right - left_x * left, ray_y * (right - left), right - left};
     const Vec3<T> up{ray_x * (top - bottom), top_y * top - bottom_y * bottom, top - bottom};
     const Vec3<T> product = cross(across, up);
