@@ -1,0 +1,58 @@
+#include "cli/stages/pipeline.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/report/html_report.h"
+#include "cli/stages/eval_stage.h"
+#include "cli/stages/mesh_stage.h"
+#include "cli/stages/render_stage.h"
+#include "cli/summary.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/stop_signal.h"
+#include "train/run_record.h"
+
+namespace aligngs {
+namespace {
+
+/// Between stages: everything so far stands on disk, so stopping here loses nothing.
+void stop_here_if_asked(const std::string& resume) {
+  if (stop_requested()) throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + resume});
+}
+
+}  // namespace
+
+nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context) {
+  const TrainResult trained = train_run(options);
+  if (trained.already_finished) log_info("the training was finished already");
+  OpenRun run = open_run(options.run, {options.scene, options.threads});
+
+  RenderStageOptions render;
+  render.progress = options.progress;
+  render.test = true;
+  render_views(run, render);
+  stop_here_if_asked(options.resume_command);
+  mesh_run(run, {});
+  stop_here_if_asked(options.resume_command);
+  EvalStageOptions eval;
+  eval.progress = options.progress;
+  const nlohmann::json metrics = evaluate_run(run, eval);
+  write_report(options.run);
+
+  RunRecord record = read_run_record(options.run / "run.json");
+  record.stage = "done";
+  record.updated = record.finished = utc_now();
+  write_run_record(options.run / "run.json", record);
+  if (context.global.json) {
+    std::printf("%s\n", metrics.dump(2).c_str());
+  } else {
+    std::printf("training     %lld iterations in %s, %llu Gaussians\n", static_cast<long long>(trained.iterations),
+                format_duration(trained.seconds).c_str(), static_cast<unsigned long long>(trained.gaussians));
+    std::fputs(metrics_summary(metrics).c_str(), stdout);
+    std::printf("look at      %s\n", (options.run / "report.html").string().c_str());
+  }
+  return metrics;
+}
+
+}  // namespace aligngs

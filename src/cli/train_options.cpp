@@ -1,0 +1,46 @@
+#include "cli/train_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/error.h"
+
+namespace aligngs {
+
+void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
+  command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")->check(CLI::PositiveNumber);
+  command.add_option("--preset", options->preset, "preview, default, paper or high")
+      ->check(CLI::IsMember({"preview", "default", "paper", "high"}));
+  command.add_option("--config", options->config_file, "TOML file with settings");
+  command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; --print-config lists them)");
+  command.add_option("--seed", options->seed, "seed of everything random")->check(CLI::NonNegativeNumber);
+  command.add_flag("--resume", options->resume, "go on with the run in the output folder; -n beyond its end extends it");
+  command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder");
+  command.add_flag("--require-priors", options->require_priors, "missing depth or semantics are an error (status 4)");
+  command.add_option("--device", options->device, "auto, cpu or cuda:N")->capture_default_str();
+  command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+}
+
+TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context) {
+  if (options.device.rfind("cuda", 0) == 0) {
+    throw Error({ErrorKind::kResources, "this version has no CUDA engine", {}, "--device " + options.device, "use --device cpu"});
+  }
+  if (options.device != "auto" && options.device != "cpu") throw_usage("--device must be auto, cpu or cuda:N", "for example --device cpu");
+  if (options.resume && options.overwrite) throw_usage("--resume and --overwrite contradict each other", "give one of them");
+  TrainOptions train;
+  train.run = options.output;
+  train.config.preset = options.preset;
+  train.config.config_file = options.config_file;
+  train.config.sets = options.sets;
+  if (options.iterations > 0) train.config.iterations = options.iterations;
+  if (options.seed >= 0) train.config.seed = options.seed;
+  train.threads = context.global.threads;
+  train.resume = options.resume;
+  train.overwrite = options.overwrite;
+  train.require_priors = options.require_priors;
+  train.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
+  train.command_line = context.command_line;
+  train.progress = context.progress();
+  return train;
+}
+
+}  // namespace aligngs

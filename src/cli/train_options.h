@@ -1,0 +1,27 @@
+// Command-line options that `train`, `run` and `demo` share.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "train/train_run.h"
+
+namespace aligngs {
+
+struct TrainCommandOptions {
+  std::string preset, config_file, output, device = "auto";
+  std::vector<std::string> sets;
+  int64_t iterations = 0, seed = -1;  ///< 0 and -1: not given
+  bool resume = false, overwrite = false, require_priors = false;
+  double memory_gigabytes = 0;
+};
+
+/// Adds -n, --preset, --config, --set, --seed, --resume, --overwrite, --device, ... to a command.
+void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options);
+
+/// Error{kUsage} for contradictions, Error{kResources} for a device that this program has not.
+TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context);
+
+}  // namespace aligngs
