@@ -1,0 +1,36 @@
+// Which Gaussians each tile blends, front to back.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/splats.h"
+
+namespace aligngs::cpu {
+
+/// An instance is a (Gaussian, tile) pair. Instances are numbered twice: by Gaussian (its slots are contiguous, in
+/// the row-major order of its rectangle), where gradients are left for reduction, and by tile in depth order.
+struct TileLists {
+  std::vector<uint64_t> slot_begin;  ///< [N + 1] first slot of each Gaussian
+  std::vector<uint64_t> tile_begin;  ///< [tiles + 1] first entry of each tile in `gaussians`
+  AlignedArray<uint32_t> gaussians;  ///< rows of the model, by tile, by depth, ties by row
+  std::vector<uint32_t> visible;     ///< rows with a tile, in depth order
+  std::vector<uint32_t> rank;        ///< [N] number of visible rows below this one: a dense index in row order
+  size_t instances() const { return slot_begin.empty() ? 0 : static_cast<size_t>(slot_begin.back()); }
+
+  /// The slot of Gaussian `row` in tile (x, y), which its rectangle contains.
+  uint64_t slot(uint32_t row, const TileRect& rect, int x, int y) const {
+    return slot_begin[row] + uint64_t(y - rect.y0) * (rect.x1 - rect.x0) + uint64_t(x - rect.x0);
+  }
+
+  // Scratch of build_tile_lists.
+  std::vector<uint32_t> keys, keys_scratch, rows_scratch;
+  std::vector<uint64_t> cursors;
+};
+
+/// Depth order by a stable radix sort of the depths, then a counting sort by tile over fixed chunks of that order,
+/// so the result does not depend on the number of threads. Offsets are 64-bit.
+void build_tile_lists(const ProjectedView& view, ThreadPool& pool, TileLists& lists);
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,55 @@
+// From gradients of a block's maps to sums per Gaussian.
+#pragma once
+
+#include "engine/cpu/blend_forward.h"
+#include "engine/cpu/tile_weights.h"
+
+namespace aligngs::cpu {
+
+/// Sums over pixels that one Gaussian receives from one tile. With g = dL/dpower of a pixel and (p, r) = F^T (dx, dy)
+/// the whitened offset of the pixel (see Splat), the moments of g give mean, conic and opacity; kept in whitened form
+/// because the moments of (dx, dy) cancel for needles.
+struct SplatGradient {
+  float color[3];
+  float weight;             ///< sum of w
+  float normal[3];
+  float distance;
+  float p, r, one, pp;      ///< sums of g p, g r, g, g p^2: losses of the maps
+  float pr, rr;
+  float residual;           ///< sum of w * colour residual
+  float unsupported;        ///< sum of w where the prior depth does not support this Gaussian
+  float photometric_p, photometric_r;          ///< sums of g p, g r of the colour losses alone
+  float photometric_abs_p, photometric_abs_y;  ///< sums of |g p| and |g (fxy p + fyy r)|
+  float coupling_p, coupling_r, coupling_one, coupling_pp;  ///< the same moments for the semantic coupling
+  float coupling_pr, coupling_rr, unused[2];
+};
+inline constexpr size_t kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
+static_assert(kSplatGradientFloats == 28, "sums are added in groups of four");
+
+/// dL / d maps of a block and what density statistics need of its pixels. Zero outside the image.
+struct BlockGradients {
+  alignas(64) float color[3][kBlockPixels];
+  alignas(64) float normal[3][kBlockPixels];
+  alignas(64) float distance[kBlockPixels];
+  alignas(64) float alpha[kBlockPixels];
+  alignas(64) float residual[kBlockPixels];  ///< mean absolute colour difference
+  alignas(64) float prior[kBlockPixels];     ///< prior depth, 0 = none
+};
+
+struct BackwardOptions {
+  bool geometry = false;  ///< some loss reached normal, distance or alpha
+  bool density = false;   ///< collect weight, residual, unsupported and the absolute sums
+  const float* coupling = nullptr;  ///< [count][64] q_k of the semantic coupling; nullptr: none
+};
+
+/// Adds the block's share to sums[tile.count].
+///
+/// Sweeps from the back: with v_k what Gaussian k shows (dL/dmaps . its values) and B_k what stands behind it,
+///   B_{k-1} = alpha_k v_k + (1 - alpha_k) B_k,   dL/dalpha_k = T_k (v_k - B_k),
+/// starting with the background. Unlike total-minus-prefix this neither divides by 1 - alpha nor cancels where T is
+/// small; the weights are at hand (tile_weights.h), so the order of the sweep is free.
+void blend_block_backward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
+                          const RasterSettings& raster, const BlockGradients& gradients, const BackwardOptions& options,
+                          SplatGradient* sums);
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,252 @@
+#include "engine/cpu/cpu_engine.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "engine/cpu/adam.h"
+#include "engine/cpu/project.h"
+#include "engine/cpu/semantic_rows.h"
+#include "engine/cpu/tile_products.h"
+
+namespace aligngs::cpu {
+namespace {
+
+constexpr size_t kRowsPerTask = 512;
+
+/// Writes the wall time since the last call under a name.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::map<std::string, double>& seconds) : seconds_(seconds) {}
+  void lap(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds_[stage] += std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  std::map<std::string, double>& seconds_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Name of the first loss that is not finite, or nullptr.
+const char* bad_loss(const LossTerms& t) {
+  const std::pair<const char*, double> terms[] = {{"l1", t.l1},
+                                                  {"ssim", t.ssim},
+                                                  {"flatten", t.flatten},
+                                                  {"semantic_soft", t.semantic_soft},
+                                                  {"semantic_hard", t.semantic_hard},
+                                                  {"pearson", t.pearson},
+                                                  {"log_depth", t.log_depth},
+                                                  {"normal_consistency", t.normal_consistency},
+                                                  {"normal_boundary", t.normal_boundary},
+                                                  {"crease", t.crease},
+                                                  {"prior_normal", t.prior_normal},
+                                                  {"opacity_l1", t.opacity_l1},
+                                                  {"scale_l1", t.scale_l1},
+                                                  {"total", t.total}};
+  for (const auto& [name, value] : terms) {
+    if (!std::isfinite(value)) return name;
+  }
+  return nullptr;
+}
+
+/// Some loss looks at normal, distance or alpha.
+bool needs_geometry(const LossSettings& s) {
+  return s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 ||
+         s.normal_boundary_weight != 0 || s.crease_weight != 0 || s.prior_normal_weight != 0;
+}
+
+/// First row of `values` (width numbers per row) that is not finite, or -1.
+int64_t first_bad_row(const std::vector<float>& values, size_t width) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) return static_cast<int64_t>(i / width);
+  }
+  return -1;
+}
+
+}  // namespace
+
+CpuEngine::CpuEngine(int threads) : pool_(std::make_unique<ThreadPool>(threads)) {
+  scratch_.resize(static_cast<size_t>(pool_->size()));
+}
+
+void CpuEngine::prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const {
+  project_view(model_, camera, raster, sh_degree, *pool_, frame_.view);
+  build_tile_lists(frame_.view, *pool_, frame_.lists);
+}
+
+void CpuEngine::prepare_features(SemanticBlend blend) const {
+  const size_t channels = static_cast<size_t>(model_.semantic_channels);
+  const size_t padded = padded_channels(model_.semantic_channels);
+  frame_.features.resize(frame_.lists.visible.size() * padded);
+  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      if (frame_.view.rects[i].area() == 0) continue;
+      const float* in = model_.semantics.data() + i * channels;
+      float* out = frame_.features.data() + frame_.lists.rank[i] * padded;
+      if (blend == SemanticBlend::kProbabilities) {
+        softmax_row(in, channels, padded, out);
+      } else {
+        copy_row(in, channels, padded, out);
+      }
+    }
+  });
+}
+
+bool CpuEngine::semantics_active(const StepRequest& request) {
+  const TrainingView& view = views_[static_cast<size_t>(request.view)];
+  if (model_.semantic_channels == 0 || view.data.semantics.empty()) return false;
+  if (view.data.semantics.channels != model_.semantic_channels) return false;
+  if (request.losses.semantic_soft_weight == 0 && request.losses.semantic_hard_weight == 0) return false;
+  SemanticView& cache = semantic_views_[static_cast<size_t>(request.view)];
+  if (!cache.ready) prepare_semantic_view(view, *pool_, cache);
+  return cache.valid > 0;
+}
+
+NonFinite CpuEngine::locate(const std::string& term) const {
+  const std::pair<const char*, int64_t> classes[] = {
+      {"positions", first_bad_row(model_.positions, 3)},
+      {"log_scales", first_bad_row(model_.log_scales, 3)},
+      {"rotations", first_bad_row(model_.rotations, 4)},
+      {"opacity_logits", first_bad_row(model_.opacity_logits, 1)},
+      {"sh", first_bad_row(model_.sh, 3 * kShCoefficients)},
+      {"semantics", first_bad_row(model_.semantics, static_cast<size_t>(std::max(1, model_.semantic_channels)))}};
+  for (const auto& [name, row] : classes) {
+    if (row >= 0) return {true, row, name};
+  }
+  return {true, -1, term};
+}
+
+StepReport CpuEngine::step(const StepRequest& request) {
+  if (request.view < 0 || static_cast<size_t>(request.view) >= views_.size()) {
+    throw Error({ErrorKind::kFailed, "training view " + std::to_string(request.view) + " does not exist", {}, "view",
+                 "set the training views before the first step"});
+  }
+  if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
+    throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
+  }
+  check_optimiser_settings(request);
+  const TrainingView& view = views_[static_cast<size_t>(request.view)];
+  const bool geometry = needs_geometry(request.losses), density = request.collect_density;
+  StepReport report;
+  Stopwatch watch(report.seconds);
+
+  prepare_frame(view.data.camera, request.raster, request.sh_degree);
+  if (frame_.view.non_finite >= 0) {
+    report.non_finite = locate("parameters");
+    return report;
+  }
+  watch.lap("project");
+  const bool semantics = semantics_active(request);
+  const bool probabilities = request.losses.semantic_blend == SemanticBlend::kProbabilities;
+  if (semantics) prepare_features(request.losses.semantic_blend);
+  watch.lap("semantic_rows");
+
+  const ViewTiles tiles{frame_.view, frame_.lists, request.raster};
+  forward_pass(tiles, geometry, *pool_, scratch_, frame_.maps);
+  watch.lap("forward");
+  const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_};
+  map_gradients_.reset(frame_.maps.pixels());
+  map_losses(inputs, report.losses, map_gradients_);
+  if (density) color_residual(inputs, residual_);
+  watch.lap("losses");
+
+  // The factor of the bounded coupling comes from earlier steps; this step's values enter the balance at its end.
+  const bool bounded = request.losses.coupling == SemanticCoupling::kBounded;
+  const float strength = request.losses.coupling_strength;
+  SemanticPass pass;
+  if (semantics) {
+    const size_t padded = padded_channels(model_.semantic_channels);
+    feature_gradients_.resize(frame_.lists.visible.size() * padded);
+    pass.step = {&view, &semantic_views_[static_cast<size_t>(request.view)], &request.losses, model_.semantic_channels,
+                 padded, strength != 0};
+    pass.rank = frame_.lists.rank.data();
+    pass.features = frame_.features.data();
+    pass.gradients = feature_gradients_.data();
+    pass.written = &feature_written_;
+    pass.visible = frame_.lists.visible.size();
+  }
+  for (TileScratch& s : scratch_) s.semantic_seconds = 0;
+  const bool prior = !view.data.prior_depth.empty();
+  backward_pass(tiles, {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr}, geometry,
+                density, semantics ? &pass : nullptr, *pool_, scratch_, batches_, slots_);
+  watch.lap("backward");
+  if (semantics) {
+    double seconds = 0;
+    for (const TileScratch& s : scratch_) seconds += s.semantic_seconds;
+    seconds /= static_cast<double>(scratch_.size());
+    report.seconds["semantics"] = seconds;
+    report.seconds["backward"] -= seconds;
+    report.losses.semantic_soft = pass.soft;
+    report.losses.semantic_hard = pass.hard;
+    report.losses.total +=
+        request.losses.semantic_soft_weight * pass.soft + request.losses.semantic_hard_weight * pass.hard;
+  }
+  last_semantics_ = semantics;
+  last_probabilities_ = probabilities;
+
+  const SlotTotals totals = sum_slots(frame_.view, frame_.lists, *pool_, slots_, gradients_);
+  report.visible = totals.visible;
+  report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
+  const ReduceInputs reduce{model_,  frame_.view, frame_.lists, slots_,
+                            request, totals,      static_cast<float>(report.coupling_scale)};
+  const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, gradients_);
+  watch.lap("reduce");
+  if (const char* term = bad_loss(report.losses)) {
+    report.non_finite = locate(term);
+    return report;
+  }
+  if (bad.row >= 0) {
+    report.non_finite = {true, bad.row, bad.term};
+    return report;
+  }
+  if (semantics) {
+    const int64_t row = first_bad_feature_gradient();
+    if (row >= 0) {
+      report.non_finite = {true, row, "semantics"};
+      return report;
+    }
+  }
+
+  SemanticGradients semantic_gradients;
+  if (semantics) {
+    semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(),
+                          probabilities ? frame_.features.data() : nullptr};
+  }
+  model_.sh_degree = request.sh_degree;
+  optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_);
+  if (density) add_density_statistics(reduce, gradients_.touched, *pool_, statistics_);
+  if (semantics && bounded && strength != 0) {
+    update_coupling_balance(totals.photometric_rms, totals.coupling_rms, balance_);
+    balance_.photometric = static_cast<float>(balance_.photometric);
+    balance_.semantic = static_cast<float>(balance_.semantic);
+  }
+  watch.lap("optimise");
+  return report;
+}
+
+int64_t CpuEngine::first_bad_feature_gradient() const {
+  const size_t n = model_.size(), padded = padded_channels(model_.semantic_channels);
+  std::vector<int64_t> bad((n + kRowsPerTask - 1) / kRowsPerTask, -1);
+  pool_->parallel_for(n, kRowsPerTask, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end && bad[begin / kRowsPerTask] < 0; ++i) {
+      if (frame_.view.rects[i].area() == 0 || feature_written_[frame_.lists.rank[i]] == 0) continue;
+      if (!all_within(feature_gradients_.data() + frame_.lists.rank[i] * padded, padded, kGradientLimit)) {
+        bad[begin / kRowsPerTask] = static_cast<int64_t>(i);
+      }
+    }
+  });
+  for (const int64_t row : bad) {
+    if (row >= 0) return row;
+  }
+  return -1;
+}
+
+}  // namespace aligngs::cpu
+
+namespace aligngs {
+
+std::unique_ptr<Engine> make_cpu_engine(int threads) { return std::make_unique<cpu::CpuEngine>(threads); }
+
+}  // namespace aligngs

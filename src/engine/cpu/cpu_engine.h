@@ -1,0 +1,85 @@
+// The multi-threaded float engine: orchestration of the operations in this folder.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/optimiser.h"
+#include "engine/cpu/reduce.h"
+#include "engine/engine.h"
+#include "engine/formulas/semantic_loss.h"
+#include "engine/losses/map_losses.h"
+
+namespace aligngs::cpu {
+
+/// One view on its way through a step or a rendering. Kept from step to step for its memory.
+struct Frame {
+  ProjectedView view;
+  TileLists lists;
+  RenderMaps<float> maps;
+  AlignedArray<float> features;  ///< [visible][padded] semantic rows as they are blended
+};
+
+/// Results do not depend on the number of threads. Not to be used from several threads at once, rendering included:
+/// all calls share the scratch memory.
+class CpuEngine final : public Engine {
+ public:
+  explicit CpuEngine(int threads);
+
+  std::string device_name() const override;
+  void load(const GaussianModel& model) override;
+  void store(GaussianModel& model) const override;
+  void save_state(EngineState& state) const override;
+  void load_state(const EngineState& state) override;
+  size_t size() const override { return model_.size(); }
+
+  void set_training_views(std::vector<TrainingView> views) override;
+  StepReport step(const StepRequest& request) override;
+
+  DensityStatistics density_statistics() const override { return statistics_; }
+  void reset_density_statistics() override;
+  void restructure(const RestructurePlan& plan) override;
+  void reset_opacity(float maximum) override;
+
+  Rendering render(const Camera& camera, const RenderOptions& options) const override;
+  void lift_semantics(const RasterSettings& raster) override;
+  uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const override;
+
+  /// Gradients of the last step, for tests: rows that the step did not touch are zero.
+  GaussianModel last_gradients() const;
+  const RenderMaps<float>& last_maps() const { return frame_.maps; }
+  const CouplingBalance& coupling_balance() const { return balance_; }
+  /// For tests that compare one step's gradients: starts from a given balance.
+  void set_coupling_balance(const CouplingBalance& balance) { balance_ = balance; }
+
+ private:
+  void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
+  void prepare_features(SemanticBlend blend) const;
+  bool semantics_active(const StepRequest& request);
+  int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
+  NonFinite locate(const std::string& term) const;
+
+  std::unique_ptr<ThreadPool> pool_;
+  GaussianModel model_;
+  Moments moments_;
+  DensityStatistics statistics_;
+  CouplingBalance balance_;      ///< rounded to float, so that a checkpoint holds it exactly
+  std::vector<TrainingView> views_;
+  std::vector<SemanticView> semantic_views_;
+
+  // Scratch, kept between calls.
+  mutable Frame frame_;
+  mutable std::vector<TileScratch> scratch_;
+  mutable RowBatches batches_;
+  MapGradients<float> map_gradients_;
+  MapLossWorkspace<float> loss_workspace_;
+  std::vector<float> residual_;
+  SlotGradients slots_;
+  ParameterGradients gradients_;
+  AlignedArray<float> feature_gradients_;  ///< [visible][padded] dL/dfeatures, rows with feature_written_ only
+  std::vector<uint8_t> feature_written_;
+  bool last_semantics_ = false, last_probabilities_ = false;
+};
+
+}  // namespace aligngs::cpu

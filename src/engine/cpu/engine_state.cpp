@@ -1,0 +1,145 @@
+// Loading, storing and restructuring the state of the engine.
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "engine/cpu/cpu_engine.h"
+#include "engine/cpu/tile_products.h"
+
+namespace aligngs::cpu {
+namespace {
+
+struct NamedArray {
+  const char* name;
+  std::vector<float>* values;
+  size_t width;  ///< numbers per row
+};
+
+std::vector<NamedArray> arrays_of(GaussianModel& model) {
+  return {{"positions", &model.positions, 3},
+          {"log_scales", &model.log_scales, 3},
+          {"rotations", &model.rotations, 4},
+          {"opacity_logits", &model.opacity_logits, 1},
+          {"sh", &model.sh, size_t(3) * kShCoefficients},
+          {"semantics", &model.semantics, static_cast<size_t>(model.semantic_channels)}};
+}
+
+std::vector<NamedArray> arrays_of(DensityStatistics& s) {
+  return {{"gradient", &s.gradient, 1}, {"gradient_abs", &s.gradient_abs, 1}, {"visible", &s.visible, 1},
+          {"radius", &s.radius, 1},     {"weight", &s.weight, 1},             {"residual", &s.residual, 1},
+          {"unsupported", &s.unsupported, 1}};
+}
+
+void check_shape(GaussianModel model) {
+  for (const NamedArray& a : arrays_of(model)) {
+    if (a.values->size() == a.width * model.size()) continue;
+    throw Error({ErrorKind::kFailed,
+                 std::string(a.name) + " holds " + std::to_string(a.values->size()) + " numbers for " +
+                     std::to_string(model.size()) + " Gaussians",
+                 {},
+                 a.name,
+                 "the model was not resized as a whole"});
+  }
+}
+
+/// A copy of a named array of the state. Throws when it is absent or has another length.
+std::vector<float> take(const EngineState& state, const std::string& name, size_t length) {
+  const auto found = state.arrays.find(name);
+  if (found == state.arrays.end()) {
+    throw_bad_input({}, name, "the checkpoint lacks this array", "resume from an older checkpoint");
+  }
+  if (found->second.size() != length) {
+    throw_bad_input({}, name,
+                    "the checkpoint's array has " + std::to_string(found->second.size()) + " numbers instead of " +
+                        std::to_string(length),
+                    "resume from an older checkpoint");
+  }
+  return found->second;
+}
+
+}  // namespace
+
+std::string CpuEngine::device_name() const {
+  return "cpu, " + std::to_string(pool_->size()) + (pool_->size() == 1 ? " thread" : " threads");
+}
+
+void CpuEngine::load(const GaussianModel& model) {
+  check_shape(model);
+  if (model.size() > 0xffffffffull) throw_resources({}, "more than 2^32 Gaussians", "lower the cap on Gaussians");
+  model_ = model;
+  moments_.reset(model_);
+  balance_ = {};
+  reset_density_statistics();
+}
+
+void CpuEngine::store(GaussianModel& model) const { model = model_; }
+
+void CpuEngine::reset_density_statistics() {
+  for (const NamedArray& a : arrays_of(statistics_)) a.values->assign(model_.size(), 0.0f);
+}
+
+void CpuEngine::save_state(EngineState& state) const {
+  state.model = model_;
+  Moments moments = moments_;
+  DensityStatistics statistics = statistics_;
+  state.arrays.clear();
+  for (const NamedArray& a : arrays_of(moments.m)) state.arrays[std::string("adam_m.") + a.name] = std::move(*a.values);
+  for (const NamedArray& a : arrays_of(moments.v)) state.arrays[std::string("adam_v.") + a.name] = std::move(*a.values);
+  for (const NamedArray& a : arrays_of(statistics)) state.arrays[std::string("density.") + a.name] = std::move(*a.values);
+  state.arrays["coupling.balance"] = {static_cast<float>(balance_.photometric), static_cast<float>(balance_.semantic)};
+}
+
+void CpuEngine::load_state(const EngineState& state) {
+  check_shape(state.model);
+  // Everything is read before anything is replaced.
+  Moments moments;
+  moments.m = moments.v = state.model;
+  for (const NamedArray& a : arrays_of(moments.m)) {
+    *a.values = take(state, std::string("adam_m.") + a.name, a.values->size());
+  }
+  for (const NamedArray& a : arrays_of(moments.v)) {
+    *a.values = take(state, std::string("adam_v.") + a.name, a.values->size());
+  }
+  DensityStatistics statistics;
+  for (const NamedArray& a : arrays_of(statistics)) {
+    *a.values = take(state, std::string("density.") + a.name, state.model.size());
+  }
+  const std::vector<float> balance = take(state, "coupling.balance", 2);
+  constexpr size_t kShRow = 3 * kShCoefficients;
+  for (size_t i = 0; i < moments.m.sh.size(); ++i) {
+    if (moments.m.sh[i] != 0 || moments.v.sh[i] != 0) moments.sh_used = std::max(moments.sh_used, i % kShRow + 1);
+  }
+  model_ = state.model;
+  moments_ = std::move(moments);
+  statistics_ = std::move(statistics);
+  balance_ = {balance[0], balance[1]};
+}
+
+void CpuEngine::set_training_views(std::vector<TrainingView> views) {
+  views_ = std::move(views);
+  semantic_views_.assign(views_.size(), SemanticView());
+}
+
+void CpuEngine::restructure(const RestructurePlan& plan) {
+  for (const RowOrigin& row : plan.rows) {
+    if (row.source >= model_.size()) {
+      throw Error({ErrorKind::kFailed, "a plan names row " + std::to_string(row.source) + " of " +
+                                           std::to_string(model_.size()), {}, "source", "make the plan from this model"});
+    }
+  }
+  restructure_model(plan, model_);
+  for (GaussianModel* m : {&moments_.m, &moments_.v}) {
+    for (const NamedArray& a : arrays_of(*m)) restructure_rows(plan, a.width, *a.values);
+  }
+  for (const NamedArray& a : arrays_of(statistics_)) restructure_rows(plan, a.width, *a.values);
+}
+
+void CpuEngine::reset_opacity(float maximum) {
+  if (!(maximum > 0 && maximum < 1)) throw_usage("an opacity to reset to lies between 0 and 1");
+  const float logit = std::log(maximum / (1 - maximum));
+  for (float& x : model_.opacity_logits) x = std::min(x, logit);
+  std::fill(moments_.m.opacity_logits.begin(), moments_.m.opacity_logits.end(), 0.0f);
+  std::fill(moments_.v.opacity_logits.begin(), moments_.v.opacity_logits.end(), 0.0f);
+}
+
+}  // namespace aligngs::cpu

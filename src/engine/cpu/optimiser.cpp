@@ -1,0 +1,110 @@
+#include "engine/cpu/optimiser.h"
+
+#include <cmath>
+
+#include "core/error.h"
+#include "engine/cpu/adam.h"
+#include "engine/cpu/tile_products.h"
+#include "engine/formulas/shape_terms.h"
+
+namespace aligngs::cpu {
+namespace {
+
+constexpr size_t kNumbersPerTask = 16384;  ///< a multiple of every vector length
+constexpr size_t kRowsPerTask = 512;
+
+void check(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw_usage(std::string(name) + " is " + std::to_string(value) + ", outside [" + std::to_string(low) + ", " +
+                  std::to_string(high) + "]",
+              "correct the optimiser's settings");
+}
+
+void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients, ThreadPool& pool,
+               std::vector<float>& parameters, std::vector<float>& m, std::vector<float>& v) {
+  pool.parallel_for(parameters.size(), kNumbersPerTask, [&](size_t begin, size_t end, int) {
+    adam_range(step, gradients.data() + begin, end - begin, parameters.data() + begin, m.data() + begin,
+               v.data() + begin);
+  });
+}
+
+}  // namespace
+
+void Moments::reset(const GaussianModel& like) {
+  for (GaussianModel* x : {&m, &v}) {
+    x->semantic_channels = like.semantic_channels;
+    x->positions.assign(like.positions.size(), 0.0f);
+    x->log_scales.assign(like.log_scales.size(), 0.0f);
+    x->rotations.assign(like.rotations.size(), 0.0f);
+    x->opacity_logits.assign(like.opacity_logits.size(), 0.0f);
+    x->sh.assign(like.sh.size(), 0.0f);
+    x->semantics.assign(like.semantics.size(), 0.0f);
+  }
+  sh_used = 3;
+}
+
+void check_optimiser_settings(const StepRequest& request) {
+  const LearningRates& r = request.rates;
+  check("the rate of positions", r.position, 0, 1e4);
+  check("the rate of colours", r.sh_dc, 0, 1e4);
+  check("the rate of view-dependent colours", r.sh_rest, 0, 1e4);
+  check("the rate of opacities", r.opacity, 0, 1e4);
+  check("the rate of scales", r.scale, 0, 1e4);
+  check("the rate of rotations", r.rotation, 0, 1e4);
+  check("the rate of semantics", r.semantic, 0, 1e4);
+  check("Adam's beta1", request.adam.beta1, 0, 0.999999);
+  check("Adam's beta2", request.adam.beta2, 0, 0.999999);
+  check("Adam's epsilon", request.adam.epsilon, 1e-20, 1);
+}
+
+void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
+              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments) {
+  const LearningRates& rates = request.rates;
+  const auto step_of = [&](float rate) { return make_adam_step<float>(request.adam, rate, request.step); };
+  GaussianModel &m = moments.m, &v = moments.v;
+  flat_adam(step_of(rates.position), gradients.positions, pool, model.positions, m.positions, v.positions);
+  flat_adam(step_of(rates.scale), gradients.log_scales, pool, model.log_scales, m.log_scales, v.log_scales);
+  flat_adam(step_of(rates.rotation), gradients.rotations, pool, model.rotations, m.rotations, v.rotations);
+  flat_adam(step_of(rates.opacity), gradients.opacity_logits, pool, model.opacity_logits, m.opacity_logits,
+            v.opacity_logits);
+
+  constexpr size_t kShRow = 3 * kShCoefficients;
+  moments.sh_used = std::max(moments.sh_used, size_t(3) * sh_coefficient_count(request.sh_degree));
+  const ShAdam sh{step_of(rates.sh_dc), step_of(rates.sh_rest), moments.sh_used};
+  pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+    adam_sh_rows(sh, gradients.sh.data() + kShRow * begin, gradients.touched.data() + begin, end - begin,
+                 model.sh.data() + kShRow * begin, m.sh.data() + kShRow * begin, v.sh.data() + kShRow * begin);
+  });
+
+  const size_t channels = static_cast<size_t>(model.semantic_channels), padded = padded_channels(model.semantic_channels);
+  if (channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
+    const AdamStep<float> step = step_of(rates.semantic);
+    pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) {
+        const float *g = nullptr, *pi = nullptr;
+        if (semantics.gradients != nullptr && view.rects[i].area() > 0 && semantics.written[semantics.rank[i]] != 0) {
+          g = semantics.gradients + semantics.rank[i] * padded;
+          if (semantics.softmax != nullptr) pi = semantics.softmax + semantics.rank[i] * padded;
+        } else if (request.adam.skip_invisible_semantics) {
+          continue;
+        }
+        adam_semantic_row(step, g, pi, channels, model.semantics.data() + i * channels,
+                          m.semantics.data() + i * channels, v.semantics.data() + i * channels);
+      }
+    });
+  }
+
+  const ShapeLimits& limits = request.limits;
+  if (limits.flat_ratio_max > 0 || limits.aspect_max > 0 || limits.scale_max > 0) {
+    pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) {
+        float* s = &model.log_scales[3 * i];
+        Vec3<float> log_scale{s[0], s[1], s[2]};
+        apply_shape_limits(limits, log_scale);
+        for (int k = 0; k < 3; ++k) s[k] = log_scale[k];
+      }
+    });
+  }
+}
+
+}  // namespace aligngs::cpu

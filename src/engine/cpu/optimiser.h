@@ -1,0 +1,39 @@
+// Adam over every parameter class of the model, and the limits on shape.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/reduce.h"
+#include "engine/settings.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs::cpu {
+
+/// Running moments, arrays as in the model.
+struct Moments {
+  GaussianModel m, v;
+  /// Spherical harmonics beyond this many numbers per row have zero moments and, so far, no gradient.
+  size_t sh_used = 3;
+
+  void reset(const GaussianModel& like);
+};
+
+/// The semantic gradients of a step; null pointers when it had none.
+struct SemanticGradients {
+  const uint32_t* rank = nullptr;      ///< [N] row in the arrays below of a Gaussian in view
+  const uint8_t* written = nullptr;    ///< [visible]
+  const float* gradients = nullptr;    ///< [visible][padded] dL/dfeatures
+  const float* softmax = nullptr;      ///< [visible][padded] pi for kProbabilities, nullptr for kLogits
+};
+
+/// Throws Error{kUsage} when a rate, a beta or epsilon is outside what adam.h allows.
+void check_optimiser_settings(const StepRequest& request);
+
+/// Updates model and moments, then applies request.limits. All gradients must be within kGradientLimit.
+void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
+              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments);
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,58 @@
+// From sums per (Gaussian, tile) to gradients of the model's parameters.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/tile_passes.h"
+#include "engine/loss_terms.h"
+#include "engine/settings.h"
+#include "gaussians/density_control.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs::cpu {
+
+/// Gradients of all parameters but the semantic rows.
+struct ParameterGradients {
+  AlignedArray<float> positions, log_scales, rotations, opacity_logits;  ///< as in the model, every row
+  AlignedArray<float> sh;             ///< [N][48], rows with touched only
+  std::vector<uint8_t> touched;       ///< [N] 1: blended in at least one pixel
+};
+
+struct SlotTotals {
+  size_t visible = 0;            ///< touched rows
+  double photometric_rms = 0;    ///< of d colour losses / d mean2D over touched rows, pixels^-1
+  double coupling_rms = 0;       ///< the same of the semantic coupling before its factor
+};
+
+/// Adds up the slots of each Gaussian into its first one (valid where touched).
+SlotTotals sum_slots(const ProjectedView& view, const TileLists& lists, ThreadPool& pool, SlotGradients& slots,
+                     ParameterGradients& gradients);
+
+struct ReduceInputs {
+  const GaussianModel& model;
+  const ProjectedView& view;
+  const TileLists& lists;
+  const SlotGradients& slots;    ///< after sum_slots
+  const StepRequest& request;
+  SlotTotals totals;
+  float coupling_scale = 0;      ///< factor on the coupling moments; 0: they are not read
+};
+
+/// Where a gradient is not usable: the first row, and the parameter in `term`.
+struct BadGradient {
+  int64_t row = -1;
+  const char* term = nullptr;
+};
+
+/// Writes the parameters' gradients, the shape terms included (formulas/shape_terms.h), adds the values of these terms
+/// to `terms`, and returns the first row with a gradient beyond kGradientLimit of adam.h.
+BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms,
+                                ParameterGradients& gradients);
+
+/// Adds this view's share to the statistics of density control.
+void add_density_statistics(const ReduceInputs& in, const std::vector<uint8_t>& touched, ThreadPool& pool,
+                            DensityStatistics& statistics);
+
+}  // namespace aligngs::cpu

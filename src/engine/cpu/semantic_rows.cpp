@@ -1,0 +1,64 @@
+#include "engine/cpu/semantic_rows.h"
+
+#include <cstring>
+
+#include "engine/cpu/simd_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/cpu/semantic_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "engine/cpu/simd_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace aligngs {
+namespace cpu {
+namespace HWY_NAMESPACE {
+
+void SoftmaxRow(const float* logits, size_t channels, size_t padded, float* out) {
+  const FloatTag d;
+  const FloatVec lowest = hn::Set(d, -3.0e38f);
+  std::memcpy(out, logits, channels * sizeof(float));
+  for (size_t c = channels; c < padded; ++c) out[c] = -3.0e38f;
+  FloatVec top = lowest;
+  for (size_t c = 0; c < padded; c += kLanes) top = hn::Max(top, hn::Load(d, out + c));
+  top = hn::MaxOfLanes(d, top);
+  FloatVec sum = hn::Zero(d);
+  for (size_t c = 0; c < padded; c += kLanes) {
+    const FloatVec x = hn::Load(d, out + c);
+    const FloatVec e = hn::IfThenElseZero(hn::Gt(x, lowest), fast_exp(d, hn::Sub(x, top)));
+    hn::Store(e, d, out + c);
+    sum = hn::Add(sum, e);
+  }
+  const FloatVec inverse = hn::Div(hn::Set(d, 1.0f), hn::SumOfLanes(d, sum));
+  for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Mul(hn::Load(d, out + c), inverse), d, out + c);
+}
+
+void AddRow(const float* HWY_RESTRICT in, size_t padded, float* HWY_RESTRICT out) {
+  const FloatTag d;
+  for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Add(hn::Load(d, out + c), hn::Load(d, in + c)), d, out + c);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cpu
+}  // namespace aligngs
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace aligngs::cpu {
+
+HWY_EXPORT(SoftmaxRow);
+HWY_EXPORT(AddRow);
+
+void softmax_row(const float* logits, size_t channels, size_t padded, float* out) {
+  HWY_DYNAMIC_DISPATCH(SoftmaxRow)(logits, channels, padded, out);
+}
+void copy_row(const float* in, size_t channels, size_t padded, float* out) {
+  std::memcpy(out, in, channels * sizeof(float));
+  std::memset(out + channels, 0, (padded - channels) * sizeof(float));
+}
+void add_row(const float* in, size_t padded, float* out) { HWY_DYNAMIC_DISPATCH(AddRow)(in, padded, out); }
+
+}  // namespace aligngs::cpu
+#endif

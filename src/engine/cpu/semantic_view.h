@@ -1,0 +1,24 @@
+// What the semantic loss needs of a training view and does not change between steps.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/training_view.h"
+
+namespace aligngs::cpu {
+
+/// Of the teacher as sampled at the image's pixels; 6 bytes per pixel, so that neither its logarithms nor its arg-max
+/// are computed twice.
+struct SemanticView {
+  std::vector<float> negative_entropy;  ///< [H * W] sum t log t
+  std::vector<uint16_t> top_class;      ///< [H * W] arg-max of t, kNoLabel where the pixel is not valid
+  size_t valid = 0;                     ///< pixels that take part in the semantic loss
+  bool ready = false;
+};
+
+/// Fills `out` from the view's teacher, which must not be empty.
+void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticView& out);
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,228 @@
+#include "engine/cpu/tile_passes.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "engine/cpu/tile_products.h"
+
+namespace aligngs::cpu {
+namespace {
+
+/// The part of a block that lies inside the image.
+struct BlockClip {
+  int x, y, width, height;
+};
+BlockClip clip(const BlockWeights& block, int width, int height) {
+  return {block.x, block.y, std::max(0, std::min(kBlockSize, width - block.x)),
+          std::max(0, std::min(kBlockSize, height - block.y))};
+}
+
+void write_block(const float* block, const BlockClip& c, int stride, float* plane) {
+  for (int y = 0; y < c.height; ++y) {
+    std::memcpy(plane + size_t(c.y + y) * stride + c.x, block + y * kBlockSize, c.width * sizeof(float));
+  }
+}
+
+/// Copies what lies inside; the rest of the block keeps its zeros.
+void read_block(const float* plane, const BlockClip& c, int stride, float* block) {
+  for (int y = 0; y < c.height; ++y) {
+    std::memcpy(block + y * kBlockSize, plane + size_t(c.y + y) * stride + c.x, c.width * sizeof(float));
+  }
+}
+
+void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
+  const size_t n = size_t(width) * height;
+  maps.width = width;
+  maps.height = height;
+  maps.color.resize(3 * n);
+  maps.alpha.resize(n);
+  for (auto [plane, count] : {std::pair<std::vector<float>*, size_t>{&maps.normal, 3 * n}, {&maps.distance, n},
+                              {&maps.expected, n}, {&maps.median, n}}) {
+    if (geometry) {
+      plane->resize(count);
+    } else {
+      plane->assign(count, 0.0f);
+    }
+  }
+}
+
+void load_gradients(const BlockWeights& block, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
+                    bool density, BlockGradients& out) {
+  std::memset(static_cast<void*>(&out), 0, sizeof out);
+  const BlockClip c = clip(block, view.width, view.height);
+  const size_t n = size_t(view.width) * view.height;
+  for (int k = 0; k < 3; ++k) read_block(maps.gradients.color.data() + k * n, c, view.width, out.color[k]);
+  if (geometry) {
+    for (int k = 0; k < 3; ++k) read_block(maps.gradients.normal.data() + k * n, c, view.width, out.normal[k]);
+    read_block(maps.gradients.distance.data(), c, view.width, out.distance);
+    read_block(maps.gradients.alpha.data(), c, view.width, out.alpha);
+  }
+  if (density) {
+    read_block(maps.residual, c, view.width, out.residual);
+    if (maps.prior != nullptr) {
+      read_block(maps.prior, c, view.width, out.prior);
+      for (float& z : out.prior) z = is_finite(z) ? z : 0.0f;
+    }
+  }
+}
+
+/// Rows of the block's entries in this tile's sums, made on first use.
+void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, const uint32_t* target_of_row,
+                           TileRows& rows, TileScratch& s) {
+  s.row_gradients.resize(block.count);
+  for (size_t e = 0; e < block.count; ++e) {
+    float*& row = s.tile_rows[block.entry[e]];
+    if (row == nullptr) {
+      const uint32_t gaussian = tile.rows[block.entry[e]];
+      row = rows.add(target_of_row != nullptr ? target_of_row[gaussian] : gaussian);
+    }
+    s.row_gradients[e] = row;
+  }
+}
+
+/// The semantic visit to one block: blended rows, loss, row gradients, coupling. Returns q or nullptr.
+const float* visit_semantics(const BlockWeights& block, const SemanticPass& pass, TileRows& rows, TileScratch& s) {
+  const size_t padded = pass.step.padded;
+  s.rows.resize(block.count);
+  for (size_t e = 0; e < block.count; ++e) {
+    s.rows[e] = pass.features + size_t(pass.rank[s.weights.rows[block.entry[e]]]) * padded;
+  }
+  s.semantic.blended.resize(kBlockPixels * padded);
+  block_blend_rows(block, s.rows.data(), padded, s.semantic.blended.data());
+  semantic_block_loss(pass.step, block, s.semantic);
+  if (block.count == 0) return nullptr;
+  collect_row_gradients(block, s.weights, pass.rank, rows, s);
+  block_row_gradients(block, s.semantic.blended.data(), padded, s.row_gradients.data());
+  if (!pass.step.couple) return nullptr;
+  const bool bounded = pass.step.losses->coupling == SemanticCoupling::kBounded;
+  s.semantic.transposed.resize(kBlockPixels * padded);
+  block_transpose(bounded ? s.semantic.direction.data() : s.semantic.blended.data(), padded,
+                  s.semantic.transposed.data());
+  s.q.resize(block.count * kBlockPixels);
+  block_coupling(block, s.rows.data(), padded, s.semantic.transposed.data(), s.semantic.offset, s.q.data());
+  return s.q.data();
+}
+
+/// Leaves the tile's sums at the slots of its Gaussians.
+void store_slots(const ViewTiles& tiles, int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
+  for (const BlockWeights& block : s.weights.blocks) {
+    for (size_t e = 0; e < block.count; ++e) {
+      const uint32_t index = block.entry[e], row = s.weights.rows[index];
+      const size_t slot = static_cast<size_t>(tiles.lists.slot(row, tiles.view.rects[row], tile_x, tile_y));
+      if (out.used[slot] != 0) continue;
+      out.used[slot] = 1;
+      out.slots[slot] = s.sums[index];
+    }
+  }
+}
+
+}  // namespace
+
+void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
+                  RenderMaps<float>& maps) {
+  const ProjectedView& view = tiles.view;
+  size_maps(view.width, view.height, geometry, maps);
+  const size_t n = maps.pixels();
+  pool.parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {
+    TileScratch& s = scratch[static_cast<size_t>(worker)];
+    for (size_t tile = begin; tile < end; ++tile) {
+      compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
+                           static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
+      for (const BlockWeights& block : s.weights.blocks) {
+        const BlockClip c = clip(block, view.width, view.height);
+        if (c.width == 0 || c.height == 0) continue;
+        blend_block_forward(s.weights, block, view.camera, tiles.raster, geometry, s.maps);
+        for (int k = 0; k < 3; ++k) write_block(s.maps.color[k], c, view.width, maps.color.data() + k * n);
+        write_block(s.maps.alpha, c, view.width, maps.alpha.data());
+        if (!geometry) continue;
+        for (int k = 0; k < 3; ++k) write_block(s.maps.normal[k], c, view.width, maps.normal.data() + k * n);
+        write_block(s.maps.distance, c, view.width, maps.distance.data());
+        write_block(s.maps.expected, c, view.width, maps.expected.data());
+        write_block(s.maps.median, c, view.width, maps.median.data());
+      }
+    }
+  });
+}
+
+void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geometry, bool density,
+                   SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch, RowBatches& batches,
+                   SlotGradients& out) {
+  const ProjectedView& view = tiles.view;
+  out.slots.resize(tiles.lists.instances());
+  out.used.assign(tiles.lists.instances(), 0);
+  std::vector<double> soft(semantics != nullptr ? view.tiles() : 0), hard(soft.size());
+  const auto visit = [&](size_t tile, int worker, TileRows* rows) {
+    TileScratch& s = scratch[static_cast<size_t>(worker)];
+    const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
+    compute_tile_weights(view, tiles.lists, tile_x, tile_y, tiles.raster, s.weights);
+    s.sums.resize(s.weights.count);
+    if (s.weights.count > 0) {
+      std::memset(static_cast<void*>(s.sums.data()), 0, s.weights.count * sizeof(SplatGradient));
+    }
+    if (semantics != nullptr) s.tile_rows.assign(s.weights.count, nullptr);
+    for (const BlockWeights& block : s.weights.blocks) {
+      BackwardOptions options{geometry, density, nullptr};
+      if (semantics != nullptr && block_has_teacher(semantics->step, block)) {
+        const auto start = std::chrono::steady_clock::now();
+        options.coupling = visit_semantics(block, *semantics, *rows, s);
+        soft[tile] += s.semantic.soft;
+        hard[tile] += s.semantic.hard;
+        s.semantic_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      }
+      if (block.count == 0) continue;
+      load_gradients(block, view, maps, geometry, density, s.gradients);
+      blend_block_backward(s.weights, block, view.camera, tiles.raster, s.gradients, options, s.sums.data());
+    }
+    store_slots(tiles, tile_x, tile_y, s, out);
+  };
+  if (semantics == nullptr) {
+    pool.parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {
+      for (size_t tile = begin; tile < end; ++tile) visit(tile, worker, nullptr);
+    });
+    return;
+  }
+  semantics->written->assign(semantics->visible, 0);
+  batches.run(
+      tiles.lists, semantics->step.padded, semantics->visible, pool,
+      [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); }, semantics->gradients,
+      *semantics->written);
+  semantics->soft = semantics->hard = 0;
+  for (size_t tile = 0; tile < soft.size(); ++tile) {
+    semantics->soft += soft[tile];
+    semantics->hard += hard[tile];
+  }
+  semantics->soft /= static_cast<double>(semantics->step.cache->valid);
+  semantics->hard /= static_cast<double>(semantics->step.cache->valid);
+}
+
+void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& pool, std::vector<TileScratch>& scratch,
+               RowBatches& batches, float* sums, std::vector<uint8_t>& written) {
+  const ProjectedView& view = tiles.view;
+  batches.run(
+      tiles.lists, step.padded, view.size(), pool,
+      [&](size_t tile, int worker, TileRows& rows) {
+        TileScratch& s = scratch[static_cast<size_t>(worker)];
+        compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
+                             static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
+        s.tile_rows.assign(s.weights.count, nullptr);
+        s.semantic.blended.resize(kBlockPixels * step.padded);
+        for (const BlockWeights& block : s.weights.blocks) {
+          if (block.count == 0) continue;
+          bool any = false;
+          for (int i = 0; i < kBlockPixels; ++i) {
+            const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
+            float* teacher = s.semantic.blended.data() + i * step.padded;
+            const bool valid = x < view.width && y < view.height && sample_teacher_padded(step, x, y, teacher);
+            if (!valid) std::memset(teacher, 0, step.padded * sizeof(float));
+            any |= valid;
+          }
+          if (!any) continue;
+          collect_row_gradients(block, s.weights, nullptr, rows, s);
+          block_row_gradients(block, s.semantic.blended.data(), step.padded, s.row_gradients.data());
+        }
+      },
+      sums, written);
+}
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,73 @@
+// The forward and the backward visit to every tile of a view.
+#pragma once
+
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/blend_backward.h"
+#include "engine/cpu/row_batches.h"
+#include "engine/cpu/semantic_block.h"
+#include "engine/maps.h"
+
+namespace aligngs::cpu {
+
+/// Scratch of one thread.
+struct TileScratch {
+  TileWeights weights;
+  BlockMaps maps;
+  BlockGradients gradients;
+  AlignedArray<SplatGradient> sums;         ///< [gathered splats]
+  SemanticBlock semantic;
+  AlignedArray<float> q;                    ///< [entries][64]
+  std::vector<const float*> rows;           ///< [entries] semantic rows
+  std::vector<float*> row_gradients;        ///< [entries]
+  std::vector<float*> tile_rows;            ///< [gathered splats] row of this tile's sums, nullptr = none yet
+  double semantic_seconds = 0;              ///< time spent in the semantic products and losses
+};
+
+/// Everything a pass over tiles reads.
+struct ViewTiles {
+  const ProjectedView& view;
+  const TileLists& lists;
+  const RasterSettings& raster;
+};
+
+/// Blends all maps, or only colour and alpha (the others are then zero).
+void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
+                  RenderMaps<float>& maps);
+
+/// The semantic part of a backward pass.
+struct SemanticPass {
+  SemanticStep step;
+  const uint32_t* rank = nullptr;     ///< [N] index of a visible Gaussian's row in the two arrays below
+  const float* features = nullptr;    ///< [visible][padded] what is blended: pi or s
+  float* gradients = nullptr;         ///< [visible][padded] out: dL/dfeatures where written
+  std::vector<uint8_t>* written = nullptr;  ///< [visible]
+  size_t visible = 0;
+  double soft = 0, hard = 0;          ///< out: means over valid pixels
+};
+
+/// What the backward pass needs of the maps, planar as in engine/maps.h.
+struct BackwardMaps {
+  const MapGradients<float>& gradients;
+  const float* residual = nullptr;   ///< [H * W] with density
+  const float* prior = nullptr;      ///< [H * W] prior depth with density, nullptr = none
+};
+
+/// Sums per (Gaussian, tile) at the slots of `lists`; entries of `slots` are valid where used[slot] is 1.
+struct SlotGradients {
+  AlignedArray<SplatGradient> slots;
+  AlignedArray<uint8_t> used;
+};
+
+/// `semantics` may be nullptr.
+void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geometry, bool density,
+                   SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch, RowBatches& batches,
+                   SlotGradients& out);
+
+/// Adds to sums[row of the model][padded] the teacher's probabilities times the blending weights of this view.
+/// sums starts anywhere; rows are valid where written[row] is 1.
+void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& pool, std::vector<TileScratch>& scratch,
+               RowBatches& batches, float* sums, std::vector<uint8_t>& written);
+
+}  // namespace aligngs::cpu
