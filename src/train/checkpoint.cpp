@@ -109,9 +109,8 @@ GaussianModel take_model(const TensorFile& file, const fs::path& path) {
   return model;
 }
 
-}  // namespace
-
-std::vector<fs::path> list_checkpoints(const fs::path& folder) {
+/// (iteration, file), newest first.
+std::vector<std::pair<int64_t, fs::path>> find_checkpoints(const fs::path& folder) {
   std::vector<std::pair<int64_t, fs::path>> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -126,9 +125,22 @@ std::vector<fs::path> list_checkpoints(const fs::path& folder) {
     if (result.ec == std::errc() && result.ptr == end) found.emplace_back(step, entry.path());
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  return found;
+}
+
+}  // namespace
+
+std::vector<fs::path> list_checkpoints(const fs::path& folder) {
   std::vector<fs::path> paths;
-  for (auto& f : found) paths.push_back(std::move(f.second));
+  for (auto& f : find_checkpoints(folder)) paths.push_back(std::move(f.second));
   return paths;
+}
+
+void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
+  for (const auto& [step, path] : find_checkpoints(folder)) {
+    std::error_code ignored;  // the reader skips damaged files anyway
+    if (step > iteration) fs::remove(path, ignored);
+  }
 }
 
 void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint, int64_t keep) {

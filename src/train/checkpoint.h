@@ -40,6 +40,10 @@ TrainingState read_checkpoint(const std::filesystem::path& path, const std::stri
 /// when there is none. Error{kBadInput} when a good one belongs to another scene.
 std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
 
+/// Removes checkpoints of later iterations than the one a run goes on from: they are damaged, or of a run that
+/// began anew.
+void remove_checkpoints_beyond(const std::filesystem::path& folder, int64_t iteration);
+
 /// Newest first; files that are being written or that are named otherwise are not listed.
 std::vector<std::filesystem::path> list_checkpoints(const std::filesystem::path& folder);
 

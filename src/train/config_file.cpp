@@ -1,51 +1,28 @@
 #include "train/config_file.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
+#include "io/toml_file.h"
 #include "train/config_keys.h"
 
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kLargestConfigFile = 1 << 20;  // a configuration is a few kilobytes
-
-/// The same error, with the file in which the wrong setting stands.
-[[noreturn]] void rethrow_with_path(const Error& error, const std::filesystem::path& path) {
+/// The same error, with the file and line in which the wrong setting stands.
+[[noreturn]] void rethrow_with_place(const Error& error, const std::filesystem::path& path, int line) {
   Error::Details details = error.details();
   details.path = path;
+  details.message += fmt::format(" (line {})", line);
   throw Error(details);
 }
 
-ConfigValue value_of(const toml::node& node, const std::string& key) {
-  if (const auto* v = node.as_boolean()) return v->get();
-  if (const auto* v = node.as_integer()) return v->get();
-  if (const auto* v = node.as_floating_point()) return v->get();
-  if (const auto* v = node.as_string()) return v->get();
+ConfigValue value_of(const TomlValue& value, const std::string& key) {
+  if (const auto* v = std::get_if<bool>(&value)) return *v;
+  if (const auto* v = std::get_if<int64_t>(&value)) return *v;
+  if (const auto* v = std::get_if<double>(&value)) return *v;
+  if (const auto* v = std::get_if<std::string>(&value)) return *v;
   throw Error({ErrorKind::kUsage, "a number, a text, true or false is expected", {}, key, "see --print-config"});
-}
-
-void apply_table(const toml::table& table, const std::string& prefix, TrainConfig& config) {
-  for (const auto& [name, node] : table) {
-    const std::string key = prefix.empty() ? std::string(name.str()) : prefix + "." + std::string(name.str());
-    if (const toml::table* inner = node.as_table()) {
-      apply_table(*inner, key, config);
-    } else {
-      set_config(config, key, value_of(node, key));
-    }
-  }
-}
-
-toml::table parse_toml(const std::filesystem::path& path) {
-  const std::string text = read_file(path, kLargestConfigFile);
-  try {
-    return toml::parse(text, path.string());
-  } catch (const toml::parse_error& error) {
-    throw Error({ErrorKind::kUsage, fmt::format("not valid TOML: {}", error.description()), path,
-                 fmt::format("line {}", error.source().begin.line), "correct the line"});
-  }
 }
 
 void require(bool good, const char* field, const char* message, const char* remedy) {
@@ -55,11 +32,12 @@ void require(bool good, const char* field, const char* message, const char* reme
 }  // namespace
 
 void apply_config_file(const std::filesystem::path& path, TrainConfig& config) {
-  const toml::table table = parse_toml(path);
-  try {
-    apply_table(table, "", config);
-  } catch (const Error& error) {
-    rethrow_with_path(error, path);
+  for (const auto& [key, entry] : read_toml(path)) {
+    try {
+      set_config(config, key, value_of(entry.value, key));
+    } catch (const Error& error) {
+      rethrow_with_place(error, path, entry.line);
+    }
   }
 }
 
@@ -94,8 +72,11 @@ void check_config(const TrainConfig& config) {
 TrainConfig resolve_config(const ConfigSources& sources) {
   std::string preset = sources.preset;
   if (preset.empty() && !sources.config_file.empty()) {
-    const toml::table table = parse_toml(sources.config_file);
-    preset = table.at_path("train.preset").value_or(std::string());
+    const TomlTable table = read_toml(sources.config_file);
+    const auto entry = table.find("train.preset");
+    if (entry != table.end() && std::holds_alternative<std::string>(entry->second.value)) {
+      preset = std::get<std::string>(entry->second.value);
+    }
   }
   TrainConfig config = make_preset(parse_preset(preset.empty() ? "default" : preset));
   if (!sources.config_file.empty()) apply_config_file(sources.config_file, config);

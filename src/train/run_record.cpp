@@ -56,6 +56,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
   json["started"] = or_null(r.started);
   json["updated"] = or_null(r.updated);
   json["finished"] = or_null(r.finished);
+  json["trained"] = or_null(r.trained);
   json["reason"] = or_null(r.reason);
   json["scene"] = r.scene;
   json["fingerprint"] = r.fingerprint;
@@ -83,6 +84,7 @@ RunRecord read_run_record(const fs::path& path) {
   r.started = text_of(json, "started");
   r.updated = text_of(json, "updated");
   r.finished = text_of(json, "finished");
+  r.trained = text_of(json, "trained");
   r.reason = text_of(json, "reason");
   r.scene = text_of(json, "scene");
   r.fingerprint = text_of(json, "fingerprint");

@@ -16,6 +16,7 @@ struct RunRecord {
   std::string device;
   int64_t seed = 0;
   std::string started, updated, finished;  ///< UTC, ISO 8601; finished is empty until the end
+  std::string trained;      ///< when training reached its last iteration and wrote its outputs; empty until then
   std::string reason;       ///< why it ended
   std::string scene;        ///< folder, relative to the run folder
   std::string fingerprint;  ///< scene_fingerprint

@@ -1,0 +1,103 @@
+// For tests: an engine whose steps are cheap arithmetic but whose state has every part a real one has.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "engine/engine.h"
+
+namespace aligngs::test_train {
+
+class FakeEngine final : public Engine {
+ public:
+  /// Called with each step's number; the result is put into the report. For injecting failures.
+  std::function<NonFinite(int64_t step)> before_step;
+
+  std::string device_name() const override { return "fake"; }
+  void load(const GaussianModel& model) override {
+    model_ = model;
+    moments_.assign(model.positions.size(), 0);
+    running_ = 0;
+    reset_density_statistics();
+  }
+  void store(GaussianModel& model) const override { model = model_; }
+  void save_state(EngineState& state) const override {
+    state.model = model_;
+    state.arrays = {{"adam_m.positions", moments_}, {"gradient", gradient_}, {"visible", visible_}, {"running", {running_}}};
+  }
+  void load_state(const EngineState& state) override {
+    model_ = state.model;
+    moments_ = state.arrays.at("adam_m.positions");
+    gradient_ = state.arrays.at("gradient");
+    visible_ = state.arrays.at("visible");
+    running_ = state.arrays.at("running").at(0);
+  }
+  size_t size() const override { return model_.size(); }
+  void set_training_views(std::vector<TrainingView> views) override { views_ = std::move(views); }
+
+  StepReport step(const StepRequest& request) override {
+    StepReport report;
+    if (before_step) report.non_finite = before_step(request.step);
+    if (report.non_finite.found) return report;
+    running_ = 0.9f * running_ + 0.1f * static_cast<float>(request.view + 1) * request.losses.prior_depth_scale;
+    for (size_t i = 0; i < model_.positions.size(); ++i) {
+      const float gradient = std::sin(model_.positions[i] * 7 + static_cast<float>(request.view)) + running_;
+      moments_[i] = request.adam.beta1 * moments_[i] + (1 - request.adam.beta1) * gradient;
+      model_.positions[i] -= request.rates.position * moments_[i];
+    }
+    for (float& s : model_.semantics) s += 0.01f * static_cast<float>(request.view + 1);
+    model_.sh_degree = request.sh_degree;
+    if (request.collect_density) {
+      for (size_t i = 0; i < size(); ++i) {
+        gradient_[i] += 1e-3f * std::abs(moments_[3 * i]);
+        visible_[i] += 1;
+      }
+    }
+    report.visible = size();
+    report.losses.total = std::abs(running_);
+    report.losses.psnr = 20 + running_;
+    return report;
+  }
+
+  DensityStatistics density_statistics() const override {
+    DensityStatistics s;
+    s.gradient = gradient_;
+    s.visible = s.weight = visible_;
+    s.gradient_abs = s.radius = s.residual = s.unsupported = std::vector<float>(size(), 0);
+    return s;
+  }
+  void reset_density_statistics() override {
+    gradient_.assign(size(), 0);
+    visible_.assign(size(), 0);
+  }
+  void restructure(const RestructurePlan& plan) override {
+    restructure_model(plan, model_);
+    restructure_rows(plan, 3, moments_);
+    restructure_rows(plan, 1, gradient_);
+    restructure_rows(plan, 1, visible_);
+  }
+  void reset_opacity(float maximum) override {
+    for (float& o : model_.opacity_logits) o = std::min(o, std::log(maximum / (1 - maximum)));
+  }
+  Rendering render(const Camera& camera, const RenderOptions&) const override {
+    Rendering r;
+    r.depth_median = ImageF(camera.width, camera.height, 1, 0.0f);  // sees nothing, so it prunes nothing
+    return r;
+  }
+  void lift_semantics(const RasterSettings&) override {
+    for (size_t i = 0; i < model_.semantics.size(); ++i) model_.semantics[i] = static_cast<float>(i % 3);
+  }
+  uint64_t predicted_bytes(size_t gaussians, int channels, size_t) const override {
+    return gaussians * (59 + static_cast<uint64_t>(channels)) * 12;
+  }
+
+ private:
+  GaussianModel model_;
+  std::vector<TrainingView> views_;
+  std::vector<float> moments_, gradient_, visible_;
+  float running_ = 0;
+};
+
+}  // namespace aligngs::test_train

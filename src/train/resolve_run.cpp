@@ -1,0 +1,59 @@
+// Which settings a run has: new, resumed, or extended.
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "train/config_keys.h"
+#include "train/run_folder.h"
+#include "train/run_record.h"
+#include "train/train_run.h"
+
+namespace aligngs {
+
+ResolvedRun resolve_run(const TrainOptions& options) {
+  if (options.resume && options.overwrite) throw_usage("--resume and --overwrite contradict each other", "use one of them");
+  const RunFolder folder(options.run);
+  ResolvedRun resolved;
+  resolved.exists = options.resume && std::filesystem::exists(folder.config());
+  if (!resolved.exists) {
+    resolved.config = resolve_config(options.config);
+    return resolved;
+  }
+  ConfigSources own;
+  own.config_file = folder.config();
+  resolved.config = resolve_config(own);
+  const int64_t old_end = resolved.config.train.iterations;
+  // Settings on the command line of a resumed run may repeat what it has (so that the same command line can be
+  // used again), but not change it: the first part of the run was made with the old ones.
+  if (options.config.any()) {
+    ConfigSources given = options.config;
+    if (given.config_file.empty() && given.preset.empty()) given.config_file = own.config_file;
+    TrainConfig wanted = resolve_config(given);
+    wanted.train.iterations = old_end;
+    wanted.train.schedule_iterations = resolved.config.train.schedule_iterations;
+    const std::vector<std::string> differences = config_differences(resolved.config, wanted);
+    if (!differences.empty()) {
+      throw Error({ErrorKind::kUsage, "a resumed run keeps its settings, but others are given: " + differences.front(),
+                   folder.config(), {}, "leave them out, or start anew with --overwrite"});
+    }
+  }
+  bool finished = false;
+  if (std::filesystem::exists(folder.record())) {
+    const RunRecord record = read_run_record(folder.record());
+    // Both: a run that is being extended may have been killed between writing config.toml and run.json.
+    finished = !record.trained.empty() && record.train.iterations >= old_end;
+  }
+  const int64_t end = options.config.iterations.value_or(old_end);
+  if (end < old_end) {
+    throw Error({ErrorKind::kUsage, fmt::format("the run has {} iterations, fewer cannot be asked for", old_end),
+                 folder.config(), "-n", "leave -n out, or start anew with --overwrite"});
+  }
+  if (end > old_end) {
+    if (resolved.config.train.schedule_iterations == 0) resolved.config.train.schedule_iterations = old_end;
+    set_config(resolved.config, "train.iterations", ConfigValue(end));
+    resolved.extended = true;
+  }
+  resolved.finished = finished && !resolved.extended;
+  return resolved;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,131 @@
+#include "train/start_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "gaussians/initialise.h"
+#include "scene/depth_cloud.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kThinningRounds = 8;       // each round enlarges the cubes by at least a few per cent; 2 suffice in practice
+constexpr double kThinningMargin = 1.02; // so that a round that lands just above the cap is not repeated in vain
+// Depths of random points, shares of the extent: from arm's length to across the room.
+constexpr double kRandomNear = 0.1, kRandomFar = 2.0;
+
+float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
+
+/// By how much cubes must grow when n points are too many: points of a surface fall with the square of the edge.
+double growth(size_t n, int64_t cap) { return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin; }
+
+DepthCloud fuse(const StartInputs& in, double voxel) {
+  std::vector<ImageF> depths;  // scaled copies
+  depths.reserve(in.views.size());
+  std::vector<DepthCloudView> sources;
+  for (size_t v = 0; v < in.views.size(); ++v) {
+    const TrainingView& view = in.views[v];
+    depths.push_back(view.data.prior_depth);
+    for (float& z : depths.back().data) z *= in.depth_scales[v];
+    DepthCloudView source;
+    source.camera = view.data.camera;
+    source.depth = &depths.back();
+    source.color = &view.data.color;
+    source.confidence = view.depth_weight.empty() ? nullptr : &view.depth_weight;
+    sources.push_back(source);
+  }
+  DepthCloudOptions options;
+  options.voxel = voxel;
+  options.voxel_footprints = in.config.init.voxel_footprints;
+  options.keep_single_view = in.config.init.single_view_opacity > 0;
+  return fuse_depth_cloud(sources, options, in.pool);
+}
+
+StartModel start_from_depth(const StartInputs& in) {
+  const InitConfig& c = in.config.init;
+  DepthCloud fused = fuse(in, 0);
+  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(fused.cloud.size()) > c.max_gaussians; ++round) {
+    fused = fuse(in, fused.voxel * growth(fused.cloud.size(), c.max_gaussians));
+  }
+  StartModel start;
+  if (fused.cloud.size() == 0) return start;
+  InitialiseOptions options;
+  options.semantic_channels = in.semantic_channels;
+  options.opacity = static_cast<float>(c.depth_opacity);
+  options.flat_ratio = static_cast<float>(c.depth_flat_ratio);
+  options.scale_max = static_cast<float>(c.scale_max * in.extent);
+  start.model = initialise_gaussians(fused.cloud, options);
+  for (size_t i = 0; i < fused.views.size(); ++i) {
+    if (fused.views[i] < 2) start.model.opacity_logits[i] = logit(c.single_view_opacity);
+  }
+  start.dense = true;
+  start.has_normals = fused.cloud.has_normals();
+  return start;
+}
+
+StartModel start_from_cloud(const StartInputs& in, PointCloud cloud) {
+  const InitConfig& c = in.config.init;
+  // A first edge that surely merges something: the extent over the square root of the cap.
+  double edge = in.extent / std::sqrt(static_cast<double>(c.max_gaussians));
+  const PointCloud all = cloud;
+  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(cloud.size()) > c.max_gaussians; ++round) {
+    cloud = voxel_thin(all, edge);
+    edge *= std::max(growth(cloud.size(), c.max_gaussians), kThinningMargin);
+  }
+  StartModel start;
+  start.has_normals = cloud.has_normals();
+  InitialiseOptions options;
+  options.semantic_channels = in.semantic_channels;
+  options.opacity = static_cast<float>(c.cloud_opacity);
+  options.flat_ratio = start.has_normals ? static_cast<float>(c.cloud_flat_ratio) : 1.0f;
+  options.use_normals = options.flat_ratio < 1;
+  options.scale_max = static_cast<float>(c.scale_max * in.extent);
+  start.has_normals = options.use_normals;
+  start.model = initialise_gaussians(cloud, options);
+  return start;
+}
+
+/// Random colours at random depths along random rays of the training views: knows the cameras and nothing else.
+PointCloud random_cloud(const StartInputs& in, Random& random) {
+  PointCloud cloud;
+  const int64_t count = std::min(in.config.init.random_count, in.config.init.max_gaussians);
+  for (int64_t i = 0; i < count; ++i) {
+    const Camera& camera = in.views[static_cast<size_t>(random.below(static_cast<int>(in.views.size())))].data.camera;
+    const double u = random.uniform(0, camera.width), v = random.uniform(0, camera.height);
+    const double z = in.extent * std::exp(random.uniform(std::log(kRandomNear), std::log(kRandomFar)));
+    cloud.positions.push_back(camera.unproject(u, v, z).cast<float>());
+    Vec3f color;
+    for (int k = 0; k < 3; ++k) color[k] = static_cast<float>(random.uniform());
+    cloud.colors.push_back(color);
+  }
+  return cloud;
+}
+
+}  // namespace
+
+StartModel make_start_model(const StartInputs& in, Random random) {
+  std::string source = in.config.init.start;
+  if (source == "auto") source = in.prior_depth == PriorDepthKind::kMetric ? "depth" : "cloud";
+  if (source == "depth") {
+    if (in.prior_depth != PriorDepthKind::kMetric) {
+      throw_bad_input({}, "init.start", "there is no metric prior depth to start from", "use init.start=cloud or random");
+    }
+    StartModel start = start_from_depth(in);
+    if (start.model.size() > 0) return start;
+    if (in.config.init.start == "depth") {
+      throw_bad_input({}, "pred_depths", "no prior depth value can be used", "use init.start=cloud or random");
+    }
+    log_warning("no prior depth value can be used as a start: starting from the cloud");
+    source = "cloud";
+  }
+  if (source == "random") return start_from_cloud(in, random_cloud(in, random));
+  if (in.cloud.size() == 0) {
+    throw_bad_input({}, "sparse/points3D", "the scene has no points to start from",
+                    "add points3D, prior depth (pred_depths/), or use --set init.start=random");
+  }
+  return start_from_cloud(in, in.cloud);
+}
+
+}  // namespace aligngs

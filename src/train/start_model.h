@@ -1,0 +1,37 @@
+// Where the Gaussians of a run start: fused prior depth, the scene's cloud, or random points.
+#pragma once
+
+#include <vector>
+
+#include "core/random.h"
+#include "core/thread_pool.h"
+#include "engine/training_view.h"
+#include "gaussians/gaussian_model.h"
+#include "scene/point_cloud.h"
+#include "train/config.h"
+#include "train/schedule.h"
+
+namespace aligngs {
+
+struct StartInputs {
+  const TrainConfig& config;
+  const std::vector<TrainingView>& views;
+  const std::vector<float>& depth_scales;  ///< a_v per view
+  const PointCloud& cloud;                 ///< sparse/points3D
+  PriorDepthKind prior_depth = PriorDepthKind::kNone;
+  int semantic_channels = 0;
+  double extent = 1;                       ///< robust scene extent, scene units
+  ThreadPool& pool;
+};
+
+struct StartModel {
+  GaussianModel model;
+  bool dense = false;        ///< from prior depth
+  bool has_normals = false;  ///< the shortest axes lie along surface normals
+};
+
+/// init.start "auto": prior depth when it is metric, else the cloud. The number is at most init.max_gaussians,
+/// reached by coarser thinning. Error{kBadInput} when the wanted source holds no point (remedy: another start).
+StartModel make_start_model(const StartInputs& inputs, Random random);
+
+}  // namespace aligngs

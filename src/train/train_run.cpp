@@ -1,0 +1,256 @@
+#include "train/train_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/memory_budget.h"
+#include "io/atomic_file.h"
+#include "train/memory_fit.h"
+#include "train/run_outputs.h"
+#include "train/start_model.h"
+#include "train/trainer.h"
+#include "train/upkeep.h"
+
+namespace aligngs {
+namespace {
+
+constexpr uint64_t kRandomStart = 3;                // purposes 1 and 2: trainer.cpp
+
+RunMode mode_of(const TrainOptions& options) {
+  return options.overwrite ? RunMode::kOverwrite : options.resume ? RunMode::kResume : RunMode::kNew;
+}
+
+TrainResult result_of_finished(const RunRecord& record) {
+  TrainResult result;
+  result.already_finished = true;
+  result.iterations = record.train.iterations;
+  result.gaussians = record.train.gaussians;
+  result.seconds = record.train.seconds;
+  result.warnings = record.warnings;
+  return result;
+}
+
+/// One run from checked settings to its outputs; the error handling stands around it in train_run.
+class Run {
+ public:
+  Run(const TrainOptions& options, const ResolvedRun& resolved, const EngineFactory& make_engine)
+      : options_(options), config_(resolved.config), resolved_(resolved), folder_(options.run), make_engine_(make_engine),
+        budget_(options.memory_limit) {}
+
+  void open_scene_and_check();
+  void prepare_folder();
+  TrainResult train();
+  void record_failure(const std::string& status, const std::string& reason) noexcept;
+
+ private:
+  void record_end(const std::string& status, const std::string& reason);
+  std::filesystem::path scene_folder() const;
+  /// The state to go on from, or that of a new start (`fresh`).
+  TrainingState start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh);
+  void warn(const std::string& message);
+
+  const TrainOptions& options_;
+  TrainConfig config_;
+  const ResolvedRun& resolved_;
+  RunFolder folder_;
+  const EngineFactory& make_engine_;
+  MemoryBudget budget_;
+  std::optional<ThreadPool> pool_;
+  Scene scene_;
+  PriorUse use_;
+  std::string fingerprint_;
+  double extent_ = 1;
+  RunRecord record_;
+};
+
+std::filesystem::path Run::scene_folder() const {
+  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) {
+    if (options_.scene.empty()) throw_usage("no scene folder is given", "aligngs train SCENE -o RUN");
+    return options_.scene;
+  }
+  return scene_of_run(folder_.path(), read_run_record(folder_.record()), options_.scene);
+}
+
+void Run::warn(const std::string& message) {
+  log_warning("{}", message);
+  record_.warnings.push_back(message);
+}
+
+void Run::open_scene_and_check() {
+  const std::filesystem::path folder = scene_folder();
+  scene_ = open_scene(folder);
+  if (scene_.train.empty()) throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
+  log_info("checking {} views", scene_.train.size() + scene_.test.size());
+  const SceneProblem* first = nullptr;
+  size_t fatal = 0;
+  const std::vector<SceneProblem> problems = check_scene(scene_);
+  for (const SceneProblem& problem : problems) {
+    if (!problem.fatal) {
+      log_warning("{}: {}: {}", problem.path.string(), problem.field, problem.message);
+      continue;
+    }
+    if (!first) first = &problem;
+    ++fatal;
+  }
+  if (first) {
+    std::string message = first->message;
+    if (fatal > 1) message += fmt::format(" (and {} more problems: 'aligngs data check' lists them)", fatal - 1);
+    throw_bad_input(first->path, first->field, message, first->remedy);
+  }
+  use_ = decide_prior_use(scene_, config_);
+  if (options_.require_priors && !use_.warnings.empty()) {
+    throw Error({ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
+  }
+  fingerprint_ = scene_fingerprint(scene_);
+  extent_ = robust_extent(scene_);
+  budget_.add("training views", predicted_view_bytes(scene_, config_, use_));
+  budget_.require("training", kMemoryRemedy);
+}
+
+void Run::prepare_folder() {
+  folder_.prepare(mode_of(options_));
+  if (resolved_.exists && std::filesystem::exists(folder_.record())) record_ = read_run_record(folder_.record());
+  if (record_.started.empty()) record_.started = utc_now();
+  record_.status = "running";
+  record_.stage = "train";
+  record_.command = options_.command_line;
+  record_.version = ALIGNGS_VERSION;
+  record_.seed = config_.train.seed;
+  record_.updated = utc_now();
+  record_.finished.clear();
+  record_.reason.clear();
+  record_.scene = relative_scene_path(folder_.path(), scene_.folder);
+  record_.fingerprint = fingerprint_;
+  record_.warnings.clear();
+  record_.trained.clear();
+  for (const std::string& message : use_.warnings) warn(message);
+  // A run that exists keeps its file unless its end moves: every byte of it is the user's.
+  if (!resolved_.exists || resolved_.extended) write_file_atomically(folder_.config(), config_to_toml(config_));
+  write_run_record(folder_.record(), record_);
+}
+
+TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh) {
+  const std::vector<float> scales = align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit, inputs.from_points);
+  std::optional<TrainingState> saved;
+  if (resolved_.exists) saved = read_latest_checkpoint(folder_.checkpoints(), fingerprint_);
+  remove_checkpoints_beyond(folder_.checkpoints(), saved ? saved->iteration : -1);
+  fresh = !saved;
+  if (saved) return std::move(*saved);
+  const int channels = use_.semantics ? scene_.labels.size() : 0;
+  const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, extent_, *pool_};
+  StartModel begun = make_start_model(start_inputs, Random(static_cast<uint64_t>(config_.train.seed)).fork(kRandomStart));
+  log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
+  TrainingState state;
+  state.depth_scales = scales;
+  state.dense_start = begun.dense;
+  state.normals_at_start = begun.has_normals;
+  state.engine.model = std::move(begun.model);
+  size_t pixels = 0;
+  for (const GuideView& guide : inputs.guides) {
+    pixels = std::max(pixels, size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height));
+  }
+  const GaussianCap cap = fit_gaussian_cap(
+      {config_, state.engine.model.size(), state.dense_start,
+       [&](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); }}, budget_);
+  if (!cap.warning.empty()) warn(cap.warning);
+  log_info("memory: {} predicted, {} allowed", format_bytes(budget_.total()), format_bytes(budget_.limit()));
+  state.max_gaussians = cap.gaussians;
+  return state;
+}
+
+TrainResult Run::train() {
+  pool_.emplace(options_.threads);
+  std::unique_ptr<Engine> engine = make_engine_(options_.threads);
+  record_.device = engine->device_name();
+  write_run_record(folder_.record(), record_);
+
+  TrainerInputs inputs;
+  inputs.config = config_;
+  inputs.facts.training_views = static_cast<int>(scene_.train.size());
+  inputs.facts.prior_depth = use_.depth;
+  inputs.facts.semantics = use_.semantics;
+  inputs.facts.extent = static_cast<float>(extent_);
+  inputs.fingerprint = fingerprint_;
+  inputs.resume_command = options_.resume_command.empty()
+                              ? fmt::format("aligngs train {} -o {} --resume", scene_.folder.string(), folder_.path().string())
+                              : options_.resume_command;
+  inputs.progress = options_.progress;
+  std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
+  inputs.guides = guides_of(views, use_);
+  bool fresh = true;
+  TrainingState state = start(*engine, views, inputs, fresh);
+  engine->set_training_views(std::move(views));
+  if (fresh) {
+    engine->load(state.engine.model);
+    inputs.facts.max_gaussians = state.max_gaussians;
+    inputs.facts.dense_start = state.dense_start;
+    inputs.facts.normals_at_start = state.normals_at_start;
+  }
+  Trainer trainer(std::move(inputs), *engine, folder_, record_, *pool_);
+  if (fresh) state = trainer.initial_state(state.depth_scales);
+  state = trainer.run(std::move(state));
+
+  GaussianModel model;
+  engine->store(model);
+  write_run_outputs(folder_, model, scene_, config_);
+  record_.trained = utc_now();
+  record_end("done", "all iterations done");
+  TrainResult result;
+  result.iterations = state.iteration;
+  result.gaussians = model.size();
+  result.seconds = state.seconds;
+  result.psnr = state.psnr_average;
+  result.warnings = record_.warnings;
+  return result;
+}
+
+/// The reason for which a run ends must reach the caller even when it cannot be written down.
+void Run::record_failure(const std::string& status, const std::string& reason) noexcept {
+  try {
+    record_end(status, reason);
+  } catch (const std::exception& error) {
+    log_warning("{} cannot be written: {}", folder_.record().string(), error.what());
+  }
+}
+
+void Run::record_end(const std::string& status, const std::string& reason) {
+  record_.status = status;
+  record_.reason = reason;
+  record_.updated = record_.finished = utc_now();
+  write_run_record(folder_.record(), record_);
+}
+
+}  // namespace
+
+TrainResult train_run(const TrainOptions& options) { return train_run(options, make_cpu_engine); }
+
+TrainResult train_run(const TrainOptions& options, const EngineFactory& make_engine) {
+  const RunFolder folder(options.run);
+  const ResolvedRun resolved = resolve_run(options);
+  folder.check(mode_of(options));
+  if (resolved.finished) {
+    log_info("the run in {} is finished: nothing to do", options.run.string());
+    return result_of_finished(read_run_record(folder.record()));
+  }
+  Run run(options, resolved, make_engine);
+  run.open_scene_and_check();
+  run.prepare_folder();
+  try {
+    return run.train();
+  } catch (const Error& error) {
+    run.record_failure(error.kind() == ErrorKind::kInterrupted ? "stopped" : "failed", error.details().message);
+    throw;
+  } catch (const std::bad_alloc&) {
+    run.record_failure("failed", "memory ran out");
+    throw_resources(options.run, "memory ran out although it was budgeted", kMemoryRemedy);
+  } catch (const std::exception& error) {
+    run.record_failure("failed", error.what());
+    throw;
+  }
+}
+
+}  // namespace aligngs

@@ -1,0 +1,59 @@
+// `aligngs train`: a scene folder in, a trained run folder out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "engine/engine.h"
+#include "train/config_file.h"
+
+namespace aligngs {
+
+struct TrainOptions {
+  std::filesystem::path scene;  ///< may be empty when resuming: run.json knows it
+  std::filesystem::path run;
+  ConfigSources config;         ///< preset, config file, --set, -n, --seed
+  int threads = 0;              ///< 0: all hardware threads; the result does not depend on it
+  bool resume = false, overwrite = false;
+  bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
+  uint64_t memory_limit = 0;    ///< bytes; 0: 80 % of what is free
+  std::string command_line;     ///< as typed, for run.json
+  std::string resume_command;   ///< shown after an interruption; empty: "aligngs train SCENE -o RUN --resume"
+  ProgressStyle progress;
+};
+
+struct TrainResult {
+  bool already_finished = false;  ///< --resume on a finished run: nothing was changed
+  int64_t iterations = 0;         ///< completed
+  uint64_t gaussians = 0;
+  double seconds = 0;             ///< training time over all resumes
+  double psnr = 0;                ///< running mean over the last training views, dB
+  std::vector<std::string> warnings;
+};
+
+/// Makes the engine; replaced in tests. threads as in TrainOptions.
+using EngineFactory = std::function<std::unique_ptr<Engine>(int threads)>;
+
+/// Checks every file of the scene first, then the memory, then trains. The settings of a run that is resumed
+/// come from its config.toml; settings given as well must agree with it, except iterations, which may grow:
+/// the schedules then keep their old end and the rates their final values.
+/// Errors: kUsage (folder rules, settings), kBadInput (scene), kWeights (require_priors), kResources, kInterrupted
+/// (checkpoint written), kFailed. After the folder has been prepared every end is recorded in run.json.
+TrainResult train_run(const TrainOptions& options);
+TrainResult train_run(const TrainOptions& options, const EngineFactory& make_engine);
+
+/// The settings a run would have: of its config.toml when it is resumed, else from the sources.
+struct ResolvedRun {
+  TrainConfig config;
+  bool exists = false;    ///< config.toml stands in the folder and resume is set
+  bool finished = false;  ///< trained to config.train.iterations already
+  bool extended = false;  ///< iterations were raised beyond the old end
+};
+ResolvedRun resolve_run(const TrainOptions& options);
+
+}  // namespace aligngs

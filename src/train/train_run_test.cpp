@@ -1,0 +1,343 @@
+#include "train/train_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/stop_signal.h"
+#include "io/atomic_file.h"
+#include "scene/test_scene_folder.h"
+#include "train/checkpoint.h"
+#include "train/fake_engine.h"
+#include "train/run_folder.h"
+#include "train/run_record.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class TrainRun : public testing::Test {
+ protected:
+  void SetUp() override {
+    set_log_level(LogLevel::kSilent);
+    clear_stop_request();
+    scene_ = test_scene::write_scene();
+    base_ = scene_.parent_path();
+    fs::remove_all(base_ / "runs");
+  }
+  void TearDown() override {
+    clear_stop_request();
+    set_log_level(LogLevel::kInfo);
+  }
+
+  TrainOptions options(const std::string& run, int64_t iterations = 60) const {
+    TrainOptions o;
+    o.scene = scene_;
+    o.run = base_ / "runs" / run;
+    o.config.iterations = iterations;
+    o.config.sets = {"checkpoint.every=7", "train.log_every=5", "densify.residual_quantile=0", "densify.unsupported_min=0"};
+    o.command_line = "aligngs train";
+    o.progress.enabled = false;
+    o.threads = 1;
+    return o;
+  }
+
+  /// Trains with a FakeEngine that is stopped as kill -9 would: nothing is written after iteration `kill_at`.
+  struct Killed {};
+  static EngineFactory engine_killed_at(int64_t kill_at) {
+    return [kill_at](int) {
+      auto engine = std::make_unique<test_train::FakeEngine>();
+      engine->before_step = [kill_at](int64_t step) -> NonFinite {
+        if (step == kill_at) throw Killed{};
+        return {};
+      };
+      return engine;
+    };
+  }
+  static EngineFactory plain_engine() { return engine_killed_at(-1); }
+
+  static std::string ply(const TrainOptions& o) { return read_file(RunFolder(o.run).scene_ply()); }
+  static RunRecord record(const TrainOptions& o) { return read_run_record(RunFolder(o.run).record()); }
+  static ErrorKind kind_of(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const Error& e) {
+      return e.kind();
+    }
+    ADD_FAILURE() << "no error was thrown";
+    return ErrorKind::kFailed;
+  }
+
+  fs::path scene_, base_;
+};
+
+TEST_F(TrainRun, LeavesACompleteRunFolder) {
+  const TrainOptions o = options("a");
+  const TrainResult result = train_run(o, plain_engine());
+  EXPECT_EQ(result.iterations, 60);
+  EXPECT_GT(result.gaussians, 0u);
+  for (const char* name : {"run.json", "config.toml", "events.ndjson", "scene.ply", "scene.labels.ply", "classes.json",
+                           "cameras.json", "checkpoints/step_000060.safetensors"}) {
+    EXPECT_TRUE(fs::exists(o.run / name)) << name;
+  }
+  const RunRecord r = record(o);
+  EXPECT_EQ(r.status, "done");
+  EXPECT_EQ(r.scene, "../../scene");
+  EXPECT_EQ(r.device, "fake");
+  EXPECT_EQ(r.train.iterations, 60);
+  EXPECT_TRUE(r.warnings.empty());
+}
+
+TEST_F(TrainRun, SceneFileCarriesNoTimeAndNoPath) {
+  train_run(options("a"), plain_engine());
+  train_run(options("b"), plain_engine());
+  EXPECT_EQ(ply(options("a")), ply(options("b")));
+  EXPECT_THAT(ply(options("a")), Not(HasSubstr(base_.string())));
+}
+
+TEST_F(TrainRun, KilledAnywhereAndResumedEndsByteIdentical) {
+  const TrainOptions whole = options("whole");
+  train_run(whole, plain_engine());
+  for (const int64_t at : {1, 7, 8, 33, 59, 60}) {
+    TrainOptions o = options("killed_at_" + std::to_string(at));
+    EXPECT_THROW(train_run(o, engine_killed_at(at)), Killed);
+    o.resume = true;
+    train_run(o, plain_engine());
+    EXPECT_EQ(ply(o), ply(whole)) << at;
+    EXPECT_EQ(read_file(o.run / "scene.labels.ply"), read_file(whole.run / "scene.labels.ply")) << at;
+  }
+}
+
+TEST_F(TrainRun, KilledTwiceAndResumedEndsByteIdentical) {
+  const TrainOptions whole = options("whole");
+  train_run(whole, plain_engine());
+  TrainOptions o = options("killed");
+  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
+  o.resume = true;
+  EXPECT_THROW(train_run(o, engine_killed_at(50)), Killed);
+  train_run(o, plain_engine());
+  EXPECT_EQ(ply(o), ply(whole));
+}
+
+TEST_F(TrainRun, WritingCheckpointsChangesNothing) {
+  TrainOptions rare = options("rare");
+  rare.config.sets[0] = "checkpoint.every=1000";
+  TrainOptions often = options("often");
+  often.config.sets[0] = "checkpoint.every=1";
+  train_run(rare, plain_engine());
+  train_run(often, plain_engine());
+  EXPECT_EQ(ply(rare), ply(often));
+}
+
+TEST_F(TrainRun, EventsOfAResumedRunHaveEachStepOnce) {
+  TrainOptions o = options("a");
+  EXPECT_THROW(train_run(o, engine_killed_at(33)), Killed);
+  o.resume = true;
+  train_run(o, plain_engine());
+  const std::string text = read_file(o.run / "events.ndjson");
+  for (int64_t step = 5; step <= 60; step += 5) {
+    const std::string needle = "{\"step\":" + std::to_string(step) + ",\"view\"";
+    EXPECT_NE(text.find(needle), std::string::npos) << step;
+    EXPECT_EQ(text.find(needle), text.rfind(needle)) << step;
+  }
+}
+
+TEST_F(TrainRun, ResumingAFinishedRunChangesNothing) {
+  TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  const std::string before = read_file(o.run / "run.json");
+  const auto written = fs::last_write_time(o.run / "scene.ply");
+  o.resume = true;
+  const TrainResult again = train_run(o, plain_engine());
+  EXPECT_TRUE(again.already_finished);
+  EXPECT_EQ(again.iterations, 60);
+  EXPECT_EQ(read_file(o.run / "run.json"), before);
+  EXPECT_EQ(fs::last_write_time(o.run / "scene.ply"), written);
+}
+
+TEST_F(TrainRun, MoreIterationsExtendAFinishedRun) {
+  TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  o.resume = true;
+  o.config = {};
+  o.config.iterations = 80;
+  EXPECT_EQ(train_run(o, plain_engine()).iterations, 80);
+  EXPECT_THAT(read_file(o.run / "config.toml"), HasSubstr("schedule_iterations = 60"));
+  EXPECT_EQ(record(o).train.iterations, 80);
+  o.config.iterations = 70;
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
+}
+
+TEST_F(TrainRun, ResumeBeginsARunThatDoesNotExist) {
+  TrainOptions o = options("a");
+  o.resume = true;
+  EXPECT_EQ(train_run(o, plain_engine()).iterations, 60);
+}
+
+TEST_F(TrainRun, ResumeTakesItsSettingsFromTheRun) {
+  TrainOptions o = options("a");
+  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
+  o.resume = true;
+  o.config = {};
+  o.scene.clear();  // run.json knows the scene
+  train_run(o, plain_engine());
+  const TrainOptions whole = options("whole");
+  train_run(whole, plain_engine());
+  EXPECT_EQ(ply(o), ply(whole));
+}
+
+TEST_F(TrainRun, ResumeRefusesOtherSettings) {
+  TrainOptions o = options("a");
+  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
+  o.resume = true;
+  o.config.sets.push_back("loss.l1=0.5");
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
+}
+
+TEST_F(TrainRun, DamagedNewestCheckpointFallsBackAndEndsTheSame) {
+  const TrainOptions whole = options("whole");
+  train_run(whole, plain_engine());
+  TrainOptions o = options("damaged");
+  EXPECT_THROW(train_run(o, engine_killed_at(33)), Killed);
+  const fs::path newest = list_checkpoints(o.run / "checkpoints").front();
+  fs::resize_file(newest, fs::file_size(newest) - 9);
+  o.resume = true;
+  train_run(o, plain_engine());
+  EXPECT_EQ(ply(o), ply(whole));
+}
+
+TEST_F(TrainRun, ChangedSceneIsRefused) {
+  TrainOptions o = options("a");
+  EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);
+  fs::remove_all(scene_);
+  SceneWriter writer(scene_, false);
+  for (int i = 0; i < 3; ++i) {
+    SceneViewParts view = test_scene::view_parts(i);
+    view.camera.world_to_camera.translation.y = 0.1;
+    view.truth_camera = view.camera;
+    writer.add_view(view);
+  }
+  writer.finish(test_scene::scene_parts());
+  o.resume = true;
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kBadInput);
+}
+
+TEST_F(TrainRun, FolderRules) {
+  const TrainOptions o = options("a", 5);
+  train_run(o, plain_engine());
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
+  TrainOptions over = options("a", 6);
+  over.overwrite = true;
+  EXPECT_EQ(train_run(over, plain_engine()).iterations, 6);
+  over.resume = true;
+  EXPECT_EQ(kind_of([&] { train_run(over, plain_engine()); }), ErrorKind::kUsage);
+}
+
+TEST_F(TrainRun, StopRequestWritesACheckpointAndSaysHowToGoOn) {
+  const TrainOptions o = options("a");
+  const EngineFactory stopping = [](int) {
+    auto engine = std::make_unique<test_train::FakeEngine>();
+    engine->before_step = [](int64_t step) -> NonFinite {
+      if (step == 30) request_stop();
+      return {};
+    };
+    return engine;
+  };
+  try {
+    train_run(o, stopping);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kInterrupted);
+    EXPECT_THAT(e.details().remedy, HasSubstr("--resume"));
+  }
+  EXPECT_EQ(record(o).status, "stopped");
+  EXPECT_TRUE(fs::exists(o.run / "checkpoints" / "step_000030.safetensors"));
+}
+
+TEST_F(TrainRun, NonFiniteGaussianIsRemovedAndTrainingGoesOn) {
+  const TrainOptions o = options("a"), whole = options("whole");
+  const EngineFactory once = [](int) {
+    auto engine = std::make_unique<test_train::FakeEngine>();
+    engine->before_step = [](int64_t step) { return step == 4 ? NonFinite{true, 2, "opacity"} : NonFinite{}; };
+    return engine;
+  };
+  EXPECT_EQ(train_run(o, once).iterations, 60);
+  EXPECT_THAT(read_file(o.run / "events.ndjson"), HasSubstr("opacity of Gaussian 2 became non-finite in view v"));
+}
+
+TEST_F(TrainRun, RepeatedNonFiniteStepsEndTheRunWithAValidCheckpoint) {
+  const TrainOptions o = options("a");
+  const EngineFactory always = [](int) {
+    auto engine = std::make_unique<test_train::FakeEngine>();
+    engine->before_step = [](int64_t step) { return step >= 10 ? NonFinite{true, -1, "ssim"} : NonFinite{}; };
+    return engine;
+  };
+  EXPECT_EQ(kind_of([&] { train_run(o, always); }), ErrorKind::kFailed);
+  EXPECT_EQ(record(o).status, "failed");
+  EXPECT_THAT(record(o).reason, HasSubstr("ssim"));
+  const std::vector<fs::path> all = list_checkpoints(o.run / "checkpoints");
+  ASSERT_FALSE(all.empty());
+  EXPECT_EQ(read_checkpoint(all.front(), record(o).fingerprint).non_finite_steps, 3);
+}
+
+TEST_F(TrainRun, BadSceneIsRefusedBeforeAnythingIsWritten) {
+  test_scene::write_text(scene_ / "images" / "v2.png", "no image");  // a test view counts too
+  const TrainOptions o = options("a");
+  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kBadInput);
+  EXPECT_FALSE(fs::exists(o.run));
+}
+
+TEST_F(TrainRun, TooLittleMemoryIsAResourceErrorWithTheSum) {
+  TrainOptions o = options("a");
+  o.memory_limit = 200000;
+  try {
+    train_run(o, plain_engine());
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kResources);
+    EXPECT_THAT(e.what(), HasSubstr("training views"));
+  }
+}
+
+TEST_F(TrainRun, MissingPriorsAreSaidOrRefused) {
+  fs::remove_all(scene_ / "segmentation_logits");
+  TrainOptions o = options("a");
+  const TrainResult result = train_run(o, plain_engine());
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], HasSubstr("segmentation_logits"));
+  EXPECT_EQ(record(o).warnings, result.warnings);
+  EXPECT_FALSE(fs::exists(o.run / "scene.labels.ply"));
+  TrainOptions strict = options("b");
+  strict.require_priors = true;
+  EXPECT_EQ(kind_of([&] { train_run(strict, plain_engine()); }), ErrorKind::kWeights);
+}
+
+TEST_F(TrainRun, EveryStartWorks) {
+  for (const char* start : {"depth", "cloud", "random"}) {
+    TrainOptions o = options(start, 3);
+    o.config.sets.push_back(std::string("init.start=") + start);
+    o.config.sets.push_back("init.max_gaussians=150");
+    const TrainResult result = train_run(o, plain_engine());
+    EXPECT_GT(result.gaussians, 0u) << start;
+    EXPECT_LE(result.gaussians, 150u) << start;
+  }
+}
+
+TEST_F(TrainRun, ConfigOfARunReproducesIt) {
+  const TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  TrainOptions copy = options("b");
+  copy.config = {};
+  copy.config.config_file = o.run / "config.toml";
+  train_run(copy, plain_engine());
+  EXPECT_EQ(ply(o), ply(copy));
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,186 @@
+#include "train/trainer.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/memory_budget.h"
+#include "core/stop_signal.h"
+#include "train/upkeep.h"
+
+namespace aligngs {
+namespace {
+
+constexpr float kResetOpacity = 0.01f;   // 3DGS opacity reset
+constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
+// Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp.
+constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2;
+
+double now_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Random generator(const TrainConfig& config, uint64_t purpose) {
+  return Random(static_cast<uint64_t>(config.train.seed)).fork(purpose);
+}
+
+}  // namespace
+
+Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, RunRecord& record, ThreadPool& pool)
+    : in_(std::move(inputs)),
+      engine_(engine),
+      folder_(folder),
+      record_(record),
+      pool_(pool),
+      schedule_(in_.config, in_.facts),
+      order_(static_cast<int>(in_.guides.size()), generator(in_.config, kRandomOrder).next()),
+      density_random_(generator(in_.config, kRandomDensity)) {}
+
+TrainingState Trainer::initial_state(const std::vector<float>& depth_scales) const {
+  TrainingState state;
+  state.order = order_.state();
+  state.density_random = density_random_.state();
+  state.depth_scales = depth_scales;
+  state.max_gaussians = in_.facts.max_gaussians;
+  state.dense_start = in_.facts.dense_start;
+  state.normals_at_start = in_.facts.normals_at_start;
+  return state;
+}
+
+TrainingState Trainer::run(TrainingState state) {
+  state_ = std::move(state);
+  if (state_.depth_scales.size() != in_.guides.size()) {
+    throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start anew with --overwrite");
+  }
+  if (state_.engine.model.size() > 0) {
+    engine_.load_state(state_.engine);
+    checkpointed_ = state_.iteration;
+  }
+  state_.engine = {};  // the engine owns the parameters from here on; no second copy is kept
+  order_.set_state(state_.order);
+  density_random_.set_state(state_.density_random);
+  in_.facts.max_gaussians = state_.max_gaussians;
+  in_.facts.dense_start = state_.dense_start;
+  in_.facts.normals_at_start = state_.normals_at_start;
+  schedule_ = Schedule(in_.config, in_.facts);
+
+  const int64_t last = in_.config.train.iterations;
+  EventLog events(folder_.events(), state_.iteration);
+  Progress progress(in_.progress, "train", static_cast<uint64_t>(last), static_cast<uint64_t>(state_.iteration));
+  seconds_before_ = state_.seconds;
+  iterations_before_ = state_.iteration;
+  begun_ = now_seconds();
+  while (state_.iteration < last) {
+    if (stop_requested()) stop_here();
+    iterate(state_.iteration + 1, events);
+    if (state_.iteration % in_.config.checkpoint.every == 0) write_state();
+    update_progress(report_, progress);
+  }
+  if (checkpointed_ != state_.iteration) write_state();
+  return state_;
+}
+
+void Trainer::iterate(int64_t iteration, EventLog& events) {
+  const double begun = now_seconds();
+  StepRequest request = schedule_.request(iteration);
+  if (schedule_.lifts_semantics(iteration)) engine_.lift_semantics(request.raster);
+  request.view = order_.next();
+  request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];
+  report_ = engine_.step(request);
+  state_.iteration = iteration;
+  if (report_.non_finite.found) {
+    handle_non_finite(report_, request.view, events);
+  } else {
+    const double psnr = report_.losses.psnr;
+    if (std::isfinite(psnr)) {
+      state_.psnr_average = state_.psnr_average == 0 ? psnr : kAverageKeep * state_.psnr_average + (1 - kAverageKeep) * psnr;
+    }
+    if (iteration % in_.config.train.log_every == 0 || iteration == in_.config.train.iterations) {
+      events.step({iteration, in_.guides[static_cast<size_t>(request.view)].name, &report_, engine_.size(), now_seconds() - begun});
+    }
+  }
+  upkeep(iteration, events);
+}
+
+void Trainer::upkeep(int64_t iteration, EventLog& events) {
+  const RasterSettings raster = schedule_.request(iteration).raster;
+  if (schedule_.densifies(iteration)) {
+    events.restructured(iteration, "densify", control_density(engine_, schedule_.density_rule(iteration), density_random_));
+  }
+  if (schedule_.resets_opacity(iteration)) {
+    engine_.reset_opacity(kResetOpacity);
+    events.message(iteration, "opacity_reset", fmt::format("opacities capped at {}", kResetOpacity));
+  }
+  if (schedule_.prunes_free_space(iteration)) {
+    events.restructured(iteration, "free_space", prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config,
+                                                                   in_.facts.extent, raster, pool_));
+  }
+  if (schedule_.aligns_prior_depth(iteration)) {
+    align_to_renderings(engine_, in_.guides, in_.from_points, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
+  }
+  if (engine_.size() > 0) return;
+  throw Error({ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
+               "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
+}
+
+void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {
+  ++state_.non_finite_steps;
+  const NonFinite& bad = report.non_finite;
+  const std::string& name = in_.guides[static_cast<size_t>(view)].name;
+  const std::string what = bad.gaussian >= 0
+                               ? fmt::format("iteration {}: {} of Gaussian {} became non-finite in view {}", state_.iteration,
+                                             bad.term, bad.gaussian, name)
+                               : fmt::format("iteration {}: loss {} became non-finite in view {}", state_.iteration, bad.term, name);
+  log_warning("{}; the step was rolled back{}", what, bad.gaussian >= 0 ? " and the Gaussian removed" : "");
+  events.message(state_.iteration, "non_finite", what);
+  if (bad.gaussian >= 0) remove_gaussian(engine_, bad.gaussian);
+  if (state_.non_finite_steps < kNonFiniteLimit || engine_.size() == 0) return;
+  write_state();
+  throw Error({ErrorKind::kFailed, fmt::format("{}; {} such steps are the limit", what, kNonFiniteLimit), folder_.path(), bad.term,
+               "check this view with 'aligngs data check'; lower the learning rates (optimizer.*) or loss weights (loss.*)"});
+}
+
+void Trainer::stop_here() {
+  if (checkpointed_ != state_.iteration) write_state();
+  throw Error({ErrorKind::kInterrupted, fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
+                                                    in_.config.train.iterations),
+               folder_.path(), {}, "go on with: " + in_.resume_command});
+}
+
+void Trainer::write_state() {
+  state_.order = order_.state();
+  state_.density_random = density_random_.state();
+  state_.seconds = seconds_before_ + seconds_since_start();
+  engine_.save_state(state_.engine);
+  write_checkpoint(folder_.checkpoints(), state_, in_.fingerprint, in_.config.checkpoint.keep);
+  state_.engine = {};
+  checkpointed_ = state_.iteration;
+  record_.updated = utc_now();
+  record_.train.seconds = state_.seconds;
+  record_.train.iterations = state_.iteration;
+  record_.train.gaussians = engine_.size();
+  record_.train.iterations_per_second = state_.seconds > 0 ? static_cast<double>(state_.iteration) / state_.seconds : 0;
+  record_.train.peak_memory_bytes = peak_memory_bytes();
+  write_run_record(folder_.record(), record_);
+}
+
+void Trainer::update_progress(const StepReport& report, Progress& progress) const {
+  if (!progress.due() && state_.iteration < in_.config.train.iterations) {
+    progress.update(static_cast<uint64_t>(state_.iteration));
+    return;
+  }
+  const LossTerms& l = report.losses;
+  std::string text = fmt::format("PSNR {:.2f} dB  loss {:.4f} (L1 {:.4f}, 1-SSIM {:.3f}", state_.psnr_average, l.total, l.l1, l.ssim);
+  if (in_.facts.semantics) text += fmt::format(", semantic {:.3f}", l.semantic_soft);
+  if (l.log_depth > 0) text += fmt::format(", depth {:.4f}", l.log_depth);
+  if (l.pearson > 0) text += fmt::format(", 1-rho {:.3f}", l.pearson);
+  if (l.normal_consistency > 0) text += fmt::format(", normal {:.3f}", l.normal_consistency);
+  progress.update(static_cast<uint64_t>(state_.iteration), fmt::format("{})  {} Gaussians ", text, engine_.size()));
+}
+
+double Trainer::seconds_since_start() const { return now_seconds() - begun_; }
+
+}  // namespace aligngs

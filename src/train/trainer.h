@@ -1,0 +1,73 @@
+// The training loop: steps, upkeep, checkpoints, progress. One object per run.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "core/thread_pool.h"
+#include "engine/engine.h"
+#include "train/checkpoint.h"
+#include "train/config.h"
+#include "train/events.h"
+#include "train/run_folder.h"
+#include "train/run_record.h"
+#include "train/schedule.h"
+#include "train/training_set.h"
+
+namespace aligngs {
+
+struct TrainerInputs {
+  TrainConfig config;
+  ScheduleFacts facts;               ///< dense_start, normals_at_start and max_gaussians come from the state
+  std::vector<GuideView> guides;     ///< one per training view, in the engine's order
+  std::vector<uint8_t> from_points;  ///< views whose prior scale the points determine (upkeep.h)
+  std::string fingerprint;           ///< of the scene
+  std::string resume_command;        ///< shown when the run is interrupted
+  ProgressStyle progress;
+};
+
+/// Three non-finite steps end a run: one may be an accident, the third is a cause that will not go away.
+inline constexpr int64_t kNonFiniteLimit = 3;
+
+class Trainer {
+ public:
+  /// The engine already has the training views. References must outlive the trainer.
+  Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, RunRecord& record, ThreadPool& pool);
+
+  /// State before the first step of a new run whose engine holds the start model.
+  TrainingState initial_state(const std::vector<float>& depth_scales) const;
+  /// Runs from `state` (whose engine part is loaded when it holds a model) to config.train.iterations.
+  /// Writes checkpoints, events and run.json on the way; the last iteration always has a checkpoint. The
+  /// result's engine part is empty: the engine and that checkpoint hold it.
+  /// Error{kInterrupted} after a stop request, with a checkpoint written; Error{kFailed} when non-finite values repeat
+  /// or no Gaussian is left, with a valid checkpoint.
+  TrainingState run(TrainingState state);
+
+ private:
+  void iterate(int64_t iteration, EventLog& events);
+  void handle_non_finite(const StepReport& report, int view, EventLog& events);
+  void upkeep(int64_t iteration, EventLog& events);
+  void write_state();
+  void stop_here();
+  void update_progress(const StepReport& report, Progress& progress) const;
+  double seconds_since_start() const;
+
+  TrainerInputs in_;
+  Engine& engine_;
+  const RunFolder& folder_;
+  RunRecord& record_;
+  ThreadPool& pool_;
+  Schedule schedule_;
+  ViewOrder order_;
+  Random density_random_;
+  TrainingState state_;
+  StepReport report_;          ///< of the last step
+  int64_t checkpointed_ = -1;  ///< iteration of the newest checkpoint of this process
+  double seconds_before_ = 0;  ///< training time of earlier processes
+  int64_t iterations_before_ = 0;
+  double begun_ = 0;           ///< steady clock, seconds
+};
+
+}  // namespace aligngs

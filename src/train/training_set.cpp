@@ -1,0 +1,113 @@
+#include "train/training_set.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "engine/prepare_view.h"
+#include "scene/prior_maps.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+namespace {
+
+// Per pixel of a prepared view: colour, mask, prior depth, its weight, prior normal (3), semantic weight as
+// floats, labels (2 bytes) and label edges (1 byte).
+constexpr uint64_t kColorBytes = 3 * 4, kMaskBytes = 4, kDepthBytes = (1 + 1 + 3) * 4, kSemanticBytes = 4 + 2 + 1;
+
+/// Names under which monocular depth networks appear in priors.json: their depth has a scale per view.
+bool is_monocular(const std::string& source) {
+  std::string lower = source;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const char* name : {"dpt", "mono", "midas", "dinov2", "depth-anything-v2", "relative"}) {
+    if (lower.find(name) != std::string::npos) return true;
+  }
+  return false;
+}
+
+LoadOptions load_options(const TrainConfig& config, const PriorUse& use) {
+  LoadOptions options;
+  options.scale = config.data.scale;
+  options.prior_depth = use.depth != PriorDepthKind::kNone;
+  options.semantics = use.semantics;
+  options.scores_as_logits = config.data.scores_as_logits;
+  options.score_gamma = config.data.score_gamma;
+  return options;
+}
+
+}  // namespace
+
+PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
+  PriorUse use;
+  const std::string& wanted = config.data.prior_depth;
+  if (wanted != "none" && scene.has_prior_depth()) {
+    const bool relative = wanted == "relative" || (wanted == "auto" && is_monocular(scene.prior_source));
+    use.depth = relative ? PriorDepthKind::kRelative : PriorDepthKind::kMetric;
+  } else if (wanted != "none") {
+    use.warnings.push_back("not every training view has prior depth (pred_depths/): training goes on without depth terms");
+  }
+  if (config.data.semantics && scene.has_semantics()) {
+    use.semantics = true;
+  } else if (config.data.semantics) {
+    use.warnings.push_back("not every training view has semantics (segmentation_logits/): training goes on without labels");
+  }
+  return use;
+}
+
+Camera working_camera(const Scene& scene, const TrainConfig& config, int view) {
+  const Camera& camera = scene.views[static_cast<size_t>(view)].camera;
+  return camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * config.data.scale))),
+                        std::max(1, static_cast<int>(std::lround(camera.height * config.data.scale))));
+}
+
+std::vector<TrainingView> load_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,
+                                              ThreadPool& pool) {
+  std::vector<TrainingView> views(scene.train.size());
+  PrepareOptions prepare;
+  prepare.paper = config.loss.paper_normals;
+  const LossConfig& loss = config.loss;
+  prepare.prior_normals = use.depth == PriorDepthKind::kMetric && loss.prior_normal + loss.crease > 0;
+  prepare.semantic_weights = config.semantic.coupling == "bounded" && config.semantic.coupling_strength > 0;
+  const LoadOptions load = load_options(config, use);
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) views[i] = prepare_view(load_view(scene, scene.train[i], load), prepare);
+  });
+  return views;
+}
+
+uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, const PriorUse& use) {
+  uint64_t bytes = 0;
+  for (const int v : scene.train) {
+    const Camera camera = working_camera(scene, config, v);
+    const uint64_t pixels = uint64_t(camera.width) * static_cast<uint64_t>(camera.height);
+    uint64_t per_pixel = kColorBytes + kMaskBytes;
+    if (use.depth != PriorDepthKind::kNone) per_pixel += kDepthBytes;
+    if (use.depth == PriorDepthKind::kMetric) per_pixel += 2 * 4;  // the copy kept for upkeep
+    if (use.semantics) {
+      per_pixel += kSemanticBytes;
+      const View& view = scene.views[static_cast<size_t>(v)];
+      const MapShape shape = semantic_map_shape(read_map_header(view.semantics).shape, scene.labels.size(), view.semantics);
+      const uint64_t texels = uint64_t(shape.width) * static_cast<uint64_t>(shape.height);
+      bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 4);  // float16 probabilities and a confidence
+    }
+    bytes += pixels * per_pixel;
+  }
+  return bytes;
+}
+
+std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use) {
+  std::vector<GuideView> guides;
+  for (const TrainingView& view : views) {
+    GuideView g;
+    g.name = view.data.name;
+    g.camera = view.data.camera;
+    if (use.depth == PriorDepthKind::kMetric) {
+      g.prior_depth = view.data.prior_depth;
+      g.depth_weight = view.depth_weight;
+    }
+    guides.push_back(std::move(g));
+  }
+  return guides;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,44 @@
+// The training views of a scene, loaded, and what may be used of their priors.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/memory_budget.h"
+#include "core/thread_pool.h"
+#include "engine/training_view.h"
+#include "scene/scene.h"
+#include "train/config.h"
+#include "train/schedule.h"
+
+namespace aligngs {
+
+/// What a run may use, decided from the scene and the settings before any pixel is loaded.
+struct PriorUse {
+  PriorDepthKind depth = PriorDepthKind::kNone;
+  bool semantics = false;
+  std::vector<std::string> warnings;  ///< one sentence per prior that training goes without
+};
+PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config);
+
+/// Training views as the engine wants them, all maps at the working resolution. Loaded in parallel.
+/// Error{kBadInput} naming the file.
+std::vector<TrainingView> load_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,
+                                              ThreadPool& pool);
+
+/// Bytes that load_training_views will take, from sizes and headers alone.
+uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, const PriorUse& use);
+
+/// Camera of a view at the working resolution.
+Camera working_camera(const Scene& scene, const TrainConfig& config, int view);
+
+/// What upkeep between the steps needs of a view after the engine has taken it.
+struct GuideView {
+  std::string name;
+  Camera camera;
+  ImageF prior_depth;   ///< empty unless the prior is metric
+  ImageF depth_weight;  ///< empty = 1
+};
+std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use);
+
+}  // namespace aligngs

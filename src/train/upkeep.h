@@ -1,0 +1,33 @@
+// What happens between steps: growing and pruning, free space, the scales of the prior depth.
+#pragma once
+
+#include <vector>
+
+#include "core/random.h"
+#include "core/thread_pool.h"
+#include "engine/engine.h"
+#include "train/config.h"
+#include "train/training_set.h"
+
+namespace aligngs {
+
+/// One call of density control: statistics from the engine, plan, restructuring, statistics reset.
+RestructurePlan control_density(Engine& engine, const DensityRule& rule, Random& random);
+
+/// Removes one Gaussian (the one that made a step non-finite).
+RestructurePlan remove_gaussian(Engine& engine, int64_t row);
+
+/// Renders every view's median depth and removes what floats in front of the surface (free_space.h).
+RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& views, const std::vector<float>& depth_scales,
+                                 const TrainConfig& config, double extent, const RasterSettings& raster, ThreadPool& pool);
+
+/// Scales a_v from the scene's points where a view sees enough of them, else 1 (prior_alignment.h).
+/// `from_points[v]` tells which.
+std::vector<float> align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit,
+                                   std::vector<uint8_t>& from_points);
+
+/// Updates the scales of the views that have too few points, from the rendered median depth.
+void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& from_points,
+                         double limit, const RasterSettings& raster, std::vector<float>& depth_scales);
+
+}  // namespace aligngs
