@@ -67,7 +67,8 @@ void write_rows(const std::filesystem::path& path, const GaussianModel& model, c
     fill_row(model, i, row);
     for (float value : row) {
       if (std::isfinite(value)) continue;
-      throw Error({ErrorKind::kFailed, "Gaussian " + std::to_string(i) + " has a value that is not finite", path, {}, {}});
+      throw Error(
+          {ErrorKind::kFailed, "Gaussian " + std::to_string(i) + " has a value that is not finite", path, {}, {}});
     }
     buffer.append(reinterpret_cast<const char*>(row), sizeof(row));
     if (labels) {

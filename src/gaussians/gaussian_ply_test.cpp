@@ -50,15 +50,17 @@ TEST(GaussianPly, TheFileHasExactlyTheStandardRows) {
   write_gaussian_ply(file_in_temp("strict.ply"), model);
   const std::string file = content_of(file_in_temp("strict.ply"));
   EXPECT_EQ(file.rfind("ply\nformat binary_little_endian 1.0\ncomment SplatRenderMode: default\nelement vertex 3\n"
-                       "property float x\n", 0), 0u);
+                       "property float x\n",
+                       0),
+            0u);
   const std::string body = body_of(file);
   ASSERT_EQ(body.size(), 3u * 248);
   EXPECT_EQ(number(body, 62), model.positions[3]);
-  EXPECT_EQ(number(body, 3), 0);                   // nx
-  EXPECT_EQ(number(body, 6), model.sh[0]);         // f_dc_0
-  EXPECT_EQ(number(body, 9), model.sh[3]);         // f_rest_0: red of coefficient 1
-  EXPECT_EQ(number(body, 10), model.sh[6]);        // f_rest_1: red of coefficient 2
-  EXPECT_EQ(number(body, 9 + 15), model.sh[4]);    // f_rest_15: green of coefficient 1
+  EXPECT_EQ(number(body, 3), 0);                 // nx
+  EXPECT_EQ(number(body, 6), model.sh[0]);       // f_dc_0
+  EXPECT_EQ(number(body, 9), model.sh[3]);       // f_rest_0: red of coefficient 1
+  EXPECT_EQ(number(body, 10), model.sh[6]);      // f_rest_1: red of coefficient 2
+  EXPECT_EQ(number(body, 9 + 15), model.sh[4]);  // f_rest_15: green of coefficient 1
   EXPECT_EQ(number(body, 54), model.opacity_logits[0]);
   EXPECT_EQ(number(body, 55), model.log_scales[0]);
 }
@@ -125,11 +127,12 @@ std::filesystem::path ascii_file(const std::string& name, const std::vector<std:
   return file_in_temp(name);
 }
 
-const std::vector<std::string> kMinimal = {"opacity", "z", "y", "x", "f_dc_0", "f_dc_1", "f_dc_2",
-                                           "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
+const std::vector<std::string> kMinimal = {"opacity", "z",       "y",       "x",     "f_dc_0", "f_dc_1", "f_dc_2",
+                                           "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",  "rot_2",  "rot_3"};
 
 TEST(GaussianPly, MissingHarmonicsAreZeroAndOrderDoesNotMatter) {
-  const GaussianModel model = read_gaussian_ply(ascii_file("minimal.ply", kMinimal, "0.5 3 2 1 .1 .2 .3 -1 -2 -3 1 0 0 0"));
+  const GaussianModel model =
+      read_gaussian_ply(ascii_file("minimal.ply", kMinimal, "0.5 3 2 1 .1 .2 .3 -1 -2 -3 1 0 0 0"));
   ASSERT_EQ(model.size(), 1u);
   EXPECT_EQ(model.positions, (std::vector<float>{1, 2, 3}));
   EXPECT_EQ(model.sh_degree, 0);

@@ -29,8 +29,8 @@ struct CloudAdaptor {
 
 /// sqrt of the mean squared distance to the (up to) 3 nearest other points; 0 for a lone point.
 std::vector<float> neighbour_distances(const std::vector<Vec3f>& points) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudAdaptor>, CloudAdaptor, 3,
-                                                   uint32_t>;
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudAdaptor>, CloudAdaptor, 3, uint32_t>;
   const CloudAdaptor adaptor{points};
   Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   std::vector<float> out(points.size(), 0.0f);

@@ -31,7 +31,7 @@ PointCloud cloud_of(std::vector<Vec3f> positions) {
 
 TEST(InitialiseGaussians, TheScaleIsTheDistanceToTheNeighbours) {
   const GaussianModel model = initialise_gaussians(grid(), {});
-  EXPECT_NEAR(model.log_scales[3 * 12], 0, 1e-6);              // centre: three neighbours at distance 1
+  EXPECT_NEAR(model.log_scales[3 * 12], 0, 1e-6);                 // centre: three neighbours at distance 1
   EXPECT_NEAR(std::exp(2 * model.log_scales[0]), 4.0 / 3, 1e-5);  // corner: squared distances 1, 1, 2
 }
 

@@ -88,13 +88,15 @@ constexpr TableRow kAde20k[] = {
     {"stove", "kitchen stove;range;kitchen range;cooking stove", 51, 255, 0},
     {"palm", "palm tree", 0, 82, 255},
     {"kitchen island", "", 0, 255, 41},
-    {"computer", "computing machine;computing device;data processor;electronic computer;information processing system", 0, 255, 173},
+    {"computer", "computing machine;computing device;data processor;electronic computer;information processing system",
+     0, 255, 173},
     {"swivel chair", "", 10, 0, 255},
     {"boat", "", 173, 255, 0},
     {"bar", "", 0, 255, 153},
     {"arcade machine", "", 255, 92, 0},
     {"hovel", "hut;hutch;shack;shanty", 255, 0, 255},
-    {"bus", "autobus;coach;charabanc;double-decker;jitney;motorbus;motorcoach;omnibus;passenger vehicle", 255, 0, 245},  // 80
+    {"bus", "autobus;coach;charabanc;double-decker;jitney;motorbus;motorcoach;omnibus;passenger vehicle", 255, 0,
+     245},  // 80
     {"towel", "", 255, 0, 102},
     {"light", "light source", 255, 173, 0},
     {"truck", "motortruck", 255, 0, 20},

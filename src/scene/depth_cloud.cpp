@@ -145,8 +145,15 @@ DepthCloud fuse_depth_cloud(const std::vector<DepthCloudView>& views, const Dept
   for (Contribution& part : parts) append(std::move(part), all);
 
   DepthCloud out;
-  out.voxel = options.voxel > 0 ? options.voxel : options.voxel_footprints * median_pixel_footprint(views);
+  const bool automatic = !(options.voxel > 0);
+  out.voxel = automatic ? options.voxel_footprints * median_pixel_footprint(views) : options.voxel;
   VoxelMerge merged = voxel_merge(all.cloud, out.voxel, all.weights);
+  while (automatic && options.max_points > 0 && out.voxel > 0 && merged.cloud.size() > options.max_points) {
+    // Cubes on a surface: their number falls with the square of the edge. 2 % more, so that one or two rounds do.
+    const double excess = static_cast<double>(merged.cloud.size()) / static_cast<double>(options.max_points);
+    out.voxel *= 1.02 * std::sqrt(excess);
+    merged = voxel_merge(all.cloud, out.voxel, all.weights);
+  }
   out.cloud = std::move(merged.cloud);
   out.weights = std::move(merged.weights);
   out.views.assign(out.cloud.size(), 1);

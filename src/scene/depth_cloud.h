@@ -1,6 +1,7 @@
 // A dense coloured cloud with normals from depth maps of several views.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,9 +28,10 @@ struct DepthCloudOptions {
   bool keep_single_view = true;  ///< keep unconfirmed points that no view contradicts, with `single_view_weight`
   double single_view_weight = 0.25;
   double min_confidence = 0.05;  ///< pixels below are not used
-  double jump = 0.05;            ///< relative depth step to a neighbour that marks a silhouette: not used (flying pixels)
+  double jump = 0.05;            ///< relative depth step to a neighbour that marks a silhouette pixel: not used
   double voxel = 0;              ///< scene units; 0: automatic, `voxel_footprints` pixel footprints at median depth
   double voxel_footprints = 1.5; ///< guidance 2.7
+  size_t max_points = 250000;    ///< the automatic voxel grows until the cloud has at most this many; 0: no limit
   int stride = 1;                ///< use every stride-th pixel in both directions
 };
 

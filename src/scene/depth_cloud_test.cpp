@@ -102,6 +102,16 @@ TEST(DepthCloud, TheResultDoesNotDependOnTheNumberOfThreads) {
   }
 }
 
+TEST(DepthCloud, TheAutomaticVoxelGrowsUntilTheCloudIsSmallEnough) {
+  const Rig rig = wall_rig(2);
+  ThreadPool pool(1);
+  DepthCloudOptions options;
+  options.max_points = 100;
+  const DepthCloud fused = fuse_depth_cloud(rig.views, options, pool);
+  EXPECT_LE(fused.cloud.size(), 100u);
+  EXPECT_GT(fused.cloud.size(), 50u);
+}
+
 TEST(DepthCloud, MapsWithoutDepthGiveAnEmptyCloud) {
   Rig rig = wall_rig(2);
   for (ImageF& depth : rig.depth) depth = ImageF(32, 24, 1);

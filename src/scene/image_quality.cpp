@@ -31,8 +31,8 @@ double sharpness(const Image<uint8_t>& image) {
   double sum = 0, squares = 0;
   for (int j = 1; j + 1 < y.height; ++j) {
     for (int i = 1; i + 1 < y.width; ++i) {
-      const double laplacian = static_cast<double>(y.at(i - 1, j)) + y.at(i + 1, j) + y.at(i, j - 1) + y.at(i, j + 1) -
-                               4.0 * y.at(i, j);
+      const double laplacian =
+          static_cast<double>(y.at(i - 1, j)) + y.at(i + 1, j) + y.at(i, j - 1) + y.at(i, j + 1) - 4.0 * y.at(i, j);
       sum += laplacian;
       squares += laplacian * laplacian;
     }

@@ -101,10 +101,10 @@ class LabelTable {
     if (rows_.empty()) throw_bad_input(path_, "", "no class in the file", "add one line per class");
     const int expected = static_cast<int>(rows_.size());
     if (rows_.rbegin()->first != expected - 1) {
-      throw_bad_input(path_, "index",
-                      std::to_string(expected) + " classes, but the largest index is " +
-                          std::to_string(rows_.rbegin()->first),
-                      "number the classes 0, 1, 2, ... without gaps");
+      throw_bad_input(
+          path_, "index",
+          std::to_string(expected) + " classes, but the largest index is " + std::to_string(rows_.rbegin()->first),
+          "number the classes 0, 1, 2, ... without gaps");
     }
     std::vector<LabelClass> out;
     for (auto& [index, entry] : rows_) out.push_back(std::move(entry));

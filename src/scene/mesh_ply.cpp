@@ -26,9 +26,7 @@ struct Columns3 {
   }
   explicit operator bool() const { return column[0] != nullptr; }
   Vec3d row(size_t i) const { return {column[0]->values[i], column[1]->values[i], column[2]->values[i]}; }
-  bool is_float() const {
-    return column[0]->type == PlyType::kFloat32 || column[0]->type == PlyType::kFloat64;
-  }
+  bool is_float() const { return column[0]->type == PlyType::kFloat32 || column[0]->type == PlyType::kFloat64; }
 };
 
 const PlyElement& vertex_element(const PlyFile& file, const std::filesystem::path& path) {
@@ -157,7 +155,8 @@ void write_mesh_ply(const std::filesystem::path& path, const TriangleMesh& mesh)
   if (!mesh.normals.empty()) out += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!mesh.colors.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (!mesh.labels.empty()) out += "property ushort label\n";
-  out += "element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+  out += "element face " + std::to_string(mesh.triangles.size()) +
+         "\nproperty list uchar int vertex_indices\nend_header\n";
 
   AtomicFile file(path);
   constexpr size_t kFlush = size_t(1) << 20;  // bytes handed over at a time

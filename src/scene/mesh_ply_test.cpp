@@ -31,7 +31,8 @@ std::filesystem::path write_text(const std::string& name, const std::string& con
   return path;
 }
 
-const char kHeader[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+const char kHeader[] =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
 
 TEST(MeshPly, WrittenMeshReadsBackEqual) {
   const TriangleMesh mesh = small_mesh();
@@ -58,9 +59,9 @@ TEST(MeshPly, PolygonsAreFanned) {
 }
 
 TEST(MeshPly, AnIndexOutsideOfTheVerticesIsBadInput) {
-  const auto path = write_text(
-      "index.ply", std::string(kHeader) + "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                                          "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 4\n");
+  const auto path = write_text("index.ply", std::string(kHeader) +
+                                                "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                                "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 4\n");
   EXPECT_THROW(read_mesh_ply(path), Error);
 }
 

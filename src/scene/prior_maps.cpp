@@ -48,10 +48,10 @@ MapShape semantic_map_shape(const std::vector<int64_t>& shape, int classes, cons
                     "write an array [classes, height, width]");
   }
   if (sides[0] != classes) {
-    throw_bad_input(path, "shape",
-                    "the map has " + std::to_string(sides[0]) + " classes, the label set has " +
-                        std::to_string(classes),
-                    "give the scene a labels.csv that lists the map's classes, or compute the maps for these classes");
+    throw_bad_input(
+        path, "shape",
+        "the map has " + std::to_string(sides[0]) + " classes, the label set has " + std::to_string(classes),
+        "give the scene a labels.csv that lists the map's classes, or compute the maps for these classes");
   }
   return {static_cast<int>(sides[0]), static_cast<int>(sides[1]), static_cast<int>(sides[2])};
 }

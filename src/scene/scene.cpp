@@ -224,8 +224,8 @@ void read_split(const fs::path& path, const SceneOptions& options, Scene& scene)
 }
 
 bool all_have(const Scene& scene, fs::path View::*map) {
-  return !scene.train.empty() && std::all_of(scene.train.begin(), scene.train.end(),
-                                             [&](int i) { return !(scene.views[i].*map).empty(); });
+  return !scene.train.empty() &&
+         std::all_of(scene.train.begin(), scene.train.end(), [&](int i) { return !(scene.views[i].*map).empty(); });
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ struct ViewFindings {
   std::vector<SceneProblem> problems;
   double sharpness = -1, luminance = -1;  ///< negative: the image could not be read
   bool has_semantics = false;
-  bool score_like = false;                ///< all semantic values lie in [0, 2]
+  bool score_like = false;  ///< all semantic values lie in [0, 2]
 };
 
 void add(ViewFindings& findings, const fs::path& path, const char* field, std::string message, std::string remedy,
@@ -56,9 +56,8 @@ void check_image(const View& view, ViewFindings& findings) {
   findings.sharpness = sharpness(image);
   findings.luminance = mean_luminance(image);
   if (image.channels != 4) return;
-  const bool used = std::any_of(image.data.begin(), image.data.end(), [&, i = size_t(0)](uint8_t value) mutable {
-    return i++ % 4 == 3 && value >= 128;
-  });
+  const bool used = std::any_of(image.data.begin(), image.data.end(),
+                                [&, i = size_t(0)](uint8_t value) mutable { return i++ % 4 == 3 && value >= 128; });
   if (!used) {
     add(findings, view.image, "alpha", "the mask hides the whole image", "remove the alpha channel or the view", true);
   }
@@ -206,8 +205,7 @@ void compare_images(const Scene& scene, const std::vector<int>& used, const std:
     }
     const double ratio = f.luminance / std::max(median_luminance, 1e-6);
     if (ratio > kExposureRatio || ratio < 1 / kExposureRatio) {
-      problems.push_back({path, "exposure",
-                          fmt::format("{:.2f} times as bright as the median of the views", ratio),
+      problems.push_back({path, "exposure", fmt::format("{:.2f} times as bright as the median of the views", ratio),
                           "fix the exposure while taking photos, or leave the view out", false});
     }
   }
@@ -248,7 +246,8 @@ std::vector<SceneProblem> check_scene(const Scene& scene) {
     try {
       read_mesh_ply(scene.truth_mesh);
     } catch (const Error& error) {
-      problems.push_back({scene.truth_mesh, error.details().field, error.details().message, error.details().remedy, true});
+      problems.push_back(
+          {scene.truth_mesh, error.details().field, error.details().message, error.details().remedy, true});
     }
   }
   compare_images(scene, used, findings, problems);

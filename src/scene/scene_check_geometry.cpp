@@ -10,13 +10,13 @@
 namespace aligngs {
 namespace {
 
-constexpr int kGrid = 24;              ///< cells across the image of the coarse depth test
-constexpr double kBehind = 1.1;        ///< a point this much farther than the nearest one of its cell is hidden
-constexpr int kMinEvidence = 30;       ///< points needed to call a map disparity
+constexpr int kGrid = 24;         ///< cells across the image of the coarse depth test
+constexpr double kBehind = 1.1;   ///< a point this much farther than the nearest one of its cell is hidden
+constexpr int kMinEvidence = 30;  ///< points needed to call a map disparity
 constexpr double kDisparityRank = -0.5;
-constexpr size_t kMinCloud = 100;      ///< points; below, what single views see tells nothing
-constexpr size_t kFewPoints = 20;      ///< points in a view: too few to place it or its Gaussians
-constexpr double kSmallOverlap = 0.1;  ///< share of a view's points that its best neighbour sees
+constexpr size_t kMinCloud = 100;         ///< points; below, what single views see tells nothing
+constexpr size_t kFewPoints = 20;         ///< points in a view: too few to place it or its Gaussians
+constexpr double kSmallOverlap = 0.1;     ///< share of a view's points that its best neighbour sees
 constexpr double kSmallBaseline = 0.005;  ///< of the robust extent: below, two cameras see no parallax
 
 /// Ranks 1..n, equal values sharing their mean rank.
@@ -54,10 +54,10 @@ void check_overlap(const Scene& scene, std::vector<SceneProblem>& problems) {
   for (size_t i = 0; i < seen.size(); ++i) {
     const View& view = scene.views[scene.train[i]];
     if (seen[i].size() < kFewPoints) {
-      problems.push_back({view.image, "points",
-                          fmt::format("only {} of the cloud's {} points lie in this view", seen[i].size(),
-                                      scene.cloud.size()),
-                          "check its pose, or leave the view out", false});
+      problems.push_back(
+          {view.image, "points",
+           fmt::format("only {} of the cloud's {} points lie in this view", seen[i].size(), scene.cloud.size()),
+           "check its pose, or leave the view out", false});
       continue;
     }
     size_t best = 0;
@@ -70,9 +70,10 @@ void check_overlap(const Scene& scene, std::vector<SceneProblem>& problems) {
     }
     const double share = static_cast<double>(best) / static_cast<double>(seen[i].size());
     if (seen.size() > 1 && share < kSmallOverlap) {
-      problems.push_back({view.image, "overlap",
-                          fmt::format("no other training view sees more than {:.0f} % of what this one sees", 100 * share),
-                          "add views between this one and the others, or leave it out", false});
+      problems.push_back(
+          {view.image, "overlap",
+           fmt::format("no other training view sees more than {:.0f} % of what this one sees", 100 * share),
+           "add views between this one and the others, or leave it out", false});
     }
   }
 }
@@ -104,7 +105,8 @@ std::vector<uint32_t> visible_points(const PointCloud& cloud, const Camera& came
     if (!(p.z > 0)) continue;
     const Vec2d pixel = camera.project(p);
     if (!camera.contains(pixel)) continue;
-    const int cx = static_cast<int>(pixel.x * kGrid / camera.width), cy = static_cast<int>(pixel.y * kGrid / camera.height);
+    const int cx = static_cast<int>(pixel.x * kGrid / camera.width),
+              cy = static_cast<int>(pixel.y * kGrid / camera.height);
     const int cell = std::min(cy, kGrid - 1) * kGrid + std::min(cx, kGrid - 1);
     const float z = static_cast<float>(p.z);
     if (nearest[cell] == 0 || z < nearest[cell]) nearest[cell] = z;

@@ -43,8 +43,8 @@ SceneProblem missing_map(const Scene& scene, const View& view, const char* folde
 }
 
 size_t count_present(const Scene& scene, std::filesystem::path View::*map) {
-  return static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(),
-                                           [&](int i) { return !(scene.views[i].*map).empty(); }));
+  return static_cast<size_t>(
+      std::count_if(scene.train.begin(), scene.train.end(), [&](int i) { return !(scene.views[i].*map).empty(); }));
 }
 
 }  // namespace

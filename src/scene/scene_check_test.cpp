@@ -36,7 +36,8 @@ void write_depth(const fs::path& folder, const std::string& name, float (*value)
 }
 
 TEST(CheckScene, AGoodSceneHasNoProblem) {
-  for (const SceneProblem& p : problems_of(write_scene())) ADD_FAILURE() << p.path << " " << p.field << " " << p.message;
+  for (const SceneProblem& p : problems_of(write_scene()))
+    ADD_FAILURE() << p.path << " " << p.field << " " << p.message;
 }
 
 TEST(CheckScene, EveryProblemIsListedOnce) {

@@ -37,7 +37,8 @@ void change_model(const fs::path& folder, Change change) {
 
 TEST(OpenScene, ThePublishedLayoutLoadsAsItIs) {
   const fs::path folder = write_scene();
-  for (const char* ours : {"scene.json", "split.json", "priors.json", "labels.csv", "truth"}) fs::remove_all(folder / ours);
+  for (const char* ours : {"scene.json", "split.json", "priors.json", "labels.csv", "truth"})
+    fs::remove_all(folder / ours);
   // Their semantic maps are torch files of 150 classes at the size of the image.
   const std::vector<float> scores(size_t(150) * kWidth * kHeight, 0.1f);
   for (const char* name : {"v0", "v1", "v2"}) {
@@ -93,7 +94,8 @@ TEST(OpenScene, MapsAreFoundByTheNameUpToTheFirstDot) {
     for (ColmapImage& image : model.images) image.name = image.name.substr(0, 2) + ".color.png";
   });
   for (const char* name : {"v0", "v1", "v2"}) {
-    fs::rename(folder / "images" / (std::string(name) + ".png"), folder / "images" / (std::string(name) + ".color.png"));
+    fs::rename(folder / "images" / (std::string(name) + ".png"),
+               folder / "images" / (std::string(name) + ".color.png"));
   }
   const Scene scene = open_scene(folder);
   EXPECT_EQ(scene.views[0].name, "v0.color");

@@ -242,8 +242,8 @@ void SceneWriter::add_view(const SceneViewParts& view) {
     require_aspect(view.truth_labels.width, view.truth_labels.height, "truth_labels");
     write_truth_labels(partial_ / "truth" / "labels" / (view.name + ".png"), view.truth_labels);
   }
-  views_.push_back({view.name, image.lexically_relative(partial_ / "images").generic_string(), view.camera,
-                    view.truth_camera});
+  views_.push_back(
+      {view.name, image.lexically_relative(partial_ / "images").generic_string(), view.camera, view.truth_camera});
 }
 
 void SceneWriter::write_models(const SceneParts& parts) const {

@@ -132,8 +132,8 @@ Image<uint16_t> target_labels(const SemanticTarget& target, int width, int heigh
     for (size_t i = 0; i < blended.size(); ++i) blended[i] = top[i] * (1 - v.weight) + bottom[i] * v.weight;
     for (int x = 0; x < target.width; ++x) {
       const size_t stride = target.width;
-      confidence[x] = target.confidence[v.low * stride + x] * (1 - v.weight) +
-                      target.confidence[v.high * stride + x] * v.weight;
+      confidence[x] =
+          target.confidence[v.low * stride + x] * (1 - v.weight) + target.confidence[v.high * stride + x] * v.weight;
     }
     for (int x = 0; x < width; ++x) {
       const Sample h(x, target.width, width);

@@ -69,7 +69,8 @@ TEST(SemanticTarget, PixelsWithoutAnyInformationAreUniformAndUnknown) {
 TEST(SemanticTarget, PlanesBecomeInterleavedPixels) {
   const float planes[] = {1, 0, 0, 0, 0, 1,   // class 0 of a 3 x 2 map
                           0, 1, 1, 1, 1, 0};  // class 1
-  const Image<uint16_t> labels = target_labels(semantic_target(planes, 2, 3, 2, {SemanticKind::kProbabilities, 1}), 3, 2);
+  const Image<uint16_t> labels =
+      target_labels(semantic_target(planes, 2, 3, 2, {SemanticKind::kProbabilities, 1}), 3, 2);
   EXPECT_EQ(labels.data, (std::vector<uint16_t>{0, 1, 1, 1, 1, 0}));
 }
 
@@ -86,9 +87,7 @@ TEST(TargetLabels, UnknownPixelsHaveNoLabel) {
   EXPECT_EQ(target_labels(t, 4, 1).data, (std::vector<uint16_t>{0, 0, kNoLabel, kNoLabel}));
 }
 
-TEST(TargetLabels, AnEmptyTargetHasNoLabels) {
-  EXPECT_EQ(target_labels({}, 1, 1).data[0], kNoLabel);
-}
+TEST(TargetLabels, AnEmptyTargetHasNoLabels) { EXPECT_EQ(target_labels({}, 1, 1).data[0], kNoLabel); }
 
 }  // namespace
 }  // namespace aligngs

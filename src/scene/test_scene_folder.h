@@ -1,6 +1,8 @@
 // For tests: a small scene folder on disk, three cameras before a textured slope.
 #pragma once
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -113,11 +115,30 @@ inline SceneParts scene_parts() {
   return parts;
 }
 
+/// The scene written once per process: flushing its files to disk for each test would take seconds.
+class SharedScene {
+ public:
+  SharedScene() : folder_(fs::path(testing::TempDir()) / ("aligngs_scene_" + std::to_string(getpid()))) {
+    fs::remove_all(folder_);
+    SceneWriter writer(folder_, false);
+    for (int i = 0; i < 3; ++i) writer.add_view(view_parts(i));
+    writer.finish(scene_parts());
+  }
+  ~SharedScene() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+/// A copy of a scene of three views, for one test to change.
 inline fs::path write_scene(const std::string& name = "scene") {
+  static const SharedScene shared;
   const fs::path folder = fresh_folder(name);
-  SceneWriter writer(folder, false);
-  for (int i = 0; i < 3; ++i) writer.add_view(view_parts(i));
-  writer.finish(scene_parts());
+  fs::copy(shared.folder(), folder, fs::copy_options::recursive);
   return folder;
 }
 

@@ -85,7 +85,8 @@ float blend(const ImageF& map, const Corners& k, int c) {
 
 template <class T>
 T nearest(const Image<T>& map, const Vec2d& p) {
-  return map.at(std::clamp(static_cast<int>(p.x), 0, map.width - 1), std::clamp(static_cast<int>(p.y), 0, map.height - 1));
+  return map.at(std::clamp(static_cast<int>(p.x), 0, map.width - 1),
+                std::clamp(static_cast<int>(p.y), 0, map.height - 1));
 }
 
 }  // namespace
@@ -137,8 +138,8 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   };
   static constexpr Layout kLayouts[] = {{"SIMPLE_PINHOLE", 3, true}, {"PINHOLE", 4, false}, {"SIMPLE_RADIAL", 4, true},
                                         {"RADIAL", 5, true},         {"OPENCV", 8, false},  {"FULL_OPENCV", 12, false}};
-  const Layout* layout = std::find_if(std::begin(kLayouts), std::end(kLayouts),
-                                      [&](const Layout& l) { return camera.model == l.model; });
+  const Layout* layout =
+      std::find_if(std::begin(kLayouts), std::end(kLayouts), [&](const Layout& l) { return camera.model == l.model; });
   if (layout == std::end(kLayouts)) {
     throw_bad_input(path, field, "camera model " + camera.model + " is not supported",
                     "undistort the images first (colmap image_undistorter), which gives PINHOLE cameras");
@@ -164,10 +165,10 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   if (!(lens.fx > 0 && lens.fy > 0)) {
     throw_bad_input(path, field, "the focal length is not positive", "write the model again");
   }
-  if (next < p.size()) lens.radial[0] = p[next++];                         // k1
-  if (next < p.size()) lens.radial[1] = p[next++];                         // k2
-  if (next < p.size()) lens.p1 = p[next++], lens.p2 = p[next++];           // OPENCV and FULL_OPENCV
-  for (int k = 2; next < p.size(); ++k) lens.radial[k] = p[next++];        // FULL_OPENCV: k3 .. k6
+  if (next < p.size()) lens.radial[0] = p[next++];                   // k1
+  if (next < p.size()) lens.radial[1] = p[next++];                   // k2
+  if (next < p.size()) lens.p1 = p[next++], lens.p2 = p[next++];     // OPENCV and FULL_OPENCV
+  for (int k = 2; next < p.size(); ++k) lens.radial[k] = p[next++];  // FULL_OPENCV: k3 .. k6
   return lens;
 }
 
@@ -208,8 +209,8 @@ ImageF undistort_depth(const ImageF& depth, const LensModel& lens, const Camera&
     if (!valid(centre)) return;
     const Corners k(p, depth.width, depth.height);
     const float samples[4] = {depth.at(k.x0, k.y0), depth.at(k.x1, k.y0), depth.at(k.x0, k.y1), depth.at(k.x1, k.y1)};
-    const bool smooth = std::all_of(samples, samples + 4,
-                                    [&](float z) { return valid(z) && std::abs(z - centre) <= jump * centre; });
+    const bool smooth =
+        std::all_of(samples, samples + 4, [&](float z) { return valid(z) && std::abs(z - centre) <= jump * centre; });
     out.at(x, y) = smooth ? blend(depth, k, 0) : centre;
   });
   return out;

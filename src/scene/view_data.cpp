@@ -123,8 +123,8 @@ Image<uint16_t> load_truth_labels(const Scene& scene, int view, const Camera& ca
     if (label == kNoTruthLabel) label = kNoLabel;
     if (label != kNoLabel && label >= scene.labels.size()) {
       throw_bad_input(source.truth_labels, "pixels",
-                      "label " + std::to_string(label) + " is no class of the " +
-                          std::to_string(scene.labels.size()) + " of the label set",
+                      "label " + std::to_string(label) + " is no class of the " + std::to_string(scene.labels.size()) +
+                          " of the label set",
                       "write 255 for pixels without a label");
     }
   }

@@ -28,7 +28,7 @@ struct ViewData {
   ImageF mask;         ///< H x W x 1, 1 = use this pixel; empty when the image has no alpha channel
   ImageF prior_depth;  ///< H x W x 1, 0 = no value; empty when absent
   SemanticTarget semantics;    ///< empty when absent
-  Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel where unknown; empty when absent
+  Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel if unknown; empty when absent
 };
 
 struct LoadOptions {
@@ -44,7 +44,8 @@ struct LoadOptions {
 /// Throws Error{kBadInput} naming the file, the field and the remedy.
 ViewData load_view(const Scene& scene, int view, const LoadOptions& options = {});
 
-/// True depth in scene units (metres when metric), 0 = none; resized (nearest) to the given camera's size.
+/// True depth in metres, which are the units of truth/sparse and, when the scene is metric, of the scene;
+/// 0 = none; resized (nearest) to the given camera's size.
 ImageF load_truth_depth(const Scene& scene, int view, const Camera& camera);
 /// True labels, kNoLabel = none; resized (nearest) to the given camera's size.
 Image<uint16_t> load_truth_labels(const Scene& scene, int view, const Camera& camera);
