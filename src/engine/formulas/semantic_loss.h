@@ -139,23 +139,6 @@ ALIGNGS_HD inline SemanticTerms<T> semantic_loss_probabilities(const T* blended,
   return terms;
 }
 
-/// Closed-form start of a row (guidance 2.1): s_c = log(m_c / m + epsilon) - mean over c, with m_c = sum over views and
-/// pixels of w t_c and m = sum_c m_c. The epsilon is relative to m and puts every absent class just above the floor
-/// of the loss, so that training can still change the row's mind. A row that no valid pixel saw is zero.
-inline constexpr double kLiftEpsilon = 2e-3;
-template <class T>
-ALIGNGS_HD inline void lift_semantic_row(const T* mass, int channels, T* row) {
-  using std::log;
-  T total = T(0), mean = T(0);
-  for (int c = 0; c < channels; ++c) total += mass[c];
-  const bool seen = total > T(0) && total - total == T(0);
-  for (int c = 0; c < channels; ++c) {
-    row[c] = seen ? log(mass[c] / total + T(kLiftEpsilon)) : T(0);
-    mean += row[c] / T(channels);
-  }
-  for (int c = 0; c < channels; ++c) row[c] -= mean;
-}
-
 // ---- coupling: what the blending weights, hence opacity, mean and covariance, receive ----
 
 /// kPlain: the gradient of the loss as printed. kLogits: h = dP, h_0 = 0. kProbabilities: dQ/dw_k = pi_k - 1/C, so

@@ -170,20 +170,6 @@ TEST(Coupling, BoundedIsSilentOnThinPixels) {
   EXPECT_EQ(h, std::vector<double>(kC, 0.0));
 }
 
-TEST(Lift, RowRepeatsTheTeacherItSaw) {
-  const double mass[kC] = {0, 6, 3, 0, 0};
-  double row[kC], p[kC], sum = 0;
-  lift_semantic_row(mass, kC, row);
-  for (double v : row) sum += v;
-  EXPECT_NEAR(sum, 0, 1e-12);
-  softmax(row, kC, p);
-  EXPECT_NEAR(p[1] / p[2], 2, 1e-2);
-  EXPECT_GT(p[0], semantic_floor<double>(kC));
-  const double unseen[kC] = {};
-  lift_semantic_row(unseen, kC, row);
-  for (double v : row) EXPECT_EQ(v, 0);
-}
-
 SemanticTarget two_by_one(float left_confidence, float right_confidence) {
   SemanticTarget t;
   t.channels = 2;
