@@ -1,0 +1,89 @@
+// A truncated signed distance field (Curless and Levoy 1996) in blocks of 8^3 voxels near the surface.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+#include "scene/camera.h"
+
+namespace aligngs {
+
+inline constexpr int kBlockSide = 8;                                       // voxels
+inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
+
+struct Voxel {
+  float tsdf = 1;                    ///< signed distance / truncation in [-1, 1]; positive in front of the surface
+  float weight = 0;                  ///< 0: never observed
+  std::array<uint16_t, 3> color{};   ///< mean sRGB, 65535 = 1
+  uint16_t color_weight = 0;         ///< in units of kColorWeightUnit, saturating; 0: no colour
+};
+inline constexpr float kColorWeightUnit = 1.0f / 1024;
+
+struct TsdfOptions {
+  double voxel = 0.01;        ///< scene units
+  double truncation = 0.04;   ///< scene units, at most 64 voxels
+  uint64_t max_bytes = 0;     ///< 0: 80 % of the memory that is free now
+  bool carve = true;          ///< views also push voxels of other views towards free space in front of their surface
+};
+
+/// Integer coordinates of a block, in units of kBlockSide voxels.
+struct BlockCoordinate {
+  int x = 0, y = 0, z = 0;
+};
+
+/// One depth map to be fused.
+struct TsdfView {
+  const Camera* camera = nullptr;
+  const ImageF* depth = nullptr;   ///< H x W, scene units, <= 0 or non-finite: no value
+  const ImageF* color = nullptr;   ///< H x W x 3 or nullptr
+  const ImageF* weight = nullptr;  ///< H x W, >= 0; 0: the pixel is not used at all
+  bool observed_only = false;      ///< touch only voxels that have been observed before (interpolated views)
+};
+
+/// Use: reserve() every view, look at predicted_bytes(), allocate(), integrate() every view, extract the surface.
+/// Blocks are numbered in an order that depends on the input alone, views are fused in the order of the calls, and
+/// each voxel is written by one thread: the same field for any number of threads.
+class TsdfVolume {
+ public:
+  explicit TsdfVolume(const TsdfOptions& options);
+
+  /// Notes the blocks within the truncation of the view's surface. Error{kResources} as soon as the blocks noted so
+  /// far would not fit the budget; nothing has been allocated then.
+  void reserve(const TsdfView& view, ThreadPool& pool);
+  /// Bytes of all blocks noted so far, with what the extraction of the surface will need.
+  uint64_t predicted_bytes() const;
+  uint64_t max_bytes() const { return options_.max_bytes; }
+  void allocate();
+  /// Fuses a view into the allocated blocks.
+  void integrate(const TsdfView& view, ThreadPool& pool);
+
+  const TsdfOptions& options() const { return options_; }
+  size_t blocks() const { return coordinates_.size(); }
+  BlockCoordinate coordinate(size_t block) const { return coordinates_[block]; }
+  /// Voxel (x, y, z) of a block is at [(z * kBlockSide + y) * kBlockSide + x].
+  const Voxel* voxels(size_t block) const { return blocks_[block]->data(); }
+  /// Number of a block, or -1 when it does not exist.
+  int64_t find(const BlockCoordinate& block) const;
+  /// World position of the lattice point with global voxel coordinates (the centre of that voxel).
+  Vec3d position(int x, int y, int z) const {
+    return {(x + 0.5) * options_.voxel, (y + 0.5) * options_.voxel, (z + 0.5) * options_.voxel};
+  }
+
+ private:
+  using Block = std::array<Voxel, kBlockVoxels>;
+  void integrate_block(size_t block, const TsdfView& view);
+  void require_budget(size_t blocks) const;
+
+  TsdfOptions options_;
+  std::unordered_map<uint64_t, uint32_t> numbers_;
+  std::vector<BlockCoordinate> coordinates_;
+  std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+}  // namespace aligngs
