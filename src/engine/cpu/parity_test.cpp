@@ -1,0 +1,266 @@
+// The engine against the scalar reference in double precision: maps, losses, every gradient and statistic.
+#include "engine/cpu/simd_targets.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include "engine/cpu/test_scenes.h"
+
+namespace aligngs::cpu {
+namespace {
+
+using namespace testing_scene;
+
+/// Tolerances, relative to the largest entry of a map or of a class of gradients. A mean of a few hundred pixels has an
+/// ulp of 3e-5 pixels, which moves the alpha of a splat of one pixel's size by 1e-4 of itself.
+struct Tolerance {
+  double map = 2e-5;
+  double loss = 2e-5;
+  double gradient = 2e-4;
+  double statistic = 5e-4;
+};
+
+template <class A, class B>
+void expect_close(const A& a, const B& b, double tolerance, const std::string& what) {
+  const Difference d = difference(a, b);
+  ASSERT_EQ(a.size(), b.size()) << what;
+  EXPECT_LE(d.worst, tolerance) << what << ": entry " << d.at << " is " << a[d.at] << " instead of " << b[d.at]
+                                << ", largest " << d.scale;
+}
+
+/// One step of the engine beside the reference. The map losses are evaluated once, on the engine's maps, so that a
+/// pixel on the edge of a loss's validity does not count as a difference of the engine.
+void compare_step(const GaussianModel& model, const TrainingView& view, const StepRequest& request,
+                  const Tolerance& tolerance = {}, const CouplingBalance& balance = {2e-4, 1e-3}) {
+  CpuEngine engine(2);
+  engine.load(model);
+  engine.set_training_views({view});
+  engine.set_coupling_balance(balance);
+  const StepReport report = engine.step(request);
+  ASSERT_FALSE(report.non_finite.found) << report.non_finite.term;
+
+  const GaussianModelT<double> exact = to_double(model);
+  const auto splats = reference::make_splats(exact, view.data.camera, request.raster, request.sh_degree);
+  const RenderMaps<double> maps = reference::render_maps(splats, request.raster);
+  expect_close(engine.last_maps().color, maps.color, tolerance.map, "colour");
+  expect_close(engine.last_maps().alpha, maps.alpha, tolerance.map, "alpha");
+  const LossSettings& set = request.losses;
+  if (set.log_depth_weight != 0) {
+    expect_close(engine.last_maps().normal, maps.normal, tolerance.map, "normal");
+    expect_close(engine.last_maps().distance, maps.distance, tolerance.map, "distance");
+    expect_close(engine.last_maps().expected, maps.expected, 10 * tolerance.map, "expected depth");
+  }
+
+  const reference::MapLossFunction<double> map_loss = [&](const RenderMaps<double>&, LossTerms& terms,
+                                                          MapGradients<double>& out) {
+    MapGradients<float> gradients;
+    gradients.reset(engine.last_maps().pixels());
+    map_losses(MapLossInputs<float>{engine.last_maps(), view, request.losses}, terms, gradients);
+    out.color.assign(gradients.color.begin(), gradients.color.end());
+    out.normal.assign(gradients.normal.begin(), gradients.normal.end());
+    out.distance.assign(gradients.distance.begin(), gradients.distance.end());
+    out.alpha.assign(gradients.alpha.begin(), gradients.alpha.end());
+  };
+  const double scale = coupling_factor(set.coupling_strength, balance);
+  const auto want = reference::gradients<double>(exact, view, request, scale, map_loss);
+
+  EXPECT_EQ(report.visible, want.visible);
+  EXPECT_NEAR(report.losses.total, want.losses.total, tolerance.loss * std::abs(want.losses.total));
+  EXPECT_NEAR(report.losses.semantic_soft, want.losses.semantic_soft, tolerance.loss);
+  EXPECT_NEAR(report.losses.semantic_hard, want.losses.semantic_hard, tolerance.loss);
+  EXPECT_NEAR(report.losses.flatten, want.losses.flatten, tolerance.loss);
+  EXPECT_NEAR(report.losses.opacity_l1, want.losses.opacity_l1, tolerance.loss);
+  EXPECT_NEAR(report.losses.scale_l1, want.losses.scale_l1, tolerance.loss);
+
+  const GaussianModel got = engine.last_gradients();
+  expect_close(got.positions, want.gradient.positions, tolerance.gradient, "d positions");
+  expect_close(got.log_scales, want.gradient.log_scales, tolerance.gradient, "d log_scales");
+  expect_close(got.rotations, want.gradient.rotations, tolerance.gradient, "d rotations");
+  expect_close(got.opacity_logits, want.gradient.opacity_logits, tolerance.gradient, "d opacity_logits");
+  expect_close(got.sh, want.gradient.sh, tolerance.gradient, "d sh");
+  expect_close(got.semantics, want.gradient.semantics, tolerance.gradient, "d semantics");
+
+  const DensityStatistics s = engine.density_statistics();
+  expect_close(s.gradient, want.statistics.gradient, tolerance.statistic, "density gradient");
+  expect_close(s.gradient_abs, want.statistics.gradient_abs, tolerance.statistic, "density absolute gradient");
+  expect_close(s.visible, want.statistics.visible, 0, "density visible");
+  expect_close(s.radius, want.statistics.radius, tolerance.statistic, "density radius");
+  expect_close(s.weight, want.statistics.weight, tolerance.statistic, "density weight");
+  expect_close(s.residual, want.statistics.residual, tolerance.statistic, "density residual");
+  expect_close(s.unsupported, want.statistics.unsupported, tolerance.statistic, "density unsupported");
+
+  if (set.coupling == SemanticCoupling::kBounded && want.coupling_rms > 0 && set.coupling_strength != 0) {
+    CouplingBalance next = balance;
+    update_coupling_balance(want.photometric_rms, want.coupling_rms, next);
+    EXPECT_NEAR(engine.coupling_balance().photometric, next.photometric, 1e-4 * next.photometric);
+    EXPECT_NEAR(engine.coupling_balance().semantic, next.semantic, 1e-4 * next.semantic);
+  }
+}
+
+TEST(CpuParity, PhotometricLosses) {
+  SceneOptions o;
+  o.channels = 0;
+  compare_step(make_model(o), make_view(o), make_request());
+}
+
+TEST(CpuParity, GeometryLosses) {
+  SceneOptions o;
+  o.channels = 0;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, EveryLossWithBoundedCouplingOfProbabilities) {
+  const SceneOptions o;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, PlainCouplingOfProbabilities) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  r.losses.coupling = SemanticCoupling::kPlain;
+  r.losses.coupling_strength = 1;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, PlainCouplingOfLogits) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  r.losses.semantic_blend = SemanticBlend::kLogits;
+  r.losses.coupling = SemanticCoupling::kPlain;
+  r.losses.coupling_strength = 1;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, BoundedCouplingOfLogits) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  r.losses.semantic_blend = SemanticBlend::kLogits;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, NoCoupling) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  r.losses.coupling_strength = 0;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, OneClass) {
+  SceneOptions o;
+  o.channels = 1;
+  compare_step(make_model(o), make_view(o), make_request());
+}
+
+TEST(CpuParity, HundredAndFiftyClasses) {
+  SceneOptions o;
+  o.channels = 150;
+  o.gaussians = 120;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+  StepRequest r = make_request();
+  r.losses.semantic_blend = SemanticBlend::kLogits;
+  r.losses.coupling = SemanticCoupling::kPlain;
+  r.losses.coupling_strength = 1;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, SmoothCutoff) {
+  const SceneOptions o;
+  StepRequest r = make_geometry_request();
+  r.raster.smooth_cutoff = true;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, TinyGaussians) {
+  SceneOptions o;
+  o.log_scale_min = -12;
+  o.log_scale_max = -7;  // the low-pass alone gives them their size
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, HugeGaussians) {
+  SceneOptions o;
+  o.gaussians = 60;
+  o.log_scale_min = 0;
+  o.log_scale_max = 4;
+  o.logit_max = -1;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, Needles) {
+  SceneOptions o;
+  GaussianModel m = make_model(o);
+  for (size_t i = 0; i < m.size(); ++i) {
+    m.log_scales[3 * i] = 0.5f;  // hundreds of pixels long, one wide
+    m.log_scales[3 * i + 1] = -7;
+    m.log_scales[3 * i + 2] = -7;
+  }
+  Tolerance t;
+  t.map = 1e-3;  // 1e-4 pixels of rounding across a needle one pixel wide
+  t.gradient = 5e-3;
+  t.statistic = 5e-3;
+  compare_step(m, make_view(o), make_geometry_request(), t);
+}
+
+TEST(CpuParity, OpaqueStackBehindWhichNothingShows) {
+  SceneOptions o;
+  o.gaussians = 400;
+  o.log_scale_min = -2;
+  o.log_scale_max = -0.5;
+  o.logit_min = 3;
+  o.logit_max = 9;  // alpha reaches its cap; transmittance falls below 1e-4 within two or three
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, NearPlaneAndBehindTheCamera) {
+  SceneOptions o;
+  o.depth_min = -1;
+  o.depth_max = 0.6;
+  o.log_scale_max = -3;
+  Tolerance t;
+  t.map = 1e-4;
+  t.gradient = 1e-3;
+  t.statistic = 2e-3;
+  compare_step(make_model(o), make_view(o), make_request(), t);
+}
+
+TEST(CpuParity, OnePixel) {
+  SceneOptions o;
+  o.width = o.height = 1;
+  o.gaussians = 40;
+  compare_step(make_model(o), make_view(o), make_request());
+}
+
+TEST(CpuParity, OneRowOfPixels) {
+  SceneOptions o;
+  o.width = 41;
+  o.height = 1;
+  compare_step(make_model(o), make_view(o), make_request());
+}
+
+TEST(CpuParity, ExactlyOneTile) {
+  SceneOptions o;
+  o.width = o.height = 16;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST(CpuParity, EveryInstructionSet) {
+  SceneOptions o;
+  o.channels = 37;
+  o.gaussians = 150;
+  const GaussianModel model = make_model(o);
+  const TrainingView view = make_view(o);
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    SCOPED_TRACE(hwy::TargetName(target));
+    compare_step(model, view, make_geometry_request());
+    StepRequest r = make_request();
+    r.losses.semantic_blend = SemanticBlend::kLogits;
+    compare_step(model, view, r);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace
+}  // namespace aligngs::cpu
