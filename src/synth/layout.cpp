@@ -50,7 +50,8 @@ void window(MeshBuilder& b, const RoomStyle& s, const WallOpening& o) {
   const double w = o.s1 - o.s0, h = o.z1 - o.z0;
   b.begin("windowpane");
   b.use(s.skirting);
-  b.box({o.s0 - 0.03, -0.02, o.z0 - 0.03}, {o.s1 + 0.03, 0.06, o.z0});  // sill
+  b.box({o.s0, -0.06, o.z0 - 0.02}, {o.s1, 0, o.z0 + 0.018});  // sill, its nose wider than the niche
+  b.box({o.s0 - 0.04, 0, o.z0 - 0.02}, {o.s1 + 0.04, 0.06, o.z0 + 0.018});
   const double rim = 0.05, y0 = -kPane, y1 = -kPane + 0.045;
   b.box({o.s0, y0, o.z0}, {o.s0 + rim, y1, o.z1});
   b.box({o.s1 - rim, y0, o.z0}, {o.s1, y1, o.z1});

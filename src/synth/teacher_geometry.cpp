@@ -1,0 +1,300 @@
+#include "synth/teacher_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "synth/noise.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kNetworkWidth = 518;  // input width of VGGT and DINOv2 heads, pixels
+constexpr int kPatch = 14;          // of their tokens, network pixels
+
+Vec3d gaussian_vector(Random& random) { return {random.normal(), random.normal(), random.normal()}; }
+
+Mat3d rotation_of(const Vec3d& axis_angle) {
+  const double angle = norm(axis_angle);
+  if (angle < 1e-12) return Mat3d::identity();
+  const Vec3d a = axis_angle * (std::sin(angle / 2) / angle);
+  return rotation_matrix(Quaterniond{std::cos(angle / 2), a.x, a.y, a.z});
+}
+
+/// Depth of the bent surface along the ray of each pixel of the bent camera.
+ImageF bent_depth(const RenderedView& view, const WorldBend& bend, const Rigidd& bent_pose) {
+  const Rigidd to_world = view.camera.world_to_camera.inverse(), bent_to_world = bent_pose.inverse();
+  ImageF out(view.depth.width, view.depth.height, 1);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      const float z = view.depth.at(x, y);
+      if (!(z > 0)) continue;
+      const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5), point = to_world * (ray * static_cast<double>(z));
+      const Vec3d n{view.normal.at(x, y, 0), view.normal.at(x, y, 1), view.normal.at(x, y, 2)};
+      const Vec3d moved = bend(point);
+      // Normals transform with the cofactors of the Jacobian.
+      const Mat3d j = bend.jacobian(point);
+      const Vec3d c0 = j.column(0), c1 = j.column(1), c2 = j.column(2);
+      const Vec3d normal = normalized(cross(c1, c2) * n.x + cross(c2, c0) * n.y + cross(c0, c1) * n.z);
+      const Vec3d direction = bent_to_world.rotation * ray;
+      const double slope = dot(normal, direction) / norm(direction);
+      double depth = (bent_pose * moved).z;
+      if (std::fabs(slope) > 0.15) {  // where the bent surface's tangent plane meets this pixel's own ray
+        const double t = dot(normal, moved - bent_to_world.translation) / dot(normal, direction);
+        depth = std::clamp(t, 0.9 * depth, 1.1 * depth);
+      }
+      out.at(x, y) = static_cast<float>(depth);
+    }
+  }
+  return out;
+}
+
+/// Per object of a view: the relative depth error of glass and black gloss, +-10 to 30 %; half of it belongs to
+/// the object in all views. Also whether the network knows that it fails there.
+struct UnreliableError {
+  double relative = 0;
+  bool noticed = false;
+};
+UnreliableError unreliable_error(uint16_t instance, size_t view, const Random& random) {
+  Random object = random.fork(9000 + instance), own = random.fork(90000 + 977 * view + instance);
+  const auto draw = [](Random& r) { return r.uniform(0.1, 0.3) * (r.chance(0.5) ? 1 : -1); };
+  const double shared = draw(object);
+  UnreliableError e;
+  e.relative = own.chance(0.5) ? shared : draw(own);
+  e.noticed = own.chance(0.5);
+  return e;
+}
+
+/// Box mean with the given radius; borders use what there is.
+ImageF box_mean(const ImageF& in, int radius) {
+  ImageF rows(in.width, in.height, 1), out(in.width, in.height, 1);
+  for (int y = 0; y < in.height; ++y) {
+    for (int x = 0; x < in.width; ++x) {
+      float sum = 0;
+      int n = 0;
+      for (int k = std::max(0, x - radius); k <= std::min(in.width - 1, x + radius); ++k) sum += in.at(k, y), ++n;
+      rows.at(x, y) = sum / static_cast<float>(n);
+    }
+  }
+  for (int y = 0; y < in.height; ++y) {
+    for (int x = 0; x < in.width; ++x) {
+      float sum = 0;
+      int n = 0;
+      for (int k = std::max(0, y - radius); k <= std::min(in.height - 1, y + radius); ++k) sum += rows.at(x, k), ++n;
+      out.at(x, y) = sum / static_cast<float>(n);
+    }
+  }
+  return out;
+}
+
+/// Replaces values by their rank, as a standard normal score.
+void normal_scores(std::vector<float>& values) {
+  std::vector<uint32_t> order(values.size());
+  for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
+  for (size_t rank = 0; rank < order.size(); ++rank) {
+    // Inverse of the logistic approximation to the normal distribution: enough for a score.
+    const double p = (static_cast<double>(rank) + 0.5) / static_cast<double>(order.size());
+    values[order[rank]] = static_cast<float>(std::log(p / (1 - p)) / 1.702);
+  }
+}
+
+/// Confidence from the view's own relative error (without the bend): rank correlation 0.4 to 0.6 with it.
+ImageF confidence_of(const ImageF& error, const DepthJumps& jumps, const Image<uint8_t>& known_bad, Random random) {
+  ImageF score = box_mean(error, 1);
+  for (float& e : score.data) e = std::log(e + 1e-3f);
+  normal_scores(score.data);
+  ImageF blind = smooth_random_map(score.width, score.height, 8, 6, 1, random);
+  ImageF out(score.width, score.height, 1);
+  for (size_t i = 0; i < out.data.size(); ++i) {
+    // A network is least sure at edges, whatever its error there.
+    const float edge = jumps.distance.data[i] > 0 ? 0.8f * std::exp(-jumps.distance.data[i] / 2) : 0.0f;
+    float s = -0.62f * score.data[i] + 0.62f * blind.data[i] + 0.3f * static_cast<float>(random.normal()) - edge;
+    if (known_bad.data[i] != 0) s -= 2.5f;
+    out.data[i] = 1 + 5 * std::exp(0.7f * s);
+  }
+  return out;
+}
+
+}  // namespace
+
+const char* teacher_level_name(TeacherLevel level) {
+  return level == TeacherLevel::kLow ? "low" : (level == TeacherLevel::kMedium ? "medium" : "high");
+}
+
+GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
+  GeometryTeacherSettings s;
+  const int i = static_cast<int>(level);
+  const auto pick = [i](double low, double medium, double high) { return i == 0 ? low : (i == 1 ? medium : high); };
+  s.bend_rms = pick(0.008, 0.018, 0.035);
+  s.bend_degrees = pick(1, 3, 6);
+  s.rotation_degrees = pick(0.1, 0.25, 0.6);
+  s.translation = pick(0.003, 0.008, 0.02);
+  s.outlier_share = pick(0, 0.03, 0.08);
+  s.shared_focal = pick(0.005, 0.015, 0.03);
+  s.view_focal = pick(0.003, 0.007, 0.015);
+  s.view_scale = s.warp_rms = pick(0.004, 0.008, 0.015);
+  s.edge_width = pick(1.5, 2.5, 4);
+  return s;
+}
+
+DepthJumps find_depth_jumps(const RenderedView& view, int radius) {
+  const int w = view.depth.width, h = view.depth.height;
+  DepthJumps jumps{ImageF(w, h, 1), ImageF(w, h, 1)};
+  const auto point = [&](int x, int y) { return view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(view.depth.at(x, y)); };
+  const Mat3d& rotation = view.camera.world_to_camera.rotation;
+  const auto normal = [&](int x, int y) {
+    return rotation * Vec3d{view.normal.at(x, y, 0), view.normal.at(x, y, 1), view.normal.at(x, y, 2)};
+  };
+  // A jump: each point lies off the other's tangent plane by more than 2 % of the depth (a slanted plane does not).
+  const auto jump = [&](int ax, int ay, int bx, int by) {
+    const double za = view.depth.at(ax, ay), zb = view.depth.at(bx, by);
+    if (!(za > 0) || !(zb > 0)) return false;
+    const Vec3d d = point(bx, by) - point(ax, ay);
+    return std::min(std::fabs(dot(normal(ax, ay), d)), std::fabs(dot(normal(bx, by), d))) > 0.02 * std::min(za, zb);
+  };
+  const auto spread = [&](int px, int py, int qx, int qy) {
+    // p and q touch across a jump; pixels on p's side near it learn of q's depth.
+    const double edge_x = 0.5 * (px + qx), edge_y = 0.5 * (py + qy);
+    const float zp = view.depth.at(px, py), zq = view.depth.at(qx, qy);
+    for (int y = std::max(0, py - radius); y <= std::min(h - 1, py + radius); ++y) {
+      for (int x = std::max(0, px - radius); x <= std::min(w - 1, px + radius); ++x) {
+        const float z = view.depth.at(x, y);
+        if (!(z > 0) || std::fabs(z - zp) >= std::fabs(z - zq)) continue;
+        const float d = static_cast<float>(std::hypot(x - edge_x, y - edge_y));
+        if (d > static_cast<float>(radius)) continue;
+        if (jumps.distance.at(x, y) == 0 || d < jumps.distance.at(x, y)) {
+          jumps.distance.at(x, y) = d;
+          jumps.other.at(x, y) = zq;
+        }
+      }
+    }
+  };
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}}) {
+        if (x + dx >= w || y + dy >= h || !jump(x, y, x + dx, y + dy)) continue;
+        spread(x, y, x + dx, y + dy);
+        spread(x + dx, y + dy, x, y);
+      }
+    }
+  }
+  return jumps;
+}
+
+ImageF mix_across_edges(const ImageF& depth, const DepthJumps& jumps, double width) {
+  ImageF out = depth;
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    const float d = jumps.distance.data[i];
+    if (d <= 0 || !(depth.data[i] > 0)) continue;
+    // The sigmoid rises from 12 % to 88 % over its width; half and half on the edge.
+    const double own = 1 / (1 + std::exp(-4.0 * d / width));
+    out.data[i] = static_cast<float>(own * depth.data[i] + (1 - own) * jumps.other.data[i]);
+  }
+  return out;
+}
+
+GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views, const GeometryTeacherSettings& s,
+                                          const Vec3d& centre, double extent, const Vec3d& up, Random random,
+                                          ThreadPool& pool) {
+  GeometryTeacher teacher;
+  teacher.views.resize(views.size());
+  Random bend_random = random.fork(1), pose_random = random.fork(2), focal_random = random.fork(3);
+  const WorldBend bend({s.bend_rms, s.bend_degrees, extent}, centre, up, bend_random);
+  if (s.similarity) {
+    Random r = random.fork(4);
+    teacher.world.scale = r.uniform(0.3, 0.7);  // VGGT's unit is the mean distance of the points
+    teacher.world.rotation = rotation_matrix(normalized(Quaterniond{r.normal(), r.normal(), r.normal(), r.normal()}));
+    teacher.world.translation = gaussian_vector(r);
+  }
+  // Outliers: as many views as the share says, the fraction by chance, on distinct views.
+  const double expected = s.outlier_share * static_cast<double>(views.size());
+  const int outliers = static_cast<int>(expected) + (pose_random.chance(expected - std::floor(expected)) ? 1 : 0);
+  std::vector<size_t> order(views.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  pose_random.shuffle(order);
+  for (int i = 0; i < outliers && i < static_cast<int>(order.size()); ++i) teacher.views[order[static_cast<size_t>(i)]].outlier = true;
+
+  const double shared_focal = s.shared_focal * focal_random.normal();
+  const double keep = s.neighbour_correlation, fresh = std::sqrt(1 - keep * keep);
+  Vec3d turn = gaussian_vector(pose_random), shift = gaussian_vector(pose_random);
+  for (size_t i = 0; i < views.size(); ++i) {
+    TeacherView& t = teacher.views[i];
+    t.camera = views[i].camera;
+    const Rigidd exact = t.camera.world_to_camera.inverse();
+    // The camera moves and turns with the space around it ...
+    Rigidd pose{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)};
+    // ... and has a residual of its own; three components of s / sqrt(3) make a root mean square of s.
+    if (i > 0) {
+      turn = turn * keep + gaussian_vector(pose_random) * fresh;
+      shift = shift * keep + gaussian_vector(pose_random) * fresh;
+    }
+    Vec3d axis = turn * (s.rotation_degrees * kPi / 180 / std::sqrt(3.0)), offset = shift * (s.translation / std::sqrt(3.0));
+    Random own = pose_random.fork(100 + i);
+    if (t.outlier) {
+      axis = normalized(gaussian_vector(own)) * (own.uniform(3, 8) * kPi / 180);
+      offset = normalized(gaussian_vector(own)) * own.uniform(0.1, 0.2);
+    }
+    pose = {pose.rotation * rotation_of(axis), pose.translation + offset};
+    t.camera.world_to_camera = pose.inverse();
+    const double focal = 1 + shared_focal + s.view_focal * focal_random.normal();
+    t.camera.fx *= focal;
+    t.camera.fy *= focal;
+  }
+
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const RenderedView& view = views[i];
+      TeacherView& t = teacher.views[i];
+      Random r = random.fork(1000 + i);
+      const int w = view.depth.width, h = view.depth.height;
+      const Rigidd exact = view.camera.world_to_camera.inverse();
+      const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
+      const ImageF bent = bent_depth(view, bend, bent_pose);
+      const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
+      t.depth = mix_across_edges(bent, jumps, s.edge_width);
+      const ImageF warp = smooth_random_map(w, h, 4, 3, s.warp_rms, r);
+      const double scale = 1 + s.view_scale * r.normal(), patch = kPatch * static_cast<double>(w) / kNetworkWidth;
+      const uint32_t patch_seed = static_cast<uint32_t>(r.next());
+      Image<uint8_t> known_bad(w, h, 1, 0);
+      ImageF error(w, h, 1);
+      for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+          float& z = t.depth.at(x, y);
+          const double noise = s.white * r.normal();
+          if (!(z > 0)) continue;
+          const float cell = lattice_random(static_cast<int>(x / patch), static_cast<int>(y / patch), 0, patch_seed);
+          double factor = scale * (1 + warp.at(x, y)) * (1 + noise) * (1 + s.patch * std::sqrt(12.0) * (cell - 0.5));
+          if (view.unreliable.at(x, y) != 0) {
+            const UnreliableError e = unreliable_error(view.instances.at(x, y), i, random);
+            factor *= 1 + e.relative;
+            known_bad.at(x, y) = e.noticed ? 1 : 0;
+          }
+          z = static_cast<float>(z * factor);
+          error.at(x, y) = std::fabs(std::log(z / bent.at(x, y)));
+        }
+      }
+      t.confidence = confidence_of(error, jumps, known_bad, r.fork(5));
+      for (size_t k = 0; k < t.depth.data.size(); ++k) {
+        if (!(t.depth.data[k] > 0)) t.confidence.data[k] = 0;
+      }
+      if (s.similarity) {
+        for (float& z : t.depth.data) z *= static_cast<float>(teacher.world.scale);
+        t.camera.world_to_camera = teacher.world.transform_world_to_camera(t.camera.world_to_camera);
+      }
+    }
+  });
+  return teacher;
+}
+
+GeometryTeacher exact_geometry_teacher(const std::vector<RenderedView>& views) {
+  GeometryTeacher teacher;
+  for (const RenderedView& view : views) {
+    ImageF confidence(view.depth.width, view.depth.height, 1);
+    for (size_t i = 0; i < confidence.data.size(); ++i) confidence.data[i] = view.depth.data[i] > 0 ? 10.0f : 0.0f;
+    teacher.views.push_back({view.camera, view.depth, std::move(confidence), false});
+  }
+  return teacher;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,69 @@
+// A simulated feed-forward reconstruction network: cameras, depth and confidence with its kinds of error.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/random.h"
+#include "core/thread_pool.h"
+#include "synth/shading.h"
+#include "synth/world_bend.h"
+
+namespace aligngs {
+
+enum class TeacherLevel { kLow, kMedium, kHigh };
+const char* teacher_level_name(TeacherLevel level);  ///< "low", "medium", "high"
+
+/// Error sizes for a metric room of 4 to 6 m (guidance, section 3, items 1 to 4).
+struct GeometryTeacherSettings {
+  double bend_rms = 0.018;            ///< metres
+  double bend_degrees = 3;            ///< opposite walls from parallel
+  double rotation_degrees = 0.25;     ///< independent residual per camera, root mean square of the angle
+  double translation = 0.008;         ///< the same in metres
+  double neighbour_correlation = 0.5; ///< of residuals along the walk
+  double outlier_share = 0.03;        ///< of views that are off by 3 to 8 degrees and 10 to 20 cm
+  double shared_focal = 0.015;        ///< relative, one draw for all views
+  double view_focal = 0.007;          ///< relative, one draw per view
+  double view_scale = 0.008;          ///< relative depth scale per view
+  double warp_rms = 0.008;            ///< relative, 4 x 3 bicubic control points per view
+  double white = 0.003;               ///< relative, per pixel
+  double patch = 0.0015;              ///< relative, per 14-pixel patch of the network's 518-pixel input
+  double edge_width = 2.5;            ///< pixels of the image: width of the sigmoid across a depth jump
+  bool similarity = false;            ///< unknown scale and rotation of the world as well
+};
+GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level);
+
+/// What the network says of one view.
+struct TeacherView {
+  Camera camera;      ///< pose and focal length with their errors
+  ImageF depth;       ///< in the teacher's world units along z; 0 where it says nothing
+  ImageF confidence;  ///< >= 1 as VGGT's; rises as the view's own error falls, blind to the world's bend
+  bool outlier = false;
+};
+
+struct GeometryTeacher {
+  std::vector<TeacherView> views;
+  Similarity world;   ///< true world -> teacher's world, before bend and residuals; identity when metric
+};
+
+/// Simulates the network on exact views (in the order of the walk). `centre`, `extent`, `up`: of the room, world
+/// frame. The errors of a view depend on the seed and on its own content, never on the truth of other views.
+GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views, const GeometryTeacherSettings& settings,
+                                          const Vec3d& centre, double extent, const Vec3d& up, Random random,
+                                          ThreadPool& pool);
+
+/// The teacher without errors: exact cameras and depth, confidence 10 everywhere.
+GeometryTeacher exact_geometry_teacher(const std::vector<RenderedView>& views);
+
+/// Per pixel: distance in pixels to the nearest depth jump within `radius`, and the depth across it; 0 where there
+/// is none. Used to mix depths over edges.
+struct DepthJumps {
+  ImageF distance, other;
+};
+DepthJumps find_depth_jumps(const RenderedView& view, int radius);
+
+/// Mixes depths across jumps with a sigmoid of the given width in pixels: flying pixels.
+ImageF mix_across_edges(const ImageF& depth, const DepthJumps& jumps, double width);
+
+}  // namespace aligngs
