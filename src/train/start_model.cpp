@@ -21,7 +21,7 @@ float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
 /// By how much cubes must grow when n points are too many: points of a surface fall with the square of the edge.
 double growth(size_t n, int64_t cap) { return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin; }
 
-DepthCloud fuse(const StartInputs& in, double voxel) {
+DepthCloud fuse(const StartInputs& in) {
   std::vector<ImageF> depths;  // scaled copies
   depths.reserve(in.views.size());
   std::vector<DepthCloudView> sources;
@@ -37,7 +37,7 @@ DepthCloud fuse(const StartInputs& in, double voxel) {
     sources.push_back(source);
   }
   DepthCloudOptions options;
-  options.voxel = voxel;
+  options.max_points = static_cast<size_t>(in.config.init.max_gaussians);
   options.voxel_footprints = in.config.init.voxel_footprints;
   options.keep_single_view = in.config.init.single_view_opacity > 0;
   return fuse_depth_cloud(sources, options, in.pool);
@@ -45,10 +45,7 @@ DepthCloud fuse(const StartInputs& in, double voxel) {
 
 StartModel start_from_depth(const StartInputs& in) {
   const InitConfig& c = in.config.init;
-  DepthCloud fused = fuse(in, 0);
-  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(fused.cloud.size()) > c.max_gaussians; ++round) {
-    fused = fuse(in, fused.voxel * growth(fused.cloud.size(), c.max_gaussians));
-  }
+  const DepthCloud fused = fuse(in);
   StartModel start;
   if (fused.cloud.size() == 0) return start;
   InitialiseOptions options;
