@@ -143,41 +143,52 @@ class Fusion {
     }
   }
 
-  /// Weight of a pixel: cosine / depth^2 (relative to the median depth), times the factor of its support.
   void weigh_pixels() {
+    std::vector<Image<uint8_t>> supports(frames_.size());
     size_t counts[4] = {};
     for (size_t i = 0; i < frames_.size(); ++i) {
-      const FusionFrame& frame = frames_[i];
-      Image<uint8_t> support;
-      if (!frame.interpolated) support = pixel_support(frames_, depths_, i, pool_, options_.consistency);
-      ImageF fitted;
-      if (frame.normal.empty()) fitted = camera_normals(depths_[i], frame.camera);
-      const ImageF& normals = frame.normal.empty() ? fitted : frame.normal;
-      ImageF weight(frame.camera.width, frame.camera.height, 1);
-      for (int y = 0; y < weight.height; ++y) {
-        for (int x = 0; x < weight.width; ++x) {
-          const double z = depths_[i].at(x, y);
-          if (z == 0) continue;
-          double factor = options_.interpolated_weight;
-          if (!frame.interpolated) {
-            const auto s = static_cast<PixelSupport>(support.at(x, y));
-            ++counts[static_cast<int>(s)];
-            factor = s == PixelSupport::kConfirmed    ? 1
-                     : s == PixelSupport::kSingleView ? options_.single_view_weight
-                                                      : options_.contradicted_weight;
-          }
-          const double nearness = std::min(report_.median_depth / z, kMaxNearness);
-          const Vec3d ray = frame.camera.ray(x + 0.5, y + 0.5);
-          const double facing = cosine(normals.pixel(x, y), ray);
-          weight.at(x, y) = static_cast<float>(factor * facing * nearness * nearness);
-        }
-      }
-      weights_.push_back(std::move(weight));
+      if (frames_[i].interpolated) continue;
+      supports[i] = pixel_support(frames_, depths_, i, pool_, options_.consistency);
+      for (const uint8_t s : supports[i].data) ++counts[s];
     }
     const double total = static_cast<double>(std::max<size_t>(report_.pixels, 1));
     report_.confirmed = static_cast<double>(counts[static_cast<int>(PixelSupport::kConfirmed)]) / total;
     report_.single_view = static_cast<double>(counts[static_cast<int>(PixelSupport::kSingleView)]) / total;
     report_.contradicted = static_cast<double>(counts[static_cast<int>(PixelSupport::kContradicted)]) / total;
+    weights_.resize(frames_.size());
+    pool_.parallel_for(frames_.size(), 1, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) weights_[i] = weights_of(i, supports[i]);
+    });
+  }
+
+  /// Weight of a pixel: cosine / depth^2 (relative to the median depth), times the factor of its support.
+  ImageF weights_of(size_t index, const Image<uint8_t>& support) const {
+    const FusionFrame& frame = frames_[index];
+    ImageF fitted;
+    if (frame.normal.empty()) fitted = camera_normals(depths_[index], frame.camera);
+    const ImageF& normals = frame.normal.empty() ? fitted : frame.normal;
+    ImageF weight(frame.camera.width, frame.camera.height, 1);
+    for (int y = 0; y < weight.height; ++y) {
+      for (int x = 0; x < weight.width; ++x) {
+        const double z = depths_[index].at(x, y);
+        if (z == 0) continue;
+        const double nearness = std::min(report_.median_depth / z, kMaxNearness);
+        const double factor = frame.interpolated ? options_.interpolated_weight : factor_of(support.at(x, y));
+        const double facing = cosine(normals.pixel(x, y), frame.camera.ray(x + 0.5, y + 0.5));
+        weight.at(x, y) = static_cast<float>(factor * facing * nearness * nearness);
+      }
+    }
+    return weight;
+  }
+
+  double factor_of(uint8_t support) const {
+    switch (static_cast<PixelSupport>(support)) {
+      case PixelSupport::kConfirmed: return 1;
+      case PixelSupport::kSingleView: return options_.single_view_weight;
+      case PixelSupport::kContradicted: return options_.contradicted_weight;
+      case PixelSupport::kNone: break;
+    }
+    return 0;
   }
 
   /// 0 for a pixel that looks along the surface. Without a normal (a lone pixel, a corner) the least that counts.

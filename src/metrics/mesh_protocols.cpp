@@ -222,13 +222,69 @@ PointSet visible_samples(const TriangleMesh& mesh, const std::vector<Camera>& ca
   return visible;
 }
 
-MeshProtocolResult named(const char* protocol, CullingViews culling, MeshAlignment alignment) {
-  MeshProtocolResult result;
-  result.protocol = protocol;
-  result.culling = culling == CullingViews::kAll ? "all poses" : "training poses";
-  result.alignment = name_of(alignment);
-  return result;
-}
+/// Runs protocols on one pair of meshes and remembers what it saw of the truth.
+class Evaluator {
+ public:
+  Evaluator(const MeshEvaluationInput& input, const MeshProtocolOptions& options, ThreadPool& pool)
+      : input_(input), options_(options), pool_(pool) {
+    require_input(input);
+  }
+
+  MeshProtocolResult neuris_vertices(CullingViews culling, MeshAlignment alignment) {
+    MeshProtocolResult result = named("neuris_vertices", culling, alignment);
+    const TruthView& truth = truth_seen_by(culling);
+    TriangleMesh mesh = aligned_prediction(input_, alignment, truth.culled, pool_, options_, result.alignment_report);
+    mesh = crop_to_box(mesh, scaled_box(truth.culled.vertices, kBoxScale));
+    mesh = keep_triangles(mesh, first_hit_triangles(RayScene(mesh), mesh.triangles.size(), truth.cameras, pool_));
+    const std::vector<uint8_t> keep =
+        test_points(mesh.vertices, pool_, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
+    std::vector<Vec3f> vertices;
+    for (size_t i = 0; i < keep.size(); ++i) {
+      if (keep[i]) vertices.push_back(mesh.vertices[i]);
+    }
+    result.truth_area = area_of(truth.culled);
+    result.scores = compare_points({thin_to_voxels(vertices, options_.voxel), {}},
+                                   {thin_to_voxels(truth.culled.vertices, options_.voxel), {}}, pool_,
+                                   {options_.threshold, true});
+    return result;
+  }
+
+  MeshProtocolResult area_samples(CullingViews culling, MeshAlignment alignment) {
+    MeshProtocolResult result = named("area_samples", culling, alignment);
+    const std::vector<Camera> cameras = culling_cameras(input_, culling, options_.max_cameras);
+    const TruthView& truth = truth_seen_by(culling);
+    const TriangleMesh mesh =
+        aligned_prediction(input_, alignment, truth.culled, pool_, options_, result.alignment_report);
+    const PointSet predicted =
+        visible_samples(mesh, cameras, &truth, pool_, options_, result.capped, result.predicted_area);
+    const PointSet expected =
+        visible_samples(*input_.truth, cameras, nullptr, pool_, options_, result.capped, result.truth_area);
+    result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false});
+    return result;
+  }
+
+ private:
+  static MeshProtocolResult named(const char* protocol, CullingViews culling, MeshAlignment alignment) {
+    MeshProtocolResult result;
+    result.protocol = protocol;
+    result.culling = culling == CullingViews::kAll ? "all poses" : "training poses";
+    result.alignment = name_of(alignment);
+    return result;
+  }
+
+  const TruthView& truth_seen_by(CullingViews culling) {
+    std::optional<TruthView>& view = culling == CullingViews::kAll ? by_all_ : by_training_;
+    if (!view) {
+      view = look_at_truth(*input_.truth, culling_cameras(input_, culling, options_.max_cameras), pool_, options_);
+    }
+    return *view;
+  }
+
+  const MeshEvaluationInput& input_;
+  const MeshProtocolOptions& options_;
+  ThreadPool& pool_;
+  std::optional<TruthView> by_all_, by_training_;
+};
 
 }  // namespace
 
@@ -258,56 +314,29 @@ TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Came
 MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,
                                             MeshAlignment alignment, ThreadPool& pool,
                                             const MeshProtocolOptions& options) {
-  require_input(input);
-  MeshProtocolResult result = named("neuris_vertices", culling, alignment);
-  const std::vector<Camera> cameras = culling_cameras(input, culling, options.max_cameras);
-  const TruthView truth = look_at_truth(*input.truth, cameras, pool, options);
-  TriangleMesh mesh = aligned_prediction(input, alignment, truth.culled, pool, options, result.alignment_report);
-  mesh = crop_to_box(mesh, scaled_box(truth.culled.vertices, kBoxScale));
-  mesh = keep_triangles(mesh, first_hit_triangles(RayScene(mesh), mesh.triangles.size(), truth.cameras, pool));
-  const std::vector<uint8_t> keep =
-      test_points(mesh.vertices, pool, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
-  std::vector<Vec3f> vertices;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i]) vertices.push_back(mesh.vertices[i]);
-  }
-  result.truth_area = area_of(truth.culled);
-  result.scores = compare_points({thin_to_voxels(vertices, options.voxel), {}},
-                                 {thin_to_voxels(truth.culled.vertices, options.voxel), {}}, pool,
-                                 {options.threshold, true});
-  return result;
+  return Evaluator(input, options, pool).neuris_vertices(culling, alignment);
 }
 
 MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, CullingViews culling,
                                          MeshAlignment alignment, ThreadPool& pool,
                                          const MeshProtocolOptions& options) {
-  require_input(input);
-  MeshProtocolResult result = named("area_samples", culling, alignment);
-  const std::vector<Camera> cameras = culling_cameras(input, culling, options.max_cameras);
-  const TruthView truth = look_at_truth(*input.truth, cameras, pool, options);
-  const TriangleMesh mesh =
-      aligned_prediction(input, alignment, truth.culled, pool, options, result.alignment_report);
-  const PointSet predicted =
-      visible_samples(mesh, cameras, &truth, pool, options, result.capped, result.predicted_area);
-  const PointSet expected =
-      visible_samples(*input.truth, cameras, nullptr, pool, options, result.capped, result.truth_area);
-  result.scores = compare_points(predicted, expected, pool, {options.threshold, false});
-  return result;
+  return Evaluator(input, options, pool).area_samples(culling, alignment);
 }
 
 MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,
                              const MeshProtocolOptions& options) {
   const MeshAlignment alignment = metric_scene ? MeshAlignment::kNone : MeshAlignment::kCameras;
   const MeshAlignment icp = metric_scene ? MeshAlignment::kIcp : MeshAlignment::kCamerasAndIcp;
+  Evaluator evaluator(input, options, pool);
   MeshEvaluation evaluation;
-  evaluation.headline = evaluate_neuris_vertices(input, CullingViews::kAll, alignment, pool, options);
+  evaluation.headline = evaluator.neuris_vertices(CullingViews::kAll, alignment);
   auto& variants = evaluation.variants;
-  variants.push_back(evaluate_area_samples(input, CullingViews::kAll, alignment, pool, options));
-  variants.push_back(evaluate_neuris_vertices(input, CullingViews::kTraining, alignment, pool, options));
-  variants.push_back(evaluate_area_samples(input, CullingViews::kTraining, alignment, pool, options));
+  variants.push_back(evaluator.area_samples(CullingViews::kAll, alignment));
+  variants.push_back(evaluator.neuris_vertices(CullingViews::kTraining, alignment));
+  variants.push_back(evaluator.area_samples(CullingViews::kTraining, alignment));
   if (with_icp) {
-    variants.push_back(evaluate_neuris_vertices(input, CullingViews::kAll, icp, pool, options));
-    variants.push_back(evaluate_area_samples(input, CullingViews::kAll, icp, pool, options));
+    variants.push_back(evaluator.neuris_vertices(CullingViews::kAll, icp));
+    variants.push_back(evaluator.area_samples(CullingViews::kAll, icp));
   }
   return evaluation;
 }
