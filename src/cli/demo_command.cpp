@@ -1,0 +1,53 @@
+// `aligngs demo`: a synthetic room through the whole pipeline, the first thing anyone types.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "cli/stages/pipeline.h"
+#include "cli/synth_options.h"
+#include "cli/train_options.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "train/run_folder.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Long enough to show what the method does, short enough for a first try on two cores (see README for the time).
+constexpr int64_t kDemoIterations = 1000;
+
+void run_demo(const CommandContext& context, const SynthCommandOptions& synth, TrainCommandOptions options) {
+  if (options.output.empty()) options.output = "demo_run";
+  const fs::path run = options.output, scene = run / "scene";
+  const RunMode mode = options.resume ? RunMode::kResume : options.overwrite ? RunMode::kOverwrite : RunMode::kNew;
+  RunFolder(run).check(mode);
+  if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume) options.iterations = kDemoIterations;
+  TrainOptions train = train_options(options, context);
+  if (!options.resume || !fs::exists(scene)) {
+    log_info("making a synthetic {} with simulated priors", synth.synth.room);
+    make_and_write_scene(synth_options(synth), scene, fs::exists(scene), context);
+  }
+  train.scene = scene;
+  train.resume_command = "aligngs demo -o " + options.output + " --resume";
+  run_pipeline(train, context);
+}
+
+}  // namespace
+
+void add_demo_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("demo", "A synthetic room through the whole pipeline: start here");
+  command->group("Reconstruct");
+  command->footer("Example: aligngs demo\n         aligngs demo --room kitchen -o kitchen_run");
+  auto options = std::make_shared<TrainCommandOptions>();
+  auto synth = std::make_shared<SynthCommandOptions>();
+  command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is written to its scene/");
+  add_train_options(*command, options);
+  add_synth_options(*command, synth);
+  command->callback([&context, options, synth] { run_demo(context, *synth, *options); });
+}
+
+}  // namespace aligngs

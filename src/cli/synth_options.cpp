@@ -1,0 +1,53 @@
+#include "cli/synth_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace aligngs {
+
+void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options) {
+  SynthOptions& synth = options->synth;
+  command.add_option("--room", synth.room, "kind of room")->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))->capture_default_str();
+  command.add_option("--views", synth.views, "views in all, test views included")->check(CLI::Range(2, 10000))->capture_default_str();
+  command.add_option("--test-views", synth.test_views, "test views among them")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command.add_option("--size", options->size, "image size WxH (default 320x240)");
+  command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, walk and teachers")->capture_default_str();
+  command.add_option("--teacher-seed", synth.teacher_seed, "another simulated teacher for the same room");
+  command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")->check(CLI::IsMember({"exact", "simulated"}))->capture_default_str();
+  command.add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str();
+  command.add_option("--depth", options->depth, "which network pred_depths/ imitates")->check(CLI::IsMember({"feedforward", "mono"}))->capture_default_str();
+  command.add_flag("--unknown-similarity", synth.unknown_similarity, "the teacher's world has an unknown scale and rotation, as a real network's");
+}
+
+SynthOptions synth_options(const SynthCommandOptions& options) {
+  SynthOptions synth = options.synth;
+  if (!options.size.empty()) {
+    char rest = 0;
+    if (std::sscanf(options.size.c_str(), "%dx%d%c", &synth.width, &synth.height, &rest) != 2) {
+      throw_usage("--size must be WxH, got \"" + options.size + "\"", "for example --size 640x480");
+    }
+  }
+  synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
+  synth.level = options.level == "low" ? TeacherLevel::kLow : options.level == "high" ? TeacherLevel::kHigh : TeacherLevel::kMedium;
+  synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
+  return synth;
+}
+
+SynthScene make_and_write_scene(const SynthOptions& options, const std::filesystem::path& folder, bool overwrite,
+                                const CommandContext& context) {
+  ThreadPool pool(context.global.threads);
+  SynthScene scene;
+  {
+    constexpr uint64_t kSteps = 1000;
+    Progress progress(context.progress(), "synth", kSteps);
+    scene = make_synth_scene(options, pool, [&](double share, const std::string& what) {
+      progress.update(static_cast<uint64_t>(share * kSteps), what);
+    });
+  }
+  write_synth_scene(scene, folder, overwrite);
+  return scene;
+}
+
+}  // namespace aligngs
