@@ -32,7 +32,7 @@ std::vector<LightPoint> light_points(const RoomModel& room) {
   return points;
 }
 
-Vec3f direct_light(const RayScene& scene, const std::vector<LightPoint>& points, const Vec3f& p, const Vec3f& n) {
+Vec3f direct_light(const RoomRays& scene, const std::vector<LightPoint>& points, const Vec3f& p, const Vec3f& n) {
   Vec3f sum;
   for (const LightPoint& light : points) {
     const Vec3f d = light.position - p;
@@ -79,7 +79,7 @@ void smooth_over_mesh(const RoomModel& room, std::vector<Vec3f>& values) {
 
 }  // namespace
 
-LightCache light_room(const RayScene& scene, ThreadPool& pool, const LightingOptions& options) {
+LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOptions& options) {
   const RoomModel& room = scene.room();
   const size_t n = room.positions.size();
   std::vector<uint16_t> material(n, 0);

@@ -10,7 +10,7 @@
 
 namespace aligngs {
 
-struct RayScene::Handles {
+struct RoomRays::Handles {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   ~Handles() {
@@ -19,7 +19,7 @@ struct RayScene::Handles {
   }
 };
 
-RayScene::RayScene(const RoomModel& room) : room_(room), handles_(std::make_unique<Handles>()) {
+RoomRays::RoomRays(const RoomModel& room) : room_(room), handles_(std::make_unique<Handles>()) {
   // One build thread: the tree, and with it the choice among touching triangles, is the same everywhere.
   handles_->device = rtcNewDevice("threads=1,set_affinity=0");
   const auto fail = [] { throw_resources({}, "Embree could not build the room", "free some memory"); };
@@ -45,9 +45,9 @@ RayScene::RayScene(const RoomModel& room) : room_(room), handles_(std::make_uniq
   if (rtcGetDeviceError(handles_->device) != RTC_ERROR_NONE) fail();
 }
 
-RayScene::~RayScene() = default;
+RoomRays::~RoomRays() = default;
 
-RayHit RayScene::intersect(const Vec3d& origin, const Vec3d& direction, double near) const {
+RayHit RoomRays::intersect(const Vec3d& origin, const Vec3d& direction, double near) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query{};
@@ -79,7 +79,7 @@ RayHit RayScene::intersect(const Vec3d& origin, const Vec3d& direction, double n
   return hit;
 }
 
-bool RayScene::occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
+bool RoomRays::occluded(const Vec3f& origin, const Vec3f& direction, float near, float far) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay ray{};
@@ -96,7 +96,7 @@ bool RayScene::occluded(const Vec3f& origin, const Vec3f& direction, float near,
   return ray.tfar < 0;
 }
 
-bool RayScene::visible(const Vec3d& from, const Vec3d& to, double slack) const {
+bool RoomRays::visible(const Vec3d& from, const Vec3d& to, double slack) const {
   const Vec3d d = to - from;
   const double length = norm(d);
   if (length <= slack) return true;

@@ -17,13 +17,13 @@ struct RayHit {
 
 /// An acceleration structure over a room that stays where it is while this lives. Built by one thread, so that
 /// the same room gives the same hits whatever the machine's thread count.
-class RayScene {
+class RoomRays {
  public:
   /// Throws Error{kResources} when Embree cannot get its memory.
-  explicit RayScene(const RoomModel& room);
-  ~RayScene();
-  RayScene(const RayScene&) = delete;
-  RayScene& operator=(const RayScene&) = delete;
+  explicit RoomRays(const RoomModel& room);
+  ~RoomRays();
+  RoomRays(const RoomRays&) = delete;
+  RoomRays& operator=(const RoomRays&) = delete;
 
   /// First surface along origin + t * direction, t > near. The distance is that to the triangle's plane in double
   /// precision.

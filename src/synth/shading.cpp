@@ -44,7 +44,7 @@ Vec3f tone_map(const Vec3f& radiance, float exposure) {
 }
 
 /// Radiance along a primary ray. `pixel_angle` is the width of a sample in radians.
-Vec3f trace(const RayScene& scene, const LightCache& lights, const Vec3d& origin, const Vec3d& direction,
+Vec3f trace(const RoomRays& scene, const LightCache& lights, const Vec3d& origin, const Vec3d& direction,
             float pixel_angle, uint32_t jitter_seed) {
   const RayHit hit = scene.intersect(origin, direction);
   if (!hit.hit) return {};
@@ -78,7 +78,7 @@ Vec3f trace(const RayScene& scene, const LightCache& lights, const Vec3d& origin
   return radiance * (1 - fresnel) + reflected * fresnel;
 }
 
-void exact_maps(const RayScene& scene, const Rigidd& camera_to_world, int x, int y, RenderedView& view) {
+void exact_maps(const RoomRays& scene, const Rigidd& camera_to_world, int x, int y, RenderedView& view) {
   const RoomModel& room = scene.room();
   const Vec3d direction = camera_to_world.rotation * view.camera.ray(x + 0.5, y + 0.5);
   const RayHit hit = scene.intersect(camera_to_world.translation, direction);
@@ -98,8 +98,8 @@ void exact_maps(const RayScene& scene, const Rigidd& camera_to_world, int x, int
 
 }  // namespace
 
-RenderedView render_view(const RayScene& scene, const LightCache* lights, const Camera& camera,
-                         const RenderOptions& options, ThreadPool& pool) {
+RenderedView render_view(const RoomRays& scene, const LightCache* lights, const Camera& camera,
+                         const RayTraceOptions& options, ThreadPool& pool) {
   const int w = camera.width, h = camera.height;
   RenderedView view;
   view.camera = camera;

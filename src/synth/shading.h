@@ -21,7 +21,7 @@ struct LightingOptions {
   int bounces = 3;
 };
 
-LightCache light_room(const RayScene& scene, ThreadPool& pool, const LightingOptions& options = {});
+LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOptions& options = {});
 
 /// One picture with its exact maps. All maps are taken at pixel centres.
 struct RenderedView {
@@ -34,14 +34,14 @@ struct RenderedView {
   Image<uint8_t> unreliable;  ///< 1 on glass, screens and dark gloss
 };
 
-struct RenderOptions {
+struct RayTraceOptions {
   bool color = true;
   int samples_per_side = 2;  ///< antialiasing: a grid of n x n samples per pixel
 };
 
 /// Renders a view; `lights` may be null when color is false. The same for any number of threads.
-RenderedView render_view(const RayScene& scene, const LightCache* lights, const Camera& camera,
-                         const RenderOptions& options, ThreadPool& pool);
+RenderedView render_view(const RoomRays& scene, const LightCache* lights, const Camera& camera,
+                         const RayTraceOptions& options, ThreadPool& pool);
 
 /// sRGB colour of every vertex under the room's light (for the truth mesh).
 std::vector<Vec3f> vertex_colors(const RoomModel& room, const LightCache& lights);

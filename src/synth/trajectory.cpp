@@ -14,7 +14,7 @@ constexpr int kSurfacePoints = 2500;   // samples of the room's surface by which
 
 /// Everything the planning steps share.
 struct Planner {
-  const RayScene& scene;
+  const RoomRays& scene;
   const TrajectoryOptions& options;
   ThreadPool& pool;
   FreeSpace space;
@@ -22,7 +22,7 @@ struct Planner {
   Vec3d up;                      // world
   std::vector<Vec3d> points, normals;  // on the surface, world
 
-  Planner(const RayScene& s, const TrajectoryOptions& o, ThreadPool& p)
+  Planner(const RoomRays& s, const TrajectoryOptions& o, ThreadPool& p)
       : scene(s), options(o), pool(p), space(s.room()), random(Random(o.seed).fork(41)) {
     up = s.room().room_to_world.rotation.column(2);
     sample_surface();
@@ -325,7 +325,7 @@ std::vector<Camera> plan_far(Planner& p, const std::vector<Station>& training, i
 
 }  // namespace
 
-bool camera_sees(const RayScene& scene, const Camera& camera, const Vec3d& point, double slack) {
+bool camera_sees(const RoomRays& scene, const Camera& camera, const Vec3d& point, double slack) {
   const Vec3d q = camera.world_to_camera * point;
   if (q.z <= 0.05 || !camera.contains(camera.project(q))) return false;
   return scene.visible(camera.centre(), point, slack);
@@ -342,7 +342,7 @@ Rigidd look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double ro
   return {r, -(r * eye)};
 }
 
-std::vector<PlannedView> plan_views(const RayScene& scene, const TrajectoryOptions& options, ThreadPool& pool) {
+std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptions& options, ThreadPool& pool) {
   Planner planner(scene, options, pool);
   const std::vector<Station> training = plan_training(planner);
   const int far_wanted = options.test_views / 2, near_wanted = options.test_views - far_wanted;

@@ -38,10 +38,10 @@ inline constexpr double kSeenShare = 0.9;
 /// Views in the order of the walk (training and near test views), then the far test views. Eye height 1.1 to
 /// 1.7 m; directions are chosen so that most of the surface is seen by two training views or more.
 /// Throws Error{kFailed} when the room leaves no floor to stand on.
-std::vector<PlannedView> plan_views(const RayScene& scene, const TrajectoryOptions& options, ThreadPool& pool);
+std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptions& options, ThreadPool& pool);
 
 /// Whether `camera` sees the world point: in the image, in front, not hidden. `slack`: metres of tolerance.
-bool camera_sees(const RayScene& scene, const Camera& camera, const Vec3d& point, double slack = 0.02);
+bool camera_sees(const RoomRays& scene, const Camera& camera, const Vec3d& point, double slack = 0.02);
 
 /// OpenCV camera at `eye` looking at `target`, turned about its axis by `roll_degrees`. `up` is a unit vector.
 Rigidd look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double roll_degrees = 0);

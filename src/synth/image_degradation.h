@@ -1,0 +1,21 @@
+// What a phone's camera does to a perfect picture.
+#pragma once
+
+#include "core/image.h"
+#include "core/random.h"
+
+namespace aligngs {
+
+/// Guidance, section 3, "images".
+struct ImageDegradationSettings {
+  double noise = 1.5 / 255;      ///< standard deviation at medium brightness; grows with the square root of it
+  double blur = 1.5;             ///< largest width of the blur (full width at half maximum), pixels
+  double gain = 0.12;            ///< exposure per view: +- this share, linear light
+  double white_balance = 0.03;   ///< red and blue against green per view: +- this share
+  int jpeg_quality = 92;
+};
+
+/// Applies exposure and white balance (linear light), blur, noise, and one JPEG coding. `color` is sRGB in [0, 1].
+Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& settings, Random random);
+
+}  // namespace aligngs
