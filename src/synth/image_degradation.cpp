@@ -1,0 +1,65 @@
+#include "synth/image_degradation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "io/image_file.h"
+#include "synth/textures.h"
+
+namespace aligngs {
+namespace {
+
+ImageF blurred(const ImageF& in, double sigma) {
+  if (sigma < 0.15) return in;
+  const int radius = std::max(1, static_cast<int>(std::ceil(3 * sigma)));
+  std::vector<float> kernel;
+  float total = 0;
+  for (int i = -radius; i <= radius; ++i) {
+    kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
+    total += kernel.back();
+  }
+  for (float& k : kernel) k /= total;
+  ImageF rows = in, out = in;
+  for (const bool horizontal : {true, false}) {
+    const ImageF& from = horizontal ? in : rows;
+    ImageF& to = horizontal ? rows : out;
+    for (int y = 0; y < in.height; ++y) {
+      for (int x = 0; x < in.width; ++x) {
+        for (int c = 0; c < in.channels; ++c) {
+          float sum = 0;
+          for (int i = -radius; i <= radius; ++i) {
+            const int sx = horizontal ? std::clamp(x + i, 0, in.width - 1) : x;
+            const int sy = horizontal ? y : std::clamp(y + i, 0, in.height - 1);
+            sum += kernel[static_cast<size_t>(i + radius)] * from.at(sx, sy, c);
+          }
+          to.at(x, y, c) = sum;
+        }
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& s, Random random) {
+  const double gain = 1 + random.uniform(-s.gain, s.gain);
+  const double red = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
+  const double blue = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
+  const double sigma = random.uniform(0, s.blur) / 2.355;  // full width at half maximum to standard deviation
+  const float factors[3] = {static_cast<float>(red), static_cast<float>(gain), static_cast<float>(blue)};
+  ImageF out = color;
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = srgb_encode(srgb_decode(out.data[i]) * factors[i % 3]);
+  out = blurred(out, sigma);
+  for (float& value : out.data) {
+    value += static_cast<float>(s.noise * std::sqrt(0.3 + 1.4 * std::max(0.0f, value)) * random.normal());
+  }
+  const Image<uint8_t> bytes = to_bytes(out);
+  if (s.jpeg_quality <= 0) return bytes;
+  const std::vector<uint8_t> coded = encode_jpeg(bytes, s.jpeg_quality);
+  return decode_image(std::string_view(reinterpret_cast<const char*>(coded.data()), coded.size()), "simulated photo");
+}
+
+}  // namespace aligngs

@@ -1,0 +1,107 @@
+// Writing a synthetic scene as a scene folder.
+#include <fmt/format.h>
+
+#include "core/half.h"
+#include "io/npy.h"
+#include "scene/scene_writer.h"
+#include "synth/synth_scene.h"
+
+namespace aligngs {
+namespace {
+
+PriorsJson priors_of(const SynthScene& scene) {
+  const SynthOptions& o = scene.options;
+  const bool exact = o.teacher == TeacherKind::kExact;
+  const GeometryTeacherSettings g = geometry_teacher_settings(o.level);
+  const SemanticTeacherSettings s = semantic_teacher_settings(o.level);
+  const auto number = [](double x) { return fmt::format("{:g}", x); };
+  PriorsJson priors;
+  priors.depth = PriorJson{depth_teacher_name(o), "", {}};
+  auto& d = priors.depth->settings;
+  d["poses"] = geometry_teacher_name(o);
+  d["world"] = o.unknown_similarity && !exact ? "unknown scale and rotation" : "metric, true scale and rotation";
+  d["confidence"] = "pred_confidence/<stem>.npy, float16, >= 1, 0 = no value";
+  if (!exact) {
+    d["seed"] = std::to_string(o.teacher_seed != 0 ? o.teacher_seed : o.seed);
+    d["bend_rms_m"] = number(g.bend_rms);
+    d["bend_degrees"] = number(g.bend_degrees);
+    d["rotation_degrees"] = number(g.rotation_degrees);
+    d["translation_m"] = number(g.translation);
+    d["outlier_share"] = number(g.outlier_share);
+    d["shared_focal"] = number(g.shared_focal);
+    d["view_focal"] = number(g.view_focal);
+    d["warp_rms"] = number(g.warp_rms);
+    d["edge_width_px"] = number(g.edge_width);
+  }
+  priors.semantics = PriorJson{semantic_teacher_name(o), "", {}};
+  priors.kind = SemanticKind::kScores;
+  if (!exact) {
+    priors.semantics->settings["outline_rms_px"] = number(s.outline_rms);
+    priors.semantics->settings["confused_share"] = number(s.confused_share);
+    priors.semantics->settings["flip"] = number(s.flip);
+  }
+  return priors;
+}
+
+SemanticMap map_of(const ScoreMap& scores) {
+  SemanticMap map{scores.channels, scores.width, scores.height, {}};
+  map.values.reserve(scores.values.size());
+  for (const uint16_t v : scores.values) map.values.push_back(half_to_float(v));
+  return map;
+}
+
+void write_confidence(const std::filesystem::path& path, const ImageF& confidence) {
+  std::vector<uint16_t> half;
+  half.reserve(confidence.data.size());
+  for (const float c : confidence.data) half.push_back(float_to_half(c));
+  write_npy_float16(path, {confidence.height, confidence.width}, half.data());
+}
+
+}  // namespace
+
+void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite) {
+  const SynthOptions& o = scene.options;
+  SceneWriter writer(folder, overwrite);
+  SceneParts parts;
+  parts.split.train.emplace();
+  parts.split.test.emplace();
+  for (const SynthView& view : scene.views) {
+    SceneViewParts v;
+    v.name = view.name;
+    v.camera = view.teacher.camera;
+    v.image = view.image;  // already coded as JPEG once; PNG keeps exactly those pixels
+    v.prior_depth = scene.prior_depth(view);
+    v.semantics = map_of(view.scores);
+    v.truth_depth = view.truth.depth;
+    v.truth_labels = view.truth.labels;
+    v.truth_camera = view.truth.camera;
+    writer.add_view(v);
+    (view.role == ViewRole::kTraining ? parts.split.train : parts.split.test)->push_back(view.name);
+  }
+  const bool arbitrary = o.unknown_similarity && o.teacher == TeacherKind::kSimulated;
+  parts.description.metric = !arbitrary;
+  if (!arbitrary) parts.description.up = scene.up;
+  parts.description.source = fmt::format("synthetic {}, seed {}, {}, world axes arbitrary", o.room, o.seed,
+                                         o.teacher == TeacherKind::kExact
+                                             ? std::string("exact teachers")
+                                             : fmt::format("simulated teachers ({})", teacher_level_name(o.level)));
+  parts.priors = priors_of(scene);
+  parts.cloud = scene.cloud;
+  parts.truth_mesh = scene.mesh;
+  writer.finish(parts);
+  for (const SynthView& view : scene.views) {
+    write_confidence(folder / "pred_confidence" / (view.name + ".npy"), view.teacher.confidence);
+  }
+}
+
+uint64_t estimate_scene_bytes(const SynthOptions& o) {
+  const uint64_t pixels = static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
+  const uint64_t scores = 150 * 2 * static_cast<uint64_t>(static_cast<double>(pixels) * o.semantic_scale * o.semantic_scale);
+  // Per pixel: noisy PNG 2.3, depth 4, confidence 2, truth depth about 1.2, labels 0.1 bytes.
+  const uint64_t view = scores + pixels * 96 / 10;
+  constexpr uint64_t kMesh = 13000000;    // about 230,000 vertices of 27 bytes and 400,000 faces of 13
+  constexpr uint64_t kCloud = 30000 * 51;  // COLMAP points with a track of one
+  return static_cast<uint64_t>(o.views) * view + kMesh + kCloud;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,195 @@
+#include "synth/synth_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "io/image_file.h"
+#include "synth/image_degradation.h"
+#include "synth/mesh_builder.h"
+#include "synth/teacher_monodepth.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kMinSize = 32, kMaxSize = 4096;   // pixels
+constexpr int kMaxViews = 1000;
+constexpr size_t kMaxCloudPoints = 30000;       // guidance: VGGT clouds are thinned at random
+constexpr double kConfidentQuantile = 0.35;     // pixels below are left out of the cloud
+
+void check_options(const SynthOptions& o) {
+  const auto require = [](bool ok, const char* message, const char* remedy) {
+    if (!ok) throw_usage(message, remedy);
+  };
+  require(o.width >= kMinSize && o.height >= kMinSize && o.width <= kMaxSize && o.height <= kMaxSize,
+          "the picture size must be 32 to 4096 pixels a side", "use for example --size 320x240");
+  require(o.test_views >= 0 && o.views - o.test_views >= 2, "at least two training views are needed",
+          "raise --views or lower the number of test views");
+  require(o.views <= kMaxViews, "at most 1000 views can be made", "lower --views");
+  require(o.semantic_scale > 0 && o.semantic_scale <= 0.5, "score maps are at most half the image's size",
+          "use a semantic scale in (0, 0.5]");
+  require(o.samples_per_side >= 1 && o.samples_per_side <= 8, "1 to 8 samples per pixel side are possible",
+          "use 2 or 3");
+}
+
+/// A world as scanners and networks leave it: y points down, turned by any angle, the origin inside the room.
+Rigidd world_frame(const RoomModel& room, Random random) {
+  const double a = random.uniform(0, 360);
+  const Mat3d y_down{{1, 0, 0, 0, 0, -1, 0, 1, 0}};  // room (x, y, z up) -> (x, -z, y)
+  const Mat3d rotation = y_down * placement({}, a).rotation;
+  const Vec3d middle{room.width / 2, room.depth / 2, 1.2};
+  return {rotation, -(rotation * middle) + Vec3d{random.uniform(-0.5, 0.5), random.uniform(-0.2, 0.2), random.uniform(-0.5, 0.5)}};
+}
+
+TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
+  TriangleMesh mesh;
+  mesh.vertices = room.positions;
+  mesh.normals = room.normals;
+  mesh.triangles = room.triangles;
+  mesh.labels.assign(room.positions.size(), kNoLabel);
+  for (size_t t = 0; t < room.triangles.size(); ++t) {
+    for (const uint32_t v : room.triangles[t]) mesh.labels[v] = room.objects[room.triangle_object[t]].label;
+  }
+  for (const Vec3f& c : vertex_colors(room, lights)) {
+    mesh.colors.push_back({static_cast<uint8_t>(std::lround(c.x * 255)), static_cast<uint8_t>(std::lround(c.y * 255)),
+                           static_cast<uint8_t>(std::lround(c.z * 255))});
+  }
+  return mesh;
+}
+
+/// Unprojected confident pixels of the training views, thinned at random.
+PointCloud teacher_cloud(const SynthScene& scene, Random random) {
+  struct Pick {
+    int view;
+    uint32_t pixel;
+  };
+  std::vector<Pick> picks;
+  for (const int i : scene.train) {
+    const TeacherView& t = scene.views[i].teacher;
+    std::vector<float> sorted;
+    for (const float c : t.confidence.data) {
+      if (c > 0) sorted.push_back(c);
+    }
+    if (sorted.empty()) continue;
+    const size_t k = static_cast<size_t>(kConfidentQuantile * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(k), sorted.end());
+    for (uint32_t p = 0; p < t.confidence.data.size(); ++p) {
+      if (t.depth.data[p] > 0 && t.confidence.data[p] >= sorted[k]) picks.push_back({i, p});
+    }
+  }
+  const size_t count = std::min(kMaxCloudPoints, picks.size());
+  for (size_t i = 0; i < count; ++i) {  // the first `count` places of a random permutation
+    const size_t j = i + static_cast<size_t>(random.below(static_cast<int>(picks.size() - i)));
+    std::swap(picks[i], picks[j]);
+  }
+  PointCloud cloud;
+  for (size_t i = 0; i < count; ++i) {
+    const SynthView& view = scene.views[picks[i].view];
+    const Camera& camera = view.teacher.camera;
+    const int x = static_cast<int>(picks[i].pixel) % camera.width, y = static_cast<int>(picks[i].pixel) / camera.width;
+    cloud.positions.push_back(camera.unproject(x + 0.5, y + 0.5, view.teacher.depth.at(x, y)).cast<float>());
+    const uint8_t* c = view.image.pixel(x, y);
+    cloud.colors.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
+  }
+  return cloud;
+}
+
+}  // namespace
+
+const ImageF& SynthScene::prior_depth(const SynthView& view) const {
+  return options.teacher == TeacherKind::kSimulated && options.depth_teacher == DepthTeacher::kMono ? view.mono_depth
+                                                                                                     : view.teacher.depth;
+}
+
+std::string geometry_teacher_name(const SynthOptions& o) {
+  return o.teacher == TeacherKind::kExact ? "exact" : fmt::format("simulated feed-forward ({})", teacher_level_name(o.level));
+}
+
+std::string depth_teacher_name(const SynthOptions& o) {
+  if (o.teacher == TeacherKind::kExact || o.depth_teacher == DepthTeacher::kFeedForward) return geometry_teacher_name(o);
+  return fmt::format("simulated mono-depth ({})", teacher_level_name(o.level));
+}
+
+std::string semantic_teacher_name(const SynthOptions& o) {
+  return o.teacher == TeacherKind::kExact ? "exact" : fmt::format("simulated Mask2Former ({})", teacher_level_name(o.level));
+}
+
+SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const SynthProgress& progress) {
+  check_options(options);
+  const auto report = [&](double share, const char* what) {
+    if (progress) progress(share, what);
+  };
+  report(0, "furnishing the room");
+  SynthScene scene;
+  scene.options = options;
+  scene.room = build_room({options.room, options.seed, options.glossy});
+  scene.bare_share = scene.room.bare_area_share();
+  const Random base = Random(options.seed).fork(500);
+  const Random teacher_base = Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed).fork(501);
+  scene.room.move_to_world(world_frame(scene.room, base.fork(1)));
+  scene.up = scene.room.room_to_world.rotation.column(2);
+
+  report(0.02, "lighting the room");
+  const RoomRays rays(scene.room);
+  const LightCache lights = light_room(rays, pool);
+  scene.mesh = truth_mesh(scene.room, lights);
+
+  report(0.3, "walking through the room");
+  TrajectoryOptions walk;
+  walk.training_views = options.views - options.test_views;
+  walk.test_views = options.test_views;
+  walk.width = options.width;
+  walk.height = options.height;
+  walk.seed = options.seed;
+  const std::vector<PlannedView> plan = plan_views(rays, walk, pool);
+
+  std::vector<RenderedView> rendered;
+  for (size_t i = 0; i < plan.size(); ++i) {
+    report(0.35 + 0.4 * static_cast<double>(i) / static_cast<double>(plan.size()), "taking pictures");
+    rendered.push_back(render_view(rays, &lights, plan[i].camera, {true, options.samples_per_side}, pool));
+  }
+
+  report(0.75, "running the geometry teacher");
+  const bool exact = options.teacher == TeacherKind::kExact;
+  GeometryTeacherSettings settings = geometry_teacher_settings(options.level);
+  settings.similarity = options.unknown_similarity;
+  const Vec3d centre = scene.room.room_to_world * Vec3d{scene.room.width / 2, scene.room.depth / 2, scene.room.height / 2};
+  GeometryTeacher geometry = exact ? exact_geometry_teacher(rendered)
+                                   : simulate_geometry_teacher(rendered, settings, centre,
+                                                               std::max(scene.room.width, scene.room.depth), scene.up,
+                                                               teacher_base.fork(1), pool);
+  scene.teacher_world = geometry.world;
+  report(0.85, "running the semantic teacher");
+  std::vector<ScoreMap> scores =
+      exact ? exact_semantic_teacher(rendered, options.semantic_scale, pool)
+            : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
+                                        options.semantic_scale, teacher_base.fork(2), pool);
+
+  report(0.95, "developing the pictures");
+  scene.views.resize(plan.size());
+  const MonoDepthSettings mono = mono_depth_settings(options.level);
+  const Random mono_random = teacher_base.fork(3), photo_random = base.fork(2);
+  pool.parallel_for(plan.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      SynthView& view = scene.views[i];
+      view.name = fmt::format("view_{:03d}", i);
+      view.role = plan[i].role;
+      view.teacher = std::move(geometry.views[i]);
+      view.scores = std::move(scores[i]);
+      if (!exact) view.mono_depth = simulate_mono_depth(rendered[i], i, mono, mono_random);
+      view.image = options.degrade_images ? degrade_image(rendered[i].color, {}, photo_random.fork(i))
+                                          : to_bytes(rendered[i].color);
+      view.truth = std::move(rendered[i]);
+    }
+  });
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    (scene.views[i].role == ViewRole::kTraining ? scene.train : scene.test).push_back(static_cast<int>(i));
+  }
+  scene.cloud = teacher_cloud(scene, teacher_base.fork(4));
+  report(1, "done");
+  return scene;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,381 @@
+#include "synth/teacher_semantic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/half.h"
+#include "scene/label_set.h"
+#include "scene/triangle_mesh.h"
+#include "synth/class_confusions.h"
+#include "synth/noise.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kOutlineLength = 20;   // correlation length of outline errors, image pixels
+constexpr double kMaskSoftness = 2;     // m_q = sigmoid(signed distance / 2 px), image pixels
+constexpr int kStride = 4;              // of the network's mask features, image pixels
+constexpr double kReach = 14;           // masks are below 0.1 % this far outside, image pixels
+constexpr double kUnknown = 0.3;        // score sum below which a pixel counts as unknown
+constexpr double kSmallShare = 0.015;   // of the image: objects below are missed more often
+
+/// What one query sees: an object, or all surface of one stuff class.
+struct Region {
+  uint16_t label = 0;
+  int key = 0;                 // object index, or -1 - label for stuff
+  std::vector<uint8_t> mask;   // per image pixel
+  int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;
+  size_t pixels = 0;
+  double depth_sum = 0;
+  size_t border = 0;           // pixels on the border of the image
+};
+
+std::vector<Region> regions_of(const RenderedView& view) {
+  const int w = view.labels.width, h = view.labels.height;
+  std::map<int, Region> found;
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const uint16_t label = view.labels.at(x, y);
+      if (label == kNoLabel) continue;
+      const int key = is_stuff(label) ? -1 - static_cast<int>(label) : static_cast<int>(view.instances.at(x, y));
+      Region& r = found[key];
+      if (r.mask.empty()) r.mask.assign(view.labels.pixels(), 0);
+      r.label = label;
+      r.key = key;
+      r.mask[static_cast<size_t>(y) * w + x] = 1;
+      r.x0 = std::min(r.x0, x), r.x1 = std::max(r.x1, x), r.y0 = std::min(r.y0, y), r.y1 = std::max(r.y1, y);
+      ++r.pixels;
+      r.depth_sum += view.depth.at(x, y);
+      r.border += x == 0 || y == 0 || x == w - 1 || y == h - 1 ? 1 : 0;
+    }
+  }
+  std::vector<Region> out;
+  for (auto& [key, region] : found) out.push_back(std::move(region));
+  return out;
+}
+
+/// One-dimensional squared distance transform (Felzenszwalb and Huttenlocher 2012), in place with a stride.
+void distance_pass(float* f, int n, int stride, std::vector<float>& out, std::vector<int>& v, std::vector<float>& z) {
+  out.resize(static_cast<size_t>(n));
+  v.resize(static_cast<size_t>(n));
+  z.resize(static_cast<size_t>(n) + 1);
+  const auto at = [&](int i) { return f[static_cast<size_t>(i) * stride]; };
+  int k = 0;
+  v[0] = 0;
+  z[0] = -1e20f;
+  z[1] = 1e20f;
+  for (int q = 1; q < n; ++q) {
+    float s = 0;
+    while (true) {
+      const int p = v[k];
+      s = ((at(q) + static_cast<float>(q * q)) - (at(p) + static_cast<float>(p * p))) / static_cast<float>(2 * (q - p));
+      if (s > z[k]) break;
+      --k;
+    }
+    v[++k] = q;
+    z[k] = s;
+    z[k + 1] = 1e20f;
+  }
+  k = 0;
+  for (int q = 0; q < n; ++q) {
+    while (z[k + 1] < static_cast<float>(q)) ++k;
+    out[q] = static_cast<float>((q - v[k]) * (q - v[k])) + at(v[k]);
+  }
+  for (int q = 0; q < n; ++q) f[static_cast<size_t>(q) * stride] = out[q];
+}
+
+void squared_distance(ImageF& f) {
+  std::vector<float> out, z;
+  std::vector<int> v;
+  for (int y = 0; y < f.height; ++y) distance_pass(&f.at(0, y), f.width, 1, out, v, z);
+  for (int x = 0; x < f.width; ++x) distance_pass(&f.at(x, 0), f.height, f.width, out, v, z);
+}
+
+/// m_q on the output grid inside a window around the region; elsewhere it is negligible.
+struct SoftMask {
+  int x0 = 0, y0 = 0;
+  ImageF value;
+};
+
+SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, double outline_rms, Random& random) {
+  // The outline is displaced by a smooth random field ...
+  const int columns = std::max(1, static_cast<int>(w / kOutlineLength)), rows = std::max(1, static_cast<int>(h / kOutlineLength));
+  const ImageF dx = smooth_random_map(w, h, columns, rows, outline_rms, random);
+  const ImageF dy = smooth_random_map(w, h, columns, rows, outline_rms, random);
+  // ... and drawn on the network's coarse grid.
+  const int cw = (w + kStride - 1) / kStride, ch = (h + kStride - 1) / kStride;
+  ImageF coarse(cw, ch, 1);
+  for (int j = 0; j < ch; ++j) {
+    for (int i = 0; i < cw; ++i) {
+      float sum = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int x = std::min(w - 1, i * kStride + 1 + 2 * (k % 2)), y = std::min(h - 1, j * kStride + 1 + 2 * (k / 2));
+        const int sx = std::clamp(static_cast<int>(std::lround(x + dx.at(x, y))), 0, w - 1);
+        const int sy = std::clamp(static_cast<int>(std::lround(y + dy.at(x, y))), 0, h - 1);
+        sum += region.mask[static_cast<size_t>(sy) * w + sx];
+      }
+      coarse.at(i, j) = sum / 4;
+    }
+  }
+  const double scale = static_cast<double>(w) / out_w, margin = kReach + 3 * outline_rms;
+  SoftMask m;
+  m.x0 = std::max(0, static_cast<int>((region.x0 - margin) / scale));
+  m.y0 = std::max(0, static_cast<int>((region.y0 - margin) / scale));
+  const int x1 = std::min(out_w, static_cast<int>((region.x1 + margin) / scale) + 2);
+  const int y1 = std::min(out_h, static_cast<int>((region.y1 + margin) / scale) + 2);
+  ImageF inside(std::max(1, x1 - m.x0), std::max(1, y1 - m.y0), 1), outside = inside;
+  ImageF level = inside;
+  for (int y = 0; y < inside.height; ++y) {
+    for (int x = 0; x < inside.width; ++x) {
+      const double u = std::clamp((m.x0 + x + 0.5) * scale / kStride - 0.5, 0.0, cw - 1.0);
+      const double v = std::clamp((m.y0 + y + 0.5) * scale / kStride - 0.5, 0.0, ch - 1.0);
+      const int i = std::min(static_cast<int>(u), std::max(0, cw - 2)), j = std::min(static_cast<int>(v), std::max(0, ch - 2));
+      const int i1 = std::min(i + 1, cw - 1), j1 = std::min(j + 1, ch - 1);
+      const float a = static_cast<float>(u - i), b = static_cast<float>(v - j);
+      const float value = (coarse.at(i, j) * (1 - a) + coarse.at(i1, j) * a) * (1 - b) +
+                          (coarse.at(i, j1) * (1 - a) + coarse.at(i1, j1) * a) * b;
+      level.at(x, y) = value;
+      constexpr float kFar = 1e6f;
+      inside.at(x, y) = value > 0.5f ? kFar : 0.0f;
+      outside.at(x, y) = value > 0.5f ? 0.0f : kFar;
+    }
+  }
+  squared_distance(inside);
+  squared_distance(outside);
+  m.value = ImageF(inside.width, inside.height, 1);
+  for (size_t k = 0; k < m.value.data.size(); ++k) {
+    double signed_distance = inside.data[k] > 0 ? std::sqrt(inside.data[k]) - 0.5 : -(std::sqrt(outside.data[k]) - 0.5);
+    signed_distance = std::clamp(signed_distance + (level.data[k] - 0.5), -60.0, 60.0) * scale;
+    m.value.data[k] = static_cast<float>(1 / (1 + std::exp(-signed_distance / kMaskSoftness)));
+  }
+  return m;
+}
+
+/// Draws which objects are confused. One draw in some hundred gives all large pieces or none; the draw whose share
+/// of the pixels is nearest to the expected one is kept, so that every scene has a teacher of the same quality.
+std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
+                                             const SemanticTeacherSettings& s, Random random) {
+  std::vector<double> pixels(room.objects.size(), 0);
+  double things = 0, total = 0;
+  for (const RenderedView& view : views) {
+    for (size_t i = 0; i < view.instances.data.size(); ++i) {
+      const uint16_t object = view.instances.data[i];
+      if (object >= room.objects.size()) continue;
+      total += 1;
+      if (is_stuff(room.objects[object].label)) continue;
+      pixels[object] += 1;
+      things += 1;
+    }
+  }
+  std::vector<ObjectConfusion> best(room.objects.size());
+  double best_error = 1e9;
+  for (int attempt = 0; attempt < 64 && things > 0; ++attempt) {
+    std::vector<ObjectConfusion> draw(room.objects.size());
+    double share = 0;
+    for (size_t i = 0; i < draw.size(); ++i) {
+      const std::vector<uint16_t> others = confusable_classes(room.objects[i].label);
+      if (others.empty()) continue;
+      const bool confused = random.chance(s.confused_share), ambiguous = random.chance(0.4);
+      // The likeliest confusion half of the time, the others share the rest.
+      const size_t other = random.chance(0.5) ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
+      if (!confused) continue;
+      draw[i] = {true, ambiguous, others[other]};
+      share += pixels[i] / things;
+    }
+    const double error = std::fabs(share - s.confused_share);
+    if (error < best_error) best_error = error, best = std::move(draw);
+  }
+  return best;
+}
+
+/// p_q: the classes a query stands for, with their scores.
+std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, const RenderedView& view,
+                                                      const std::vector<ObjectConfusion>& confusions,
+                                                      const SemanticTeacherSettings& s, bool duplicate, Random& random) {
+  double top = random.uniform(s.low_top, s.high_top);
+  if (duplicate) top *= random.uniform(0.3, 0.55);
+  uint16_t first = region.label;
+  const std::vector<uint16_t> others = confusable_classes(region.label);
+  uint16_t second = others.empty() ? region.label : others[0];
+  const bool applies = random.chance(s.confused_view_share);
+  double split = random.uniform(0.75, 0.92);  // share of the score that the first class keeps
+  if (region.key >= 0 && confusions[static_cast<size_t>(region.key)].confused && applies) {
+    const ObjectConfusion& c = confusions[static_cast<size_t>(region.key)];
+    second = region.label;
+    first = c.other;
+    if (c.ambiguous) split = random.uniform(0.44, 0.62);
+  }
+  // A one-off mistake is likelier far away and for objects cut off by the image border.
+  const double distance = region.depth_sum / static_cast<double>(std::max<size_t>(1, region.pixels));
+  const double cut = std::min(1.0, 12.0 * static_cast<double>(region.border) / static_cast<double>(std::max<size_t>(1, region.pixels)));
+  const double chance = s.flip * (0.4 + 0.2 * distance + 0.6 * cut);
+  const bool flip = random.chance(chance);
+  const size_t pick = others.empty() ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
+  if ((flip || duplicate) && !others.empty()) {
+    first = others[pick];
+    second = region.label;
+    split = random.uniform(0.55, 0.85);
+  }
+  std::vector<std::pair<uint16_t, double>> out = {{first, top * split}};
+  if (second != first) out.push_back({second, top * (1 - split)});
+  else out[0].second = top;
+  // The tail goes to random classes, as it does in a trained network.
+  for (int i = 0; i < 3; ++i) {
+    out.push_back({static_cast<uint16_t>(random.below(ade20k_labels().size())), (1 - std::min(1.0, top)) * 0.25 * random.uniform()});
+  }
+  return out;
+}
+
+ScoreMap one_view(const RenderedView& view, const std::vector<ObjectConfusion>& confusions,
+                        const SemanticTeacherSettings& s, int out_w, int out_h, Random random) {
+  const int w = view.labels.width, h = view.labels.height, classes = ade20k_labels().size();
+  const size_t n = static_cast<size_t>(out_w) * out_h;
+  std::vector<float> scores(static_cast<size_t>(classes) * n, 0.0f);
+  const auto add = [&](const SoftMask& m, const std::vector<std::pair<uint16_t, double>>& classes_of_query) {
+    for (const auto& [label, p] : classes_of_query) {
+      float* plane = &scores[label * n];
+      for (int y = 0; y < m.value.height && m.y0 + y < out_h; ++y) {
+        for (int x = 0; x < m.value.width && m.x0 + x < out_w; ++x) {
+          plane[static_cast<size_t>(m.y0 + y) * out_w + m.x0 + x] += static_cast<float>(p) * m.value.at(x, y);
+        }
+      }
+    }
+  };
+  ImageF strongest(out_w, out_h, 1);  // the best mask: low along borders between objects
+  for (const Region& region : regions_of(view)) {
+    Random own = random.fork(static_cast<uint64_t>(region.key + 1000));
+    const bool small = static_cast<double>(region.pixels) < kSmallShare * static_cast<double>(view.labels.pixels());
+    const bool stuff = region.key < 0;
+    if (region.pixels < 6) continue;  // below the network's resolution
+    const bool dropped = own.chance(small ? s.dropped_small : s.dropped) && !stuff;
+    const bool twice = own.chance(s.duplicate) && !stuff;
+    const SoftMask mask = soft_mask(region, w, h, out_w, out_h, s.outline_rms, own);
+    if (dropped) continue;
+    add(mask, class_scores(region, view, confusions, s, false, own));
+    for (int y = 0; y < mask.value.height && mask.y0 + y < out_h; ++y) {
+      for (int x = 0; x < mask.value.width && mask.x0 + x < out_w; ++x) {
+        float& best = strongest.at(mask.x0 + x, mask.y0 + y);
+        best = std::max(best, mask.value.at(x, y));
+      }
+    }
+    if (twice) {
+      const SoftMask again = soft_mask(region, w, h, out_w, out_h, s.outline_rms * 1.5, own);
+      add(again, class_scores(region, view, confusions, s, true, own));
+    }
+  }
+  // Along borders no query is sure, and here and there "no object" wins.
+  Random dips = random.fork(7);
+  const ImageF dip = smooth_random_map(out_w, out_h, std::max(1, out_w / 8), std::max(1, out_h / 8), 1, dips);
+  ScoreMap out;
+  out.channels = classes;
+  out.width = out_w;
+  out.height = out_h;
+  out.values.resize(scores.size());
+  for (size_t i = 0; i < n; ++i) {
+    const float factor = strongest.data[i] < 0.75f && dip.data[i] > 1.0f ? 0.3f : 1.0f;
+    for (int c = 0; c < classes; ++c) {
+      const size_t k = static_cast<size_t>(c) * n + i;
+      out.values[k] = float_to_half(std::min(1.0f, scores[k]) * factor);
+    }
+  }
+  return out;
+}
+
+void scaled_size(const RenderedView& view, double scale, int& w, int& h) {
+  w = std::max(1, static_cast<int>(std::lround(view.labels.width * scale)));
+  h = std::max(1, static_cast<int>(std::lround(view.labels.height * scale)));
+}
+
+}  // namespace
+
+SemanticTeacherSettings semantic_teacher_settings(TeacherLevel level) {
+  SemanticTeacherSettings s;
+  s.outline_rms = level == TeacherLevel::kLow ? 2 : (level == TeacherLevel::kMedium ? 3.5 : 6);
+  s.confused_share = level == TeacherLevel::kLow ? 0.15 : (level == TeacherLevel::kMedium ? 0.22 : 0.30);
+  return s;
+}
+
+float ScoreMap::score(int channel, int x, int y) const {
+  return half_to_float(values[(static_cast<size_t>(channel) * height + y) * width + x]);
+}
+
+std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
+                                                      const SemanticTeacherSettings& settings, double scale,
+                                                      Random random, ThreadPool& pool) {
+  const std::vector<ObjectConfusion> confusions = draw_confusions(views, room, settings, random.fork(1));
+  std::vector<ScoreMap> out(views.size());
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      int w = 0, h = 0;
+      scaled_size(views[i], scale, w, h);
+      out[i] = one_view(views[i], confusions, settings, w, h, random.fork(1000 + i));
+    }
+  });
+  return out;
+}
+
+std::vector<ScoreMap> exact_semantic_teacher(const std::vector<RenderedView>& views, double scale, ThreadPool& pool) {
+  constexpr float kTop = 0.97f;
+  std::vector<ScoreMap> out(views.size());
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const Image<uint16_t>& labels = views[i].labels;
+      ScoreMap& s = out[i];
+      scaled_size(views[i], scale, s.width, s.height);
+      s.channels = ade20k_labels().size();
+      std::vector<float> sums(static_cast<size_t>(s.channels) * s.width * s.height, 0.0f);
+      for (int y = 0; y < s.height; ++y) {
+        const int y0 = y * labels.height / s.height, y1 = std::max(y0 + 1, (y + 1) * labels.height / s.height);
+        for (int x = 0; x < s.width; ++x) {
+          const int x0 = x * labels.width / s.width, x1 = std::max(x0 + 1, (x + 1) * labels.width / s.width);
+          const float share = kTop / static_cast<float>((x1 - x0) * (y1 - y0));
+          for (int v = y0; v < y1; ++v) {
+            for (int u = x0; u < x1; ++u) {
+              const uint16_t label = labels.at(u, v);
+              if (label != kNoLabel) sums[(static_cast<size_t>(label) * s.height + y) * s.width + x] += share;
+            }
+          }
+        }
+      }
+      s.values.resize(sums.size());
+      for (size_t k = 0; k < sums.size(); ++k) s.values[k] = float_to_half(sums[k]);
+    }
+  });
+  return out;
+}
+
+Image<uint16_t> semantic_labels(const ScoreMap& s, int width, int height) {
+  Image<uint16_t> labels(width, height, 1, kNoLabel);
+  const size_t n = static_cast<size_t>(s.width) * s.height;
+  std::vector<int> present;  // classes with any score: most of the 150 have none
+  for (int c = 0; c < s.channels; ++c) {
+    const auto first = s.values.begin() + static_cast<std::ptrdiff_t>(c * n);
+    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(n), [](uint16_t v) { return v != 0; })) present.push_back(c);
+  }
+  ImageF planes(s.width, s.height, static_cast<int>(present.size()));
+  for (size_t k = 0; k < present.size(); ++k) {
+    for (size_t i = 0; i < n; ++i) planes.data[i * present.size() + k] = half_to_float(s.values[static_cast<size_t>(present[k]) * n + i]);
+  }
+  for (int y = 0; y < height; ++y) {
+    const double v = std::clamp((y + 0.5) * s.height / height - 0.5, 0.0, s.height - 1.0);
+    const int j = static_cast<int>(v), j1 = std::min(j + 1, s.height - 1);
+    for (int x = 0; x < width; ++x) {
+      const double u = std::clamp((x + 0.5) * s.width / width - 0.5, 0.0, s.width - 1.0);
+      const int i = static_cast<int>(u), i1 = std::min(i + 1, s.width - 1);
+      const float a = static_cast<float>(u - i), b = static_cast<float>(v - j);
+      float best = 0, sum = 0;
+      for (size_t k = 0; k < present.size(); ++k) {
+        const int c = static_cast<int>(k);
+        const float value = (planes.at(i, j, c) * (1 - a) + planes.at(i1, j, c) * a) * (1 - b) +
+                            (planes.at(i, j1, c) * (1 - a) + planes.at(i1, j1, c) * a) * b;
+        sum += value;
+        if (value > best) best = value, labels.at(x, y) = static_cast<uint16_t>(present[k]);
+      }
+      if (sum < kUnknown) labels.at(x, y) = kNoLabel;
+    }
+  }
+  return labels;
+}
+
+}  // namespace aligngs
