@@ -219,8 +219,6 @@ StepReport CpuEngine::step(const StepRequest& request) {
   if (density) add_density_statistics(reduce, gradients_.touched, *pool_, statistics_);
   if (semantics && bounded && strength != 0) {
     update_coupling_balance(totals.photometric_rms, totals.coupling_rms, balance_);
-    balance_.photometric = static_cast<float>(balance_.photometric);
-    balance_.semantic = static_cast<float>(balance_.semantic);
   }
   watch.lap("optimise");
   return report;

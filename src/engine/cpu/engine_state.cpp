@@ -1,6 +1,7 @@
 // Loading, storing and restructuring the state of the engine.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/error.h"
 #include "engine/cpu/cpu_engine.h"
@@ -86,7 +87,11 @@ void CpuEngine::save_state(EngineState& state) const {
   for (const NamedArray& a : arrays_of(moments.m)) state.arrays[std::string("adam_m.") + a.name] = std::move(*a.values);
   for (const NamedArray& a : arrays_of(moments.v)) state.arrays[std::string("adam_v.") + a.name] = std::move(*a.values);
   for (const NamedArray& a : arrays_of(statistics)) state.arrays[std::string("density.") + a.name] = std::move(*a.values);
-  state.arrays["coupling.balance"] = {static_cast<float>(balance_.photometric), static_cast<float>(balance_.semantic)};
+  // Bit for bit: a rounded value would make a resumed run differ in the last digits.
+  const double running[2] = {balance_.photometric, balance_.semantic};
+  std::vector<float>& balance = state.arrays["coupling.balance"];
+  balance.resize(2 * sizeof(double) / sizeof(float));
+  std::memcpy(balance.data(), running, sizeof(running));
 }
 
 void CpuEngine::load_state(const EngineState& state) {
@@ -104,7 +109,7 @@ void CpuEngine::load_state(const EngineState& state) {
   for (const NamedArray& a : arrays_of(statistics)) {
     *a.values = take(state, std::string("density.") + a.name, state.model.size());
   }
-  const std::vector<float> balance = take(state, "coupling.balance", 2);
+  const std::vector<float> balance = take(state, "coupling.balance", 2 * sizeof(double) / sizeof(float));
   constexpr size_t kShRow = 3 * kShCoefficients;
   for (size_t i = 0; i < moments.m.sh.size(); ++i) {
     if (moments.m.sh[i] != 0 || moments.v.sh[i] != 0) moments.sh_used = std::max(moments.sh_used, i % kShRow + 1);
@@ -112,7 +117,9 @@ void CpuEngine::load_state(const EngineState& state) {
   model_ = state.model;
   moments_ = std::move(moments);
   statistics_ = std::move(statistics);
-  balance_ = {balance[0], balance[1]};
+  double running[2];
+  std::memcpy(running, balance.data(), sizeof(running));
+  balance_ = {running[0], running[1]};
 }
 
 void CpuEngine::set_training_views(std::vector<TrainingView> views) {

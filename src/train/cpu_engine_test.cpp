@@ -1,0 +1,131 @@
+// The whole of train_run with the real engine, on a scene of a few hundred pixels.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/log.h"
+#include "core/stop_signal.h"
+#include "io/atomic_file.h"
+#include "scene/test_scene_folder.h"
+#include "train/run_folder.h"
+#include "train/train_run.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The slope of test_scene with a texture that belongs to its surface, so that the views agree on it.
+fs::path write_textured_scene() {
+  const fs::path folder = test_scene::fresh_folder("textured");
+  SceneWriter writer(folder, false);
+  for (int i = 0; i < 3; ++i) {
+    SceneViewParts view = test_scene::view_parts(i);
+    for (int y = 0; y < view.image.height; ++y) {
+      for (int x = 0; x < view.image.width; ++x) {
+        const Vec3d p = view.camera.unproject(x + 0.5, y + 0.5, view.prior_depth.at(x, y));
+        const double wave[3] = {std::sin(9 * p.x), std::sin(7 * p.y + 4 * p.x), std::cos(11 * p.y)};
+        for (int c = 0; c < 3; ++c) view.image.at(x, y, c) = static_cast<uint8_t>(128 + 100 * wave[c]);
+      }
+    }
+    writer.add_view(view);
+  }
+  writer.finish(test_scene::scene_parts());
+  return folder;
+}
+
+class TrainOnCpu : public testing::Test {
+ protected:
+  void SetUp() override {
+    set_log_level(LogLevel::kSilent);
+    clear_stop_request();
+    static const fs::path scene = write_textured_scene();
+    scene_ = scene;
+    base_ = test_scene::fresh_folder("runs");
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  TrainOptions options(const std::string& run, const std::string& preset, int threads = 1) const {
+    TrainOptions o;
+    o.scene = scene_;
+    o.run = base_ / run;
+    o.config.preset = preset;
+    o.config.iterations = 42;
+    // Everything that changes state happens within 42 iterations: density control, free space, alignment, coupling.
+    o.config.sets = {"checkpoint.every=10", "train.reference_iterations=420", "densify.every=60", "densify.start=60",
+                     "densify.min_epochs=0", "densify.stop=350", "densify.free_space_every=130", "loss.depth_align_every=110",
+                     "loss.normal_start=50", "loss.depth_start=20", "semantic.coupling_start=50", "semantic.coupling_stop=380",
+                     "densify.opacity_reset_every=200", "train.sh_every=100"};
+    o.progress.enabled = false;
+    o.threads = threads;
+    return o;
+  }
+  static std::string ply(const TrainOptions& o) { return read_file(RunFolder(o.run).scene_ply()); }
+
+  fs::path scene_, base_;
+};
+
+/// Stands for kill -9: the engine's owner dies in the middle of a step.
+struct Killed {};
+class MortalEngine final : public Engine {
+ public:
+  MortalEngine(int threads, int64_t kill_at) : engine_(make_cpu_engine(threads)), kill_at_(kill_at) {}
+  StepReport step(const StepRequest& request) override {
+    StepReport report = engine_->step(request);
+    if (request.step == kill_at_) throw Killed{};
+    return report;
+  }
+  std::string device_name() const override { return engine_->device_name(); }
+  void load(const GaussianModel& model) override { engine_->load(model); }
+  void store(GaussianModel& model) const override { engine_->store(model); }
+  void save_state(EngineState& state) const override { engine_->save_state(state); }
+  void load_state(const EngineState& state) override { engine_->load_state(state); }
+  size_t size() const override { return engine_->size(); }
+  void set_training_views(std::vector<TrainingView> views) override { engine_->set_training_views(std::move(views)); }
+  DensityStatistics density_statistics() const override { return engine_->density_statistics(); }
+  void reset_density_statistics() override { engine_->reset_density_statistics(); }
+  void restructure(const RestructurePlan& plan) override { engine_->restructure(plan); }
+  void reset_opacity(float maximum) override { engine_->reset_opacity(maximum); }
+  Rendering render(const Camera& camera, const RenderOptions& o) const override { return engine_->render(camera, o); }
+  void lift_semantics(const RasterSettings& raster) override { engine_->lift_semantics(raster); }
+  uint64_t predicted_bytes(size_t n, int channels, size_t pixels) const override {
+    return engine_->predicted_bytes(n, channels, pixels);
+  }
+
+ private:
+  std::unique_ptr<Engine> engine_;
+  int64_t kill_at_;
+};
+
+TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
+  for (const char* preset : {"default", "paper"}) {
+    const TrainOptions whole = options(std::string(preset) + "_whole", preset);
+    train_run(whole);
+    for (const int64_t at : {5, 16, 37}) {
+      TrainOptions o = options(std::string(preset) + std::to_string(at), preset);
+      EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+      o.resume = true;
+      train_run(o);
+      EXPECT_TRUE(ply(o) == ply(whole)) << preset << " killed at " << at;
+    }
+  }
+}
+
+TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {
+  const TrainOptions one = options("one", "default", 1), three = options("three", "default", 3);
+  train_run(one);
+  train_run(three);
+  EXPECT_TRUE(ply(one) == ply(three));
+}
+
+TEST_F(TrainOnCpu, TrainingImprovesThePicture) {
+  TrainOptions brief = options("brief", "default"), longer = options("longer", "default");
+  brief.config = {};
+  brief.config.iterations = 2;
+  longer.config = {};
+  longer.config.iterations = 150;
+  EXPECT_GT(train_run(longer).psnr, train_run(brief).psnr + 3);
+}
+
+}  // namespace
+}  // namespace aligngs
