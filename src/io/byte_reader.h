@@ -1,4 +1,5 @@
-// Bounds-checked reading of numbers from bytes in memory: every parser of a binary format goes through it.
+// Bounds-checked reading of numbers from bytes in memory: every parser of a binary format goes
+// through it.
 #pragma once
 
 #include <bit>
@@ -14,7 +15,8 @@
 
 namespace aligngs {
 
-/// The value of T stored at `bytes` in the given byte order; the caller has checked that sizeof(T) bytes are there.
+/// The value of T stored at `bytes` in the given byte order; the caller has checked that sizeof(T)
+/// bytes are there.
 template <class T>
 T load_number(const char* bytes, bool big_endian) {
   static_assert(std::is_arithmetic_v<T>);
@@ -41,7 +43,8 @@ void append_little(std::string& out, T value) {
 /// A cursor over bytes. Reading past the end is Error{kBadInput} naming the file and the field.
 class ByteReader {
  public:
-  ByteReader(std::string_view bytes, std::filesystem::path name) : bytes_(bytes), name_(std::move(name)) {}
+  ByteReader(std::string_view bytes, std::filesystem::path name)
+      : bytes_(bytes), name_(std::move(name)) {}
 
   size_t offset() const { return offset_; }
   size_t remaining() const { return bytes_.size() - offset_; }
@@ -62,8 +65,8 @@ class ByteReader {
     offset_ += sizeof(T);
     return value;
   }
-  /// A count of records of at least `record_bytes` (>= 1) each: refused when the rest of the file cannot hold them,
-  /// so that nothing is allocated on the word of a corrupt file.
+  /// A count of records of at least `record_bytes` (>= 1) each: refused when the rest of the file
+  /// cannot hold them, so that nothing is allocated on the word of a corrupt file.
   uint64_t count_of(uint64_t count, uint64_t record_bytes, const std::string& field) const {
     if (count > remaining() / record_bytes) {
       fail(field, "the file cannot hold " + std::to_string(count) + " entries");
@@ -71,7 +74,8 @@ class ByteReader {
     return count;
   }
   [[noreturn]] void fail(const std::string& field, const std::string& message) const {
-    throw_bad_input(name_, field, message, "the file is damaged or incomplete; copy or create it again");
+    throw_bad_input(name_, field, message,
+                    "the file is damaged or incomplete; copy or create it again");
   }
 
  private:

@@ -1,4 +1,5 @@
-// Random access to bytes that lie in a file or in memory, for formats whose parts are read one at a time.
+// Random access to bytes that lie in a file or in memory, for formats whose parts are read one at a
+// time.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ class ByteSource {
   virtual ~ByteSource() = default;
   const std::filesystem::path& name() const { return name_; }
   uint64_t size() const { return size_; }
-  /// A copy of `count` bytes from `offset`. Error{kBadInput} when they are not all within the source.
+  /// A copy of `count` bytes from `offset`. Error{kBadInput} when they are not all within the
+  /// source.
   std::string read(uint64_t offset, uint64_t count) const;
 
  protected:
@@ -27,7 +29,8 @@ class ByteSource {
 };
 
 /// `bytes` must outlive the source.
-std::unique_ptr<ByteSource> memory_source(std::string_view bytes, std::filesystem::path name_for_errors);
+std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
+                                          std::filesystem::path name_for_errors);
 /// Error{kBadInput} when the file cannot be opened.
 std::unique_ptr<ByteSource> file_source(const std::filesystem::path& path);
 

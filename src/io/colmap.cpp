@@ -1,17 +1,16 @@
 // Format: https://colmap.github.io/format.html
 #include "io/colmap.h"
 
-#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/colmap_camera_models.h"
 #include "io/colmap_text.h"
+#include "io/colmap_validity.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -19,13 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxImageSide = 1'000'000;  // pixels: beyond it the file is not what it seems
-const char* const kRemedy = "run the reconstruction again, or remove the entry";
-
 std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
   constexpr uint64_t kLeastBytes = 4 + 4 + 8 + 8 + 3 * 8;  // id, model, size, three parameters
-  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of cameras");
+  const uint64_t count =
+      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of cameras");
   std::vector<ColmapCamera> cameras(count);
   for (ColmapCamera& camera : cameras) {
     camera.id = reader.little<uint32_t>("camera id");
@@ -33,7 +30,8 @@ std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const f
     const ColmapCameraModel* model = find_colmap_camera_model(model_id);
     if (!model) {
       throw_bad_input(name, "model of camera " + std::to_string(camera.id),
-                      "unknown camera model " + std::to_string(model_id), "use one of COLMAP's models 0 to 10");
+                      "unknown camera model " + std::to_string(model_id),
+                      "use one of COLMAP's models 0 to 10");
     }
     camera.model = model->name;
     camera.width = reader.little<uint64_t>("camera width");
@@ -47,20 +45,23 @@ std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const f
 
 std::vector<ColmapImage> parse_images_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
-  constexpr uint64_t kLeastBytes = 4 + 7 * 8 + 4 + 1 + 8;  // id, pose, camera, empty name, number of keypoints
-  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of images");
+  constexpr uint64_t kLeastBytes =
+      4 + 7 * 8 + 4 + 1 + 8;  // id, pose, camera, empty name, number of keypoints
+  const uint64_t count =
+      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of images");
   std::vector<ColmapImage> images(count);
   for (ColmapImage& image : images) {
     image.id = reader.little<uint32_t>("image id");
-    for (double* value : {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z,
-                          &image.translation.x, &image.translation.y, &image.translation.z}) {
+    for (double* value :
+         {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z,
+          &image.translation.x, &image.translation.y, &image.translation.z}) {
       *value = reader.little<double>("pose");
     }
     image.camera_id = reader.little<uint32_t>("camera id of an image");
     while (const char c = reader.little<char>("name of an image")) image.name += c;
     constexpr uint64_t kKeypointBytes = 2 * 8 + 8;
-    const uint64_t points = reader.count_of(reader.little<uint64_t>("number of keypoints"), kKeypointBytes,
-                                            "number of keypoints of " + image.name);
+    const uint64_t points = reader.count_of(reader.little<uint64_t>("number of keypoints"),
+                                            kKeypointBytes, "number of keypoints of " + image.name);
     image.points.resize(points);
     image.point_ids.resize(points);
     for (uint64_t i = 0; i < points; ++i) {
@@ -76,7 +77,8 @@ std::vector<ColmapImage> parse_images_binary(const std::string& bytes, const fs:
 std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
   constexpr uint64_t kLeastBytes = 8 + 3 * 8 + 3 + 8 + 8, kTrackBytes = 8;
-  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of points");
+  const uint64_t count =
+      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of points");
   std::vector<ColmapPoint> points(count);
   for (ColmapPoint& point : points) {
     point.id = reader.little<uint64_t>("point id");
@@ -85,7 +87,8 @@ std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs:
     }
     for (uint8_t& channel : point.color) channel = reader.little<uint8_t>("point colour");
     point.error = reader.little<double>("point error");
-    point.track.resize(reader.count_of(reader.little<uint64_t>("track length"), kTrackBytes, "track length"));
+    point.track.resize(
+        reader.count_of(reader.little<uint64_t>("track length"), kTrackBytes, "track length"));
     for (auto& [image, keypoint] : point.track) {
       image = reader.little<uint32_t>("track");
       keypoint = reader.little<uint32_t>("track");
@@ -93,58 +96,6 @@ std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs:
   }
   if (reader.remaining() != 0) reader.fail("end", "bytes after the last point");
   return points;
-}
-
-bool finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
-  const std::string field = "camera " + std::to_string(camera.id);
-  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxImageSide || camera.height > kMaxImageSide) {
-    throw_bad_input(name, field,
-                    "the size " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " is not valid",
-                    kRemedy);
-  }
-  for (const double value : camera.params) {
-    if (!std::isfinite(value)) throw_bad_input(name, field, "a parameter is not finite", kRemedy);
-  }
-}
-
-void require_valid_image(const ColmapImage& image, const fs::path& name) {
-  const std::string field = "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")";
-  const double length = norm(image.rotation);
-  if (image.name.empty()) throw_bad_input(name, field, "the name is missing", kRemedy);
-  if (!std::isfinite(length) || !finite(image.translation)) {
-    throw_bad_input(name, field, "the pose is not finite", kRemedy);
-  }
-  constexpr double kLeastLength = 1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
-  if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kRemedy);
-}
-
-/// What binary and text models must have in common.
-void require_valid(const ColmapModel& model, const fs::path& cameras, const fs::path& images, const fs::path& points) {
-  std::set<uint32_t> camera_ids, image_ids;
-  for (const ColmapCamera& camera : model.cameras) {
-    require_valid_camera(camera, cameras);
-    if (!camera_ids.insert(camera.id).second) {
-      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice", kRemedy);
-    }
-  }
-  for (const ColmapImage& image : model.images) {
-    require_valid_image(image, images);
-    if (!image_ids.insert(image.id).second) {
-      throw_bad_input(images, "image " + std::to_string(image.id), "the id occurs twice", kRemedy);
-    }
-    if (!camera_ids.count(image.camera_id)) {
-      throw_bad_input(images, "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")",
-                      "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(),
-                      kRemedy);
-    }
-  }
-  for (const ColmapPoint& point : model.points) {
-    if (!finite(point.position)) {
-      throw_bad_input(points, "point " + std::to_string(point.id), "the position is not finite", kRemedy);
-    }
-  }
 }
 
 /// "<folder>/<stem>.bin" or ".txt", whichever is there.
@@ -162,7 +113,9 @@ fs::path require_file(const fs::path& folder, const std::string& stem) {
                   "give the folder of a COLMAP model");
 }
 
-bool is_model_folder(const fs::path& folder) { return find_file(folder, "cameras") && find_file(folder, "images"); }
+bool is_model_folder(const fs::path& folder) {
+  return find_file(folder, "cameras") && find_file(folder, "images");
+}
 
 /// A cheap look at how many images a model has: the binary count, or the image lines of the text.
 uint64_t count_images(const fs::path& folder) {
@@ -176,17 +129,20 @@ uint64_t count_images(const fs::path& folder) {
   return parse_colmap_images_text(read_file(*path), *path).size();
 }
 
-/// The numbered models (0, 1, ...) of a mapper's output folder: the one with most images, the first of equals.
+/// The numbered models (0, 1, ...) of a mapper's output folder: the one with most images, the first
+/// of equals.
 std::optional<fs::path> best_numbered_model(const fs::path& folder) {
   std::map<uint64_t, fs::path> models;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
     uint64_t number = 0;
     if (parse_number(entry->path().filename().string(), number) && is_model_folder(entry->path())) {
       models[number] = entry->path();
     }
   }
-  if (models.size() <= 1) return models.empty() ? std::nullopt : std::optional(models.begin()->second);
+  if (models.size() <= 1)
+    return models.empty() ? std::nullopt : std::optional(models.begin()->second);
   std::optional<fs::path> best;
   uint64_t most = 0;
   for (const auto& [number, path] : models) {
@@ -198,15 +154,17 @@ std::optional<fs::path> best_numbered_model(const fs::path& folder) {
 
 }  // namespace
 
-ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
+ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images,
+                                 const std::string& points,
                                  const std::filesystem::path& folder_for_errors) {
-  const fs::path camera_path = folder_for_errors / "cameras.bin", image_path = folder_for_errors / "images.bin",
+  const fs::path camera_path = folder_for_errors / "cameras.bin",
+                 image_path = folder_for_errors / "images.bin",
                  point_path = folder_for_errors / "points3D.bin";
   ColmapModel model;
   model.cameras = parse_cameras_binary(cameras, camera_path);
   model.images = parse_images_binary(images, image_path);
   if (!points.empty()) model.points = parse_points_binary(points, point_path);
-  require_valid(model, camera_path, image_path, point_path);
+  require_valid_colmap(model, camera_path, image_path, point_path);
   return model;
 }
 
@@ -219,14 +177,14 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
   model.cameras = is_binary(cameras) ? parse_cameras_binary(camera_bytes, cameras)
                                      : parse_colmap_cameras_text(camera_bytes, cameras);
   const std::string image_bytes = read_file(images);
-  model.images =
-      is_binary(images) ? parse_images_binary(image_bytes, images) : parse_colmap_images_text(image_bytes, images);
+  model.images = is_binary(images) ? parse_images_binary(image_bytes, images)
+                                   : parse_colmap_images_text(image_bytes, images);
   if (points) {
     const std::string point_bytes = read_file(*points);
     model.points = is_binary(*points) ? parse_points_binary(point_bytes, *points)
                                       : parse_colmap_points_text(point_bytes, *points);
   }
-  require_valid(model, cameras, images, points.value_or(folder / "points3D.bin"));
+  require_valid_colmap(model, cameras, images, points.value_or(folder / "points3D.bin"));
   return model;
 }
 
@@ -235,61 +193,9 @@ std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_fold
     if (const auto numbered = best_numbered_model(folder)) return *numbered;
     if (is_model_folder(folder)) return folder;
   }
-  throw_bad_input(scene_folder, "sparse", "no COLMAP model found (cameras and images, .bin or .txt)",
+  throw_bad_input(scene_folder, "sparse",
+                  "no COLMAP model found (cameras and images, .bin or .txt)",
                   "put it into sparse/ or sparse/0/");
-}
-
-void write_colmap_binary(const std::filesystem::path& folder, const ColmapModel& model) {
-  require_valid(model, folder / "cameras.bin", folder / "images.bin", folder / "points3D.bin");
-  std::string out;
-  append_little(out, uint64_t(model.cameras.size()));
-  for (const ColmapCamera& camera : model.cameras) {
-    const ColmapCameraModel* known = find_colmap_camera_model(camera.model);
-    if (!known || known->parameters != camera.params.size()) {
-      throw Error({ErrorKind::kFailed, "the camera model " + camera.model + " does not have " +
-                                           std::to_string(camera.params.size()) + " parameters",
-                   folder / "cameras.bin", "camera " + std::to_string(camera.id), ""});
-    }
-    append_little(out, camera.id);
-    append_little(out, int32_t(known->id));
-    append_little(out, camera.width);
-    append_little(out, camera.height);
-    for (const double value : camera.params) append_little(out, value);
-  }
-  write_file_atomically(folder / "cameras.bin", out);
-
-  out.clear();
-  append_little(out, uint64_t(model.images.size()));
-  for (const ColmapImage& image : model.images) {
-    append_little(out, image.id);
-    const Quaterniond& q = image.rotation;
-    const Vec3d& t = image.translation;
-    for (const double value : {q.w, q.x, q.y, q.z, t.x, t.y, t.z}) append_little(out, value);
-    append_little(out, image.camera_id);
-    out.append(image.name.c_str(), image.name.size() + 1);
-    append_little(out, uint64_t(image.points.size()));
-    for (size_t i = 0; i < image.points.size(); ++i) {
-      append_little(out, image.points[i].x);
-      append_little(out, image.points[i].y);
-      append_little(out, i < image.point_ids.size() ? image.point_ids[i] : int64_t(-1));
-    }
-  }
-  write_file_atomically(folder / "images.bin", out);
-
-  out.clear();
-  append_little(out, uint64_t(model.points.size()));
-  for (const ColmapPoint& point : model.points) {
-    append_little(out, point.id);
-    for (const double value : {point.position.x, point.position.y, point.position.z}) append_little(out, value);
-    for (const uint8_t channel : point.color) append_little(out, channel);
-    append_little(out, point.error);
-    append_little(out, uint64_t(point.track.size()));
-    for (const auto& [image, keypoint] : point.track) {
-      append_little(out, image);
-      append_little(out, keypoint);
-    }
-  }
-  write_file_atomically(folder / "points3D.bin", out);
 }
 
 }  // namespace aligngs

@@ -74,12 +74,15 @@ void expect_small_model(const ColmapModel& model) {
 }
 
 const std::string kCamerasText =
-    "# Camera list\r\n7 PINHOLE 640 480 500 501 320 240\r\n2 OPENCV 100 80 90 91 50 40 0.1 -0.2 0.001 0.002\r\n";
+    "# Camera list\r\n7 PINHOLE 640 480 500 501 320 240\r\n2 OPENCV 100 80 90 91 50 40 0.1 -0.2 "
+    "0.001 0.002\r\n";
 const std::string kImagesText =
-    "# Image list\n3 0.5 -0.5 0.5 0.5 1 2 -3 7 a photo.jpg\n10.5 20.25 42 1 2 -1\n\n9 1 0 0 0 0 0 0 2 b.jpg\n";
+    "# Image list\n3 0.5 -0.5 0.5 0.5 1 2 -3 7 a photo.jpg\n10.5 20.25 42 1 2 -1\n\n9 1 0 0 0 0 0 "
+    "0 2 b.jpg\n";
 const std::string kPointsText = "# 3D point list\n42 0.1 0.2 0.3 255 0 7 0.65 3 0\n";
 
-fs::path text_model(const std::string& name, const std::string& cameras, const std::string& images) {
+fs::path text_model(const std::string& name, const std::string& cameras,
+                    const std::string& images) {
   const fs::path folder = fresh_folder(name);
   write_file_atomically(folder / "cameras.txt", cameras);
   write_file_atomically(folder / "images.txt", images);
@@ -112,8 +115,9 @@ TEST(Colmap, TextMeansTheSame) {
 }
 
 TEST(Colmap, EmptyKeypointLinesKeepTheImagesApart) {
-  const fs::path folder = text_model("empty_lines", kCamerasText,
-                                     "1 1 0 0 0 0 0 0 7 a.jpg\n\n2 1 0 0 0 0 0 0 7 b.jpg\n\n3 1 0 0 0 0 0 0 7 c.jpg\n");
+  const fs::path folder =
+      text_model("empty_lines", kCamerasText,
+                 "1 1 0 0 0 0 0 0 7 a.jpg\n\n2 1 0 0 0 0 0 0 7 b.jpg\n\n3 1 0 0 0 0 0 0 7 c.jpg\n");
   EXPECT_EQ(read_colmap_model(folder).images.size(), 3u);
 }
 
@@ -133,10 +137,17 @@ TEST(Colmap, PointsMayBeAbsent) {
 }
 
 TEST(Colmap, EveryModelHasItsParameterCount) {
-  const std::vector<std::pair<std::string, size_t>> models = {
-      {"SIMPLE_PINHOLE", 3}, {"PINHOLE", 4}, {"SIMPLE_RADIAL", 4}, {"RADIAL", 5},
-      {"OPENCV", 8},         {"OPENCV_FISHEYE", 8}, {"FULL_OPENCV", 12}, {"FOV", 5},
-      {"SIMPLE_RADIAL_FISHEYE", 4}, {"RADIAL_FISHEYE", 5}, {"THIN_PRISM_FISHEYE", 12}};
+  const std::vector<std::pair<std::string, size_t>> models = {{"SIMPLE_PINHOLE", 3},
+                                                              {"PINHOLE", 4},
+                                                              {"SIMPLE_RADIAL", 4},
+                                                              {"RADIAL", 5},
+                                                              {"OPENCV", 8},
+                                                              {"OPENCV_FISHEYE", 8},
+                                                              {"FULL_OPENCV", 12},
+                                                              {"FOV", 5},
+                                                              {"SIMPLE_RADIAL_FISHEYE", 4},
+                                                              {"RADIAL_FISHEYE", 5},
+                                                              {"THIN_PRISM_FISHEYE", 12}};
   std::string cameras;
   append_little(cameras, uint64_t(models.size()));
   for (size_t id = 0; id < models.size(); ++id) {
@@ -156,22 +167,30 @@ TEST(Colmap, EveryModelHasItsParameterCount) {
 
 TEST(Colmap, NamesWhatIsWrongWithAPose) {
   const std::string end = " 7 a.jpg\n\n";
-  expect_bad(text_model("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), "images.txt", "image 3 (a.jpg)", "not finite");
-  expect_bad(text_model("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), "images.txt", "image 3 (a.jpg)", "not finite");
-  expect_bad(text_model("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), "images.txt", "image 3 (a.jpg)", "zero");
-  expect_bad(text_model("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg\n\n"), "images.txt", "image 3 (a.jpg)",
-             "camera 5");
-  expect_bad(text_model("name", kCamerasText, "3 1 0 0 0 0 0 0 7\n\n"), "images.txt", "image 3", "name is missing");
+  expect_bad(text_model("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), "images.txt",
+             "image 3 (a.jpg)", "not finite");
+  expect_bad(text_model("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), "images.txt",
+             "image 3 (a.jpg)", "not finite");
+  expect_bad(text_model("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), "images.txt",
+             "image 3 (a.jpg)", "zero");
+  expect_bad(text_model("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg\n\n"), "images.txt",
+             "image 3 (a.jpg)", "camera 5");
+  expect_bad(text_model("name", kCamerasText, "3 1 0 0 0 0 0 0 7\n\n"), "images.txt", "image 3",
+             "name is missing");
 }
 
 TEST(Colmap, NamesWhatIsWrongInText) {
-  expect_bad(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL", "CUBE");
-  expect_bad(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS", "missing");
-  expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS", "too many");
+  expect_bad(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL",
+             "CUBE");
+  expect_bad(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS",
+             "missing");
+  expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS",
+             "too many");
   expect_bad(text_model("size", "1 PINHOLE 64 0 1 2 3 4\n", ""), "cameras.txt", "camera 1", "64x0");
-  expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt", "line 2, QY", "zero");
-  expect_bad(text_model("twice", kCamerasText, "3 1 0 0 0 0 0 0 7 a\n\n3 1 0 0 0 0 0 0 7 b\n\n"), "images.txt",
-             "image 3", "twice");
+  expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt",
+             "line 2, QY", "zero");
+  expect_bad(text_model("twice", kCamerasText, "3 1 0 0 0 0 0 0 7 a\n\n3 1 0 0 0 0 0 0 7 b\n\n"),
+             "images.txt", "image 3", "twice");
 }
 
 TEST(Colmap, RefusesUnknownBinaryModelsAndHugeCounts) {
@@ -203,14 +222,17 @@ TEST(Colmap, FindsTheModelOfAScene) {
   EXPECT_EQ(find_colmap_folder(scene / "sparse"), scene / "sparse" / "1");
 }
 
-TEST(Colmap, MissingFilesAreNamed) { expect_bad(fresh_folder("nothing"), "", "cameras", "cameras.bin"); }
+TEST(Colmap, MissingFilesAreNamed) {
+  expect_bad(fresh_folder("nothing"), "", "cameras", "cameras.bin");
+}
 
 TEST(Colmap, ReadsARealModel) {
   const fs::path folder = fs::path(ALIGNGS_SOURCE_DIR) / "../shared/data/kitchen_rgbd";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
   size_t models = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.path().filename() != "cameras.bin" && entry.path().filename() != "cameras.txt") continue;
+    if (entry.path().filename() != "cameras.bin" && entry.path().filename() != "cameras.txt")
+      continue;
     const ColmapModel model = read_colmap_model(entry.path().parent_path());
     EXPECT_FALSE(model.images.empty()) << entry.path();
     ++models;

@@ -41,7 +41,8 @@ class LineReader {
   T number(const char* field) {
     const std::string_view text = word(field);
     T value{};
-    if (!parse_number(text, value)) fail(field, "'" + std::string(text.substr(0, 40)) + "' is not such a number");
+    if (!parse_number(text, value))
+      fail(field, "'" + std::string(text.substr(0, 40)) + "' is not such a number");
     return value;
   }
   [[noreturn]] void fail(const char* field, const std::string& message) const {
@@ -57,7 +58,8 @@ class LineReader {
 
 }  // namespace
 
-std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text, const std::filesystem::path& name) {
+std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text,
+                                                    const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapCamera> cameras;
   while (line.next_record()) {
@@ -68,14 +70,16 @@ std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text, const
     if (!model) line.fail("MODEL", "unknown camera model '" + camera.model.substr(0, 40) + "'");
     camera.width = line.number<uint64_t>("WIDTH");
     camera.height = line.number<uint64_t>("HEIGHT");
-    for (size_t i = 0; i < model->parameters; ++i) camera.params.push_back(line.number<double>("PARAMS"));
+    for (size_t i = 0; i < model->parameters; ++i)
+      camera.params.push_back(line.number<double>("PARAMS"));
     if (!line.at_end_of_line()) line.fail("PARAMS", "too many parameters for " + camera.model);
     cameras.push_back(std::move(camera));
   }
   return cameras;
 }
 
-std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const std::filesystem::path& name) {
+std::vector<ColmapImage> parse_colmap_images_text(std::string_view text,
+                                                  const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapImage> images;
   while (line.next_record()) {
@@ -90,7 +94,8 @@ std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const s
     image.translation.z = line.number<double>("TZ");
     image.camera_id = line.number<uint32_t>("CAMERA_ID");
     image.name = line.rest_of_line();  // may hold spaces
-    // The second line lists the keypoints; it is empty for an image without any, and may be missing at the end.
+    // The second line lists the keypoints; it is empty for an image without any, and may be missing
+    // at the end.
     if (line.next()) {
       while (!line.at_end_of_line()) {
         const double x = line.number<double>("X"), y = line.number<double>("Y");
@@ -103,7 +108,8 @@ std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const s
   return images;
 }
 
-std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text, const std::filesystem::path& name) {
+std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text,
+                                                  const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapPoint> points;
   while (line.next_record()) {

@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// 1 to 8 (EXIF 2.3, tag 0x0112); 1 (upright) when the tag is absent or nonsense. `exif` is the content of a JPEG APP1
-/// segment, "Exif\0\0" included.
+/// 1 to 8 (EXIF 2.3, tag 0x0112); 1 (upright) when the tag is absent or nonsense. `exif` is the
+/// content of a JPEG APP1 segment, "Exif\0\0" included.
 int exif_orientation(std::string_view exif);
 
 /// Whether upright width and height are the stored height and width.

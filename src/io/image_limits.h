@@ -1,4 +1,5 @@
-// What a picture may measure at most, and what its file must at least weigh, before memory is taken for it.
+// What a picture may measure at most, and what its file must at least weigh, before memory is taken
+// for it.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +7,13 @@
 
 namespace aligngs {
 
-constexpr int kMaxImageSide = 65535;               ///< pixels; JPEG's own limit
-constexpr uint64_t kMaxImagePixels = 400'000'000;  ///< pixels; 1.6 GB as RGBA, twice the largest photo sensors
+constexpr int kMaxImageSide = 65535;  ///< pixels; JPEG's own limit
+constexpr uint64_t kMaxImagePixels =
+    400'000'000;  ///< pixels; 1.6 GB as RGBA, twice the largest photo sensors
 
-/// Error{kBadInput} when the size is zero, beyond the limits, or when `file_bytes` bytes cannot hold the picture at
-/// `max_pixels_per_byte`, the best rate its compression can reach.
-void require_plausible_image(uint64_t width, uint64_t height, uint64_t file_bytes, double max_pixels_per_byte,
-                             const std::filesystem::path& name);
+/// Error{kBadInput} when the size is zero, beyond the limits, or when `file_bytes` bytes cannot
+/// hold the picture at `max_pixels_per_byte`, the best rate its compression can reach.
+void require_plausible_image(uint64_t width, uint64_t height, uint64_t file_bytes,
+                             double max_pixels_per_byte, const std::filesystem::path& name);
 
 }  // namespace aligngs

@@ -14,8 +14,8 @@ namespace {
 
 const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
-// A Huffman-coded block of 64 pixels takes at least one bit, so a byte holds at most 512 pixels; arithmetic coding
-// may reach a few times that.
+// A Huffman-coded block of 64 pixels takes at least one bit, so a byte holds at most 512 pixels;
+// arithmetic coding may reach a few times that.
 constexpr double kMaxPixelsPerByte = 4096;
 
 struct HandleDeleter {
@@ -37,9 +37,11 @@ class SegmentWalker {
  public:
   explicit SegmentWalker(std::string_view bytes) : bytes_(bytes) {}
 
-  /// False at the end of the bytes, also in the middle of a segment. `content` is without marker and length.
+  /// False at the end of the bytes, also in the middle of a segment. `content` is without marker
+  /// and length.
   bool next(uint8_t& marker, std::string_view& content) {
-    // Between segments only 0xff fill bytes are allowed; readers skip anything else, and so do scans.
+    // Between segments only 0xff fill bytes are allowed; readers skip anything else, and so do
+    // scans.
     while (position_ + 1 < bytes_.size()) {
       const uint8_t code = byte_at(bytes_, position_ + 1);
       if (byte_at(bytes_, position_) == 0xff && code != 0x00 && code != 0xff) break;
@@ -77,8 +79,9 @@ bool has_end_of_image(std::string_view bytes) {
 
 /// Oddities that real cameras and editors leave and that cost no pixel.
 bool is_harmless(std::string_view warning) {
-  for (const std::string_view known : {"extraneous bytes before marker", "Unknown Adobe color transform",
-                                       "Invalid SOS parameters for sequential JPEG"}) {
+  for (const std::string_view known :
+       {"extraneous bytes before marker", "Unknown Adobe color transform",
+        "Invalid SOS parameters for sequential JPEG"}) {
     if (warning.find(known) != std::string_view::npos) return true;
   }
   return false;
@@ -86,7 +89,9 @@ bool is_harmless(std::string_view warning) {
 
 }  // namespace
 
-bool is_jpeg(std::string_view bytes) { return bytes.substr(0, 3) == std::string_view("\xff\xd8\xff", 3); }
+bool is_jpeg(std::string_view bytes) {
+  return bytes.substr(0, 3) == std::string_view("\xff\xd8\xff", 3);
+}
 
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name) {
   JpegHeader header;
@@ -117,18 +122,20 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
   if (!handle) throw_resources(name, "the JPEG decoder cannot start");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0) {
+  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling,
+                          &colorspace) != 0) {
     throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kRemedy);
   }
   if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK) {
     throw_bad_input(name, "colour space", "CMYK pictures are not supported", "save it as RGB");
   }
   require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerByte, name);
-  if (!has_end_of_image(bytes)) throw_bad_input(name, "JPEG data", "the picture is truncated", kRemedy);
+  if (!has_end_of_image(bytes))
+    throw_bad_input(name, "JPEG data", "the picture is truncated", kRemedy);
 
   Image<uint8_t> image(width, height, 3);
-  const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0, height, TJPF_RGB,
-                                   TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
+  const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0,
+                                   height, TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
   if (status != 0) {
     const std::string message = tjGetErrorStr2(handle.get());
     if (tjGetErrorCode(handle.get()) != TJERR_WARNING || !is_harmless(message)) {
@@ -144,10 +151,12 @@ std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality)
   const int format = image.channels == 1 ? TJPF_GRAY : image.channels == 3 ? TJPF_RGB : TJPF_RGBA;
   unsigned char* out = nullptr;
   unsigned long size = 0;
-  const int status = tjCompress2(handle.get(), image.data.data(), image.width, 0, image.height, format, &out, &size,
-                                 image.channels == 1 ? TJSAMP_GRAY : TJSAMP_444, quality, TJFLAG_ACCURATEDCT);
+  const int status = tjCompress2(
+      handle.get(), image.data.data(), image.width, 0, image.height, format, &out, &size,
+      image.channels == 1 ? TJSAMP_GRAY : TJSAMP_444, quality, TJFLAG_ACCURATEDCT);
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(out, tjFree);
-  if (status != 0) throw_resources({}, std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
+  if (status != 0)
+    throw_resources({}, std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
   return {out, out + size};
 }
 

@@ -15,12 +15,13 @@ bool is_jpeg(std::string_view bytes);
 /// Size as stored, channels and orientation, from the segments before the first scan.
 struct JpegHeader {
   int width = 0, height = 0, channels = 0;
-  int orientation = 1;       ///< EXIF, 1 to 8
-  bool complete = false;     ///< false: `bytes` ended before the frame header
+  int orientation = 1;    ///< EXIF, 1 to 8
+  bool complete = false;  ///< false: `bytes` ended before the frame header
 };
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name);
 
-/// RGB as stored, orientation not applied. A file without its end is Error{kBadInput}, never a grey rest.
+/// RGB as stored, orientation not applied. A file without its end is Error{kBadInput}, never a grey
+/// rest.
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name);
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality);
 

@@ -12,21 +12,22 @@ namespace aligngs {
 
 enum class PickleKind {
   kNone,
-  kBool,          ///< integer 0 or 1
-  kInt,           ///< integer
-  kBigInt,        ///< text: two's complement, little-endian, more than 8 bytes
-  kFloat,         ///< real
-  kString,        ///< text: UTF-8 as it stands
-  kBytes,         ///< text
-  kTuple,         ///< items
-  kList,          ///< items
-  kDict,          ///< items: key, value, key, value, ... in the order of insertion (OrderedDict too)
-  kGlobal,        ///< text: "module name"
-  kObject,        ///< items: the global, its argument tuple, then every state set on it; never called
+  kBool,    ///< integer 0 or 1
+  kInt,     ///< integer
+  kBigInt,  ///< text: two's complement, little-endian, more than 8 bytes
+  kFloat,   ///< real
+  kString,  ///< text: UTF-8 as it stands
+  kBytes,   ///< text
+  kTuple,   ///< items
+  kList,    ///< items
+  kDict,    ///< items: key, value, key, value, ... in the order of insertion (OrderedDict too)
+  kGlobal,  ///< text: "module name"
+  kObject,  ///< items: the global, its argument tuple, then every state set on it; never called
   kPersistentId,  ///< items: the identifier
 };
 
-/// Values refer to each other by pointer and may form cycles: a walk over them must remember where it has been.
+/// Values refer to each other by pointer and may form cycles: a walk over them must remember where
+/// it has been.
 struct PickleValue {
   PickleKind kind = PickleKind::kNone;
   int64_t integer = 0;
@@ -35,7 +36,8 @@ struct PickleValue {
   std::vector<const PickleValue*> items;
 
   bool is(PickleKind k) const { return kind == k; }
-  /// The value of a string key of a dict; nullptr when absent or when this is no dict. Of equal keys the last counts.
+  /// The value of a string key of a dict; nullptr when absent or when this is no dict. Of equal
+  /// keys the last counts.
   const PickleValue* find(std::string_view key) const;
   /// Whether this is an object made by the given global.
   bool is_object_of(std::string_view global) const {
@@ -45,9 +47,11 @@ struct PickleValue {
 
 class Pickle {
  public:
-  /// `allowed` lists the globals that may occur, as "module name". Anything else, unknown operations, and pickles of
-  /// more than a million values are Error{kBadInput} naming what was met.
-  Pickle(std::string_view bytes, const std::vector<std::string>& allowed, const std::filesystem::path& name_for_errors);
+  /// `allowed` lists the globals that may occur, as "module name". Anything else, unknown
+  /// operations, and pickles of more than a million values are Error{kBadInput} naming what was
+  /// met.
+  Pickle(std::string_view bytes, const std::vector<std::string>& allowed,
+         const std::filesystem::path& name_for_errors);
   Pickle(Pickle&&) = default;
 
   const PickleValue& root() const { return *root_; }

@@ -43,7 +43,10 @@ TEST(Pickle, ReadsScalars) {
 TEST(Pickle, ReadsProtocol2Containers) {
   // {'a': [1, 2], 'b': (3,)} as pickle.dumps(..., 2) writes it
   const Pickle pickle = parse(
-      "\x80\x02}q\x00(X\x01\x00\x00\x00""aq\x01]q\x02(K\x01K\x02""eX\x01\x00\x00\x00""bq\x03K\x03\x85q\x04u."s);
+      "\x80\x02}q\x00(X\x01\x00\x00\x00"
+      "aq\x01]q\x02(K\x01K\x02"
+      "eX\x01\x00\x00\x00"
+      "bq\x03K\x03\x85q\x04u."s);
   ASSERT_TRUE(pickle.root().is(PickleKind::kDict));
   EXPECT_EQ(pickle.root().find("a")->items.at(1)->integer, 2);
   EXPECT_TRUE(pickle.root().find("b")->is(PickleKind::kTuple));
@@ -52,24 +55,38 @@ TEST(Pickle, ReadsProtocol2Containers) {
 
 TEST(Pickle, ReadsProtocol4FramesAndMemo) {
   // ['x', 'x'] as pickle.dumps(..., 4) writes it: frame, MEMOIZE, BINGET
-  const Pickle pickle = parse("\x80\x04\x95\x0a\x00\x00\x00\x00\x00\x00\x00]\x94(\x8c\x01x\x94h\x01""e."s);
+  const Pickle pickle = parse(
+      "\x80\x04\x95\x0a\x00\x00\x00\x00\x00\x00\x00]\x94(\x8c\x01x\x94h\x01"
+      "e."s);
   EXPECT_EQ(pickle.root().items.at(0), pickle.root().items.at(1));
 }
 
 TEST(Pickle, AnOrderedDictIsADictAndItsAttributesAreIgnored) {
-  const Pickle pickle = parse("\x80\x02""ccollections\nOrderedDict\n)RX\x01\x00\x00\x00""aK\x07s}b."s);
+  const Pickle pickle = parse(
+      "\x80\x02"
+      "ccollections\nOrderedDict\n)RX\x01\x00\x00\x00"
+      "aK\x07s}b."s);
   EXPECT_EQ(pickle.root().find("a")->integer, 7);
 }
 
 TEST(Pickle, AnAllowedCallIsKeptAsData) {
-  const Pickle pickle = parse("\x80\x02""ctorch\nSize\nK\x05\x85R."s);
+  const Pickle pickle = parse(
+      "\x80\x02"
+      "ctorch\nSize\nK\x05\x85R."s);
   ASSERT_TRUE(pickle.root().is_object_of("torch Size"));
   EXPECT_EQ(pickle.root().items.at(1)->items.at(0)->integer, 5);
 }
 
 TEST(Pickle, OtherGlobalsAreRefusedByName) {
-  expect_bad("\x80\x02""cos\nsystem\nX\x02\x00\x00\x00ls\x85R."s, "os.system");
-  expect_bad("\x80\x04\x8c\x08""builtins\x8c\x04""eval\x93\x8c\x01x\x85R."s, "builtins.eval");
+  expect_bad(
+      "\x80\x02"
+      "cos\nsystem\nX\x02\x00\x00\x00ls\x85R."s,
+      "os.system");
+  expect_bad(
+      "\x80\x04\x8c\x08"
+      "builtins\x8c\x04"
+      "eval\x93\x8c\x01x\x85R."s,
+      "builtins.eval");
 }
 
 TEST(Pickle, RefusesUnknownOperationsAndProtocols) {
@@ -91,16 +108,29 @@ TEST(Pickle, RefusesBrokenStacks) {
 }
 
 TEST(Pickle, RefusesTruncationAtEveryByte) {
-  const std::string whole = "\x80\x02}q\x00(X\x01\x00\x00\x00""aG\x3f\xf8\x00\x00\x00\x00\x00\x00X\x01\x00\x00\x00""bN\x85u."s;
+  const std::string whole =
+      "\x80\x02}q\x00(X\x01\x00\x00\x00"
+      "aG\x3f\xf8\x00\x00\x00\x00\x00\x00X\x01\x00\x00\x00"
+      "bN\x85u."s;
   EXPECT_NO_THROW(parse(whole));
-  for (size_t keep = 0; keep < whole.size(); ++keep) EXPECT_THROW(parse(whole.substr(0, keep)), Error) << keep;
+  for (size_t keep = 0; keep < whole.size(); ++keep)
+    EXPECT_THROW(parse(whole.substr(0, keep)), Error) << keep;
 }
 
 TEST(Pickle, ManyValuesAreRefusedAndCyclesAreHarmless) {
   expect_bad(std::string(1'200'000, 'N') + ".", "values");
-  expect_bad("Nq\0"s + [] { std::string gets; for (int i = 0; i < 1'000'001; ++i) gets += "h\0"s; return gets; }() + ".",
-             "values");
-  const Pickle cycle = parse("]q\x00h\x00""a."s);
+  expect_bad(
+      "Nq\0"s +
+          [] {
+            std::string gets;
+            for (int i = 0; i < 1'000'001; ++i) gets += "h\0"s;
+            return gets;
+          }() +
+          ".",
+      "values");
+  const Pickle cycle = parse(
+      "]q\x00h\x00"
+      "a."s);
   EXPECT_EQ(cycle.root().items.at(0), &cycle.root());
 }
 

@@ -2,7 +2,6 @@
 #include "io/ply.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include "core/error.h"
@@ -39,10 +38,12 @@ double load_value(const char* bytes, PlyType type, bool big) {
 /// The values of one type that lie `stride` bytes apart.
 template <class T>
 void load_column(const char* bytes, size_t stride, bool big, size_t rows, double* out) {
-  for (size_t i = 0; i < rows; ++i) out[i] = static_cast<double>(load_number<T>(bytes + i * stride, big));
+  for (size_t i = 0; i < rows; ++i)
+    out[i] = static_cast<double>(load_number<T>(bytes + i * stride, big));
 }
 
-void load_column(PlyType type, const char* bytes, size_t stride, bool big, size_t rows, double* out) {
+void load_column(PlyType type, const char* bytes, size_t stride, bool big, size_t rows,
+                 double* out) {
   switch (type) {
     case PlyType::kInt8:
       return load_column<int8_t>(bytes, stride, big, rows, out);
@@ -80,7 +81,8 @@ void allocate_rows(PlyElement& element, uint64_t min_row_bytes, const ByteReader
   }
 }
 
-void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_types, bool big, ByteReader& reader) {
+void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_types, bool big,
+                         ByteReader& reader) {
   uint64_t row_bytes = 0;
   bool has_list = false;
   for (size_t p = 0; p < element.properties.size(); ++p) {
@@ -110,15 +112,18 @@ void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_
       PlyProperty& property = element.properties[p];
       const size_t item_bytes = ply_type_bytes(property.type);
       if (!property.is_list) {
-        if (reader.remaining() < item_bytes) reader.take(item_bytes, field_name(element, property, row));
+        if (reader.remaining() < item_bytes)
+          reader.take(item_bytes, field_name(element, property, row));
         property.values[row] = load_value(reader.take(item_bytes, "").data(), property.type, big);
         continue;
       }
       const size_t count_bytes = ply_type_bytes(count_types[p]);
-      if (reader.remaining() < count_bytes) reader.take(count_bytes, field_name(element, property, row));
+      if (reader.remaining() < count_bytes)
+        reader.take(count_bytes, field_name(element, property, row));
       const double length = load_value(reader.take(count_bytes, "").data(), count_types[p], big);
       if (length < 0 || length > double(reader.remaining() / item_bytes)) {
-        reader.fail(field_name(element, property, row), "the file cannot hold a list of that length");
+        reader.fail(field_name(element, property, row),
+                    "the file cannot hold a list of that length");
       }
       const size_t items = size_t(length), begin = property.values.size();
       const char* bytes = reader.take(items * item_bytes, "").data();
@@ -129,32 +134,12 @@ void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_
   }
 }
 
-bool fits(double value, PlyType type) {
-  const auto in = [&](double low, double high) { return value >= low && value <= high && value == std::floor(value); };
-  switch (type) {
-    case PlyType::kInt8:
-      return in(-128, 127);
-    case PlyType::kUint8:
-      return in(0, 255);
-    case PlyType::kInt16:
-      return in(-32768, 32767);
-    case PlyType::kUint16:
-      return in(0, 65535);
-    case PlyType::kInt32:
-      return in(-2147483648.0, 2147483647.0);
-    case PlyType::kUint32:
-      return in(0, 4294967295.0);
-    default:
-      return true;
-  }
-}
-
-double read_ascii_value(const PlyElement& element, const PlyProperty& property, PlyType type, uint64_t row,
-                        std::string_view& text, const ByteReader& reader) {
+double read_ascii_value(const PlyElement& element, const PlyProperty& property, PlyType type,
+                        uint64_t row, std::string_view& text, const ByteReader& reader) {
   const std::string_view word = take_word(text);
   if (word.empty()) reader.fail(field_name(element, property, row), "the file ends too early");
   double value = 0;
-  if (!parse_number(word, value) || !fits(value, type)) {
+  if (!parse_number(word, value) || !ply_value_fits(value, type)) {
     reader.fail(field_name(element, property, row),
                 "'" + std::string(word.substr(0, 40)) + "' is no " + ply_type_name(type));
   }
@@ -162,75 +147,30 @@ double read_ascii_value(const PlyElement& element, const PlyProperty& property, 
 }
 
 /// `text` is the rest of the file; the reader only serves for errors and bounds.
-void read_ascii_element(PlyElement& element, const std::vector<PlyType>& count_types, std::string_view& text,
-                        const std::filesystem::path& name) {
+void read_ascii_element(PlyElement& element, const std::vector<PlyType>& count_types,
+                        std::string_view& text, const std::filesystem::path& name) {
   const ByteReader reader(text, name);
-  // A value takes a digit and a separator, but for the last of the file; one byte each is a safe bound.
+  // A value takes a digit and a separator, but for the last of the file; one byte each is a safe
+  // bound.
   allocate_rows(element, std::max<uint64_t>(element.properties.size(), 1), reader);
   for (uint64_t row = 0; row < element.count; ++row) {
     for (size_t p = 0; p < element.properties.size(); ++p) {
       PlyProperty& property = element.properties[p];
       if (!property.is_list) {
-        property.values[row] = read_ascii_value(element, property, property.type, row, text, reader);
+        property.values[row] =
+            read_ascii_value(element, property, property.type, row, text, reader);
         continue;
       }
       const double length = read_ascii_value(element, property, count_types[p], row, text, reader);
       if (length < 0 || length > double(text.size())) {
-        reader.fail(field_name(element, property, row), "the file cannot hold a list of that length");
+        reader.fail(field_name(element, property, row),
+                    "the file cannot hold a list of that length");
       }
       for (double i = 0; i < length; ++i) {
-        property.values.push_back(read_ascii_value(element, property, property.type, row, text, reader));
+        property.values.push_back(
+            read_ascii_value(element, property, property.type, row, text, reader));
       }
       property.offsets.push_back(property.values.size());
-    }
-  }
-}
-
-void append_value(std::string& out, double value, PlyType type) {
-  switch (type) {
-    case PlyType::kInt8:
-      return append_little(out, int8_t(value));
-    case PlyType::kUint8:
-      return append_little(out, uint8_t(value));
-    case PlyType::kInt16:
-      return append_little(out, int16_t(value));
-    case PlyType::kUint16:
-      return append_little(out, uint16_t(value));
-    case PlyType::kInt32:
-      return append_little(out, int32_t(value));
-    case PlyType::kUint32:
-      return append_little(out, uint32_t(value));
-    case PlyType::kFloat32:
-      return append_little(out, float(value));
-    case PlyType::kFloat64:
-      return append_little(out, value);
-  }
-}
-
-/// The type of list lengths on writing: the usual uchar, or int where a list is longer.
-PlyType written_count_type(const PlyProperty& property) {
-  uint64_t longest = 0;
-  for (size_t i = 1; i < property.offsets.size(); ++i) {
-    longest = std::max(longest, property.offsets[i] - property.offsets[i - 1]);
-  }
-  return longest <= 255 ? PlyType::kUint8 : PlyType::kInt32;
-}
-
-void require_writable(const PlyElement& element, const std::filesystem::path& path) {
-  for (const PlyProperty& property : element.properties) {
-    const auto refuse = [&](const std::string& message) {
-      throw Error({ErrorKind::kFailed, message, path, element.name + "." + property.name, ""});
-    };
-    const bool complete = property.is_list ? property.offsets.size() == element.count + 1 &&
-                                                 property.offsets.front() == 0 &&
-                                                 std::is_sorted(property.offsets.begin(), property.offsets.end()) &&
-                                                 property.offsets.back() == property.values.size()
-                                           : property.values.size() == element.count;
-    if (!complete) refuse("the column does not have one entry per row");
-    for (const double value : property.values) {
-      if (!fits(value, property.type)) {
-        refuse(std::to_string(value) + " does not fit the type " + ply_type_name(property.type));
-      }
     }
   }
 }
@@ -260,49 +200,13 @@ PlyFile decode_ply(const std::string& bytes, const std::filesystem::path& name_f
     if (header.format == PlyFormat::kAscii) {
       read_ascii_element(element, header.list_counts[e], body, name_for_errors);
     } else {
-      read_binary_element(element, header.list_counts[e], header.format == PlyFormat::kBigEndian, reader);
+      read_binary_element(element, header.list_counts[e], header.format == PlyFormat::kBigEndian,
+                          reader);
     }
   }
   return std::move(header.file);
 }
 
 PlyFile read_ply(const std::filesystem::path& path) { return decode_ply(read_file(path), path); }
-
-void write_ply(const std::filesystem::path& path, const PlyFile& file) {
-  std::string header = "ply\nformat binary_little_endian 1.0\n";
-  for (const std::string& comment : file.comments) header += "comment " + comment + "\n";
-  for (const PlyElement& element : file.elements) {
-    require_writable(element, path);
-    header += "element " + element.name + " " + std::to_string(element.count) + "\n";
-    for (const PlyProperty& property : element.properties) {
-      header += "property ";
-      if (property.is_list) header += std::string("list ") + ply_type_name(written_count_type(property)) + " ";
-      header += std::string(ply_type_name(property.type)) + " " + property.name + "\n";
-    }
-  }
-  AtomicFile out(path);
-  out.write(header + "end_header\n");
-  std::string block;
-  constexpr size_t kBlockBytes = size_t(1) << 16;
-  for (const PlyElement& element : file.elements) {
-    std::vector<PlyType> count_types;
-    for (const PlyProperty& property : element.properties) count_types.push_back(written_count_type(property));
-    for (uint64_t row = 0; row < element.count; ++row) {
-      for (size_t p = 0; p < element.properties.size(); ++p) {
-        const PlyProperty& property = element.properties[p];
-        const uint64_t begin = property.is_list ? property.offsets[row] : row;
-        const uint64_t end = property.is_list ? property.offsets[row + 1] : row + 1;
-        if (property.is_list) append_value(block, double(end - begin), count_types[p]);
-        for (uint64_t i = begin; i < end; ++i) append_value(block, property.values[i], property.type);
-      }
-      if (block.size() >= kBlockBytes) {
-        out.write(block);
-        block.clear();
-      }
-    }
-  }
-  out.write(block);
-  out.commit();
-}
 
 }  // namespace aligngs

@@ -1,5 +1,6 @@
 #include "io/ply_header.h"
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -10,11 +11,11 @@ namespace aligngs {
 namespace {
 
 constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
-    {"char", PlyType::kInt8},      {"uchar", PlyType::kUint8},     {"short", PlyType::kInt16},
-    {"ushort", PlyType::kUint16},  {"int", PlyType::kInt32},       {"uint", PlyType::kUint32},
-    {"float", PlyType::kFloat32},  {"double", PlyType::kFloat64},  {"int8", PlyType::kInt8},
-    {"uint8", PlyType::kUint8},    {"int16", PlyType::kInt16},     {"uint16", PlyType::kUint16},
-    {"int32", PlyType::kInt32},    {"uint32", PlyType::kUint32},   {"float32", PlyType::kFloat32},
+    {"char", PlyType::kInt8},      {"uchar", PlyType::kUint8},    {"short", PlyType::kInt16},
+    {"ushort", PlyType::kUint16},  {"int", PlyType::kInt32},      {"uint", PlyType::kUint32},
+    {"float", PlyType::kFloat32},  {"double", PlyType::kFloat64}, {"int8", PlyType::kInt8},
+    {"uint8", PlyType::kUint8},    {"int16", PlyType::kInt16},    {"uint16", PlyType::kUint16},
+    {"int32", PlyType::kInt32},    {"uint32", PlyType::kUint32},  {"float32", PlyType::kFloat32},
     {"float64", PlyType::kFloat64}};
 
 const char* const kRemedy = "check that this is a PLY file and that it was copied whole";
@@ -22,13 +23,16 @@ const char* const kRemedy = "check that this is a PLY file and that it was copie
 /// Header lines end in "\n", "\r\n", or in old files "\r"; the first line tells which.
 class HeaderLines {
  public:
-  HeaderLines(std::string_view bytes, const std::filesystem::path& name) : bytes_(bytes), name_(name) {
+  HeaderLines(std::string_view bytes, const std::filesystem::path& name)
+      : bytes_(bytes), name_(name) {
     const size_t end = bytes.find_first_of("\r\n");
-    if (end != std::string_view::npos && bytes[end] == '\r' && bytes.substr(end + 1, 1) != "\n") terminator_ = '\r';
+    if (end != std::string_view::npos && bytes[end] == '\r' && bytes.substr(end + 1, 1) != "\n")
+      terminator_ = '\r';
   }
   std::string_view next() {
     const size_t end = bytes_.find(terminator_, position_);
-    if (end == std::string_view::npos) throw_bad_input(name_, "header", "end_header is missing", kRemedy);
+    if (end == std::string_view::npos)
+      throw_bad_input(name_, "header", "end_header is missing", kRemedy);
     std::string_view line = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -45,7 +49,8 @@ class HeaderLines {
 
 class HeaderReader {
  public:
-  HeaderReader(std::string_view bytes, const std::filesystem::path& name) : lines_(bytes, name), name_(name) {}
+  HeaderReader(std::string_view bytes, const std::filesystem::path& name)
+      : lines_(bytes, name), name_(name) {}
 
   PlyHeader read() {
     if (trimmed(lines_.next()) != "ply") throw_bad_input(name_, "magic", "not a PLY file", kRemedy);
@@ -81,7 +86,8 @@ class HeaderReader {
 
  private:
   [[noreturn]] void fail(std::string_view line, const std::string& message) const {
-    throw_bad_input(name_, "header line '" + std::string(line.substr(0, 200)) + "'", message, kRemedy);
+    throw_bad_input(name_, "header line '" + std::string(line.substr(0, 200)) + "'", message,
+                    kRemedy);
   }
 
   PlyType type(std::string_view line, std::string_view word) const {
@@ -124,7 +130,8 @@ class HeaderReader {
     if (word == "list") {
       property.is_list = true;
       count_type = type(line, take_word(rest));
-      if (count_type == PlyType::kFloat32 || count_type == PlyType::kFloat64) fail(line, "a list length is an integer");
+      if (count_type == PlyType::kFloat32 || count_type == PlyType::kFloat64)
+        fail(line, "a list length is an integer");
       word = take_word(rest);
     }
     property.type = type(line, word);
@@ -160,6 +167,28 @@ size_t ply_type_bytes(PlyType type) {
       return 8;
     default:
       return 4;
+  }
+}
+
+bool ply_value_fits(double value, PlyType type) {
+  const auto in = [&](double low, double high) {
+    return value >= low && value <= high && value == std::floor(value);
+  };
+  switch (type) {
+    case PlyType::kInt8:
+      return in(-128, 127);
+    case PlyType::kUint8:
+      return in(0, 255);
+    case PlyType::kInt16:
+      return in(-32768, 32767);
+    case PlyType::kUint16:
+      return in(0, 65535);
+    case PlyType::kInt32:
+      return in(-2147483648.0, 2147483647.0);
+    case PlyType::kUint32:
+      return in(0, 4294967295.0);
+    default:
+      return true;
   }
 }
 

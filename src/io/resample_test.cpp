@@ -24,7 +24,8 @@ ImageF row(std::vector<float> values) {
 ImageF ramp(int width, int height) {
   ImageF image(width, height, 1);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) image.at(x, y) = 2 * (x + 0.5f) / width + 3 * (y + 0.5f) / height;
+    for (int x = 0; x < width; ++x)
+      image.at(x, y) = 2 * (x + 0.5f) / width + 3 * (y + 0.5f) / height;
   }
   return image;
 }
@@ -39,7 +40,8 @@ TEST(Resample, TheSameSizeIsTheSamePicture) {
 TEST(Resample, ALinearRampStaysInPlace) {
   for (const auto& [w, h] : {std::pair{20, 16}, {5, 4}, {13, 3}}) {
     const ImageF expected = ramp(w, h);
-    const ImageF bilinear = resize_bilinear(ramp(10, 8), w, h), area = resize_area(ramp(10, 8), w, h);
+    const ImageF bilinear = resize_bilinear(ramp(10, 8), w, h),
+                 area = resize_area(ramp(10, 8), w, h);
     for (int y = 1; y + 1 < h; ++y) {  // at the border bilinear sampling repeats the last pixel
       for (int x = 1; x + 1 < w; ++x) {
         EXPECT_NEAR(bilinear.at(x, y), expected.at(x, y), 1e-5);
@@ -53,11 +55,13 @@ TEST(Resample, AreaAveragesWhatEachPixelCovers) {
   EXPECT_THAT(resize_area(row({1, 3, 5, 9}), 2, 1).data, ElementsAre(2, 7));
   EXPECT_THAT(resize_area(row({1, 2, 4}), 2, 1).data,
               Pointwise(FloatNear(1e-6f), {(1 + 0.5f * 2) / 1.5f, (0.5f * 2 + 4) / 1.5f}));
-  EXPECT_THAT(resize_area(ramp(6, 1), 6, 4).data[6], FloatNear(ramp(6, 1).data[0], 1e-6f));  // grows in y only
+  EXPECT_THAT(resize_area(ramp(6, 1), 6, 4).data[6],
+              FloatNear(ramp(6, 1).data[0], 1e-6f));  // grows in y only
 }
 
 TEST(Resample, OnePixelBecomesAConstant) {
-  for (const float value : resize_bilinear(ImageF(1, 1, 1, 0.3f), 4, 3).data) EXPECT_FLOAT_EQ(value, 0.3f);
+  for (const float value : resize_bilinear(ImageF(1, 1, 1, 0.3f), 4, 3).data)
+    EXPECT_FLOAT_EQ(value, 0.3f);
 }
 
 TEST(Resample, ChannelsAreIndependent) {
@@ -73,7 +77,8 @@ TEST(ResizeDepth, InterpolatesOnASurface) {
 
 TEST(ResizeDepth, NeverMixesTwoSurfaces) {
   EXPECT_THAT(resize_depth(row({1, 3}), 4, 1).data, ElementsAre(1, 1, 3, 3));
-  EXPECT_THAT(resize_depth(row({3, 1}), 1, 1).data, ElementsAre(1));  // a tie goes to the nearer surface
+  EXPECT_THAT(resize_depth(row({3, 1}), 1, 1).data,
+              ElementsAre(1));  // a tie goes to the nearer surface
 }
 
 TEST(ResizeDepth, InvalidSamplesCountForNothing) {

@@ -1,9 +1,10 @@
-// Format: https://huggingface.co/docs/safetensors (8-byte header length, JSON header, data without holes)
+// Format: https://huggingface.co/docs/safetensors (8-byte header length, JSON header, data without
+// holes)
 #include "io/safetensors.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 
@@ -26,9 +27,10 @@ struct DataType {
   std::string_view name;
   unsigned bytes;
 };
-constexpr DataType kDataTypes[] = {{"F64", 8}, {"I64", 8},  {"U64", 8}, {"F32", 4},     {"I32", 4},
-                                   {"U32", 4}, {"F16", 2},  {"BF16", 2}, {"I16", 2},     {"U16", 2},
-                                   {"I8", 1},  {"U8", 1},   {"BOOL", 1}, {"F8_E4M3", 1}, {"F8_E5M2", 1}};
+constexpr DataType kDataTypes[] = {{"F64", 8},  {"I64", 8},     {"U64", 8},    {"F32", 4},
+                                   {"I32", 4},  {"U32", 4},     {"F16", 2},    {"BF16", 2},
+                                   {"I16", 2},  {"U16", 2},     {"I8", 1},     {"U8", 1},
+                                   {"BOOL", 1}, {"F8_E4M3", 1}, {"F8_E5M2", 1}};
 
 /// 0 for an unknown type.
 unsigned item_bytes(std::string_view dtype) {
@@ -38,7 +40,8 @@ unsigned item_bytes(std::string_view dtype) {
   return 0;
 }
 
-/// Parses the header, refusing keys that occur twice in an object (the JSON library would keep the last).
+/// Parses the header, refusing keys that occur twice in an object (the JSON library would keep the
+/// last).
 Json parse_header(std::string_view text, const std::filesystem::path& name) {
   constexpr int kMaxDepth = 4;  // header, tensor, shape
   std::vector<std::set<std::string>> keys;
@@ -55,8 +58,10 @@ Json parse_header(std::string_view text, const std::filesystem::path& name) {
   };
   try {
     Json header = Json::parse(text.begin(), text.end(), check);
-    if (too_deep || !header.is_object()) throw_bad_input(name, "header", "not a safetensors header", kRemedy);
-    if (!repeated.empty()) throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kRemedy);
+    if (too_deep || !header.is_object())
+      throw_bad_input(name, "header", "not a safetensors header", kRemedy);
+    if (!repeated.empty())
+      throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kRemedy);
     return header;
   } catch (const Json::exception&) {
     throw_bad_input(name, "header", "not valid JSON", kRemedy);
@@ -68,13 +73,16 @@ struct Placement {
   std::string name;
 };
 
-Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorBytes& tensor, uint64_t data_bytes,
-                       const std::filesystem::path& name) {
+Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorBytes& tensor,
+                       uint64_t data_bytes, const std::filesystem::path& name) {
   const std::string field = tensor_name.substr(0, 200);
-  const auto fail = [&](const std::string& message) { throw_bad_input(name, field, message, kRemedy); };
+  const auto fail = [&](const std::string& message) {
+    throw_bad_input(name, field, message, kRemedy);
+  };
   const auto list_of = [&](const char* key) -> const Json& {
     const auto found = entry.find(key);
-    if (found == entry.end() || !found->is_array()) fail(std::string(key) + " is missing or not a list");
+    if (found == entry.end() || !found->is_array())
+      fail(std::string(key) + " is missing or not a list");
     for (const Json& value : *found) {
       if (!value.is_number_unsigned() || value.get<uint64_t>() > uint64_t(INT64_MAX)) {
         fail(std::string(key) + " holds what is no size");
@@ -94,13 +102,15 @@ Placement parse_tensor(const std::string& tensor_name, const Json& entry, Tensor
   const Placement place{offsets[0].get<uint64_t>(), offsets[1].get<uint64_t>(), tensor_name};
   if (place.begin > place.end || place.end > data_bytes) fail("data_offsets reach beyond the file");
   if (element_count(tensor.shape, bytes, name, field) * bytes != place.end - place.begin) {
-    fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype + " does not fill data_offsets");
+    fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype +
+         " does not fill data_offsets");
   }
   return place;
 }
 
 /// The tensors must fill the data one after the other, in some order.
-void require_no_holes(std::vector<Placement> places, uint64_t data_bytes, const std::filesystem::path& name) {
+void require_no_holes(std::vector<Placement> places, uint64_t data_bytes,
+                      const std::filesystem::path& name) {
   std::sort(places.begin(), places.end(), [](const Placement& a, const Placement& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.end < b.end;
   });
@@ -108,13 +118,15 @@ void require_no_holes(std::vector<Placement> places, uint64_t data_bytes, const 
   for (const Placement& place : places) {
     if (place.begin != position) {
       throw_bad_input(name, place.name.substr(0, 200),
-                      place.begin < position ? "its data overlap another tensor's" : "there is a hole before its data",
+                      place.begin < position ? "its data overlap another tensor's"
+                                             : "there is a hole before its data",
                       kRemedy);
     }
     position = place.end;
   }
   if (position != data_bytes) {
-    throw_bad_input(name, "data", std::to_string(data_bytes - position) + " bytes belong to no tensor", kRemedy);
+    throw_bad_input(name, "data",
+                    std::to_string(data_bytes - position) + " bytes belong to no tensor", kRemedy);
   }
 }
 
@@ -130,11 +142,13 @@ std::vector<float> convert_all(const TensorBytes& tensor) {
 
 }  // namespace
 
-TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::path& name_for_errors) {
+TensorFile decode_safetensors(const std::string& bytes,
+                              const std::filesystem::path& name_for_errors) {
   const std::filesystem::path& name = name_for_errors;
   ByteReader reader(bytes, name);
   const auto header_bytes = reader.little<uint64_t>("header length");
-  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
+  if (header_bytes > kMaxHeaderBytes)
+    throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
   const Json header = parse_header(reader.take(header_bytes, "header"), name);
   const std::string_view data = reader.take(reader.remaining(), "data");
 
@@ -144,7 +158,8 @@ TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::p
     if (key == kMetadata) {
       if (!entry.is_object()) throw_bad_input(name, kMetadata, "not an object", kRemedy);
       for (const auto& [meta_key, value] : entry.items()) {
-        if (!value.is_string()) throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kRemedy);
+        if (!value.is_string())
+          throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kRemedy);
         file.metadata[meta_key] = value.get<std::string>();
       }
     } else {
@@ -159,15 +174,19 @@ TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::p
   return file;
 }
 
-TensorFile read_safetensors(const std::filesystem::path& path) { return decode_safetensors(read_file(path), path); }
+TensorFile read_safetensors(const std::filesystem::path& path) {
+  return decode_safetensors(read_file(path), path);
+}
 
 void write_safetensors(const std::filesystem::path& path, const TensorFile& file) {
   // Wide types first, so that every tensor is aligned to its own item size.
   std::vector<const std::pair<const std::string, TensorBytes>*> order;
   for (const auto& tensor : file.tensors) {
     const unsigned bytes = item_bytes(tensor.second.dtype);
-    if (bytes == 0 || element_count(tensor.second.shape, bytes, path, tensor.first) * bytes != tensor.second.bytes.size()) {
-      throw Error({ErrorKind::kFailed, "the bytes do not fit dtype and shape", path, tensor.first, ""});
+    if (bytes == 0 || element_count(tensor.second.shape, bytes, path, tensor.first) * bytes !=
+                          tensor.second.bytes.size()) {
+      throw Error(
+          {ErrorKind::kFailed, "the bytes do not fit dtype and shape", path, tensor.first, ""});
     }
     order.push_back(&tensor);
   }
@@ -199,15 +218,20 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
   AtomicFile out(path);
   out.write(length);
   out.write(text);
-  for (const auto* tensor : order) out.write(tensor->second.bytes.data(), tensor->second.bytes.size());
+  for (const auto* tensor : order)
+    out.write(tensor->second.bytes.data(), tensor->second.bytes.size());
   out.commit();
 }
 
 TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> shape) {
   if (shape.empty()) shape = {static_cast<int64_t>(values.size())};
   if (element_count(shape, sizeof(float), {}, "shape") != values.size()) {
-    throw Error({ErrorKind::kFailed, "the shape " + shape_text(shape) + " does not have " +
-                                         std::to_string(values.size()) + " elements", {}, "shape", ""});
+    throw Error({ErrorKind::kFailed,
+                 "the shape " + shape_text(shape) + " does not have " +
+                     std::to_string(values.size()) + " elements",
+                 {},
+                 "shape",
+                 ""});
   }
   TensorBytes tensor{"F32", std::move(shape), {}};
   tensor.bytes.resize(values.size() * sizeof(float));

@@ -16,9 +16,12 @@ inline std::string_view take_line(std::string_view& rest) {
   return line;
 }
 
-inline bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
+inline bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
+}
 
-/// Takes the next word off `rest`, skipping white space (line ends too) before it; empty at the end.
+/// Takes the next word off `rest`, skipping white space (line ends too) before it; empty at the
+/// end.
 inline std::string_view take_word(std::string_view& rest) {
   size_t begin = 0;
   while (begin < rest.size() && is_space(rest[begin])) ++begin;
@@ -35,7 +38,8 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Whether the whole word is a number of type T; "+1", "nan" and "inf" are accepted where T allows them.
+/// Whether the whole word is a number of type T; "+1", "nan" and "inf" are accepted where T allows
+/// them.
 template <class T>
 bool parse_number(std::string_view word, T& value) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);

@@ -1,4 +1,5 @@
-// Small valid files of every format, to be damaged by the malformed-input test and to seed the fuzzers.
+// Small valid files of every format, to be damaged by the malformed-input test and to seed the
+// fuzzers.
 #pragma once
 
 #include <string>
@@ -15,7 +16,9 @@
 
 namespace aligngs::valid_files {
 
-inline std::string text_of(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+inline std::string text_of(const std::vector<uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
 
 inline Image<uint8_t> picture(int channels) {
   Image<uint8_t> image(9, 7, channels);
@@ -47,15 +50,21 @@ inline std::string safetensors(const std::filesystem::path& folder) {
 inline std::string binary_ply(const std::filesystem::path& folder) {
   PlyFile file;
   file.comments = {"small"};
-  file.elements = {{"vertex", 2, {{"x", PlyType::kFloat32, false, {1, 2}, {}}, {"label", PlyType::kUint16, false, {1, 2}, {}}}},
-                   {"face", 2, {{"vertex_indices", PlyType::kInt32, true, {0, 1, 0, 1}, {0, 3, 4}}}}};
+  file.elements = {
+      {"vertex",
+       2,
+       {{"x", PlyType::kFloat32, false, {1, 2}, {}},
+        {"label", PlyType::kUint16, false, {1, 2}, {}}}},
+      {"face", 2, {{"vertex_indices", PlyType::kInt32, true, {0, 1, 0, 1}, {0, 3, 4}}}}};
   write_ply(folder / "a.ply", file);
   return read_file(folder / "a.ply");
 }
 
 inline std::string ascii_ply() {
-  return "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement vertex 2\r\nproperty float x\r\nproperty uchar red\r\n"
-         "element face 1\r\nproperty list uchar int vertex_indices\r\nend_header\r\n1.5 255\r\n-2 0\r\n2 0 1\r\n";
+  return "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement vertex 2\r\nproperty float x\r\nproperty "
+         "uchar red\r\n"
+         "element face 1\r\nproperty list uchar int vertex_indices\r\nend_header\r\n1.5 255\r\n-2 "
+         "0\r\n2 0 1\r\n";
 }
 
 struct ColmapFiles {
@@ -82,7 +91,8 @@ inline ColmapFiles colmap(const std::filesystem::path& folder) {
 }
 
 inline ColmapFiles colmap_text() {
-  return {"# cameras\n1 PINHOLE 64 48 50 50 32 24\n", "2 1 0 0 0 0 0 0 1 a.jpg\n1 2 3\n3 1 0 0 0 0 0 0 1 b.jpg\n\n",
+  return {"# cameras\n1 PINHOLE 64 48 50 50 32 24\n",
+          "2 1 0 0 0 0 0 0 1 a.jpg\n1 2 3\n3 1 0 0 0 0 0 0 1 b.jpg\n\n",
           "3 0.1 0.2 0.3 255 0 7 0.65 2 0\n"};
 }
 
@@ -96,12 +106,16 @@ inline std::string gray_png16(const std::filesystem::path& folder) {
 /// A JPEG with an EXIF segment that says "turn by 90 degrees".
 inline std::string jpeg_with_exif() {
   const std::string jpeg = text_of(encode_jpeg(picture(3), 80));
-  const std::string exif("\xff\xe1\x00\x22" "Exif\0\0II\x2a\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0", 36);
+  const std::string exif(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0II\x2a\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
+      36);
   return jpeg.substr(0, 2) + exif + jpeg.substr(2);
 }
 
 inline std::string toml() {
-  return "seed = 7\n[loss]\nnormal = 5e-1 # x\non = true\nkinds = [\"a\", 'b']\nsteps = [1, 2.5]\n[loss.depth]\n"
+  return "seed = 7\n[loss]\nnormal = 5e-1 # x\non = true\nkinds = [\"a\", 'b']\nsteps = [1, "
+         "2.5]\n[loss.depth]\n"
          "name = \"\"\"inverse\n\"\"\"\nsize.width = 0x40\n";
 }
 

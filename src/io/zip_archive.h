@@ -23,14 +23,14 @@ struct ZipEntry {
 
 class ZipArchive {
  public:
-  /// Reads the central directory. Error{kBadInput} when there is none, or when it is damaged, split over several
-  /// disks, or names an entry twice.
+  /// Reads the central directory. Error{kBadInput} when there is none, or when it is damaged, split
+  /// over several disks, or names an entry twice.
   explicit ZipArchive(std::unique_ptr<ByteSource> source);
 
   const std::vector<ZipEntry>& entries() const { return entries_; }
   const ZipEntry* find(const std::string& name) const;  ///< nullptr when absent
-  /// The content, its checksum verified. Error{kBadInput} for encrypted or damaged entries, other methods, sizes the
-  /// file cannot hold, and entries of more than `limit` bytes.
+  /// The content, its checksum verified. Error{kBadInput} for encrypted or damaged entries, other
+  /// methods, sizes the file cannot hold, and entries of more than `limit` bytes.
   std::string read(const ZipEntry& entry, uint64_t limit = UINT64_MAX) const;
   const std::filesystem::path& name() const { return source_->name(); }
 
@@ -40,7 +40,8 @@ class ZipArchive {
   std::unordered_map<std::string, size_t> index_;
 };
 
-/// The bytes of an archive with the given entries, all stored. For archives below 4 GiB (Error{kFailed} above).
+/// The bytes of an archive with the given entries, all stored. For archives below 4 GiB
+/// (Error{kFailed} above).
 std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries);
 
 }  // namespace aligngs

@@ -1,4 +1,5 @@
-// What every fuzz target has in common: Error is a parser's right answer to bad bytes, anything else is a finding.
+// What every fuzz target has in common: Error is a parser's right answer to bad bytes, anything
+// else is a finding.
 #pragma once
 
 #include <cstddef>

@@ -1,0 +1,81 @@
+#include "io/colmap_validity.h"
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxImageSide = 1'000'000;  // pixels: beyond it the file is not what it seems
+const char* const kRemedy = "run the reconstruction again, or remove the entry";
+
+bool finite(const Vec3d& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
+  const std::string field = "camera " + std::to_string(camera.id);
+  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxImageSide ||
+      camera.height > kMaxImageSide) {
+    throw_bad_input(name, field,
+                    "the size " + std::to_string(camera.width) + "x" +
+                        std::to_string(camera.height) + " is not valid",
+                    kRemedy);
+  }
+  for (const double value : camera.params) {
+    if (!std::isfinite(value)) throw_bad_input(name, field, "a parameter is not finite", kRemedy);
+  }
+}
+
+void require_valid_image(const ColmapImage& image, const fs::path& name) {
+  const std::string field =
+      "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")";
+  const double length = norm(image.rotation);
+  if (image.name.empty()) throw_bad_input(name, field, "the name is missing", kRemedy);
+  if (!std::isfinite(length) || !finite(image.translation)) {
+    throw_bad_input(name, field, "the pose is not finite", kRemedy);
+  }
+  constexpr double kLeastLength =
+      1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
+  if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kRemedy);
+}
+
+}  // namespace
+
+void require_valid_colmap(const ColmapModel& model, const fs::path& cameras, const fs::path& images,
+                          const fs::path& points) {
+  std::set<uint32_t> camera_ids, image_ids;
+  for (const ColmapCamera& camera : model.cameras) {
+    require_valid_camera(camera, cameras);
+    if (!camera_ids.insert(camera.id).second) {
+      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice",
+                      kRemedy);
+    }
+  }
+  for (const ColmapImage& image : model.images) {
+    require_valid_image(image, images);
+    if (!image_ids.insert(image.id).second) {
+      throw_bad_input(images, "image " + std::to_string(image.id), "the id occurs twice", kRemedy);
+    }
+    if (!camera_ids.count(image.camera_id)) {
+      throw_bad_input(images,
+                      "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")",
+                      "its camera " + std::to_string(image.camera_id) + " is not in " +
+                          cameras.filename().string(),
+                      kRemedy);
+    }
+  }
+  for (const ColmapPoint& point : model.points) {
+    if (!finite(point.position)) {
+      throw_bad_input(points, "point " + std::to_string(point.id), "the position is not finite",
+                      kRemedy);
+    }
+  }
+}
+
+}  // namespace aligngs
