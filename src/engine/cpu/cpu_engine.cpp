@@ -104,7 +104,7 @@ bool CpuEngine::semantics_active(const StepRequest& request) {
   return cache.valid > 0;
 }
 
-NonFinite CpuEngine::locate(const std::string& term) const {
+NonFinite CpuEngine::locate(NonFinite symptom) const {
   const std::pair<const char*, int64_t> classes[] = {
       {"positions", first_bad_row(model_.positions, 3)},
       {"log_scales", first_bad_row(model_.log_scales, 3)},
@@ -115,7 +115,7 @@ NonFinite CpuEngine::locate(const std::string& term) const {
   for (const auto& [name, row] : classes) {
     if (row >= 0) return {true, row, name};
   }
-  return {true, -1, term};
+  return symptom;
 }
 
 StepReport CpuEngine::step(const StepRequest& request) {
@@ -134,7 +134,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
 
   prepare_frame(view.data.camera, request.raster, request.sh_degree);
   if (frame_.view.non_finite >= 0) {
-    report.non_finite = locate("parameters");
+    report.non_finite = locate({true, frame_.view.non_finite, "parameters"});
     return report;
   }
   watch.lap("project");
@@ -194,17 +194,17 @@ StepReport CpuEngine::step(const StepRequest& request) {
   const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, gradients_);
   watch.lap("reduce");
   if (const char* term = bad_loss(report.losses)) {
-    report.non_finite = locate(term);
+    report.non_finite = locate({true, -1, term});
     return report;
   }
   if (bad.row >= 0) {
-    report.non_finite = {true, bad.row, bad.term};
+    report.non_finite = locate({true, bad.row, bad.term});
     return report;
   }
   if (semantics) {
     const int64_t row = first_bad_feature_gradient();
     if (row >= 0) {
-      report.non_finite = {true, row, "semantics"};
+      report.non_finite = locate({true, row, "semantics"});
       return report;
     }
   }

@@ -58,7 +58,8 @@ class CpuEngine final : public Engine {
   void prepare_features(SemanticBlend blend) const;
   bool semantics_active(const StepRequest& request);
   int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
-  NonFinite locate(const std::string& term) const;
+  /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
+  NonFinite locate(NonFinite symptom) const;
 
   std::unique_ptr<ThreadPool> pool_;
   GaussianModel model_;

@@ -7,9 +7,10 @@
 namespace aligngs::cpu {
 namespace {
 
-/// epsilon of guidance 2.1, in pixels of blending weight per class: a row that w pixels saw is sure to about
-/// log(w / 0.01); one that hardly any pixel saw stays near uniform.
-constexpr float kLiftPseudoCount = 0.01f;
+/// epsilon of guidance 2.1 for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The first, in
+/// pixels per class, keeps a row that hardly any pixel saw near uniform; the second keeps absent classes just above the
+/// floor of the loss (semantic_floor), below which training could not change the row's mind.
+constexpr float kPseudoCount = 0.01f, kShare = 2e-3f;
 constexpr size_t kRowsPerTask = 512;
 
 }  // namespace
@@ -34,9 +35,11 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
       if (written[i] == 0) continue;
       const float* sum = sums.data() + i * padded;
       float* row = model_.semantics.data() + i * channels;
-      double mean = 0;
+      double mass = 0, mean = 0;
+      for (size_t c = 0; c < channels; ++c) mass += static_cast<double>(sum[c]);
+      const float epsilon = kPseudoCount + kShare * static_cast<float>(mass);
       for (size_t c = 0; c < channels; ++c) {
-        row[c] = std::log(sum[c] + kLiftPseudoCount);
+        row[c] = std::log(sum[c] + epsilon);
         mean += static_cast<double>(row[c]);
       }
       for (size_t c = 0; c < channels; ++c) row[c] -= static_cast<float>(mean / static_cast<double>(channels));

@@ -69,6 +69,18 @@ void SampleTeacher(const SemanticTarget& target, const TeacherTaps& taps, float*
   }
 }
 
+/// sum t log t over a padded row.
+float NegativeEntropy(const float* teacher, size_t padded) {
+  const FloatTag d;
+  const FloatVec smallest = hn::Set(d, 1.17549435e-38f);  // log needs a normal number; 0 log 0 = 0
+  FloatVec sum = hn::Zero(d);
+  for (size_t c = 0; c < padded; c += kLanes) {
+    const FloatVec t = hn::Load(d, teacher + c);
+    sum = hn::MulAdd(t, fast_log(d, hn::Max(t, smallest)), sum);
+  }
+  return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
 /// What one pixel adds to the block's terms.
 struct PixelTerms {
   float soft, hard;
@@ -213,6 +225,7 @@ HWY_AFTER_NAMESPACE();
 namespace aligngs::cpu {
 
 HWY_EXPORT(SampleTeacher);
+HWY_EXPORT(NegativeEntropy);
 HWY_EXPORT(SemanticBlockLoss);
 
 bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
@@ -223,6 +236,31 @@ bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
     }
   }
   return false;
+}
+
+void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticView& out) {
+  const SemanticTarget& target = view.data.semantics;
+  const int width = view.data.camera.width, height = view.data.camera.height;
+  const size_t padded = padded_channels(target.channels);
+  out.negative_entropy.assign(size_t(width) * height, 0.0f);
+  out.top_class.assign(size_t(width) * height, kNoLabel);
+  std::vector<size_t> valid(static_cast<size_t>(height), 0);
+  SemanticStep step;
+  step.view = &view;
+  pool.parallel_for(static_cast<size_t>(height), 8, [&](size_t begin, size_t end, int) {
+    AlignedArray<float> teacher(padded);
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (!sample_teacher_padded(step, x, static_cast<int>(y), teacher.data())) continue;
+        out.negative_entropy[y * width + x] = HWY_DYNAMIC_DISPATCH(NegativeEntropy)(teacher.data(), padded);
+        out.top_class[y * width + x] = static_cast<uint16_t>(arg_max(teacher.data(), target.channels));
+        ++valid[y];
+      }
+    }
+  });
+  out.valid = 0;
+  for (const size_t n : valid) out.valid += n;
+  out.ready = true;
 }
 
 void semantic_block_loss(const SemanticStep& step, const BlockWeights& block, SemanticBlock& scratch) {

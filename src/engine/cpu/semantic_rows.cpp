@@ -29,7 +29,8 @@ void SoftmaxRow(const float* logits, size_t channels, size_t padded, float* out)
     const FloatVec x = hn::Load(d, out + c);
     const FloatVec e = hn::IfThenElseZero(hn::Gt(x, lowest), fast_exp(d, hn::Sub(x, top)));
     hn::Store(e, d, out + c);
-    sum = hn::Add(sum, e);
+    // 0 x is NaN for a logit that is not finite; max and exp would hide it.
+    sum = hn::Add(sum, hn::MulAdd(x, hn::Zero(d), e));
   }
   const FloatVec inverse = hn::Div(hn::Set(d, 1.0f), hn::SumOfLanes(d, sum));
   for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Mul(hn::Load(d, out + c), inverse), d, out + c);

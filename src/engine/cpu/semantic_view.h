@@ -18,7 +18,7 @@ struct SemanticView {
   bool ready = false;
 };
 
-/// Fills `out` from the view's teacher, which must not be empty.
+/// Fills `out` from the view's teacher, which must not be empty; defined in semantic_block.cpp beside its sampling.
 void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticView& out);
 
 }  // namespace aligngs::cpu
