@@ -56,7 +56,7 @@ void for_each_tile(const TileRect& rect, int tiles_x, const Body& body) {
 
 }  // namespace
 
-void build_tile_lists(const ProjectedView& view, ThreadPool& pool, TileLists& lists) {
+void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
   const size_t n = view.size(), tiles = view.tiles();
   lists.slot_begin.resize(n + 1);
   lists.rank.resize(n);
@@ -66,11 +66,15 @@ void build_tile_lists(const ProjectedView& view, ThreadPool& pool, TileLists& li
   for (size_t i = 0; i < n; ++i) {
     lists.slot_begin[i] = slots;
     lists.rank[i] = static_cast<uint32_t>(lists.visible.size());
-    const uint32_t area = view.rects[i].area();
+    const TileRect& rect = view.rects[i];
+    const uint32_t area = rect.area();
     if (area == 0) continue;
+    Splat& splat = view.splats[i];
+    splat.slot_stride = static_cast<uint32_t>(rect.x1 - rect.x0);
+    splat.slot_origin = static_cast<int64_t>(slots) - int64_t(rect.y0) * splat.slot_stride - rect.x0;
     slots += area;
     lists.visible.push_back(static_cast<uint32_t>(i));
-    lists.keys.push_back(depth_key(view.splats[i].z));
+    lists.keys.push_back(depth_key(splat.z));
   }
   lists.slot_begin[n] = slots;
   sort_by_depth(lists);

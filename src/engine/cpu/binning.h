@@ -19,18 +19,13 @@ struct TileLists {
   std::vector<uint32_t> rank;        ///< [N] number of visible rows below this one: a dense index in row order
   size_t instances() const { return slot_begin.empty() ? 0 : static_cast<size_t>(slot_begin.back()); }
 
-  /// The slot of Gaussian `row` in tile (x, y), which its rectangle contains.
-  uint64_t slot(uint32_t row, const TileRect& rect, int x, int y) const {
-    return slot_begin[row] + uint64_t(y - rect.y0) * (rect.x1 - rect.x0) + uint64_t(x - rect.x0);
-  }
-
   // Scratch of build_tile_lists.
   std::vector<uint32_t> keys, keys_scratch, rows_scratch;
   std::vector<uint64_t> cursors;
 };
 
 /// Depth order by a stable radix sort of the depths, then a counting sort by tile over fixed chunks of that order,
-/// so the result does not depend on the number of threads. Offsets are 64-bit.
-void build_tile_lists(const ProjectedView& view, ThreadPool& pool, TileLists& lists);
+/// so the result does not depend on the number of threads. Offsets are 64-bit. Writes the slots into the view's splats.
+void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists);
 
 }  // namespace aligngs::cpu

@@ -20,6 +20,8 @@ Vec2<float> mean_gradient(const Splat& s, float p, float r) {
   return {kTwoLn2 * s.fxx * p, kTwoLn2 * (s.fxy * p + s.fyy * r)};
 }
 
+float length(float x, float y) { return std::sqrt(x * x + y * y); }
+
 /// dL / d (mean, conic, opacity) from whitened moments: dy = r / fyy, dx = (p - fxy dy) / fxx.
 void add_moments(const Splat& s, const Moments& m, float scale, ProjectionGradient<float>& out) {
   const Vec2<float> mean = mean_gradient(s, m.p, m.r);
@@ -216,8 +218,8 @@ void add_density_statistics(const ReduceInputs& in, const std::vector<uint8_t>& 
       const Splat& s = in.view.splats[i];
       const Vec2<float> mean = mean_gradient(s, d.photometric_p, d.photometric_r);
       const Vec2<float> absolute{kTwoLn2 * s.fxx * d.photometric_abs_p, kTwoLn2 * d.photometric_abs_y};
-      statistics.gradient[i] += std::hypot(mean.x * to_ndc_x, mean.y * to_ndc_y);
-      statistics.gradient_abs[i] += std::hypot(absolute.x * to_ndc_x, absolute.y * to_ndc_y);
+      statistics.gradient[i] += length(mean.x * to_ndc_x, mean.y * to_ndc_y);
+      statistics.gradient_abs[i] += length(absolute.x * to_ndc_x, absolute.y * to_ndc_y);
       statistics.visible[i] += 1.0f;
       statistics.radius[i] = std::max(statistics.radius[i], in.view.radius[i]);
       statistics.weight[i] += d.weight;

@@ -13,6 +13,7 @@ namespace aligngs::cpu {
 /// about 20 % dense over a tile and 45 % over a block.
 inline constexpr int kBlockSize = 8;
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;  ///< pixel (x, y) of a block has index 8 y + x
+inline constexpr int kStripPixels = 16;  ///< a strip of 8 x 2 pixels: one vector of AVX-512
 inline constexpr int kTileBlocks = (kTileSize / kBlockSize) * (kTileSize / kBlockSize);
 
 /// Everything blending needs of one Gaussian, in one place because a tile gathers it from anywhere in memory.
@@ -28,7 +29,10 @@ struct alignas(16) Splat {
   float color[3];
   float normal[3], distance;      ///< plane, camera frame
   float z, z_min, z_max;          ///< depth of the centre and bounds of the intersection depth
+  uint32_t slot_stride;           ///< the slot of the instance in tile (x, y) is slot_origin + y slot_stride + x;
+  int64_t slot_origin;            ///< both are written by build_tile_lists
 };
+static_assert(sizeof(Splat) == 80, "one and a quarter cache lines");
 
 /// Half-open range of tiles.
 struct TileRect {

@@ -18,16 +18,28 @@ BlockClip clip(const BlockWeights& block, int width, int height) {
           std::max(0, std::min(kBlockSize, height - block.y))};
 }
 
+constexpr size_t kRowBytes = kBlockSize * sizeof(float);
+
 void write_block(const float* block, const BlockClip& c, int stride, float* plane) {
+  float* to = plane + size_t(c.y) * stride + c.x;
+  if (c.width == kBlockSize && c.height == kBlockSize) {  // of a size the compiler knows: no call
+    for (int y = 0; y < kBlockSize; ++y) std::memcpy(to + size_t(y) * stride, block + y * kBlockSize, kRowBytes);
+    return;
+  }
   for (int y = 0; y < c.height; ++y) {
-    std::memcpy(plane + size_t(c.y + y) * stride + c.x, block + y * kBlockSize, c.width * sizeof(float));
+    std::memcpy(to + size_t(y) * stride, block + y * kBlockSize, c.width * sizeof(float));
   }
 }
 
 /// Copies what lies inside; the rest of the block keeps its zeros.
 void read_block(const float* plane, const BlockClip& c, int stride, float* block) {
+  const float* from = plane + size_t(c.y) * stride + c.x;
+  if (c.width == kBlockSize && c.height == kBlockSize) {
+    for (int y = 0; y < kBlockSize; ++y) std::memcpy(block + y * kBlockSize, from + size_t(y) * stride, kRowBytes);
+    return;
+  }
   for (int y = 0; y < c.height; ++y) {
-    std::memcpy(block + y * kBlockSize, plane + size_t(c.y + y) * stride + c.x, c.width * sizeof(float));
+    std::memcpy(block + y * kBlockSize, from + size_t(y) * stride, c.width * sizeof(float));
   }
 }
 
@@ -49,8 +61,10 @@ void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
 
 void load_gradients(const BlockWeights& block, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
                     bool density, BlockGradients& out) {
-  std::memset(static_cast<void*>(&out), 0, sizeof out);
   const BlockClip c = clip(block, view.width, view.height);
+  // Beyond the image, and where a map is not given, everything is zero.
+  const bool whole = c.width == kBlockSize && c.height == kBlockSize;
+  if (!whole || !geometry || !density || maps.prior == nullptr) std::memset(static_cast<void*>(&out), 0, sizeof out);
   const size_t n = size_t(view.width) * view.height;
   for (int k = 0; k < 3; ++k) read_block(maps.gradients.color.data() + k * n, c, view.width, out.color[k]);
   if (geometry) {
@@ -105,11 +119,12 @@ const float* visit_semantics(const BlockWeights& block, const SemanticPass& pass
 }
 
 /// Leaves the tile's sums at the slots of its Gaussians.
-void store_slots(const ViewTiles& tiles, int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
+void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
   for (const BlockWeights& block : s.weights.blocks) {
     for (size_t e = 0; e < block.count; ++e) {
-      const uint32_t index = block.entry[e], row = s.weights.rows[index];
-      const size_t slot = static_cast<size_t>(tiles.lists.slot(row, tiles.view.rects[row], tile_x, tile_y));
+      const uint32_t index = block.entry[e];
+      const Splat& splat = s.weights.splats[index];
+      const size_t slot = static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
       if (out.used[slot] != 0) continue;
       out.used[slot] = 1;
       out.slots[slot] = s.sums[index];
@@ -174,7 +189,7 @@ void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geomet
       load_gradients(block, view, maps, geometry, density, s.gradients);
       blend_block_backward(s.weights, block, view.camera, tiles.raster, s.gradients, options, s.sums.data());
     }
-    store_slots(tiles, tile_x, tile_y, s, out);
+    store_slots(tile_x, tile_y, s, out);
   };
   if (semantics == nullptr) {
     pool.parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {

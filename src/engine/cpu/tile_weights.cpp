@@ -1,5 +1,7 @@
 #include "engine/cpu/tile_weights.h"
 
+#include <cmath>
+
 #include "engine/cpu/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -74,7 +76,8 @@ struct AlphaConstants {
   bool smooth;
 };
 
-/// Blends the candidates of a block. Formulas of engine/formulas/blending.h, 64 pixels at a time.
+/// Blends the candidates of a block. Formulas of engine/formulas/blending.h, 64 pixels at a time. On entry and exit
+/// block.transmittance is negative where a pixel takes no more: then T (1 - alpha) < transmittance_min for any alpha.
 template <bool kSmooth>
 void blend_candidates(const Splat* splats, const AlphaConstants& constants, BlockWeights& block, size_t candidates) {
   const FloatTag d;
@@ -87,14 +90,13 @@ void blend_candidates(const Splat* splats, const AlphaConstants& constants, Bloc
   block.entry.resize(block.count + candidates);
   block.alpha.resize((block.count + candidates) * kBlockPixels);
   block.weight.resize((block.count + candidates) * kBlockPixels);
-  block.gain.resize((block.count + candidates) * kBlockPixels);
+  if (kSmooth) block.gain.resize((block.count + candidates) * kBlockPixels);
+  block.strips.resize(block.count + candidates);
   const FloatVec alpha_min = hn::Set(d, constants.alpha_min), alpha_max = hn::Set(d, constants.alpha_max);
   const FloatVec t_min = hn::Set(d, constants.transmittance_min), zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  FloatVec t[kStrips], live[kStrips];
-  for (size_t s = 0; s < kStrips; ++s) {
-    t[s] = hn::Load(d, block.transmittance + s * kLanes);
-    live[s] = hn::Load(d, block.live + s * kLanes);
-  }
+  const FloatVec sign = hn::Set(d, -0.0f);
+  FloatVec t[kStrips];
+  for (size_t s = 0; s < kStrips; ++s) t[s] = hn::Load(d, block.transmittance + s * kLanes);
   bool open = true;
   for (size_t i = 0; i < candidates && open; ++i) {
     const uint32_t index = block.candidates[i];
@@ -103,8 +105,8 @@ void blend_candidates(const Splat* splats, const AlphaConstants& constants, Bloc
                    fyy = hn::Set(d, g.fyy), opacity = hn::Set(d, g.opacity);
     float* HWY_RESTRICT out_alpha = block.alpha.data() + block.count * kBlockPixels;
     float* HWY_RESTRICT out_weight = block.weight.data() + block.count * kBlockPixels;
-    float* HWY_RESTRICT out_gain = block.gain.data() + block.count * kBlockPixels;
-    FloatVec any = zero, any_live = zero;
+    FloatVec most_left = zero;
+    uint32_t strips = 0;
     for (size_t s = 0; s < kStrips; ++s) {
       const FloatVec dx = hn::Sub(hn::Load(d, pixel_x + s * kLanes), gx);
       const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s * kLanes), gy);
@@ -120,30 +122,28 @@ void blend_candidates(const Splat* splats, const AlphaConstants& constants, Bloc
                                        alpha_min);
         alpha = hn::IfThenElse(on_ramp, hn::Mul(raw, ramp), alpha);
         slope = hn::IfThenElse(on_ramp, hn::Mul(raw, hn::Add(ramp, steep)), slope);
+        slope = hn::IfThenElseZero(hn::Le(raw, alpha_max), slope);
       }
-      slope = hn::IfThenElseZero(hn::Le(raw, alpha_max), slope);
       const FloatVec next = hn::NegMulAdd(alpha, t[s], t[s]);
-      const auto wanted = hn::And(hn::Ge(raw, alpha_min), hn::Gt(live[s], zero));
-      const auto fits = hn::Ge(next, t_min);
-      const auto taken = hn::And(wanted, fits);
-      live[s] = hn::IfThenElse(hn::AndNot(fits, wanted), zero, live[s]);
+      const auto wanted = hn::Ge(raw, alpha_min);
+      const auto taken = hn::And(wanted, hn::Ge(next, t_min));
       alpha = hn::IfThenElseZero(taken, alpha);
-      const FloatVec weight = hn::Mul(alpha, t[s]);
       hn::Store(alpha, d, out_alpha + s * kLanes);
-      hn::Store(weight, d, out_weight + s * kLanes);
-      hn::Store(hn::IfThenElseZero(taken, hn::Mul(slope, t[s])), d, out_gain + s * kLanes);
-      t[s] = hn::IfThenElse(taken, next, t[s]);
-      any = hn::Max(any, weight);
-      any_live = hn::Max(any_live, live[s]);
+      hn::Store(hn::Mul(alpha, t[s]), d, out_weight + s * kLanes);
+      if constexpr (kSmooth) {
+        float* out_gain = block.gain.data() + block.count * kBlockPixels;
+        hn::Store(hn::IfThenElseZero(taken, hn::Mul(slope, t[s])), d, out_gain + s * kLanes);
+      }
+      t[s] = hn::IfThenElse(taken, next, hn::IfThenElse(wanted, hn::Or(t[s], sign), t[s]));
+      most_left = hn::Max(most_left, t[s]);
+      strips |= static_cast<uint32_t>(!hn::AllFalse(d, taken)) << (s * kLanes / kStripPixels);
     }
     block.entry[block.count] = index;
-    block.count += hn::AllFalse(d, hn::Gt(any, zero)) ? 0 : 1;
-    open = !hn::AllFalse(d, hn::Gt(any_live, zero));
+    block.strips[block.count] = static_cast<uint8_t>(strips);
+    block.count += strips != 0 ? 1 : 0;
+    open = !hn::AllFalse(d, hn::Gt(most_left, zero));
   }
-  for (size_t s = 0; s < kStrips; ++s) {
-    hn::Store(t[s], d, block.transmittance + s * kLanes);
-    hn::Store(live[s], d, block.live + s * kLanes);
-  }
+  for (size_t s = 0; s < kStrips; ++s) hn::Store(t[s], d, block.transmittance + s * kLanes);
   block.open = open;
 }
 
@@ -163,8 +163,7 @@ void ComputeTileWeights(const ProjectedView& view, const TileLists& lists, int t
     block.open = false;
     for (int i = 0; i < kBlockPixels; ++i) {
       const bool inside = block.x + i % kBlockSize < view.width && block.y + i / kBlockSize < view.height;
-      block.transmittance[i] = 1.0f;
-      block.live[i] = inside ? 1.0f : 0.0f;
+      block.transmittance[i] = inside ? 1.0f : -1.0f;
       block.open |= inside;
     }
     open |= block.open;
@@ -211,6 +210,9 @@ void ComputeTileWeights(const ProjectedView& view, const TileLists& lists, int t
       }
       open |= block.open;
     }
+  }
+  for (BlockWeights& block : out.blocks) {
+    for (float& t : block.transmittance) t = std::fabs(t);
   }
 }
 

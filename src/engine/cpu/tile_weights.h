@@ -18,9 +18,10 @@ struct BlockWeights {
   AlignedArray<uint32_t> entry;       ///< [count] index into TileWeights::splats
   AlignedArray<float> alpha;          ///< [count][64]
   AlignedArray<float> weight;         ///< [count][64] w = alpha T
-  AlignedArray<float> gain;           ///< [count][64] T * d alpha / d power: factor from dL/dalpha / T to dL/dpower
+  AlignedArray<float> gain;           ///< [count][64] T * d alpha / d power with raster.smooth_cutoff only; else it is
+                                      ///< the weight below alpha_max and 0 at alpha_max
+  AlignedArray<uint8_t> strips;       ///< [count] bit k: some weight in pixels [16 k, 16 k + 16)
   alignas(64) float transmittance[kBlockPixels];  ///< what is left behind the last entry
-  alignas(64) float live[kBlockPixels];           ///< 1 while a pixel takes more, 0 when full or outside the image
   bool open = false;                  ///< some pixel is live
 
   AlignedArray<uint32_t> candidates;  ///< scratch: gathered splats that may touch the block
