@@ -27,6 +27,7 @@ struct InitConfig {
   double voxel_footprints = 0;   ///< edge of the thinning cubes in pixel footprints at the median depth
   double scale_max = 0;          ///< largest initial scale / E; 0 = none
   int64_t max_gaussians = 0;     ///< N0 is thinned to this many
+  double gaussians_per_pixel = 0;  ///< and to this many per pixel of the largest training view; 0 = no such limit
   int64_t random_count = 0;      ///< points of a random start
 };
 
@@ -39,6 +40,7 @@ struct RunConfig {
   int64_t sh_degree = 0;  ///< highest degree; -1: 1, and 2 above 30 training views
   int64_t sh_every = 0;   ///< [ref] one degree more after so many
   double near_plane = 0;  ///< / E
+  double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off
   int64_t log_every = 0;  ///< iterations between lines of events.ndjson
 };
 

@@ -32,8 +32,10 @@ std::vector<ConfigKey> data_init_train_keys() {
        "edge of the thinning cubes of the depth start, in pixel footprints at the median depth"},
       {"init.scale_max", field<&C::init, &InitConfig::scale_max>, 0, kAny, "", ours_paper(0.05, 0.0),
        "largest initial scale / extent; 0 = none"},
-      {"init.max_gaussians", field<&C::init, &InitConfig::max_gaussians>, 1, 1e8, "", each(60000, 250000, 6000000, 400000),
+      {"init.max_gaussians", field<&C::init, &InitConfig::max_gaussians>, 1, 1e8, "", each(250000, 250000, 6000000, 400000),
        "the start is thinned to this many Gaussians"},
+      {"init.gaussians_per_pixel", field<&C::init, &InitConfig::gaussians_per_pixel>, 0, 1000, "", each(0.8, 0.8, 0.0, 1.3),
+       "and to this many per pixel of the largest training view; 0 = no such limit"},
       {"init.random_count", field<&C::init, &InitConfig::random_count>, 1, 1e8, "", all(100000),
        "points of a random start"},
 
@@ -52,6 +54,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "[ref] iterations after which one more degree is used"},
       {"train.near_plane", field<&C::train, &RunConfig::near_plane>, 1e-6, 1, "", all(0.02),
        "camera depth / extent below which a Gaussian is not drawn"},
+      {"train.near_share", field<&C::train, &RunConfig::near_share>, 0, 1, "", ours_paper(0.5, 0.0),
+       "in a training view also below this share of its nearest metric prior depth (1 % quantile); 0 = off"},
       {"train.log_every", field<&C::train, &RunConfig::log_every>, 1, kIterationsMax, "", all(10),
        "iterations between lines of events.ndjson"},
   };

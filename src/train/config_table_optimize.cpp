@@ -29,7 +29,7 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"densify.prune_scale_start", field<&C::densify, &D::prune_scale_start>, 0, kIterationsMax, "", all(3000),
        "[ref] the scale rule acts after this iteration"},
       {"densify.max_growth", field<&C::densify, &D::max_growth>, 0, 1e6, "", ours_paper(1.5, 0.0),
-       "cap on the number of Gaussians / number at a start from prior depth (other starts: / init.max_gaussians); 0 = none"},
+       "cap on the number of Gaussians / number at a start from prior depth (other starts: / the limit on starts); 0 = none"},
       {"densify.max_gaussians", field<&C::densify, &D::max_gaussians>, 0, 1e8, "", all(0),
        "cap on the number of Gaussians; 0: from max_growth, at most 6000000, lowered to what memory holds"},
       {"densify.residual_quantile", field<&C::densify, &D::residual_quantile>, 0, 1, "", ours_paper(0.9, 0.0),

@@ -15,7 +15,7 @@ uint64_t cap_of_settings(const CapInputs& in) {
   uint64_t cap = static_cast<uint64_t>(d.max_gaussians);
   if (cap == 0) {
     // A sparse start says nothing about how many Gaussians the scene needs; the limit of dense starts does.
-    const double base = static_cast<double>(in.dense_start ? in.start_size : static_cast<uint64_t>(in.config.init.max_gaussians));
+    const double base = static_cast<double>(in.dense_start ? in.start_size : static_cast<uint64_t>(in.start_limit));
     cap = d.max_growth > 0 ? static_cast<uint64_t>(std::min(d.max_growth * base, 1e18)) : kMostGaussians;
     cap = std::min(cap, kMostGaussians);
   }

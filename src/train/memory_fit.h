@@ -17,6 +17,7 @@ struct CapInputs {
   const TrainConfig& config;
   uint64_t start_size = 0;   ///< Gaussians at the start
   bool dense_start = false;  ///< they came from prior depth
+  int64_t start_limit = 0;   ///< the most a start may have
   std::function<uint64_t(uint64_t gaussians)> bytes;  ///< what the engine needs for so many; grows with the number
 };
 

@@ -37,7 +37,7 @@ DepthCloud fuse(const StartInputs& in) {
     sources.push_back(source);
   }
   DepthCloudOptions options;
-  options.max_points = static_cast<size_t>(in.config.init.max_gaussians);
+  options.max_points = static_cast<size_t>(in.max_gaussians);
   options.voxel_footprints = in.config.init.voxel_footprints;
   options.keep_single_view = in.config.init.single_view_opacity > 0;
   return fuse_depth_cloud(sources, options, in.pool);
@@ -65,11 +65,11 @@ StartModel start_from_depth(const StartInputs& in) {
 StartModel start_from_cloud(const StartInputs& in, PointCloud cloud) {
   const InitConfig& c = in.config.init;
   // A first edge that surely merges something: the extent over the square root of the cap.
-  double edge = in.extent / std::sqrt(static_cast<double>(c.max_gaussians));
+  double edge = in.extent / std::sqrt(static_cast<double>(in.max_gaussians));
   const PointCloud all = cloud;
-  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(cloud.size()) > c.max_gaussians; ++round) {
+  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(cloud.size()) > in.max_gaussians; ++round) {
     cloud = voxel_thin(all, edge);
-    edge *= std::max(growth(cloud.size(), c.max_gaussians), kThinningMargin);
+    edge *= std::max(growth(cloud.size(), in.max_gaussians), kThinningMargin);
   }
   StartModel start;
   start.has_normals = cloud.has_normals();
@@ -87,7 +87,7 @@ StartModel start_from_cloud(const StartInputs& in, PointCloud cloud) {
 /// Random colours at random depths along random rays of the training views: knows the cameras and nothing else.
 PointCloud random_cloud(const StartInputs& in, Random& random) {
   PointCloud cloud;
-  const int64_t count = std::min(in.config.init.random_count, in.config.init.max_gaussians);
+  const int64_t count = std::min(in.config.init.random_count, in.max_gaussians);
   for (int64_t i = 0; i < count; ++i) {
     const Camera& camera = in.views[static_cast<size_t>(random.below(static_cast<int>(in.views.size())))].data.camera;
     const double u = random.uniform(0, camera.width), v = random.uniform(0, camera.height);

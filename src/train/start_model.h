@@ -20,6 +20,7 @@ struct StartInputs {
   const PointCloud& cloud;                 ///< sparse/points3D
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
   int semantic_channels = 0;
+  int64_t max_gaussians = 1;               ///< start_limit() of training_set.h
   double extent = 1;                       ///< robust scene extent, scene units
   ThreadPool& pool;
 };
@@ -30,7 +31,7 @@ struct StartModel {
   bool has_normals = false;  ///< the shortest axes lie along surface normals
 };
 
-/// init.start "auto": prior depth when it is metric, else the cloud. The number is at most init.max_gaussians,
+/// init.start "auto": prior depth when it is metric, else the cloud. The number is at most max_gaussians,
 /// reached by coarser thinning. Error{kBadInput} when the wanted source holds no point (remedy: another start).
 StartModel make_start_model(const StartInputs& inputs, Random random);
 

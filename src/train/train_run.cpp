@@ -141,7 +141,12 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   fresh = !saved;
   if (saved) return std::move(*saved);
   const int channels = use_.semantics ? scene_.labels.size() : 0;
-  const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, extent_, *pool_};
+  size_t pixels = 0;
+  for (const GuideView& guide : inputs.guides) {
+    pixels = std::max(pixels, size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height));
+  }
+  const int64_t limit = start_limit(config_, pixels);
+  const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
   StartModel begun = make_start_model(start_inputs, Random(static_cast<uint64_t>(config_.train.seed)).fork(kRandomStart));
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;
@@ -149,12 +154,8 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   state.dense_start = begun.dense;
   state.normals_at_start = begun.has_normals;
   state.engine.model = std::move(begun.model);
-  size_t pixels = 0;
-  for (const GuideView& guide : inputs.guides) {
-    pixels = std::max(pixels, size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height));
-  }
   const GaussianCap cap = fit_gaussian_cap(
-      {config_, state.engine.model.size(), state.dense_start,
+      {config_, state.engine.model.size(), state.dense_start, limit,
        [&](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); }}, budget_);
   if (!cap.warning.empty()) warn(cap.warning);
   log_info("memory: {} predicted, {} allowed", format_bytes(budget_.total()), format_bytes(budget_.limit()));
@@ -180,7 +181,7 @@ TrainResult Run::train() {
                               : options_.resume_command;
   inputs.progress = options_.progress;
   std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
-  inputs.guides = guides_of(views, use_);
+  inputs.guides = guides_of(views, use_, config_, extent_);
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
   engine->set_training_views(std::move(views));

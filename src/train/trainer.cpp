@@ -89,6 +89,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   if (schedule_.lifts_semantics(iteration)) engine_.lift_semantics(request.raster);
   request.view = order_.next();
   request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];
+  request.raster.near_plane = in_.guides[static_cast<size_t>(request.view)].near_plane;
   report_ = engine_.step(request);
   state_.iteration = iteration;
   if (report_.non_finite.found) {

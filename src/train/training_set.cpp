@@ -15,6 +15,8 @@ namespace {
 // floats, labels (2 bytes) and label edges (1 byte).
 constexpr uint64_t kColorBytes = 3 * 4, kMaskBytes = 4, kDepthBytes = (1 + 1 + 3) * 4, kSemanticBytes = 4 + 2 + 1;
 
+constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixels do not move the near plane
+
 /// Names under which monocular depth networks appear in priors.json: their depth has a scale per view.
 bool is_monocular(const std::string& source) {
   std::string lower = source;
@@ -95,7 +97,38 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
   return bytes;
 }
 
-std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use) {
+float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double extent) {
+  const double global = config.train.near_plane * extent;
+  std::vector<float> depths;
+  for (const float z : prior_depth.data) {
+    if (std::isfinite(z) && z > 0) depths.push_back(z);
+  }
+  if (depths.empty() || config.train.near_share <= 0) return static_cast<float>(global);
+  const auto low = depths.begin() + static_cast<std::ptrdiff_t>(kNearQuantile * static_cast<double>(depths.size()));
+  std::nth_element(depths.begin(), low, depths.end());
+  return static_cast<float>(std::max(global, config.train.near_share * *low));
+}
+
+float near_plane_of_view(const Scene& scene, const TrainConfig& config, int view) {
+  const bool trained = std::find(scene.train.begin(), scene.train.end(), view) != scene.train.end();
+  const PriorUse use = decide_prior_use(scene, config);
+  ImageF depth;
+  if (trained && use.depth == PriorDepthKind::kMetric && config.train.near_share > 0) {
+    LoadOptions options = load_options(config, use);
+    options.semantics = false;
+    depth = load_view(scene, view, options).prior_depth;
+  }
+  return near_plane_of(depth, config, robust_extent(scene));
+}
+
+int64_t start_limit(const TrainConfig& config, size_t largest_view_pixels) {
+  const double per_pixel = config.init.gaussians_per_pixel * static_cast<double>(largest_view_pixels);
+  if (per_pixel <= 0) return config.init.max_gaussians;
+  return std::clamp<int64_t>(static_cast<int64_t>(per_pixel), 1, config.init.max_gaussians);
+}
+
+std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use, const TrainConfig& config,
+                                 double extent) {
   std::vector<GuideView> guides;
   for (const TrainingView& view : views) {
     GuideView g;
@@ -105,6 +138,7 @@ std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const P
       g.prior_depth = view.data.prior_depth;
       g.depth_weight = view.depth_weight;
     }
+    g.near_plane = near_plane_of(g.prior_depth, config, extent);
     guides.push_back(std::move(g));
   }
   return guides;

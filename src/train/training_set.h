@@ -38,7 +38,20 @@ struct GuideView {
   Camera camera;
   ImageF prior_depth;   ///< empty unless the prior is metric
   ImageF depth_weight;  ///< empty = 1
+  float near_plane = 0; ///< of this view, scene units
 };
-std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use);
+std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use, const TrainConfig& config,
+                                 double extent);
+
+/// train.near_plane, or train.near_share of the nearest metric prior depth (its 1 % quantile; empty: none) where that
+/// is farther. A camera whose estimated pose lies behind a wall would otherwise see nothing but that wall.
+float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double extent);
+
+/// The near plane with which training drew this view, for stages that render it again; the prior depth is read when
+/// the settings ask for it. A view that is no training view has the scene's near plane.
+float near_plane_of_view(const Scene& scene, const TrainConfig& config, int view);
+
+/// The most Gaussians a run may start with: init.max_gaussians and init.gaussians_per_pixel of the largest view.
+int64_t start_limit(const TrainConfig& config, size_t largest_view_pixels);
 
 }  // namespace aligngs

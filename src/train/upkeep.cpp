@@ -12,10 +12,11 @@ void apply(Engine& engine, const RestructurePlan& plan) {
   engine.reset_density_statistics();
 }
 
-ImageF median_depth(const Engine& engine, const Camera& camera, const RasterSettings& raster) {
+ImageF median_depth(const Engine& engine, const GuideView& view, const RasterSettings& raster) {
   RenderOptions options;
   options.raster = raster;
-  return std::move(engine.render(camera, options).depth_median);
+  options.raster.near_plane = view.near_plane;
+  return std::move(engine.render(view.camera, options).depth_median);
 }
 
 }  // namespace
@@ -42,7 +43,7 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
   rendered.reserve(views.size());
   std::vector<FreeSpaceView> sources;
   for (size_t v = 0; v < views.size(); ++v) {
-    rendered.push_back(median_depth(engine, views[v].camera, raster));
+    rendered.push_back(median_depth(engine, views[v], raster));
     FreeSpaceView source;
     source.camera = views[v].camera;
     source.prior_depth = views[v].prior_depth.empty() ? nullptr : &views[v].prior_depth;
@@ -86,7 +87,7 @@ void align_to_renderings(const Engine& engine, const std::vector<GuideView>& vie
   rule.limit = limit;
   for (size_t v = 0; v < views.size(); ++v) {
     if (from_points[v] || views[v].prior_depth.empty()) continue;
-    const ImageF rendered = median_depth(engine, views[v].camera, raster);
+    const ImageF rendered = median_depth(engine, views[v], raster);
     const std::optional<float> scale = align_prior_to_depth(views[v].prior_depth, views[v].depth_weight, rendered, rule);
     if (scale) depth_scales[v] = *scale;
   }

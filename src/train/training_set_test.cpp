@@ -1,0 +1,79 @@
+#include "train/training_set.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/test_scene_folder.h"
+
+namespace aligngs {
+namespace {
+
+TEST(TrainingSet, NearPlaneFollowsTheNearestPriorDepth) {
+  const TrainConfig config = make_preset(Preset::kDefault);  // 0.02 of the extent, half of the nearest depth
+  ImageF depth(20, 20, 1, 2.0f);
+  EXPECT_FLOAT_EQ(near_plane_of({}, config, 10), 0.2f);
+  EXPECT_FLOAT_EQ(near_plane_of(depth, config, 10), 1.0f);
+  depth.at(3, 3) = 0.01f;  // one wrong pixel of 400
+  EXPECT_FLOAT_EQ(near_plane_of(depth, config, 10), 1.0f);
+  EXPECT_FLOAT_EQ(near_plane_of(depth, config, 100), 2.0f);
+  EXPECT_FLOAT_EQ(near_plane_of(ImageF(20, 20, 1, 0.0f), config, 10), 0.2f);
+}
+
+TEST(TrainingSet, PaperHasOneNearPlane) {
+  EXPECT_FLOAT_EQ(near_plane_of(ImageF(20, 20, 1, 2.0f), make_preset(Preset::kPaper), 10), 0.2f);
+}
+
+TEST(TrainingSet, StartsAreLimitedPerPixel) {
+  TrainConfig config = make_preset(Preset::kDefault);
+  EXPECT_EQ(start_limit(config, 100000), 80000);
+  EXPECT_EQ(start_limit(config, 10000000), 250000);
+  config.init.gaussians_per_pixel = 0;
+  EXPECT_EQ(start_limit(config, 100), 250000);
+}
+
+Scene scene_with(const std::string& depth_source) {
+  Scene scene = open_scene(test_scene::write_scene());
+  scene.prior_source = depth_source;
+  return scene;
+}
+
+TEST(TrainingSet, PriorKindFollowsItsSource) {
+  const TrainConfig config = make_preset(Preset::kDefault);
+  Scene scene = scene_with("simulated");
+  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kMetric);
+  scene.prior_source = "DINOv2 DPT head, NYU";
+  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kRelative);
+  TrainConfig told = config;
+  told.data.prior_depth = "metric";
+  EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kMetric);
+  told.data.prior_depth = "none";
+  EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kNone);
+  EXPECT_TRUE(decide_prior_use(scene, told).warnings.empty());  // it was asked for
+}
+
+TEST(TrainingSet, PredictedBytesCoverWhatIsLoaded) {
+  const Scene scene = scene_with("simulated");
+  const TrainConfig config = make_preset(Preset::kDefault);
+  const PriorUse use = decide_prior_use(scene, config);
+  ThreadPool pool(1);
+  const std::vector<TrainingView> views = load_training_views(scene, config, use, pool);
+  uint64_t bytes = 0;
+  for (const TrainingView& v : views) {
+    bytes += 4 * (v.data.color.data.size() + v.data.mask.data.size() + v.data.prior_depth.data.size() +
+                  v.depth_weight.data.size() + v.prior_normal.data.size() + v.semantic_weight.data.size()) +
+             2 * (v.data.semantics.probabilities.size() + v.data.labels.data.size()) +
+             4 * v.data.semantics.confidence.size() + v.label_edge.data.size();
+  }
+  for (const GuideView& g : guides_of(views, use, config, 1)) bytes += 4 * (g.prior_depth.data.size() + g.depth_weight.data.size());
+  EXPECT_GE(predicted_view_bytes(scene, config, use), bytes);
+  EXPECT_LE(predicted_view_bytes(scene, config, use), 2 * bytes);
+}
+
+TEST(TrainingSet, PreviewWorksAtHalfTheSize) {
+  const Scene scene = scene_with("simulated");
+  const Camera camera = working_camera(scene, make_preset(Preset::kPreview), scene.train[0]);
+  EXPECT_EQ(camera.width, test_scene::kWidth / 2);
+  EXPECT_EQ(camera.height, test_scene::kHeight / 2);
+}
+
+}  // namespace
+}  // namespace aligngs
