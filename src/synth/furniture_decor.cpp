@@ -259,7 +259,7 @@ void add_curtains(MeshBuilder& b, const RoomStyle& s, double opening, double bun
       return Vec3d{side * x * (1 + 0.02 * (1 - v)), 0.1 + wave, bottom + (top - bottom) * v};
     };
     // u grows with x on both sides, so that du x dv points to the wall; the second side of the sheet faces the room.
-    b.sheet(surface, bundle * 2.2, top - bottom, 0.006);
+    b.sheet(surface, bundle * 4.2, top - bottom, 0.006);  // the folds make the cloth that long
   }
   b.use(s.dark_metal);
   const double end = opening + bundle + 0.08;

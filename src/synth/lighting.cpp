@@ -32,7 +32,8 @@ std::vector<LightPoint> light_points(const RoomModel& room) {
   return points;
 }
 
-Vec3f direct_light(const RoomRays& scene, const std::vector<LightPoint>& points, const Vec3f& p, const Vec3f& n) {
+/// `scene` null: nothing casts a shadow.
+Vec3f direct_light(const RoomRays* scene, const std::vector<LightPoint>& points, const Vec3f& p, const Vec3f& n) {
   Vec3f sum;
   for (const LightPoint& light : points) {
     const Vec3f d = light.position - p;
@@ -41,7 +42,7 @@ Vec3f direct_light(const RoomRays& scene, const std::vector<LightPoint>& points,
     if (cos_here <= 0 || cos_there <= 0) continue;
     const float weight = cos_here * cos_there / (r2 * r2);
     if (weight * light.power.y < 1e-4f) continue;
-    if (scene.occluded(p, d, 0.0f, 0.995f)) continue;
+    if (scene != nullptr && scene->occluded(p, d, 0.0f, 0.995f)) continue;
     sum += light.power * weight;
   }
   return sum;
@@ -91,13 +92,17 @@ LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOpt
   const size_t count = directions.size();
   constexpr uint32_t kNone = 0xffffffffu;
   std::vector<Vec3f> direct(n), albedo(n);
-  std::vector<uint32_t> seen(n * count, kNone);  // nearest vertex of the surface each direction meets
+  std::vector<uint32_t> seen(options.shadows ? n * count : 0, kNone);  // nearest vertex of the surface each direction meets
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const Vec3f& normal = room.normals[i];
       const Vec3f p = room.positions[i] + normal * kLift;
       const Material& m = room.materials[material[i]];
       albedo[i] = m.emission > 0 ? Vec3f{} : texture_color(m, room.uvs[i], kFilter);
+      if (!options.shadows) {
+        direct[i] = direct_light(nullptr, points, p, normal);
+        continue;
+      }
       const Mat3f frame = rotation_matrix(quaternion_from_z_to(normal));
       size_t close = 0;
       for (size_t k = 0; k < count; ++k) {
@@ -111,12 +116,17 @@ LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOpt
         const uint32_t vertex = w >= hit.u && w >= hit.v ? t[0] : (hit.u >= hit.v ? t[1] : t[2]);
         if (dot(room.normals[vertex], d) < 0) seen[i * count + k] = vertex;
       }
-      if (close <= kProbe) direct[i] = direct_light(scene, points, p, normal);
+      if (close <= kProbe) direct[i] = direct_light(&scene, points, p, normal);
     }
   });
   smooth_over_mesh(room, direct);
   std::vector<Vec3f> indirect(n), next(n);
-  for (int bounce = 0; bounce < options.bounces; ++bounce) {
+  if (!options.shadows) {  // the same light from everywhere in place of interreflection
+    Vec3f mean;
+    for (const Vec3f& e : direct) mean += e * (0.8f / static_cast<float>(n));
+    std::fill(indirect.begin(), indirect.end(), mean);
+  }
+  for (int bounce = 0; options.shadows && bounce < options.bounces; ++bounce) {
     pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
         Vec3f sum;

@@ -14,6 +14,28 @@ void RoomModel::move_to_world(const Rigidd& motion) {
   room_to_world = motion * room_to_world;
 }
 
+void RoomModel::remove_unused_vertices() {
+  std::vector<uint8_t> used(positions.size(), 0);
+  for (const auto& t : triangles) {
+    for (const uint32_t v : t) used[v] = 1;
+  }
+  std::vector<uint32_t> target(positions.size(), 0);
+  uint32_t kept = 0;
+  for (size_t v = 0; v < positions.size(); ++v) {
+    if (!used[v]) continue;
+    target[v] = kept;
+    positions[kept] = positions[v];
+    normals[kept] = normals[v];
+    uvs[kept++] = uvs[v];
+  }
+  positions.resize(kept);
+  normals.resize(kept);
+  uvs.resize(kept);
+  for (auto& t : triangles) {
+    for (uint32_t& v : t) v = target[v];
+  }
+}
+
 double RoomModel::triangle_area(size_t triangle) const {
   const auto& t = triangles[triangle];
   const Vec3d a = positions[t[0]].cast<double>(), b = positions[t[1]].cast<double>(), c = positions[t[2]].cast<double>();

@@ -52,6 +52,8 @@ struct RoomModel {
 
   /// Applies a rigid motion to geometry and lights, so that positions are world coordinates.
   void move_to_world(const Rigidd& motion);
+  /// Drops vertices that no triangle uses (poles of turned shapes).
+  void remove_unused_vertices();
   double triangle_area(size_t triangle) const;
   /// Share of the surface area whose material is near-white paint without any texture.
   double bare_area_share() const;

@@ -35,7 +35,7 @@ void furnish_office(RoomSite& site) {
 
   // Bookcases on the feature wall, a cabinet and pictures on wall 2.
   const double case_width = r.uniform(0.85, 1.0);
-  const int cases = plan.depth > 4.1 ? 2 : 1;
+  const int cases = plan.depth > 4.4 ? 2 : 1;
   for (int i = 0; i < cases + 1; ++i) {
     const double from_far = 0.1 + case_width / 2 + i * (case_width + 0.02);
     const double s_case = case_wall == 1 ? plan.depth - from_far : from_far;

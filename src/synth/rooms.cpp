@@ -43,6 +43,7 @@ RoomModel build_room(const RoomOptions& options) {
   else if (options.kind == "living") furnish_living(site);
   else if (options.kind == "kitchen") furnish_kitchen(site);
   else furnish_office(site);
+  room.remove_unused_vertices();
   return room;
 }
 

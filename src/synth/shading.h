@@ -19,6 +19,7 @@ struct LightCache {
 struct LightingOptions {
   int directions = 48;  ///< cosine-distributed rays per vertex for interreflection
   int bounces = 3;
+  bool shadows = true;  ///< false: no rays at all, every light reaches every surface that faces it (drafts, tests)
 };
 
 LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOptions& options = {});

@@ -66,7 +66,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.split.train.emplace();
   parts.split.test.emplace();
   for (const SynthView& view : scene.views) {
-    SceneViewParts v;
+    SceneViewParts v{};
     v.name = view.name;
     v.camera = view.teacher.camera;
     v.image = view.image;  // already coded as JPEG once; PNG keeps exactly those pixels

@@ -126,14 +126,16 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   scene.options = options;
   scene.room = build_room({options.room, options.seed, options.glossy});
   scene.bare_share = scene.room.bare_area_share();
-  const Random base = Random(options.seed).fork(500);
-  const Random teacher_base = Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed).fork(501);
+  uint64_t kind = 0;
+  while (room_kinds()[kind] != options.room) ++kind;
+  const Random base = Random(options.seed).fork(500 + kind);
+  const Random teacher_base = Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed).fork(600 + kind);
   scene.room.move_to_world(world_frame(scene.room, base.fork(1)));
   scene.up = scene.room.room_to_world.rotation.column(2);
 
   report(0.02, "lighting the room");
   const RoomRays rays(scene.room);
-  const LightCache lights = light_room(rays, pool);
+  const LightCache lights = light_room(rays, pool, {48, 3, options.shadows});
   scene.mesh = truth_mesh(scene.room, lights);
 
   report(0.3, "walking through the room");

@@ -36,6 +36,7 @@ struct SynthOptions {
   bool glossy = true;              ///< polished floor and table tops
   double semantic_scale = 0.4;     ///< size of the score maps relative to the images, at most 0.5
   int samples_per_side = 2;        ///< antialiasing: n x n rays per pixel
+  bool shadows = true;             ///< false: a draft without shadows and interreflection, in a tenth of the time
 };
 
 /// One view with everything that is known of it.

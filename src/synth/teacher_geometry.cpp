@@ -65,6 +65,12 @@ UnreliableError unreliable_error(uint16_t instance, size_t view, const Random& r
   return e;
 }
 
+/// The level that a standard normal value exceeds with the given probability (logistic approximation).
+double upper_quantile(double share) {
+  if (share <= 0) return 1e9;
+  return std::log((1 - share) / share) / 1.702;
+}
+
 /// Box mean with the given radius; borders use what there is.
 ImageF box_mean(const ImageF& in, int radius) {
   ImageF rows(in.width, in.height, 1), out(in.width, in.height, 1);
@@ -109,7 +115,7 @@ ImageF confidence_of(const ImageF& error, const DepthJumps& jumps, const Image<u
   for (size_t i = 0; i < out.data.size(); ++i) {
     // A network is least sure at edges, whatever its error there.
     const float edge = jumps.distance.data[i] > 0 ? 0.8f * std::exp(-jumps.distance.data[i] / 2) : 0.0f;
-    float s = -0.62f * score.data[i] + 0.62f * blind.data[i] + 0.3f * static_cast<float>(random.normal()) - edge;
+    float s = -0.55f * score.data[i] + 0.62f * blind.data[i] + 0.3f * static_cast<float>(random.normal()) - edge;
     if (known_bad.data[i] != 0) s -= 2.5f;
     out.data[i] = 1 + 5 * std::exp(0.7f * s);
   }
@@ -126,8 +132,9 @@ GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
   GeometryTeacherSettings s;
   const int i = static_cast<int>(level);
   const auto pick = [i](double low, double medium, double high) { return i == 0 ? low : (i == 1 ? medium : high); };
-  s.bend_rms = pick(0.008, 0.018, 0.035);
-  s.bend_degrees = pick(1, 3, 6);
+  s.bend_rms = pick(0.006, 0.014, 0.028);
+  s.bend_degrees = pick(0.8, 2.2, 4.5);
+  s.failure_share = pick(0.05, 0.10, 0.18);
   s.rotation_degrees = pick(0.1, 0.25, 0.6);
   s.translation = pick(0.003, 0.008, 0.02);
   s.outlier_share = pick(0, 0.03, 0.08);
@@ -215,7 +222,8 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
   pose_random.shuffle(order);
   for (int i = 0; i < outliers && i < static_cast<int>(order.size()); ++i) teacher.views[order[static_cast<size_t>(i)]].outlier = true;
 
-  const double shared_focal = s.shared_focal * focal_random.normal();
+  // Uniform with the given root mean square: no scene gets a focal length that no network would claim.
+  const double shared_focal = s.shared_focal * focal_random.uniform(-std::sqrt(3.0), std::sqrt(3.0));
   const double keep = s.neighbour_correlation, fresh = std::sqrt(1 - keep * keep);
   Vec3d turn = gaussian_vector(pose_random), shift = gaussian_vector(pose_random);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -252,8 +260,11 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
       const ImageF bent = bent_depth(view, bend, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
+      // Where a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about 0.5.
+      const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.5;
       t.depth = mix_across_edges(bent, jumps, s.edge_width);
       const ImageF warp = smooth_random_map(w, h, 4, 3, s.warp_rms, r);
+      const ImageF region = smooth_random_map(w, h, 6, 5, 1, r), sign = smooth_random_map(w, h, 6, 5, 1, r);
       const double scale = 1 + s.view_scale * r.normal(), patch = kPatch * static_cast<double>(w) / kNetworkWidth;
       const uint32_t patch_seed = static_cast<uint32_t>(r.next());
       Image<uint8_t> known_bad(w, h, 1, 0);
@@ -265,6 +276,9 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
           if (!(z > 0)) continue;
           const float cell = lattice_random(static_cast<int>(x / patch), static_cast<int>(y / patch), 0, patch_seed);
           double factor = scale * (1 + warp.at(x, y)) * (1 + noise) * (1 + s.patch * std::sqrt(12.0) * (cell - 0.5));
+          if (const double excess = region.at(x, y) - failure_level; excess > 0) {
+            factor *= 1 + failure_gain * excess * (sign.at(x, y) > 0 ? 1 : -1);
+          }
           if (view.unreliable.at(x, y) != 0) {
             const UnreliableError e = unreliable_error(view.instances.at(x, y), i, random);
             factor *= 1 + e.relative;
@@ -275,6 +289,7 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
         }
       }
       t.confidence = confidence_of(error, jumps, known_bad, r.fork(5));
+      t.own_error = std::move(error);
       for (size_t k = 0; k < t.depth.data.size(); ++k) {
         if (!(t.depth.data[k] > 0)) t.confidence.data[k] = 0;
       }
@@ -292,7 +307,7 @@ GeometryTeacher exact_geometry_teacher(const std::vector<RenderedView>& views) {
   for (const RenderedView& view : views) {
     ImageF confidence(view.depth.width, view.depth.height, 1);
     for (size_t i = 0; i < confidence.data.size(); ++i) confidence.data[i] = view.depth.data[i] > 0 ? 10.0f : 0.0f;
-    teacher.views.push_back({view.camera, view.depth, std::move(confidence), false});
+    teacher.views.push_back({view.camera, view.depth, std::move(confidence), {}, false});
   }
   return teacher;
 }

@@ -15,20 +15,25 @@ namespace aligngs {
 enum class TeacherLevel { kLow, kMedium, kHigh };
 const char* teacher_level_name(TeacherLevel level);  ///< "low", "medium", "high"
 
-/// Error sizes for a metric room of 4 to 6 m (guidance, section 3, items 1 to 4).
+/// Error sizes for a metric room of 4 to 6 m (guidance, section 3, items 1 to 4). The guidance prints 1.8 cm and
+/// 3 degrees for the medium bend; measured pose and point errors were then above its accepted ranges, so that the
+/// bend is a little smaller here and regions that a view misjudges (`failure_share`) give the heavy tail that
+/// published figures have (mean well above the median).
 struct GeometryTeacherSettings {
-  double bend_rms = 0.018;            ///< metres
-  double bend_degrees = 3;            ///< opposite walls from parallel
+  double bend_rms = 0.014;            ///< metres
+  double bend_degrees = 2.2;          ///< opposite walls from parallel
   double rotation_degrees = 0.25;     ///< independent residual per camera, root mean square of the angle
   double translation = 0.008;         ///< the same in metres
   double neighbour_correlation = 0.5; ///< of residuals along the walk
   double outlier_share = 0.03;        ///< of views that are off by 3 to 8 degrees and 10 to 20 cm
-  double shared_focal = 0.015;        ///< relative, one draw for all views
+  double shared_focal = 0.015;        ///< relative (root mean square of a bounded draw), one for all views
   double view_focal = 0.007;          ///< relative, one draw per view
   double view_scale = 0.008;          ///< relative depth scale per view
   double warp_rms = 0.008;            ///< relative, 4 x 3 bicubic control points per view
   double white = 0.003;               ///< relative, per pixel
   double patch = 0.0015;              ///< relative, per 14-pixel patch of the network's 518-pixel input
+  double failure_share = 0.10;        ///< of a view: regions whose depth is misjudged
+  double failure_size = 0.09;         ///< relative error there, mean
   double edge_width = 2.5;            ///< pixels of the image: width of the sigmoid across a depth jump
   bool similarity = false;            ///< unknown scale and rotation of the world as well
 };
@@ -39,6 +44,7 @@ struct TeacherView {
   Camera camera;      ///< pose and focal length with their errors
   ImageF depth;       ///< in the teacher's world units along z; 0 where it says nothing
   ImageF confidence;  ///< >= 1 as VGGT's; rises as the view's own error falls, blind to the world's bend
+  ImageF own_error;   ///< |log| of depth over bent true depth: the view's error apart from the bend; for tests
   bool outlier = false;
 };
 

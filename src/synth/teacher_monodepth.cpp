@@ -23,7 +23,8 @@ ImageF simulate_mono_depth(const RenderedView& view, size_t view_number, const M
                            const Random& random) {
   Random r = random.fork(1000 + view_number);
   const int w = view.depth.width, h = view.depth.height;
-  const double scale = 1 + s.view_scale * r.normal(), shift = s.view_shift * r.normal();
+  const double root3 = std::sqrt(3.0);  // uniform draws of the given root mean square
+  const double scale = 1 + s.view_scale * r.uniform(-root3, root3), shift = s.view_shift * r.uniform(-root3, root3);
   const double edge = r.uniform(s.edge_width_low, s.edge_width_high);
   const ImageF warp = smooth_random_map(w, h, 4, 4, s.warp_rms, r);
   std::unordered_map<uint16_t, double> offsets;

@@ -101,8 +101,9 @@ struct SoftMask {
 SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, double outline_rms, Random& random) {
   // The outline is displaced by a smooth random field ...
   const int columns = std::max(1, static_cast<int>(w / kOutlineLength)), rows = std::max(1, static_cast<int>(h / kOutlineLength));
-  const ImageF dx = smooth_random_map(w, h, columns, rows, outline_rms, random);
-  const ImageF dy = smooth_random_map(w, h, columns, rows, outline_rms, random);
+  const double rms = outline_rms / std::sqrt(2.0);  // of each component
+  const ImageF dx = smooth_random_map(w, h, columns, rows, rms, random);
+  const ImageF dy = smooth_random_map(w, h, columns, rows, rms, random);
   // ... and drawn on the network's coarse grid.
   const int cw = (w + kStride - 1) / kStride, ch = (h + kStride - 1) / kStride;
   ImageF coarse(cw, ch, 1);
@@ -209,7 +210,7 @@ std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, cons
   // A one-off mistake is likelier far away and for objects cut off by the image border.
   const double distance = region.depth_sum / static_cast<double>(std::max<size_t>(1, region.pixels));
   const double cut = std::min(1.0, 12.0 * static_cast<double>(region.border) / static_cast<double>(std::max<size_t>(1, region.pixels)));
-  const double chance = s.flip * (0.4 + 0.2 * distance + 0.6 * cut);
+  const double chance = s.flip * (0.1 + 0.12 * distance + 0.4 * cut);
   const bool flip = random.chance(chance);
   const size_t pick = others.empty() ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
   if ((flip || duplicate) && !others.empty()) {
@@ -273,7 +274,7 @@ ScoreMap one_view(const RenderedView& view, const std::vector<ObjectConfusion>& 
   out.height = out_h;
   out.values.resize(scores.size());
   for (size_t i = 0; i < n; ++i) {
-    const float factor = strongest.data[i] < 0.75f && dip.data[i] > 1.0f ? 0.3f : 1.0f;
+    const float factor = strongest.data[i] < 0.75f && dip.data[i] > 1.5f ? 0.3f : 1.0f;
     for (int c = 0; c < classes; ++c) {
       const size_t k = static_cast<size_t>(c) * n + i;
       out.values[k] = float_to_half(std::min(1.0f, scores[k]) * factor);

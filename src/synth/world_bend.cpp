@@ -14,13 +14,17 @@ Vec3d random_direction(Random& random) {
 WorldBend::WorldBend(const WorldBendOptions& options, const Vec3d& centre, const Vec3d& up, Random& random)
     : centre_(centre) {
   mode_count_ = 4;
-  // Each mode a_i sin(k.x + phase) has mean square a_i^2 / 2.
-  const double amplitude = options.rms * std::sqrt(2.0 / mode_count_);
+  // Each mode a_i sin(k.x + phase) has mean square a_i^2 / 2. Longer waves are stronger, in proportion: networks
+  // see the whole room, their errors have little power at short range.
+  double power = 0;
   for (Mode& mode : modes_) {
-    mode.wave = random_direction(random) * (2 * kPi / random.uniform(1.5, 4.0));
-    mode.direction = random_direction(random) * amplitude;
+    const double wavelength = random.uniform(1.5, 4.0);  // metres
+    mode.wave = random_direction(random) * (2 * kPi / wavelength);
+    mode.direction = random_direction(random) * wavelength;
     mode.phase = random.uniform(0, 2 * kPi);
+    power += wavelength * wavelength / 2;
   }
+  for (Mode& mode : modes_) mode.direction *= options.rms / std::sqrt(power);
   const Vec3d r = random_direction(random);
   along_ = normalized(r - up * dot(r, up));
   side_ = cross(up, along_);
