@@ -18,7 +18,9 @@ void print_problems(const std::vector<SceneProblem>& problems) {
 }
 
 void check(const std::string& folder, bool json) {
-  const Scene scene = open_scene(folder);
+  SceneOptions options;
+  options.check_headers = false;  // everything is listed, not only the first problem
+  const Scene scene = open_scene(folder, options);
   const std::vector<SceneProblem> problems = check_scene(scene);
   size_t fatal = 0;
   nlohmann::json list = nlohmann::json::array();
