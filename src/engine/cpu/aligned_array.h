@@ -3,11 +3,16 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <type_traits>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 namespace aligngs::cpu {
 
@@ -41,15 +46,22 @@ class AlignedArray {
   }
 
  private:
+  /// Large arrays ask for pages of 2 MB: they are read in random order, and 4 kB pages would miss the TLB each time.
+  static constexpr size_t kHugePage = size_t(1) << 21;
+
   struct Free {
     void operator()(T* p) const { std::free(p); }
   };
 
   void grow(size_t n) {
     const size_t wanted = capacity_ == 0 ? n : std::max(n, capacity_ + capacity_ / 4);
-    const size_t bytes = (wanted * sizeof(T) + 63) / 64 * 64;
-    std::unique_ptr<T, Free> fresh(static_cast<T*>(std::aligned_alloc(64, bytes)));
+    const size_t alignment = wanted * sizeof(T) >= kHugePage ? kHugePage : 64;
+    const size_t bytes = (wanted * sizeof(T) + alignment - 1) / alignment * alignment;
+    std::unique_ptr<T, Free> fresh(static_cast<T*>(std::aligned_alloc(alignment, bytes)));
     if (!fresh) throw std::bad_alloc();
+#ifdef __linux__
+    if (alignment == kHugePage) madvise(fresh.get(), bytes, MADV_HUGEPAGE);  // a wish: failure changes nothing
+#endif
     if (size_ > 0) std::memcpy(static_cast<void*>(fresh.get()), data_.get(), size_ * sizeof(T));
     data_ = std::move(fresh);
     capacity_ = bytes / sizeof(T);

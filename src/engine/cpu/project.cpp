@@ -3,15 +3,198 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "engine/formulas/color.h"
+#include "engine/cpu/simd_targets.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/cpu/project.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "engine/cpu/gaussian_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace aligngs {
+namespace cpu {
+namespace HWY_NAMESPACE {
+
+constexpr float kHalfLog2E = 0.72134752f;  ///< log2(e) / 2: exp(-m / 2) = 2^(-kHalfLog2E m)
+constexpr float kLn2 = 0.69314718f;
+/// The box is widened as in projection.h: relative and pixels.
+constexpr float kWiden = 1.0001f, kMargin = 1e-3f;
+
+HWY_INLINE hn::Mask<FloatTag> finite(FloatVec x) { return hn::Eq(hn::Sub(x, x), hn::Zero(FloatTag())); }
+
+/// pixel_range of projection.h, as numbers.
+HWY_INLINE void range(FloatVec mean, FloatVec extent, int size, FloatVec& first, FloatVec& end) {
+  const FloatVec zero = hn::Zero(FloatTag()), top = constant(static_cast<float>(size)), half = constant(0.5f);
+  first = hn::Min(hn::Max(hn::Ceil(hn::Sub(hn::Sub(mean, extent), half)), zero), top);
+  end = hn::Min(hn::Max(hn::Add(hn::Floor(hn::Sub(hn::Add(mean, extent), half)), constant(1.0f)), zero), top);
+}
+
+/// What a batch leaves for the scalar code that stores it.
+struct Batch {
+  HWY_ALIGN float fields[17][kLanes];  ///< in the order of Splat
+  HWY_ALIGN float radius[kLanes], visible[kLanes], suspect[kLanes];
+  HWY_ALIGN float x0[kLanes], y0[kLanes], x1[kLanes], y1[kLanes];  ///< pixels
+};
+
+/// The vector twin of project() in engine/formulas/projection.h and sh_color() in color.h, for the rows at `offsets`
+/// from `first`.
+void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows, const ProjectionCamera<float>& camera,
+                   const RasterSettings& raster, int sh_degree, Batch& out) {
+  const FloatTag d;
+  const hn::RebindToSigned<FloatTag> di;
+  const auto row = hn::LoadU(di, rows);
+  const auto row3 = hn::Add(row, hn::Add(row, row)), row4 = hn::ShiftLeft<2>(row);
+  const float *positions = model.positions.data() + 3 * first, *scales = model.log_scales.data() + 3 * first;
+  const float* rotations = model.rotations.data() + 4 * first;
+  LaneShape g;
+  g.position = {gather(positions, row3, 0), gather(positions, row3, 1), gather(positions, row3, 2)};
+  g.log_scale = {gather(scales, row3, 0), gather(scales, row3, 1), gather(scales, row3, 2)};
+  for (int k = 0; k < 4; ++k) g.rotation[k] = gather(rotations, row4, k);
+  g.opacity_logit = gather(model.opacity_logits.data() + first, row, 0);
+
+  const FloatVec zero = hn::Zero(d), one = constant(1.0f);
+  const FloatVec parameters = hn::Add(
+      hn::Add(hn::Add(g.position.x, hn::Add(g.position.y, g.position.z)),
+              hn::Add(g.log_scale.x, hn::Add(g.log_scale.y, g.log_scale.z))),
+      hn::Add(hn::Add(hn::Add(g.rotation[0], g.rotation[1]), hn::Add(g.rotation[2], g.rotation[3])), g.opacity_logit));
+  const auto good = finite(parameters);
+  const LaneCamera c(camera);
+  const Lanes3 centre = c.to_camera(g.position);
+  // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 all the same.
+  const FloatVec opacity =
+      hn::Div(one, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
+  auto visible = hn::And(good, hn::And(hn::Gt(centre.z, constant(raster.near_plane)),
+                                       hn::Ge(opacity, constant(raster.alpha_min))));
+  hn::Store(hn::IfThenElse(good, zero, one), d, out.suspect);
+  hn::Store(zero, d, out.visible);
+  if (hn::AllFalse(d, visible)) return;
+
+  LaneFrame f;
+  lane_frame(g, c, camera, centre, f);
+  const FloatVec mean_x = hn::MulAdd(c.fx, f.raw_slope_x, c.cx), mean_y = hn::MulAdd(c.fy, f.raw_slope_y, c.cy);
+  const FloatVec low_pass = constant(raster.low_pass);
+  const FloatVec uu = dot3(f.u[0], f.u[0], f.u[1], f.u[1], f.u[2], f.u[2]);
+  const FloatVec vv = dot3(f.v[0], f.v[0], f.v[1], f.v[1], f.v[2], f.v[2]);
+  const FloatVec xy = dot3(f.u[0], f.v[0], f.u[1], f.v[1], f.u[2], f.v[2]);
+  const FloatVec xx = hn::Add(uu, low_pass), yy = hn::Add(vv, low_pass);
+  const Lanes3 area{hn::MulSub(f.u[1], f.v[2], hn::Mul(f.u[2], f.v[1])),
+                    hn::MulSub(f.u[2], f.v[0], hn::Mul(f.u[0], f.v[2])),
+                    hn::MulSub(f.u[0], f.v[1], hn::Mul(f.u[1], f.v[0]))};
+  const FloatVec det = hn::Add(dot(area, area), hn::MulAdd(low_pass, hn::Add(uu, vv), hn::Mul(low_pass, low_pass)));
+  visible = hn::And(visible, hn::And(finite(det), hn::Gt(det, zero)));
+  visible = hn::And(visible, hn::And(finite(mean_x), finite(mean_y)));
+
+  const auto is_1 = hn::Lt(g.log_scale.y, g.log_scale.x);
+  const auto is_2 = hn::Lt(g.log_scale.z, hn::Min(g.log_scale.x, g.log_scale.y));
+  Lanes3 normal = select_column(f.axes, is_1, is_2);
+  const FloatVec facing = hn::Neg(dot(normal, centre));
+  normal = scaled(normal, hn::IfThenElse(hn::Ge(facing, zero), one, constant(-1.0f)));
+  const FloatVec distance = hn::Abs(facing);
+  const FloatVec reach = hn::Mul(constant(3.0f), hn::Max(f.scale[0], hn::Max(f.scale[1], f.scale[2])));
+  const FloatVec z_max = hn::Add(centre.z, reach);
+  const FloatVec z_min = hn::Max(hn::Sub(centre.z, reach), constant(raster.near_plane));
+  const FloatVec half_sum = hn::Mul(constant(0.5f), hn::Add(xx, yy));
+  const FloatVec half_difference = hn::Mul(constant(0.5f), hn::Sub(xx, yy));
+  const FloatVec spread = hn::Sqrt(hn::MulAdd(half_difference, half_difference, hn::Mul(xy, xy)));
+  const FloatVec radius = hn::Mul(constant(3.0f), hn::Sqrt(hn::Add(half_sum, spread)));
+  const FloatVec log_ratio = fast_log(d, hn::Max(one, hn::Div(opacity, constant(raster.alpha_min))));
+  const FloatVec level = hn::Add(log_ratio, log_ratio);
+  const auto extent = [&](FloatVec variance) HWY_ATTR {
+    return hn::MulAdd(constant(kWiden), hn::Sqrt(hn::Mul(level, variance)), constant(kMargin));
+  };
+  FloatVec x0, x1, y0, y1;
+  range(mean_x, extent(xx), camera.width, x0, x1);
+  range(mean_y, extent(yy), camera.height, y0, y1);
+  visible = hn::And(visible, hn::And(finite(radius), hn::And(finite(distance), finite(z_max))));
+  visible = hn::And(visible, hn::And(hn::Lt(x0, x1), hn::Lt(y0, y1)));
+  // F of log2(e)/2 A with A the inverse covariance.
+  const FloatVec fxx = hn::Sqrt(hn::Div(hn::Mul(constant(kHalfLog2E), yy), det));
+  const FloatVec fxy = hn::Neg(hn::Div(hn::Mul(constant(kHalfLog2E), hn::Div(xy, det)), fxx));
+  const FloatVec fyy = hn::Sqrt(hn::Div(constant(kHalfLog2E), yy));
+  visible = hn::And(visible, hn::And(finite(fxx), hn::And(finite(fxy), finite(fyy))));
+  if (hn::AllFalse(d, visible)) return;
+
+  Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]), hn::Sub(g.position.z, c.centre[2])};
+  const FloatVec length = hn::Sqrt(dot(ray, ray));
+  ray = scaled(ray, hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(one, length)));
+  FloatVec basis[kShCoefficients];
+  lane_sh_basis(sh_degree, ray, basis);
+  const auto row48 = hn::ShiftLeft<4>(row3);
+  const float* sh = model.sh.data() + 3 * kShCoefficients * first;
+  FloatVec color[3] = {constant(0.5f), constant(0.5f), constant(0.5f)};
+  for (int k = 0; k < sh_coefficient_count(sh_degree); ++k) {
+    for (int ch = 0; ch < 3; ++ch) color[ch] = hn::MulAdd(gather(sh, row48, 3 * k + ch), basis[k], color[ch]);
+  }
+  const auto bad_color = hn::Not(finite(hn::Add(color[0], hn::Add(color[1], color[2]))));
+  hn::Store(hn::IfThenElse(hn::Or(hn::Not(good), hn::And(visible, bad_color)), one, zero), d, out.suspect);
+  visible = hn::AndNot(bad_color, visible);
+  hn::Store(hn::IfThenElse(visible, one, zero), d, out.visible);
+
+  const FloatVec fields[17] = {mean_x,
+                               mean_y,
+                               fxx,
+                               fxy,
+                               fyy,
+                               opacity,
+                               hn::Mul(log_ratio, constant(1.0f / kLn2)),
+                               hn::Max(color[0], zero),
+                               hn::Max(color[1], zero),
+                               hn::Max(color[2], zero),
+                               normal.x,
+                               normal.y,
+                               normal.z,
+                               distance,
+                               centre.z,
+                               z_min,
+                               z_max};
+  for (int k = 0; k < 17; ++k) hn::Store(fields[k], d, out.fields[k]);
+  hn::Store(radius, d, out.radius);
+  hn::Store(x0, d, out.x0);
+  hn::Store(y0, d, out.y0);
+  hn::Store(x1, d, out.x1);
+  hn::Store(y1, d, out.y1);
+}
+
+/// Projects rows [begin, end); returns the first row that may have a parameter that is not finite, or -1.
+int64_t ProjectRows(const GaussianModel& model, const RasterSettings& raster, int sh_degree, size_t begin, size_t end,
+                    ProjectedView& view) {
+  int64_t suspect = -1;
+  Batch batch;
+  int32_t rows[kLanes];
+  for (size_t i = begin; i < end; i += kLanes) {
+    const size_t n = HWY_MIN(kLanes, end - i);
+    for (size_t k = 0; k < kLanes; ++k) rows[k] = static_cast<int32_t>(HWY_MIN(k, n - 1));
+    project_lanes(model, i, rows, view.camera, raster, sh_degree, batch);
+    for (size_t k = 0; k < n; ++k) {
+      if (batch.suspect[k] != 0 && suspect < 0) suspect = static_cast<int64_t>(i + k);
+      view.rects[i + k] = {};
+      if (batch.visible[k] == 0) continue;
+      const IntegerRect tiles = tiles_of({static_cast<int>(batch.x0[k]), static_cast<int>(batch.y0[k]),
+                                          static_cast<int>(batch.x1[k]), static_cast<int>(batch.y1[k])});
+      view.rects[i + k] = {static_cast<uint16_t>(tiles.x0), static_cast<uint16_t>(tiles.y0),
+                           static_cast<uint16_t>(tiles.x1), static_cast<uint16_t>(tiles.y1)};
+      view.radius[i + k] = batch.radius[k];
+      float* splat = reinterpret_cast<float*>(&view.splats[i + k]);
+      for (int field = 0; field < 17; ++field) splat[field] = batch.fields[field][k];
+    }
+  }
+  return suspect;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace cpu
+}  // namespace aligngs
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kGrain = 512;              ///< rows per task
-constexpr float kHalfLog2E = 0.72134752f;   ///< log2(e) / 2: exp(-m / 2) = 2^(-kHalfLog2E m)
+constexpr size_t kGrain = 512;  ///< rows per task
 
-bool parameters_finite(const GaussianModel& model, size_t i) {
+bool row_is_finite(const GaussianModel& model, size_t i) {
   float sum = 0;
   for (int k = 0; k < 3; ++k) sum += 0 * model.positions[3 * i + k] + 0 * model.log_scales[3 * i + k];
   for (int k = 0; k < 4; ++k) sum += 0 * model.rotations[4 * i + k];
@@ -19,38 +202,9 @@ bool parameters_finite(const GaussianModel& model, size_t i) {
   return is_finite(sum + 0 * model.opacity_logits[i]);
 }
 
-/// Colour before the clamp at 0, so that a NaN shows.
-Vec3<float> raw_color(int degree, const Vec3<float>& direction, const float* sh) {
-  float basis[kShCoefficients];
-  sh_basis(degree, direction, basis);
-  Vec3<float> color{0.5f, 0.5f, 0.5f};
-  for (int k = 0; k < sh_coefficient_count(degree); ++k) {
-    for (int c = 0; c < 3; ++c) color[c] += sh[3 * k + c] * basis[k];
-  }
-  return color;
-}
-
-Splat make_splat(const Projection<float>& p, const Vec3<float>& color, float alpha_min) {
-  Splat s;
-  s.x = p.mean.x;
-  s.y = p.mean.y;
-  s.fxx = std::sqrt(kHalfLog2E * p.conic.xx);
-  s.fxy = kHalfLog2E * p.conic.xy / s.fxx;
-  s.fyy = std::sqrt(kHalfLog2E / p.covariance.yy);
-  s.opacity = p.opacity;
-  s.level = std::log2(p.opacity / alpha_min);
-  for (int c = 0; c < 3; ++c) {
-    s.color[c] = color[c] > 0 ? color[c] : 0.0f;
-    s.normal[c] = p.normal[c];
-  }
-  s.distance = p.distance;
-  s.z = p.z;
-  s.z_min = p.z_min;
-  s.z_max = p.z_max;
-  return s;
-}
-
 }  // namespace
+
+HWY_EXPORT(ProjectRows);
 
 void project_view(const GaussianModel& model, const Camera& camera, const RasterSettings& raster, int sh_degree,
                   ThreadPool& pool, ProjectedView& view) {
@@ -67,36 +221,16 @@ void project_view(const GaussianModel& model, const Camera& camera, const Raster
   view.splats.resize(n);
   view.rects.resize(n);
   view.radius.resize(n);
-  std::vector<int64_t> non_finite((n + kGrain - 1) / kGrain, -1);
+  std::vector<int64_t> suspects((n + kGrain - 1) / kGrain, -1);
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) {
-      const float *m = &model.positions[3 * i], *s = &model.log_scales[3 * i], *q = &model.rotations[4 * i];
-      const GaussianShape<float> shape{{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, {q[0], q[1], q[2], q[3]},
-                                       model.opacity_logits[i]};
-      Projection<float> p = project(shape, view.camera, raster);
-      Vec3<float> color;
-      if (p.visible()) {
-        color = raw_color(sh_degree, view_direction(shape.position, view.camera.centre),
-                          &model.sh[3 * kShCoefficients * i]);
-        if (!is_finite(color)) p.status = ProjectionStatus::kNonFinite;
-      }
-      view.rects[i] = {};
-      if (p.status == ProjectionStatus::kNonFinite && !parameters_finite(model, i)) {
-        int64_t& first = non_finite[begin / kGrain];
-        if (first < 0) first = static_cast<int64_t>(i);
-      }
-      if (!p.visible()) continue;
-      const IntegerRect tiles = tiles_of(p.pixels);
-      view.rects[i] = {static_cast<uint16_t>(tiles.x0), static_cast<uint16_t>(tiles.y0),
-                       static_cast<uint16_t>(tiles.x1), static_cast<uint16_t>(tiles.y1)};
-      view.radius[i] = p.radius;
-      view.splats[i] = make_splat(p, color, raster.alpha_min);
-    }
+    suspects[begin / kGrain] = HWY_DYNAMIC_DISPATCH(ProjectRows)(model, raster, sh_degree, begin, end, view);
   });
   view.non_finite = -1;
-  for (const int64_t row : non_finite) {
-    if (row >= 0 && view.non_finite < 0) view.non_finite = row;
+  for (const int64_t row : suspects) {
+    // A finite row whose image overflows is only culled.
+    if (row >= 0 && view.non_finite < 0 && !row_is_finite(model, static_cast<size_t>(row))) view.non_finite = row;
   }
 }
 
 }  // namespace aligngs::cpu
+#endif

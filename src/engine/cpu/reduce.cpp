@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/cpu/adam.h"
-#include "engine/formulas/color.h"
+#include "engine/cpu/project_backward.h"
 #include "engine/formulas/shape_terms.h"
 
 namespace aligngs::cpu {
@@ -12,112 +12,76 @@ namespace {
 constexpr size_t kGrain = 512;  ///< rows per task; also the unit in which sums are formed, so never depends on threads
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 
-struct Moments {
-  float p, r, one, pp, pr, rr;
-};
-
 Vec2<float> mean_gradient(const Splat& s, float p, float r) {
   return {kTwoLn2 * s.fxx * p, kTwoLn2 * (s.fxy * p + s.fyy * r)};
 }
 
 float length(float x, float y) { return std::sqrt(x * x + y * y); }
 
-/// dL / d (mean, conic, opacity) from whitened moments: dy = r / fyy, dx = (p - fxy dy) / fxx.
-void add_moments(const Splat& s, const Moments& m, float scale, ProjectionGradient<float>& out) {
-  const Vec2<float> mean = mean_gradient(s, m.p, m.r);
-  const float a = 1.0f / s.fxx, c = 1.0f / s.fyy, b = -s.fxy * a * c;  // dx = a p + b r, dy = c r
-  const float xx = a * a * m.pp + 2 * a * b * m.pr + b * b * m.rr;
-  const float xy = c * (a * m.pr + b * m.rr), yy = c * c * m.rr;
-  out.mean.x += scale * mean.x;
-  out.mean.y += scale * mean.y;
-  out.conic.xx += scale * -0.5f * xx;
-  out.conic.xy += scale * -xy;
-  out.conic.yy += scale * -0.5f * yy;
-  out.opacity += scale * m.one / s.opacity;
-}
-
-/// The projection as project_backward reads it.
-Projection<float> projection_of(const Splat& s, int normal_axis) {
-  Projection<float> p;
-  p.status = ProjectionStatus::kVisible;
-  p.conic = {kTwoLn2 * s.fxx * s.fxx, kTwoLn2 * s.fxx * s.fxy, kTwoLn2 * (s.fxy * s.fxy + s.fyy * s.fyy)};
-  p.opacity = s.opacity;
-  p.normal = {s.normal[0], s.normal[1], s.normal[2]};
-  p.normal_axis = normal_axis;
-  return p;
-}
-
-GaussianShape<float> shape_of(const GaussianModel& model, size_t i) {
-  const float *m = &model.positions[3 * i], *s = &model.log_scales[3 * i], *q = &model.rotations[4 * i];
-  return {{m[0], m[1], m[2]}, {s[0], s[1], s[2]}, {q[0], q[1], q[2], q[3]}, model.opacity_logits[i]};
-}
-
 /// Sums of one chunk of rows.
 struct ShapeSums {
   double flatten = 0, opacity = 0, scale = 0;
 };
 
-/// Gradients of one row; adds the row's shape terms to `sums`.
-void row_gradients(const ReduceInputs& in, size_t i, ParameterGradients& out, ShapeSums& sums) {
+/// Adds the shape terms of row i to its gradient and their values to `sums`.
+void add_shape_terms(const ReduceInputs& in, size_t i, bool touched, RowGradient& g, ShapeSums& sums) {
   const LossSettings& set = in.request.losses;
-  const GaussianShape<float> shape = shape_of(in.model, i);
-  const bool touched = out.touched[i] != 0;
-  ShapeGradient<float> g;
-  if (touched) {
-    const SplatGradient& d = in.slots.slots[static_cast<size_t>(in.lists.slot_begin[i])];
-    const Splat& s = in.view.splats[i];
-    ProjectionGradient<float> dp;
-    add_moments(s, {d.p, d.r, d.one, d.pp, d.pr, d.rr}, 1.0f, dp);
-    if (in.coupling_scale != 0) {
-      add_moments(s, {d.coupling_p, d.coupling_r, d.coupling_one, d.coupling_pp, d.coupling_pr, d.coupling_rr},
-                  in.coupling_scale, dp);
-    }
-    dp.normal = {d.normal[0], d.normal[1], d.normal[2]};
-    dp.distance = d.distance;
-    g = project_backward(shape, in.view.camera, projection_of(s, smallest_axis(shape.log_scale)), dp);
-    float* dsh = out.sh.data() + 3 * kShCoefficients * i;
-    std::fill(dsh, dsh + 3 * kShCoefficients, 0.0f);
-    g.position += sh_color_backward(in.request.sh_degree, shape.position, in.view.camera.centre,
-                                    &in.model.sh[3 * kShCoefficients * i],
-                                    Vec3<float>{s.color[0], s.color[1], s.color[2]},
-                                    Vec3<float>{d.color[0], d.color[1], d.color[2]}, dsh);
-  }
   const float extent = in.request.extent, rows = static_cast<float>(in.model.size());
+  const float* s = &in.model.log_scales[3 * i];
   if (set.flatten_weight != 0 && touched) {
-    const float value = flatten_value(shape.log_scale, extent);
-    sums.flatten += value;
-    g.log_scale[smallest_axis(shape.log_scale)] += set.flatten_weight * value / static_cast<float>(in.totals.visible);
+    const Vec3<float> log_scale{s[0], s[1], s[2]};
+    const float value = flatten_value(log_scale, extent);
+    sums.flatten += static_cast<double>(value);
+    g.log_scale[smallest_axis(log_scale)] += set.flatten_weight * value / static_cast<float>(in.totals.visible);
   }
   if (set.opacity_l1_weight != 0) {
     float derivative;
-    sums.opacity += opacity_of_logit(shape.opacity_logit, derivative);
+    sums.opacity += static_cast<double>(opacity_of_logit(in.model.opacity_logits[i], derivative));
     g.opacity_logit += set.opacity_l1_weight * derivative / rows;
   }
   if (set.scale_l1_weight != 0) {
     for (int k = 0; k < 3; ++k) {
-      const float value = scale_value(shape.log_scale[k], extent);
-      sums.scale += value;
+      const float value = scale_value(s[k], extent);
+      if (!is_finite(value)) continue;  // a row so large that projection culls it
+      sums.scale += static_cast<double>(value);
       g.log_scale[k] += set.scale_l1_weight * value / (3 * rows);
     }
   }
-  for (int k = 0; k < 3; ++k) {
-    out.positions[3 * i + k] = g.position[k];
-    out.log_scales[3 * i + k] = g.log_scale[k];
-  }
+}
+
+void store_row(const RowGradient& g, size_t i, ParameterGradients& out) {
+  for (int k = 0; k < 3; ++k) out.positions[3 * i + k] = g.position[k];
+  for (int k = 0; k < 3; ++k) out.log_scales[3 * i + k] = g.log_scale[k];
   for (int k = 0; k < 4; ++k) out.rotations[4 * i + k] = g.rotation[k];
   out.opacity_logits[i] = g.opacity_logit;
 }
 
-/// Name of the first class in which row i is beyond the limit.
+/// Name of the first class in which row i is beyond the limit, or nullptr.
 const char* bad_term(const ParameterGradients& g, size_t i) {
   if (!all_within(g.positions.data() + 3 * i, 3, kGradientLimit)) return "positions";
   if (!all_within(g.log_scales.data() + 3 * i, 3, kGradientLimit)) return "log_scales";
   if (!all_within(g.rotations.data() + 4 * i, 4, kGradientLimit)) return "rotations";
   if (!all_within(g.opacity_logits.data() + i, 1, kGradientLimit)) return "opacity_logits";
-  if (g.touched[i] != 0 && !all_within(g.sh.data() + 3 * kShCoefficients * i, 3 * kShCoefficients, kGradientLimit)) {
-    return "sh";
-  }
+  constexpr size_t kShRow = 3 * kShCoefficients;
+  if (g.touched[i] != 0 && !all_within(g.sh.data() + kShRow * i, kShRow, kGradientLimit)) return "sh";
   return nullptr;
+}
+
+/// The first of rows [begin, end) with an unusable gradient. Looks at whole ranges first.
+BadGradient first_bad_row(const ParameterGradients& g, size_t begin, size_t end) {
+  const size_t n = end - begin;
+  constexpr size_t kShRow = 3 * kShCoefficients;
+  bool good = all_within(g.positions.data() + 3 * begin, 3 * n, kGradientLimit) &&
+              all_within(g.log_scales.data() + 3 * begin, 3 * n, kGradientLimit) &&
+              all_within(g.rotations.data() + 4 * begin, 4 * n, kGradientLimit) &&
+              all_within(g.opacity_logits.data() + begin, n, kGradientLimit);
+  for (size_t i = begin; i < end && good; ++i) {
+    good = g.touched[i] == 0 || all_within(g.sh.data() + kShRow * i, kShRow, kGradientLimit);
+  }
+  for (size_t i = begin; i < end && !good; ++i) {
+    if (const char* term = bad_term(g, i)) return {static_cast<int64_t>(i), term};
+  }
+  return {};
 }
 
 }  // namespace
@@ -179,13 +143,31 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   const size_t chunk_count = (n + kGrain - 1) / kGrain;
   std::vector<ShapeSums> sums(chunk_count);
   std::vector<BadGradient> bad(chunk_count);
+  const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale};
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
     const size_t chunk = begin / kGrain;
+    uint32_t rows[kMaxBackwardRows];
+    const SplatGradient* row_sums[kMaxBackwardRows];
+    RowGradient row[kMaxBackwardRows];
+    size_t count = 0;
     for (size_t i = begin; i < end; ++i) {
-      row_gradients(in, i, gradients, sums[chunk]);
-      if (bad[chunk].row >= 0) continue;
-      if (const char* term = bad_term(gradients, i)) bad[chunk] = {static_cast<int64_t>(i), term};
+      if (gradients.touched[i] == 0) {
+        RowGradient zero{};
+        add_shape_terms(in, i, false, zero, sums[chunk]);
+        store_row(zero, i, gradients);
+      } else {
+        rows[count] = static_cast<uint32_t>(i);
+        row_sums[count++] = &in.slots.slots[static_cast<size_t>(in.lists.slot_begin[i])];
+      }
+      if (count < kMaxBackwardRows && (i + 1 < end || count == 0)) continue;
+      project_backward_rows(backward, rows, row_sums, count, row, gradients.sh.data());
+      for (size_t k = 0; k < count; ++k) {
+        add_shape_terms(in, rows[k], true, row[k], sums[chunk]);
+        store_row(row[k], rows[k], gradients);
+      }
+      count = 0;
     }
+    bad[chunk] = first_bad_row(gradients, begin, end);
   });
   ShapeSums total;
   for (const ShapeSums& s : sums) {

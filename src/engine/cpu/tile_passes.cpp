@@ -118,17 +118,14 @@ const float* visit_semantics(const BlockWeights& block, const SemanticPass& pass
   return s.q.data();
 }
 
-/// Leaves the tile's sums at the slots of its Gaussians.
+/// Leaves the tile's sums at the slots of its Gaussians. One that was blended has a positive weight.
 void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
-  for (const BlockWeights& block : s.weights.blocks) {
-    for (size_t e = 0; e < block.count; ++e) {
-      const uint32_t index = block.entry[e];
-      const Splat& splat = s.weights.splats[index];
-      const size_t slot = static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
-      if (out.used[slot] != 0) continue;
-      out.used[slot] = 1;
-      out.slots[slot] = s.sums[index];
-    }
+  for (size_t i = 0; i < s.weights.count; ++i) {
+    if (!(s.sums[i].weight > 0)) continue;
+    const Splat& splat = s.weights.splats[i];
+    const size_t slot = static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
+    out.used[slot] = 1;
+    out.slots[slot] = s.sums[i];
   }
 }
 
