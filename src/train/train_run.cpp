@@ -105,6 +105,7 @@ void Run::open_scene_and_check() {
   if (options_.require_priors && !use_.warnings.empty()) {
     throw Error({ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
   }
+  check_prior_confidence(scene_, config_, use_);
   fingerprint_ = scene_fingerprint(scene_);
   extent_ = robust_extent(scene_);
   budget_.add("training views", predicted_view_bytes(scene_, config_, use_));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/prepare_view.h"
+#include "io/resample.h"
 #include "scene/prior_maps.h"
 #include "scene/view_data.h"
 
@@ -37,7 +38,41 @@ LoadOptions load_options(const TrainConfig& config, const PriorUse& use) {
   return options;
 }
 
+/// Empty when the settings or the scene have none for this view.
+std::filesystem::path confidence_path(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view) {
+  if (!config.data.prior_confidence || use.depth != PriorDepthKind::kMetric) return {};
+  const std::filesystem::path path =
+      scene.folder / "pred_confidence" / (scene.views[static_cast<size_t>(view)].name + ".npy");
+  return std::filesystem::exists(path) ? path : std::filesystem::path();
+}
+
+MapShape confidence_shape(const Scene& scene, const std::vector<int64_t>& shape, const std::filesystem::path& path, int view) {
+  const MapShape map = depth_map_shape(shape, path);
+  const Camera& camera = scene.views[static_cast<size_t>(view)].camera;
+  require_same_aspect(map, camera.width, camera.height, path, "shape");
+  return map;
+}
+
+ImageF load_confidence(const Scene& scene, const std::filesystem::path& path, int view, const Camera& camera) {
+  FloatArray array = read_map(path);
+  const MapShape shape = confidence_shape(scene, array.shape, path, view);
+  ImageF map;
+  map.width = shape.width;
+  map.height = shape.height;
+  map.channels = 1;
+  map.data = std::move(array.data);
+  for (float& c : map.data) c = std::isfinite(c) ? c : 0.0f;
+  return map.width == camera.width && map.height == camera.height ? map : resize_bilinear(map, camera.width, camera.height);
+}
+
 }  // namespace
+
+void check_prior_confidence(const Scene& scene, const TrainConfig& config, const PriorUse& use) {
+  for (const int view : scene.train) {
+    const std::filesystem::path path = confidence_path(scene, config, use, view);
+    if (!path.empty()) confidence_shape(scene, read_map_header(path).shape, path, view);
+  }
+}
 
 PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
   PriorUse use;
@@ -72,7 +107,13 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   prepare.semantic_weights = config.semantic.coupling == "bounded" && config.semantic.coupling_strength > 0;
   const LoadOptions load = load_options(config, use);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) views[i] = prepare_view(load_view(scene, scene.train[i], load), prepare);
+    for (size_t i = begin; i < end; ++i) {
+      ViewData data = load_view(scene, scene.train[i], load);
+      const std::filesystem::path path = confidence_path(scene, config, use, scene.train[i]);
+      ImageF confidence;
+      if (!path.empty()) confidence = load_confidence(scene, path, scene.train[i], data.camera);
+      views[i] = prepare_view(std::move(data), prepare, confidence.empty() ? nullptr : &confidence);
+    }
   });
   return views;
 }

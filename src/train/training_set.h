@@ -21,6 +21,9 @@ struct PriorUse {
 };
 PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config);
 
+/// Checks shape and aspect of every pred_confidence/<view>.npy that a run will read. Error{kBadInput}.
+void check_prior_confidence(const Scene& scene, const TrainConfig& config, const PriorUse& use);
+
 /// Training views as the engine wants them, all maps at the working resolution. Loaded in parallel.
 /// Error{kBadInput} naming the file.
 std::vector<TrainingView> load_training_views(const Scene& scene, const TrainConfig& config, const PriorUse& use,

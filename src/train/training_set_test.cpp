@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "scene/test_scene_folder.h"
 
 namespace aligngs {
@@ -66,6 +67,27 @@ TEST(TrainingSet, PredictedBytesCoverWhatIsLoaded) {
   for (const GuideView& g : guides_of(views, use, config, 1)) bytes += 4 * (g.prior_depth.data.size() + g.depth_weight.data.size());
   EXPECT_GE(predicted_view_bytes(scene, config, use), bytes);
   EXPECT_LE(predicted_view_bytes(scene, config, use), 2 * bytes);
+}
+
+TEST(TrainingSet, ConfidenceWeighsPriorDepth) {
+  const Scene scene = scene_with("simulated");
+  TrainConfig config = make_preset(Preset::kDefault);
+  const PriorUse use = decide_prior_use(scene, config);
+  std::vector<float> confidence(test_scene::kWidth * test_scene::kHeight);
+  for (size_t i = 0; i < confidence.size(); ++i) confidence[i] = static_cast<float>(i);  // rises from the top row down
+  std::filesystem::create_directories(scene.folder / "pred_confidence");
+  const std::filesystem::path path = scene.folder / "pred_confidence" / "v0.npy";
+  write_npy_float32(path, {test_scene::kHeight, test_scene::kWidth}, confidence.data());
+  ThreadPool pool(1);
+  ImageF weight = load_training_views(scene, config, use, pool)[0].depth_weight;
+  EXPECT_EQ(weight.at(20, 2), 0);
+  EXPECT_EQ(weight.at(20, 25), 1);
+  config.data.prior_confidence = false;
+  weight = load_training_views(scene, config, use, pool)[0].depth_weight;
+  EXPECT_EQ(weight.at(20, 2), 1);
+  config.data.prior_confidence = true;
+  write_npy_float32(path, {7, 3}, confidence.data());
+  EXPECT_THROW(check_prior_confidence(scene, config, use), Error);
 }
 
 TEST(TrainingSet, PreviewWorksAtHalfTheSize) {
