@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/edit_distance.h"
 #include "core/half.h"
 #include "core/random.h"
 #include "core/rigid.h"
@@ -111,6 +112,13 @@ TEST(Half, RoundTripsEveryFiniteValue) {
   EXPECT_EQ(half_to_float(float_to_half(65504.f)), 65504.f);
   EXPECT_TRUE(std::isinf(half_to_float(float_to_half(1e6f))));
   EXPECT_EQ(float_to_half(1.0f + 1.0f / 2048), float_to_half(1.0f));  // a tie goes to even
+}
+
+TEST(EditDistance, CountsLetters) {
+  EXPECT_EQ(edit_distance("train", "train"), 0u);
+  EXPECT_EQ(edit_distance("trian", "train"), 2u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("sofa", "sofas"), 1u);
 }
 
 TEST(Random, RepeatsFromASavedState) {

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/edit_distance.h"
 #include "core/error.h"
 
 namespace aligngs {
@@ -19,22 +20,6 @@ std::vector<ConfigKey> build_table() {
     keys.insert(keys.end(), rows.begin(), rows.end());
   }
   return keys;
-}
-
-/// Edit distance (Levenshtein 1966).
-size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
 }
 
 [[noreturn]] void fail(std::string_view name, const std::string& message, const std::string& remedy) {
