@@ -24,8 +24,12 @@ struct Constants {
 };
 HWY_INLINE Constants make_constants(const AdamStep<float>& a) {
   const FloatTag d;
-  return {hn::Set(d, a.beta1),        hn::Set(d, a.beta2),           hn::Set(d, 1.0f - a.beta1),
-          hn::Set(d, 1.0f - a.beta2), hn::Set(d, a.second_correction), hn::Set(d, a.epsilon)};
+  return {hn::Set(d, a.beta1),
+          hn::Set(d, a.beta2),
+          hn::Set(d, 1.0f - a.beta1),
+          hn::Set(d, 1.0f - a.beta2),
+          hn::Set(d, a.second_correction),
+          hn::Set(d, a.epsilon)};
 }
 
 HWY_INLINE void update(const Constants& k, FloatVec step_size, FloatVec g, float* p, float* m, float* v) {
@@ -39,7 +43,8 @@ HWY_INLINE void update(const Constants& k, FloatVec step_size, FloatVec g, float
 }
 
 /// The last n < kLanes numbers, through buffers so that no neighbour is touched.
-HWY_INLINE void update_tail(const Constants& k, FloatVec step_size, FloatVec g, size_t n, float* p, float* m, float* v) {
+HWY_INLINE void update_tail(const Constants& k, FloatVec step_size, FloatVec g, size_t n, float* p, float* m,
+                            float* v) {
   float tail[3][kLanes] = {};
   const size_t bytes = n * sizeof(float);
   std::memcpy(tail[0], p, bytes);

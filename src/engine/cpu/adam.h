@@ -20,8 +20,9 @@ bool all_within(const float* values, size_t count, float limit);
 void adam_range(const AdamStep<float>& step, const float* gradients, size_t count, float* parameters, float* m,
                 float* v);
 
-/// Rows of spherical harmonics [rows][48]: the first 3 numbers have their own rate. `touched`[row] == 0: the gradient is
-/// zero and not read. Only the first `used` numbers of a row are visited: the others have neither gradient nor moments.
+/// Rows of spherical harmonics [rows][48]: the first 3 numbers have their own rate. `touched`[row] == 0: the gradient
+/// is zero and not read. Only the first `used` numbers of a row are visited: the others have neither gradient nor
+/// moments.
 struct ShAdam {
   AdamStep<float> dc, rest;
   size_t used = 48;  ///< rounded up to a multiple of 16 inside

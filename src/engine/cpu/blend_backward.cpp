@@ -90,8 +90,8 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
         }
         if constexpr (kDensity) {
           residual = hn::MulAdd(w, hn::Load(d, in.residual + s), residual);
-          const FloatVec z = intersection(d, g, hn::Load(d, rays.x + s), hn::Load(d, rays.y + s),
-                                          hn::Load(d, rays.grazing + s));
+          const FloatVec z =
+              intersection(d, g, hn::Load(d, rays.x + s), hn::Load(d, rays.y + s), hn::Load(d, rays.grazing + s));
           const FloatVec prior = hn::Load(d, in.prior + s);
           const FloatVec allowed = hn::Mul(hn::Set(d, float(kPriorSupport)), prior);
           const auto supported = hn::And(hn::Le(hn::Abs(hn::Sub(z, prior)), allowed), hn::Gt(prior, zero));
@@ -109,8 +109,8 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
       const size_t first = first_strip(left);
       for (size_t s = first; s < first + kStripPixels; s += kLanes) {
         const FloatVec a = hn::Load(d, alpha + s);
-        const FloatVec slope = kSmooth ? hn::Load(d, gain + s)
-                                       : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
+        const FloatVec slope =
+            kSmooth ? hn::Load(d, gain + s) : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
         const FloatVec dx = hn::Sub(hn::Load(d, pixel_x + s), gx), dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
         const FloatVec p = hn::MulAdd(fxy, dy, hn::Mul(fxx, dx)), r = hn::Mul(fyy, dy);
         FloatVec v = hn::Mul(hn::Set(d, g.color[0]), hn::Load(d, in.color[0] + s));

@@ -11,13 +11,13 @@ namespace aligngs::cpu {
 /// because the moments of (dx, dy) cancel for needles.
 struct SplatGradient {
   float color[3];
-  float weight;             ///< sum of w
+  float weight;  ///< sum of w
   float normal[3];
   float distance;
-  float p, r, one, pp;      ///< sums of g p, g r, g, g p^2: losses of the maps
+  float p, r, one, pp;  ///< sums of g p, g r, g, g p^2: losses of the maps
   float pr, rr;
-  float residual;           ///< sum of w * colour residual
-  float unsupported;        ///< sum of w where the prior depth does not support this Gaussian
+  float residual;                              ///< sum of w * colour residual
+  float unsupported;                           ///< sum of w where the prior depth does not support this Gaussian
   float photometric_p, photometric_r;          ///< sums of g p, g r of the colour losses alone
   float photometric_abs_p, photometric_abs_y;  ///< sums of |g p| and |g (fxy p + fyy r)|
   float coupling_p, coupling_r, coupling_one, coupling_pp;  ///< the same moments for the semantic coupling
@@ -37,8 +37,8 @@ struct BlockGradients {
 };
 
 struct BackwardOptions {
-  bool geometry = false;  ///< some loss reached normal, distance or alpha
-  bool density = false;   ///< collect weight, residual, unsupported and the absolute sums
+  bool geometry = false;            ///< some loss reached normal, distance or alpha
+  bool density = false;             ///< collect weight, residual, unsupported and the absolute sums
   const float* coupling = nullptr;  ///< [count][64] q_k of the semantic coupling; nullptr: none
 };
 

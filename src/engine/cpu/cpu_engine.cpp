@@ -120,7 +120,10 @@ NonFinite CpuEngine::locate(NonFinite symptom) const {
 
 StepReport CpuEngine::step(const StepRequest& request) {
   if (request.view < 0 || static_cast<size_t>(request.view) >= views_.size()) {
-    throw Error({ErrorKind::kFailed, "training view " + std::to_string(request.view) + " does not exist", {}, "view",
+    throw Error({ErrorKind::kFailed,
+                 "training view " + std::to_string(request.view) + " does not exist",
+                 {},
+                 "view",
                  "set the training views before the first step"});
   }
   if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
@@ -159,8 +162,9 @@ StepReport CpuEngine::step(const StepRequest& request) {
   if (semantics) {
     const size_t padded = padded_channels(model_.semantic_channels);
     feature_gradients_.resize(frame_.lists.visible.size() * padded);
-    pass.step = {&view, &semantic_views_[static_cast<size_t>(request.view)], &request.losses, model_.semantic_channels,
-                 padded, strength != 0};
+    pass.step = {&view,           &semantic_views_[static_cast<size_t>(request.view)],
+                 &request.losses, model_.semantic_channels,
+                 padded,          strength != 0};
     pass.rank = frame_.lists.rank.data();
     pass.features = frame_.features.data();
     pass.gradients = feature_gradients_.data();
@@ -169,8 +173,8 @@ StepReport CpuEngine::step(const StepRequest& request) {
   }
   for (TileScratch& s : scratch_) s.semantic_seconds = 0;
   const bool prior = !view.data.prior_depth.empty();
-  backward_pass(tiles, {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr}, geometry,
-                density, semantics ? &pass : nullptr, *pool_, scratch_, batches_, slots_);
+  backward_pass(tiles, {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr},
+                geometry, density, semantics ? &pass : nullptr, *pool_, scratch_, batches_, slots_);
   watch.lap("backward");
   if (semantics) {
     double seconds = 0;
@@ -189,8 +193,8 @@ StepReport CpuEngine::step(const StepRequest& request) {
   const SlotTotals totals = sum_slots(frame_.view, frame_.lists, *pool_, slots_, gradients_);
   report.visible = totals.visible;
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  const ReduceInputs reduce{model_,  frame_.view, frame_.lists, slots_,
-                            request, totals,      static_cast<float>(report.coupling_scale)};
+  const ReduceInputs reduce{
+      model_, frame_.view, frame_.lists, slots_, request, totals, static_cast<float>(report.coupling_scale)};
   const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, gradients_);
   watch.lap("reduce");
   if (const char* term = bad_loss(report.losses)) {

@@ -65,7 +65,7 @@ class CpuEngine final : public Engine {
   GaussianModel model_;
   Moments moments_;
   DensityStatistics statistics_;
-  CouplingBalance balance_;      ///< rounded to float, so that a checkpoint holds it exactly
+  CouplingBalance balance_;  ///< rounded to float, so that a checkpoint holds it exactly
   std::vector<TrainingView> views_;
   std::vector<SemanticView> semantic_views_;
 

@@ -237,9 +237,12 @@ TEST(CpuEngine, NonFiniteParameterIsNamedAndNothingChanges) {
     std::vector<float> GaussianModel::*values;
     size_t width;
   };
-  const Case cases[] = {{"positions", &GaussianModel::positions, 3}, {"log_scales", &GaussianModel::log_scales, 3},
-                        {"rotations", &GaussianModel::rotations, 4}, {"opacity_logits", &GaussianModel::opacity_logits, 1},
-                        {"sh", &GaussianModel::sh, 48},              {"semantics", &GaussianModel::semantics, 7}};
+  const Case cases[] = {{"positions", &GaussianModel::positions, 3},
+                        {"log_scales", &GaussianModel::log_scales, 3},
+                        {"rotations", &GaussianModel::rotations, 4},
+                        {"opacity_logits", &GaussianModel::opacity_logits, 1},
+                        {"sh", &GaussianModel::sh, 48},
+                        {"semantics", &GaussianModel::semantics, 7}};
   for (const Case& c : cases) {
     GaussianModel model = make_model(o);
     // A row that is in view: SH and semantics are looked at only there.
@@ -461,7 +464,8 @@ TEST(CpuEngine, MisuseIsAnError) {
 
 TEST(CpuEngine, PredictedBytesCoverTheModelAndGrow) {
   CpuEngine engine(1);
-  const uint64_t small = engine.predicted_bytes(1000, 150, 320 * 240), large = engine.predicted_bytes(2000, 150, 320 * 240);
+  const uint64_t small = engine.predicted_bytes(1000, 150, 320 * 240),
+                 large = engine.predicted_bytes(2000, 150, 320 * 240);
   EXPECT_GT(large - small, 1000u * (59 + 150) * 3 * sizeof(float));
   EXPECT_GT(engine.predicted_bytes(1000, 150, 640 * 480), small);
   EXPECT_LT(engine.predicted_bytes(1000, 0, 320 * 240), small);

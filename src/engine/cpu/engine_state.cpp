@@ -26,8 +26,9 @@ std::vector<NamedArray> arrays_of(GaussianModel& model) {
 }
 
 std::vector<NamedArray> arrays_of(DensityStatistics& s) {
-  return {{"gradient", &s.gradient, 1}, {"gradient_abs", &s.gradient_abs, 1}, {"visible", &s.visible, 1},
-          {"radius", &s.radius, 1},     {"weight", &s.weight, 1},             {"residual", &s.residual, 1},
+  return {{"gradient", &s.gradient, 1},      {"gradient_abs", &s.gradient_abs, 1},
+          {"visible", &s.visible, 1},        {"radius", &s.radius, 1},
+          {"weight", &s.weight, 1},          {"residual", &s.residual, 1},
           {"unsupported", &s.unsupported, 1}};
 }
 
@@ -86,7 +87,8 @@ void CpuEngine::save_state(EngineState& state) const {
   state.arrays.clear();
   for (const NamedArray& a : arrays_of(moments.m)) state.arrays[std::string("adam_m.") + a.name] = std::move(*a.values);
   for (const NamedArray& a : arrays_of(moments.v)) state.arrays[std::string("adam_v.") + a.name] = std::move(*a.values);
-  for (const NamedArray& a : arrays_of(statistics)) state.arrays[std::string("density.") + a.name] = std::move(*a.values);
+  for (const NamedArray& a : arrays_of(statistics))
+    state.arrays[std::string("density.") + a.name] = std::move(*a.values);
   // Bit for bit: a rounded value would make a resumed run differ in the last digits.
   const double running[2] = {balance_.photometric, balance_.semantic};
   std::vector<float>& balance = state.arrays["coupling.balance"];
@@ -130,8 +132,11 @@ void CpuEngine::set_training_views(std::vector<TrainingView> views) {
 void CpuEngine::restructure(const RestructurePlan& plan) {
   for (const RowOrigin& row : plan.rows) {
     if (row.source >= model_.size()) {
-      throw Error({ErrorKind::kFailed, "a plan names row " + std::to_string(row.source) + " of " +
-                                           std::to_string(model_.size()), {}, "source", "make the plan from this model"});
+      throw Error({ErrorKind::kFailed,
+                   "a plan names row " + std::to_string(row.source) + " of " + std::to_string(model_.size()),
+                   {},
+                   "source",
+                   "make the plan from this model"});
     }
   }
   restructure_model(plan, model_);

@@ -143,7 +143,8 @@ HWY_INLINE void lane_sh_basis(int degree, const Lanes3& n, FloatVec* out) {
   out[9] = hn::Mul(hn::Mul(c9, y), hn::MulSub(three, xx, yy));
   out[10] = hn::Mul(hn::Mul(constant(2.890611442640554f), x), hn::Mul(y, z));
   out[11] = hn::Mul(hn::Mul(c11, y), four_zz);
-  out[12] = hn::Mul(hn::Mul(constant(0.3731763325901154f), z), hn::MulSub(constant(2.0f), zz, hn::Mul(three, hn::Add(xx, yy))));
+  out[12] = hn::Mul(hn::Mul(constant(0.3731763325901154f), z),
+                    hn::MulSub(constant(2.0f), zz, hn::Mul(three, hn::Add(xx, yy))));
   out[13] = hn::Mul(hn::Mul(c11, x), four_zz);
   out[14] = hn::Mul(hn::Mul(constant(1.445305721320277f), z), difference);
   out[15] = hn::Mul(hn::Mul(c9, x), hn::NegMulAdd(three, yy, xx));
@@ -169,8 +170,10 @@ HWY_INLINE Lanes3 lane_sh_basis_gradient(int degree, const Lanes3& n, const Floa
   const FloatVec xx = hn::Mul(x, x), yy = hn::Mul(y, y), zz = hn::Mul(z, z), three = constant(3.0f);
   const FloatVec xy = hn::Mul(x, y), yz = hn::Mul(y, z), xz = hn::Mul(x, z), difference = hn::Sub(xx, yy);
   const FloatVec k9 = hn::Mul(constant(-0.5900435899266435f), k[9]), k10 = hn::Mul(constant(2.890611442640554f), k[10]);
-  const FloatVec k11 = hn::Mul(constant(-0.4570457994644658f), k[11]), k12 = hn::Mul(constant(0.3731763325901154f), k[12]);
-  const FloatVec k13 = hn::Mul(constant(-0.4570457994644658f), k[13]), k14 = hn::Mul(constant(1.445305721320277f), k[14]);
+  const FloatVec k11 = hn::Mul(constant(-0.4570457994644658f), k[11]),
+                 k12 = hn::Mul(constant(0.3731763325901154f), k[12]);
+  const FloatVec k13 = hn::Mul(constant(-0.4570457994644658f), k[13]),
+                 k14 = hn::Mul(constant(1.445305721320277f), k[14]);
   const FloatVec k15 = hn::Mul(constant(-0.5900435899266435f), k[15]), six = constant(6.0f), two = constant(2.0f);
   const FloatVec four_zz = hn::Mul(constant(4.0f), zz), eight = constant(8.0f);
   FloatVec s = hn::Mul(hn::Mul(six, k9), xy);

@@ -19,8 +19,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// intersection_depth of engine/formulas/blending.h for a vector of rays (rx, ry, 1).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V intersection(D d, const Splat& g, V rx, V ry, V grazing) {
-  const V s = hn::NegMulSub(hn::Set(d, g.normal[0]), rx,
-                            hn::MulAdd(hn::Set(d, g.normal[1]), ry, hn::Set(d, g.normal[2])));
+  const V s =
+      hn::NegMulSub(hn::Set(d, g.normal[0]), rx, hn::MulAdd(hn::Set(d, g.normal[1]), ry, hn::Set(d, g.normal[2])));
   const V z = hn::Div(hn::Set(d, g.distance), s);
   const V bounded = hn::Min(hn::Max(z, hn::Set(d, g.z_min)), hn::Set(d, g.z_max));
   return hn::IfThenElse(hn::Lt(s, grazing), hn::Set(d, g.z), bounded);

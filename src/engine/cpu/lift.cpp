@@ -89,7 +89,8 @@ GaussianModel CpuEngine::last_gradients() const {
   copy(gradients_.log_scales, g.log_scales);
   copy(gradients_.rotations, g.rotations);
   copy(gradients_.opacity_logits, g.opacity_logits);
-  const size_t channels = static_cast<size_t>(model_.semantic_channels), padded = padded_channels(model_.semantic_channels);
+  const size_t channels = static_cast<size_t>(model_.semantic_channels),
+               padded = padded_channels(model_.semantic_channels);
   constexpr size_t kShRow = 3 * kShCoefficients;
   for (size_t i = 0; i < model_.size(); ++i) {
     if (gradients_.touched.size() != model_.size() || gradients_.touched[i] == 0) continue;

@@ -76,7 +76,8 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
                  model.sh.data() + kShRow * begin, m.sh.data() + kShRow * begin, v.sh.data() + kShRow * begin);
   });
 
-  const size_t channels = static_cast<size_t>(model.semantic_channels), padded = padded_channels(model.semantic_channels);
+  const size_t channels = static_cast<size_t>(model.semantic_channels),
+               padded = padded_channels(model.semantic_channels);
   if (channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
     const AdamStep<float> step = step_of(rates.semantic);
     pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {

@@ -23,10 +23,10 @@ struct Moments {
 
 /// The semantic gradients of a step; null pointers when it had none.
 struct SemanticGradients {
-  const uint32_t* rank = nullptr;      ///< [N] row in the arrays below of a Gaussian in view
-  const uint8_t* written = nullptr;    ///< [visible]
-  const float* gradients = nullptr;    ///< [visible][padded] dL/dfeatures
-  const float* softmax = nullptr;      ///< [visible][padded] pi for kProbabilities, nullptr for kLogits
+  const uint32_t* rank = nullptr;    ///< [N] row in the arrays below of a Gaussian in view
+  const uint8_t* written = nullptr;  ///< [visible]
+  const float* gradients = nullptr;  ///< [visible][padded] dL/dfeatures
+  const float* softmax = nullptr;    ///< [visible][padded] pi for kProbabilities, nullptr for kLogits
 };
 
 /// Throws Error{kUsage} when a rate, a beta or epsilon is outside what adam.h allows.

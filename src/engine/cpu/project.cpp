@@ -63,10 +63,9 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   const LaneCamera c(camera);
   const Lanes3 centre = c.to_camera(g.position);
   // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 all the same.
-  const FloatVec opacity =
-      hn::Div(one, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
-  auto visible = hn::And(good, hn::And(hn::Gt(centre.z, constant(raster.near_plane)),
-                                       hn::Ge(opacity, constant(raster.alpha_min))));
+  const FloatVec opacity = hn::Div(one, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
+  auto visible = hn::And(
+      good, hn::And(hn::Gt(centre.z, constant(raster.near_plane)), hn::Ge(opacity, constant(raster.alpha_min))));
   hn::Store(hn::IfThenElse(good, zero, one), d, out.suspect);
   hn::Store(zero, d, out.visible);
   if (hn::AllFalse(d, visible)) return;
@@ -116,7 +115,8 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   visible = hn::And(visible, hn::And(finite(fxx), hn::And(finite(fxy), finite(fyy))));
   if (hn::AllFalse(d, visible)) return;
 
-  Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]), hn::Sub(g.position.z, c.centre[2])};
+  Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]),
+             hn::Sub(g.position.z, c.centre[2])};
   const FloatVec length = hn::Sqrt(dot(ray, ray));
   ray = scaled(ray, hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(one, length)));
   FloatVec basis[kShCoefficients];
@@ -215,7 +215,10 @@ void project_view(const GaussianModel& model, const Camera& camera, const Raster
   view.tiles_x = (camera.width + kTileSize - 1) / kTileSize;
   view.tiles_y = (camera.height + kTileSize - 1) / kTileSize;
   if (view.tiles_x > 65535 || view.tiles_y > 65535) {
-    throw Error({ErrorKind::kFailed, "the camera's image is larger than a million pixels on a side", {}, "camera",
+    throw Error({ErrorKind::kFailed,
+                 "the camera's image is larger than a million pixels on a side",
+                 {},
+                 "camera",
                  "render at a smaller size"});
   }
   view.splats.resize(n);

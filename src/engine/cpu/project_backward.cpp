@@ -19,8 +19,8 @@ constexpr size_t kRowFloats = 3 + 3 + 4 + 1 + 3 * kShCoefficients;
 
 /// Inputs of a batch, one row per lane.
 struct LaneInputs {
-  HWY_ALIGN float parameters[kRowFloats][kLanes];         ///< position, log-scale, rotation, logit, sh
-  HWY_ALIGN float sums[kSplatGradientFloats][kLanes];     ///< SplatGradient
+  HWY_ALIGN float parameters[kRowFloats][kLanes];      ///< position, log-scale, rotation, logit, sh
+  HWY_ALIGN float sums[kSplatGradientFloats][kLanes];  ///< SplatGradient
   HWY_ALIGN float fxx[kLanes], fxy[kLanes], fyy[kLanes], opacity[kLanes], normal[3][kLanes], color[3][kLanes];
 };
 struct LaneOutputs {
@@ -124,8 +124,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   const FloatVec gx = hn::MulAdd(f.free_x, dslope_x, hn::Mul(dmean_x, c.fx));
   const FloatVec gy = hn::MulAdd(f.free_y, dslope_y, hn::Mul(dmean_y, c.fy));
   Lanes3 dcentre{hn::Mul(gx, f.inverse_z), hn::Mul(gy, f.inverse_z), dz};
-  dcentre.z =
-      hn::NegMulAdd(hn::MulAdd(gx, f.raw_slope_x, hn::Mul(gy, f.raw_slope_y)), f.inverse_z, dcentre.z);
+  dcentre.z = hn::NegMulAdd(hn::MulAdd(gx, f.raw_slope_x, hn::Mul(gy, f.raw_slope_y)), f.inverse_z, dcentre.z);
 
   // Plane: d = -n . p_c, n = +-V(:, axis).
   const Lanes3 normal{load(l.normal[0]), load(l.normal[1]), load(l.normal[2])};
@@ -156,7 +155,8 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   for (int k = 0; k < 4; ++k) hn::Store(quaternion[k], d, out.row[6 + k]);
 
   // Colour: dL/dsh and, through the direction, dL/dposition.
-  Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]), hn::Sub(g.position.z, c.centre[2])};
+  Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]),
+             hn::Sub(g.position.z, c.centre[2])};
   const FloatVec length = hn::Sqrt(dot(ray, ray));
   const FloatVec inverse = hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(one, length));
   ray = scaled(ray, inverse);

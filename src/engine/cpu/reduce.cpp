@@ -182,8 +182,8 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   terms.flatten += total.flatten;
   terms.opacity_l1 += total.opacity;
   terms.scale_l1 += total.scale;
-  terms.total += set.flatten_weight * total.flatten + set.opacity_l1_weight * total.opacity +
-                 set.scale_l1_weight * total.scale;
+  terms.total +=
+      set.flatten_weight * total.flatten + set.opacity_l1_weight * total.opacity + set.scale_l1_weight * total.scale;
   for (const BadGradient& b : bad) {
     if (b.row >= 0) return b;
   }

@@ -16,14 +16,14 @@ namespace aligngs::cpu {
 /// Gradients of all parameters but the semantic rows.
 struct ParameterGradients {
   AlignedArray<float> positions, log_scales, rotations, opacity_logits;  ///< as in the model, every row
-  AlignedArray<float> sh;             ///< [N][48], rows with touched only
-  std::vector<uint8_t> touched;       ///< [N] 1: blended in at least one pixel
+  AlignedArray<float> sh;                                                ///< [N][48], rows with touched only
+  std::vector<uint8_t> touched;                                          ///< [N] 1: blended in at least one pixel
 };
 
 struct SlotTotals {
-  size_t visible = 0;            ///< touched rows
-  double photometric_rms = 0;    ///< of d colour losses / d mean2D over touched rows, pixels^-1
-  double coupling_rms = 0;       ///< the same of the semantic coupling before its factor
+  size_t visible = 0;          ///< touched rows
+  double photometric_rms = 0;  ///< of d colour losses / d mean2D over touched rows, pixels^-1
+  double coupling_rms = 0;     ///< the same of the semantic coupling before its factor
 };
 
 /// Adds up the slots of each Gaussian into its first one (valid where touched).
@@ -34,10 +34,10 @@ struct ReduceInputs {
   const GaussianModel& model;
   const ProjectedView& view;
   const TileLists& lists;
-  const SlotGradients& slots;    ///< after sum_slots
+  const SlotGradients& slots;  ///< after sum_slots
   const StepRequest& request;
   SlotTotals totals;
-  float coupling_scale = 0;      ///< factor on the coupling moments; 0: they are not read
+  float coupling_scale = 0;  ///< factor on the coupling moments; 0: they are not read
 };
 
 /// Where a gradient is not usable: the first row, and the parameter in `term`.

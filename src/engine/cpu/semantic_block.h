@@ -14,8 +14,8 @@ struct SemanticStep {
   const SemanticView* cache = nullptr;
   const LossSettings* losses = nullptr;
   int channels = 0;
-  size_t padded = 0;     ///< channels rounded up, tile_products.h
-  bool couple = false;   ///< the coupling direction is wanted
+  size_t padded = 0;    ///< channels rounded up, tile_products.h
+  bool couple = false;  ///< the coupling direction is wanted
 };
 
 /// Scratch of one thread.
@@ -26,7 +26,7 @@ struct SemanticBlock {
   AlignedArray<float> teacher;     ///< [padded] of one pixel
   AlignedArray<float> student;     ///< [padded] of one pixel
   alignas(64) float offset[kBlockPixels];  ///< h_0
-  double soft = 0, hard = 0;       ///< sums over this block's pixels, not yet divided by the number of valid ones
+  double soft = 0, hard = 0;  ///< sums over this block's pixels, not yet divided by the number of valid ones
 };
 
 /// True when some pixel of the block has a semantic loss.

@@ -5,5 +5,4 @@
 // fall back to SSSE3, which lacks rounding. AVX3_DL adds nothing but build time here, and the scalable
 // targets cannot hold vectors in arrays.
 #define HWY_DISABLE_PCLMUL_AES 1
-#define HWY_DISABLED_TARGETS \
-  (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#define HWY_DISABLED_TARGETS (HWY_AVX3_DL | HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

@@ -13,7 +13,7 @@ namespace aligngs::cpu {
 /// about 20 % dense over a tile and 45 % over a block.
 inline constexpr int kBlockSize = 8;
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;  ///< pixel (x, y) of a block has index 8 y + x
-inline constexpr int kStripPixels = 16;  ///< a strip of 8 x 2 pixels: one vector of AVX-512
+inline constexpr int kStripPixels = 16;                       ///< a strip of 8 x 2 pixels: one vector of AVX-512
 inline constexpr int kTileBlocks = (kTileSize / kBlockSize) * (kTileSize / kBlockSize);
 
 /// Everything blending needs of one Gaussian, in one place because a tile gathers it from anywhere in memory.
@@ -22,15 +22,15 @@ inline constexpr int kTileBlocks = (kTileSize / kBlockSize) * (kTileSize / kBloc
 /// exp(power) = 2^-(p^2 + r^2) with p = fxx dx + fxy dy and r = fyy dy: never positive, and a needle whose terms
 /// a dx^2, 2 b dx dy, c dy^2 are a million times their sum keeps its digits.
 struct alignas(16) Splat {
-  float x, y;                     ///< mean, pixels
+  float x, y;  ///< mean, pixels
   float fxx, fxy, fyy;
   float opacity;
-  float level;                    ///< log2(opacity / alpha_min): alpha >= alpha_min where p^2 + r^2 <= level
+  float level;  ///< log2(opacity / alpha_min): alpha >= alpha_min where p^2 + r^2 <= level
   float color[3];
-  float normal[3], distance;      ///< plane, camera frame
-  float z, z_min, z_max;          ///< depth of the centre and bounds of the intersection depth
-  uint32_t slot_stride;           ///< the slot of the instance in tile (x, y) is slot_origin + y slot_stride + x;
-  int64_t slot_origin;            ///< both are written by build_tile_lists
+  float normal[3], distance;  ///< plane, camera frame
+  float z, z_min, z_max;      ///< depth of the centre and bounds of the intersection depth
+  uint32_t slot_stride;       ///< the slot of the instance in tile (x, y) is slot_origin + y slot_stride + x;
+  int64_t slot_origin;        ///< both are written by build_tile_lists
 };
 static_assert(sizeof(Splat) == 80, "one and a quarter cache lines");
 
@@ -43,7 +43,7 @@ struct TileRect {
 /// One entry per Gaussian of the model. Entries whose rectangle is empty are culled; their other fields are stale.
 struct ProjectedView {
   ProjectionCamera<float> camera;
-  int width = 0, height = 0;    ///< pixels
+  int width = 0, height = 0;  ///< pixels
   int tiles_x = 0, tiles_y = 0;
   AlignedArray<Splat> splats;
   std::vector<TileRect> rects;  ///< computed once, read by every later pass

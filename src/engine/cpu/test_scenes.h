@@ -13,7 +13,7 @@ namespace aligngs::cpu::testing_scene {
 
 /// A scene of Gaussians in front of a camera at the origin of a tilted frame.
 struct SceneOptions {
-  int width = 53, height = 37;      ///< no multiples of the tile
+  int width = 53, height = 37;  ///< no multiples of the tile
   size_t gaussians = 300;
   int channels = 7;
   double depth_min = 1, depth_max = 4;
@@ -78,7 +78,8 @@ inline TrainingView make_view(const SceneOptions& o) {
         v.data.color.at(x, y, c) =
             static_cast<float>(0.5 + 0.3 * std::sin(0.3 * x + 0.2 * y + 2 * c) + random.uniform(-0.1, 0.1));
       }
-      v.data.prior_depth.at(x, y) = x < o.width / 6 ? 0.0f : static_cast<float>(2.2 + 0.3 * std::sin(0.1 * x + 0.2 * y));
+      v.data.prior_depth.at(x, y) =
+          x < o.width / 6 ? 0.0f : static_cast<float>(2.2 + 0.3 * std::sin(0.1 * x + 0.2 * y));
       v.semantic_weight.at(x, y) = static_cast<float>(random.uniform(0.2, 1.0));
       v.prior_normal.at(x, y, 2) = -1.0f;
     }
@@ -127,7 +128,9 @@ inline GaussianModelT<double> to_double(const GaussianModel& m) {
   GaussianModelT<double> d;
   d.semantic_channels = m.semantic_channels;
   d.sh_degree = m.sh_degree;
-  const auto copy = [](const std::vector<float>& from, std::vector<double>& to) { to.assign(from.begin(), from.end()); };
+  const auto copy = [](const std::vector<float>& from, std::vector<double>& to) {
+    to.assign(from.begin(), from.end());
+  };
   copy(m.positions, d.positions);
   copy(m.log_scales, d.log_scales);
   copy(m.rotations, d.rotations);

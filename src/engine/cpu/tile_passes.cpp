@@ -49,8 +49,10 @@ void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
   maps.height = height;
   maps.color.resize(3 * n);
   maps.alpha.resize(n);
-  for (auto [plane, count] : {std::pair<std::vector<float>*, size_t>{&maps.normal, 3 * n}, {&maps.distance, n},
-                              {&maps.expected, n}, {&maps.median, n}}) {
+  for (auto [plane, count] : {std::pair<std::vector<float>*, size_t>{&maps.normal, 3 * n},
+                              {&maps.distance, n},
+                              {&maps.expected, n},
+                              {&maps.median, n}}) {
     if (geometry) {
       plane->resize(count);
     } else {

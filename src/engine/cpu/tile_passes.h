@@ -16,13 +16,13 @@ struct TileScratch {
   TileWeights weights;
   BlockMaps maps;
   BlockGradients gradients;
-  AlignedArray<SplatGradient> sums;         ///< [gathered splats]
+  AlignedArray<SplatGradient> sums;  ///< [gathered splats]
   SemanticBlock semantic;
-  AlignedArray<float> q;                    ///< [entries][64]
-  std::vector<const float*> rows;           ///< [entries] semantic rows
-  std::vector<float*> row_gradients;        ///< [entries]
-  std::vector<float*> tile_rows;            ///< [gathered splats] row of this tile's sums, nullptr = none yet
-  double semantic_seconds = 0;              ///< time spent in the semantic products and losses
+  AlignedArray<float> q;              ///< [entries][64]
+  std::vector<const float*> rows;     ///< [entries] semantic rows
+  std::vector<float*> row_gradients;  ///< [entries]
+  std::vector<float*> tile_rows;      ///< [gathered splats] row of this tile's sums, nullptr = none yet
+  double semantic_seconds = 0;        ///< time spent in the semantic products and losses
 };
 
 /// Everything a pass over tiles reads.
@@ -39,19 +39,19 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
 /// The semantic part of a backward pass.
 struct SemanticPass {
   SemanticStep step;
-  const uint32_t* rank = nullptr;     ///< [N] index of a visible Gaussian's row in the two arrays below
-  const float* features = nullptr;    ///< [visible][padded] what is blended: pi or s
-  float* gradients = nullptr;         ///< [visible][padded] out: dL/dfeatures where written
+  const uint32_t* rank = nullptr;           ///< [N] index of a visible Gaussian's row in the two arrays below
+  const float* features = nullptr;          ///< [visible][padded] what is blended: pi or s
+  float* gradients = nullptr;               ///< [visible][padded] out: dL/dfeatures where written
   std::vector<uint8_t>* written = nullptr;  ///< [visible]
   size_t visible = 0;
-  double soft = 0, hard = 0;          ///< out: means over valid pixels
+  double soft = 0, hard = 0;  ///< out: means over valid pixels
 };
 
 /// What the backward pass needs of the maps, planar as in engine/maps.h.
 struct BackwardMaps {
   const MapGradients<float>& gradients;
-  const float* residual = nullptr;   ///< [H * W] with density
-  const float* prior = nullptr;      ///< [H * W] prior depth with density, nullptr = none
+  const float* residual = nullptr;  ///< [H * W] with density
+  const float* prior = nullptr;     ///< [H * W] prior depth with density, nullptr = none
 };
 
 /// Sums per (Gaussian, tile) at the slots of `lists`; entries of `slots` are valid where used[slot] is 1.

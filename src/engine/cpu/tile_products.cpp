@@ -165,8 +165,10 @@ void BlockTranspose(const float* in, size_t padded, float* out) {
       const float* from = in + pixel * padded + c;
       const auto r0 = hn::Load(d, from), r1 = hn::Load(d, from + padded), r2 = hn::Load(d, from + 2 * padded),
                  r3 = hn::Load(d, from + 3 * padded);
-      const auto a = hn::BitCast(dd, hn::InterleaveLower(d, r0, r1)), b = hn::BitCast(dd, hn::InterleaveLower(d, r2, r3));
-      const auto e = hn::BitCast(dd, hn::InterleaveUpper(d, r0, r1)), f = hn::BitCast(dd, hn::InterleaveUpper(d, r2, r3));
+      const auto a = hn::BitCast(dd, hn::InterleaveLower(d, r0, r1)),
+                 b = hn::BitCast(dd, hn::InterleaveLower(d, r2, r3));
+      const auto e = hn::BitCast(dd, hn::InterleaveUpper(d, r0, r1)),
+                 f = hn::BitCast(dd, hn::InterleaveUpper(d, r2, r3));
       float* to = out + c * kBlockPixels + pixel;
       hn::Store(hn::BitCast(d, hn::InterleaveLower(dd, a, b)), d, to);
       hn::Store(hn::BitCast(d, hn::InterleaveUpper(dd, a, b)), d, to + kBlockPixels);

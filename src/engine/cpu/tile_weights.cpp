@@ -117,9 +117,10 @@ void blend_candidates(const Splat* splats, const AlphaConstants& constants, Bloc
       if constexpr (kSmooth) {
         const FloatVec ramp_t = hn::Sub(hn::Div(raw, alpha_min), one);
         const auto on_ramp = hn::Lt(ramp_t, one);
-        const FloatVec ramp = hn::Mul(hn::Mul(ramp_t, ramp_t), hn::NegMulAdd(hn::Set(d, 2.0f), ramp_t, hn::Set(d, 3.0f)));
-        const FloatVec steep = hn::Div(hn::Mul(hn::Mul(hn::Set(d, 6.0f), raw), hn::Mul(ramp_t, hn::Sub(one, ramp_t))),
-                                       alpha_min);
+        const FloatVec ramp =
+            hn::Mul(hn::Mul(ramp_t, ramp_t), hn::NegMulAdd(hn::Set(d, 2.0f), ramp_t, hn::Set(d, 3.0f)));
+        const FloatVec steep =
+            hn::Div(hn::Mul(hn::Mul(hn::Set(d, 6.0f), raw), hn::Mul(ramp_t, hn::Sub(one, ramp_t))), alpha_min);
         alpha = hn::IfThenElse(on_ramp, hn::Mul(raw, ramp), alpha);
         slope = hn::IfThenElse(on_ramp, hn::Mul(raw, hn::Add(ramp, steep)), slope);
         slope = hn::IfThenElseZero(hn::Le(raw, alpha_max), slope);

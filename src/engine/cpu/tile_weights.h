@@ -13,24 +13,24 @@ namespace aligngs::cpu {
 /// The Gaussians blended in one block of 8 x 8 pixels, nearest first. Only those with a weight somewhere in the
 /// block have an entry; pixels they miss hold zeros.
 struct BlockWeights {
-  int x = 0, y = 0;                   ///< image coordinates of the first pixel
-  size_t count = 0;                   ///< entries
-  AlignedArray<uint32_t> entry;       ///< [count] index into TileWeights::splats
-  AlignedArray<float> alpha;          ///< [count][64]
-  AlignedArray<float> weight;         ///< [count][64] w = alpha T
-  AlignedArray<float> gain;           ///< [count][64] T * d alpha / d power with raster.smooth_cutoff only; else it is
-                                      ///< the weight below alpha_max and 0 at alpha_max
-  AlignedArray<uint8_t> strips;       ///< [count] bit k: some weight in pixels [16 k, 16 k + 16)
+  int x = 0, y = 0;              ///< image coordinates of the first pixel
+  size_t count = 0;              ///< entries
+  AlignedArray<uint32_t> entry;  ///< [count] index into TileWeights::splats
+  AlignedArray<float> alpha;     ///< [count][64]
+  AlignedArray<float> weight;    ///< [count][64] w = alpha T
+  AlignedArray<float> gain;      ///< [count][64] T * d alpha / d power with raster.smooth_cutoff only; else it is
+                                 ///< the weight below alpha_max and 0 at alpha_max
+  AlignedArray<uint8_t> strips;  ///< [count] bit k: some weight in pixels [16 k, 16 k + 16)
   alignas(64) float transmittance[kBlockPixels];  ///< what is left behind the last entry
-  bool open = false;                  ///< some pixel is live
+  bool open = false;                              ///< some pixel is live
 
   AlignedArray<uint32_t> candidates;  ///< scratch: gathered splats that may touch the block
 };
 
 /// Scratch of one thread, reused from tile to tile.
 struct TileWeights {
-  AlignedArray<Splat> splats;     ///< [count] the tile's Gaussians in depth order, as far as any pixel is open
-  AlignedArray<uint32_t> rows;    ///< [count] their rows in the model
+  AlignedArray<Splat> splats;   ///< [count] the tile's Gaussians in depth order, as far as any pixel is open
+  AlignedArray<uint32_t> rows;  ///< [count] their rows in the model
   size_t count = 0;
   BlockWeights blocks[kTileBlocks];
 };
