@@ -4,6 +4,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$1
 shift
+# Objects of another clone of the same sources are as good as ours: ccache sees paths relative to this tree.
+export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 if ! cmake -S . -B "$folder" -G Ninja "$@" >"$log" 2>&1; then
