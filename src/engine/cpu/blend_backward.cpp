@@ -105,14 +105,16 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
     FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
     const FloatVec gx = hn::Set(d, g.x), gy = hn::Set(d, g.y), fxx = hn::Set(d, g.fxx), fxy = hn::Set(d, g.fxy),
                    fyy = hn::Set(d, g.fyy);
+    FloatVec fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x), gx));  // the same for all vectors of whole rows
     for (uint32_t left = strips; left != 0; left &= left - 1) {
       const size_t first = first_strip(left);
       for (size_t s = first; s < first + kStripPixels; s += kLanes) {
         const FloatVec a = hn::Load(d, alpha + s);
         const FloatVec slope =
             kSmooth ? hn::Load(d, gain + s) : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
-        const FloatVec dx = hn::Sub(hn::Load(d, pixel_x + s), gx), dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
-        const FloatVec p = hn::MulAdd(fxy, dy, hn::Mul(fxx, dx)), r = hn::Mul(fyy, dy);
+        if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s), gx));
+        const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
+        const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
         FloatVec v = hn::Mul(hn::Set(d, g.color[0]), hn::Load(d, in.color[0] + s));
         v = hn::MulAdd(hn::Set(d, g.color[1]), hn::Load(d, in.color[1] + s), v);
         v = hn::MulAdd(hn::Set(d, g.color[2]), hn::Load(d, in.color[2] + s), v);

@@ -107,10 +107,11 @@ void blend_candidates(const Splat* splats, const AlphaConstants& constants, Bloc
     float* HWY_RESTRICT out_weight = block.weight.data() + block.count * kBlockPixels;
     FloatVec most_left = zero;
     uint32_t strips = 0;
+    FloatVec fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x), gx));  // the same for all vectors of whole rows
     for (size_t s = 0; s < kStrips; ++s) {
-      const FloatVec dx = hn::Sub(hn::Load(d, pixel_x + s * kLanes), gx);
+      if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s * kLanes), gx));
       const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s * kLanes), gy);
-      const FloatVec p = hn::MulAdd(fxy, dy, hn::Mul(fxx, dx)), r = hn::Mul(fyy, dy);
+      const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
       const FloatVec raw = hn::Mul(opacity, fast_exp2(d, hn::NegMulSub(p, p, hn::Mul(r, r))));
       FloatVec alpha = hn::Min(raw, alpha_max);
       FloatVec slope = raw;  // d alpha / d power
