@@ -160,5 +160,27 @@ TEST(ConfigFile, ReferenceListsEveryKey) {
   for (const ConfigKey& key : config_keys()) EXPECT_THAT(text, HasSubstr(std::string(key.name)));
 }
 
+TEST(ConfigFile, ManualIsMadeFromTheTable) {
+  std::ifstream manual(std::string(ALIGNGS_SOURCE_DIR) + "/docs/settings.md");
+  const std::string text((std::istreambuf_iterator<char>(manual)), std::istreambuf_iterator<char>());
+  // When this fails, replace the last table of docs/settings.md by what config_reference_markdown() returns.
+  EXPECT_NE(text.find(config_reference_markdown()), std::string::npos) << config_reference_markdown();
+}
+
+/// The rows of docs/settings.md must stay settings that exist.
+TEST(ConfigFile, AblationRowsAreSettings) {
+  const std::vector<std::vector<std::string>> rows = {
+      {"init.start=random", "semantic.soft=0", "semantic.hard=0", "loss.pearson=0", "loss.normal_consistency=0",
+       "loss.normal_boundary=0"},
+      {"semantic.coupling_strength=0", "loss.pearson=0"},
+      {"data.prior_depth=none", "data.semantics=false", "loss.normal_consistency=0"}};
+  for (const std::vector<std::string>& row : rows) {
+    ConfigSources sources;
+    sources.preset = "paper";
+    sources.sets = row;
+    EXPECT_NO_THROW(resolve_config(sources));
+  }
+}
+
 }  // namespace
 }  // namespace aligngs
