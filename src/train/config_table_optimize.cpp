@@ -31,7 +31,8 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"densify.max_growth", field<&C::densify, &D::max_growth>, 0, 1e6, "", ours_paper(1.5, 0.0),
        "cap on the number of Gaussians / number at a start from prior depth (other starts: / the limit on starts); 0 = none"},
       {"densify.max_gaussians", field<&C::densify, &D::max_gaussians>, 0, 1e8, "", all(0),
-       "cap on the number of Gaussians; 0: from max_growth, at most 6000000, lowered to what memory holds"},
+       "cap on the number of Gaussians; 0: from max_growth, or (paper) 6000000 and half the training pixels, less in a "
+       "run shorter than the reference; lowered to what memory holds"},
       {"densify.residual_quantile", field<&C::densify, &D::residual_quantile>, 0, 1, "", ours_paper(0.9, 0.0),
        "after a start from prior depth, grow only above this quantile of the photometric residual; 0 = everywhere"},
       {"densify.unsupported_min", field<&C::densify, &D::unsupported_min>, 0, 1, "", ours_paper(0.5, 0.0),

@@ -7,7 +7,9 @@
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kMostGaussians = 6000000;  // the hard cap of the published method
+// Without a growth factor (the paper): the hard cap of the published method, and not more than half as many
+// Gaussians as there are pixels to learn from; 36 views of 640 x 480 give just about the former.
+constexpr double kMostGaussians = 6000000, kMostPerPixel = 0.5;
 
 uint64_t cap_of_settings(const CapInputs& in) {
   const DensifyConfig& d = in.config.densify;
@@ -16,8 +18,11 @@ uint64_t cap_of_settings(const CapInputs& in) {
   if (cap == 0) {
     // A sparse start says nothing about how many Gaussians the scene needs; the limit of dense starts does.
     const double base = static_cast<double>(in.dense_start ? in.start_size : static_cast<uint64_t>(in.start_limit));
-    cap = d.max_growth > 0 ? static_cast<uint64_t>(std::min(d.max_growth * base, 1e18)) : kMostGaussians;
-    cap = std::min(cap, kMostGaussians);
+    // A run cut short splits before colours have settled and has no time to use what it splits.
+    const double length = std::min(1.0, static_cast<double>(in.config.train.iterations) /
+                                            static_cast<double>(in.config.train.reference_iterations));
+    const double most = std::min(kMostGaussians, kMostPerPixel * static_cast<double>(in.training_pixels)) * length;
+    cap = static_cast<uint64_t>(d.max_growth > 0 ? std::min(d.max_growth * base, kMostGaussians) : most);
   }
   return std::max(cap, in.start_size);
 }

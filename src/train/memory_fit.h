@@ -18,6 +18,7 @@ struct CapInputs {
   uint64_t start_size = 0;   ///< Gaussians at the start
   bool dense_start = false;  ///< they came from prior depth
   int64_t start_limit = 0;   ///< the most a start may have
+  uint64_t training_pixels = 0;  ///< of all training views together, at the working resolution
   std::function<uint64_t(uint64_t gaussians)> bytes;  ///< what the engine needs for so many; grows with the number
 };
 

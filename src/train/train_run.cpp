@@ -142,9 +142,11 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   fresh = !saved;
   if (saved) return std::move(*saved);
   const int channels = use_.semantics ? scene_.labels.size() : 0;
-  size_t pixels = 0;
+  size_t pixels = 0, all_pixels = 0;  // of the largest view, of all
   for (const GuideView& guide : inputs.guides) {
-    pixels = std::max(pixels, size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height));
+    const size_t size = size_t(guide.camera.width) * static_cast<size_t>(guide.camera.height);
+    pixels = std::max(pixels, size);
+    all_pixels += size;
   }
   const int64_t limit = start_limit(config_, pixels);
   const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
@@ -156,7 +158,7 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   state.normals_at_start = begun.has_normals;
   state.engine.model = std::move(begun.model);
   const GaussianCap cap = fit_gaussian_cap(
-      {config_, state.engine.model.size(), state.dense_start, limit,
+      {config_, state.engine.model.size(), state.dense_start, limit, all_pixels,
        [&](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); }}, budget_);
   if (!cap.warning.empty()) warn(cap.warning);
   log_info("memory: {} predicted, {} allowed", format_bytes(budget_.total()), format_bytes(budget_.limit()));
