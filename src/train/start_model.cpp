@@ -18,12 +18,17 @@ constexpr double kRandomNear = 0.1, kRandomFar = 2.0;
 
 float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
 
+// Unsure depth still says more than nothing about where surface is: it counts this much in the start (the fusion drops
+// what is below 0.05), so that it fills what no sure depth covers and is outvoted where there is some.
+constexpr float kLeastStartWeight = 0.06f;
+
 /// By how much cubes must grow when n points are too many: points of a surface fall with the square of the edge.
 double growth(size_t n, int64_t cap) { return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin; }
 
 DepthCloud fuse(const StartInputs& in) {
-  std::vector<ImageF> depths;  // scaled copies
+  std::vector<ImageF> depths, weights;  // changed copies
   depths.reserve(in.views.size());
+  weights.reserve(in.views.size());
   std::vector<DepthCloudView> sources;
   for (size_t v = 0; v < in.views.size(); ++v) {
     const TrainingView& view = in.views[v];
@@ -33,7 +38,9 @@ DepthCloud fuse(const StartInputs& in) {
     source.camera = view.data.camera;
     source.depth = &depths.back();
     source.color = &view.data.color;
-    source.confidence = view.depth_weight.empty() ? nullptr : &view.depth_weight;
+    weights.push_back(view.depth_weight);
+    for (float& w : weights.back().data) w = std::max(w, kLeastStartWeight);
+    source.confidence = weights.back().empty() ? nullptr : &weights.back();
     sources.push_back(source);
   }
   DepthCloudOptions options;
