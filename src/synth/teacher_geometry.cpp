@@ -260,8 +260,9 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
       const ImageF bent = bent_depth(view, bend, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
-      // Where a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about 0.5.
-      const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.5;
+      // Where a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about
+      // 0.5, and the mean of the clamped sign map 0.72.
+      const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.36;
       t.depth = mix_across_edges(bent, jumps, s.edge_width);
       const ImageF warp = smooth_random_map(w, h, 4, 3, s.warp_rms, r);
       const ImageF region = smooth_random_map(w, h, 6, 5, 1, r), sign = smooth_random_map(w, h, 6, 5, 1, r);
@@ -277,7 +278,7 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
           const float cell = lattice_random(static_cast<int>(x / patch), static_cast<int>(y / patch), 0, patch_seed);
           double factor = scale * (1 + warp.at(x, y)) * (1 + noise) * (1 + s.patch * std::sqrt(12.0) * (cell - 0.5));
           if (const double excess = region.at(x, y) - failure_level; excess > 0) {
-            factor *= 1 + failure_gain * excess * (sign.at(x, y) > 0 ? 1 : -1);
+            factor *= 1 + failure_gain * excess * std::clamp(2.0 * sign.at(x, y), -1.0, 1.0);
           }
           if (view.unreliable.at(x, y) != 0) {
             const UnreliableError e = unreliable_error(view.instances.at(x, y), i, random);

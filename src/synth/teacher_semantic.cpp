@@ -158,12 +158,11 @@ SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, dou
 std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
                                              const SemanticTeacherSettings& s, Random random) {
   std::vector<double> pixels(room.objects.size(), 0);
-  double things = 0, total = 0;
+  double things = 0;
   for (const RenderedView& view : views) {
     for (size_t i = 0; i < view.instances.data.size(); ++i) {
       const uint16_t object = view.instances.data[i];
       if (object >= room.objects.size()) continue;
-      total += 1;
       if (is_stuff(room.objects[object].label)) continue;
       pixels[object] += 1;
       things += 1;
