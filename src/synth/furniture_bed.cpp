@@ -47,7 +47,8 @@ void add_bed(MeshBuilder& b, const RoomStyle& s, double width, double length) {
   for (const double x : {-w / 2, w / 2}) {
     b.begin("pillow");
     b.use(another(s.linen, r));
-    b.nested(tilt({x + r.uniform(-0.03, 0.03), y0 + 0.27, top + 0.14}, -r.uniform(24, 32), r.uniform(-3, 3)),
+    const double shift = r.uniform(-0.03, 0.03), lean = r.uniform(24, 32), roll = r.uniform(-3, 3);
+    b.nested(tilt({x + shift, y0 + 0.27, top + 0.14}, -lean, roll),
              [&] { b.pillow({}, 0.33, 0.23, 0.085); });
   }
   const int cushions = 1 + r.below(2);
@@ -55,7 +56,8 @@ void add_bed(MeshBuilder& b, const RoomStyle& s, double width, double length) {
     b.begin("cushion");
     b.use(another(i == 0 ? s.cushion_a : s.cushion_b, r));
     const double x = cushions == 1 ? r.uniform(-0.15, 0.15) : (i == 0 ? -0.26 : 0.26) * (w / 0.8);
-    b.nested(tilt({x, y0 + 0.5, top + 0.24}, -r.uniform(48, 58), r.uniform(-5, 5)),
+    const double lean = r.uniform(48, 58), roll = r.uniform(-5, 5);
+    b.nested(tilt({x, y0 + 0.5, top + 0.24}, -lean, roll),
              [&] { b.pillow({}, 0.21, 0.21, 0.07); });
   }
 }
@@ -86,7 +88,8 @@ void add_nightstand(MeshBuilder& b, const RoomStyle& s, double width) {
     double z = height;
     for (int i = 0; i < 2; ++i) {
       b.use(book_material(r));
-      b.nested(placement({r.uniform(-0.02, 0.02), 0.29, z}, r.uniform(-15, 15)),
+      const double x = r.uniform(-0.02, 0.02), turn = r.uniform(-15, 15);
+      b.nested(placement({x, 0.29, z}, turn),
                [&] { b.box({-0.09, -0.06, 0}, {0.09, 0.06, 0.024}); });
       z += 0.024;
     }

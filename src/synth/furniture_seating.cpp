@@ -43,7 +43,8 @@ void add_sofa(MeshBuilder& b, const RoomStyle& s, double width) {
     b.begin("cushion");
     b.use(another(i == 0 ? s.cushion_a : (i == 1 ? s.cushion_b : s.cushion_c), r));
     const double x = i == 0 ? -w + arm + 0.24 : (i == 1 ? w - arm - 0.24 : r.uniform(-0.2, 0.1));
-    b.nested(tilt({x, 0.49, seat + 0.21}, -r.uniform(62, 70), r.uniform(-8, 8)),
+    const double lean = r.uniform(62, 70), roll = r.uniform(-8, 8);
+    b.nested(tilt({x, 0.49, seat + 0.21}, -lean, roll),
              [&] { b.pillow({}, 0.21, 0.21, 0.075); });
   }
   if (r.chance(0.5)) {  // a throw over one arm
@@ -71,7 +72,8 @@ void add_armchair(MeshBuilder& b, const RoomStyle& s) {
   b.rounded_box({{-w + arm + 0.004, 0.14, 0.28}, {w - arm - 0.004, depth + 0.005, 0.44}, 0.05, 0.03, 0.004});
   b.begin("cushion");
   b.use(another(s.cushion_c, r));
-  b.nested(tilt({r.uniform(-0.03, 0.03), 0.38, 0.63}, -72, r.uniform(-6, 6)), [&] { b.pillow({}, 0.2, 0.18, 0.065); });
+  const double x = r.uniform(-0.03, 0.03), roll = r.uniform(-6, 6);
+  b.nested(tilt({x, 0.38, 0.63}, -72, roll), [&] { b.pillow({}, 0.2, 0.18, 0.065); });
 }
 
 void add_chair(MeshBuilder& b, const RoomStyle& s) {

@@ -32,7 +32,8 @@ void furnish_bedroom(RoomSite& site) {
   for (const double side : {-1.0, 1.0}) {
     site.at_wall(0, bed + side * (bed_width / 2 + 0.09 + stand / 2), [&] { add_nightstand(b, s, stand); }, 0.01);
   }
-  site.at_wall(0, bed, [&] { add_painting(b, s, r.uniform(0.9, 1.3), r.uniform(0.5, 0.65), 1.72); });
+  const double picture = r.uniform(0.9, 1.3), picture_height = r.uniform(0.5, 0.65);
+  site.at_wall(0, bed, [&] { add_painting(b, s, picture, picture_height, 1.72); });
 
   // Wardrobe at the far end of its wall. Wall 1 runs from the bed's wall away from it, wall 3 towards it.
   const double wardrobe = r.uniform(1.2, 1.6), along = plan.depth - wardrobe / 2 - 0.06;
@@ -47,7 +48,8 @@ void furnish_bedroom(RoomSite& site) {
   }, 0.016);
   const double chest_top = b.room().footprints.back().top;
   site.at_wall(2, chest_s, [&] {
-    add_painting(b, s, r.uniform(0.6, 0.8), r.uniform(0.45, 0.6), 1.6);
+    const double w = r.uniform(0.6, 0.8), h = r.uniform(0.45, 0.6);
+    add_painting(b, s, w, h, 1.6);
     b.nested(placement({-0.25 * chest, 0.22, 0}, 0), [&] { add_vase(b, s, chest_top); });
     add_books(b, 0.1 * chest, 0.42 * chest, chest_top, 0.3, 0.28);
   });
@@ -59,8 +61,8 @@ void furnish_bedroom(RoomSite& site) {
     else add_wall_shelf(b, s, 0.8, 1.4);
   });
   site.at({plan.width / 2, plan.depth / 2, 0}, 0, [&] { add_ceiling_light(b, s, plan.height, 1.0); });
-  const double rug_x = bed, rug_y = bed_length - 0.1;
-  site.at({rug_x, rug_y, 0}, 0, [&] { add_rug(b, s, bed_width + r.uniform(0.7, 1.0), r.uniform(1.3, 1.6)); });
+  const double rug_width = bed_width + r.uniform(0.7, 1.0), rug_depth = r.uniform(1.3, 1.6);
+  site.at({bed, bed_length - 0.1, 0}, 0, [&] { add_rug(b, s, rug_width, rug_depth); });
   scatter_along_walls(b, s, plan,
                       {{0.8, 0.82, add_armchair},
                        {0.5, 0.5, [](MeshBuilder& m, const RoomStyle& t) { add_plant(m, t, 1.1); }},

@@ -44,10 +44,11 @@ void furnish_kitchen(RoomSite& site) {
   site.at({centre.x, centre.y - table_d / 2, 0.012}, 0, [&] { add_table(b, s, table_w, table_d); });
   // Chairs face the table; their backs are away from it.
   for (const double side : {-1.0, 1.0}) {
-    site.at({centre.x + side * table_w * 0.24, centre.y - table_d / 2 - r.uniform(0.2, 0.3), 0.012}, r.uniform(-8, 8),
-            [&] { add_chair(b, s); });
-    site.at({centre.x + side * table_w * 0.24, centre.y + table_d / 2 + r.uniform(0.2, 0.3), 0.012},
-            180 + r.uniform(-8, 8), [&] { add_chair(b, s); });
+    const double x = centre.x + side * table_w * 0.24;
+    const double near_y = r.uniform(0.2, 0.3), near_turn = r.uniform(-8, 8);
+    site.at({x, centre.y - table_d / 2 - near_y, 0.012}, near_turn, [&] { add_chair(b, s); });
+    const double far_y = r.uniform(0.2, 0.3), far_turn = r.uniform(-8, 8);
+    site.at({x, centre.y + table_d / 2 + far_y, 0.012}, 180 + far_turn, [&] { add_chair(b, s); });
   }
   site.at({centre.x, centre.y, 0}, 0, [&] { add_pendant(b, s, plan.height, 1.65, 1.0); });
   site.at({plan.width / 2, 0.6 + 0.5, 0}, 0, [&] { add_ceiling_light(b, s, plan.height, 0.8); });

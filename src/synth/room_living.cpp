@@ -27,7 +27,8 @@ void furnish_living(RoomSite& site) {
   site.at_wall(0, sofa_x, [&] { add_sofa(b, s, sofa); }, 0.05);
   site.at_wall(0, sofa_x, [&] {
     if (r.chance(0.5)) {
-      add_painting(b, s, r.uniform(1.2, 1.5), r.uniform(0.6, 0.75), 1.6);
+      const double w = r.uniform(1.2, 1.5), h = r.uniform(0.6, 0.75);
+      add_painting(b, s, w, h, 1.6);
     } else {
       for (const double x : {-0.65, 0.0, 0.65}) {
         b.nested(placement({x, 0, 0}, 0), [&] { add_painting(b, s, 0.5, 0.62, 1.6); });

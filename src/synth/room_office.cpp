@@ -27,8 +27,8 @@ void furnish_office(RoomSite& site) {
     const double x = plan.width / 2 + side * (desk / 2 + 0.12);
     site.at_wall(0, x, [&] { add_desk(b, s, desk, true); }, 0.018);
     // The chair's back is away from the desk; it is pulled out and turned a little.
-    site.at({x + r.uniform(-0.12, 0.05), 1.25 + r.uniform(0.0, 0.2), 0}, 180 + r.uniform(-30, 30),
-            [&] { add_swivel_chair(b, s); });
+    const double chair_x = x + r.uniform(-0.12, 0.05), chair_y = 1.25 + r.uniform(0.0, 0.2), turn = r.uniform(-30, 30);
+    site.at({chair_x, chair_y, 0}, 180 + turn, [&] { add_swivel_chair(b, s); });
   }
   site.at_wall(0, plan.width / 2 - desk / 2, [&] { add_bulletin_board(b, s, 1.0, 0.7, 1.62); });
   site.at_wall(0, plan.width / 2 + desk / 2, [&] { add_wall_shelf(b, s, 1.0, 1.5); });
@@ -51,7 +51,8 @@ void furnish_office(RoomSite& site) {
   }, 0.016);
   const double mid = plan.width / 2 + (window_wall == 1 ? 0.35 : -0.35);
   site.at_wall(2, plan.width - mid, [&] { add_clock(b, s, 2.0); });
-  site.at({plan.width / 2, plan.depth * 0.62, 0}, 0, [&] { add_rug(b, s, r.uniform(1.9, 2.3), r.uniform(1.3, 1.5)); });
+  const double rug_width = r.uniform(1.9, 2.3), rug_depth = r.uniform(1.3, 1.5);
+  site.at({plan.width / 2, plan.depth * 0.62, 0}, 0, [&] { add_rug(b, s, rug_width, rug_depth); });
   site.at({plan.width / 2, plan.depth / 2, 0}, 0, [&] { add_ceiling_light(b, s, plan.height, 1.2); });
   scatter_along_walls(b, s, plan,
                       {{0.5, 0.5, [](MeshBuilder& m, const RoomStyle& t) { add_plant(m, t, 1.2); }},

@@ -129,7 +129,8 @@ RoomStyle make_room_style(Random& random, bool glossy) {
   s.skirting = plain(232, 232, 228);
   s.wood = wood_of(random, glossy ? 0.6f : 0.1f);
   s.second_wood = wood_of(random, 0.1f);
-  s.lacquer = plain(226 - random.below(30), 224 - random.below(20), 218 - random.below(20), 0.2f);
+  const int lacquer[3] = {226 - random.below(30), 224 - random.below(20), 218 - random.below(20)};
+  s.lacquer = plain(lacquer[0], lacquer[1], lacquer[2], 0.2f);
   s.metal = plain(168, 168, 172, 0.8f);
   s.dark_metal = plain(52, 52, 56, 0.3f);
   s.black_gloss = plain(14, 14, 16, 0.9f);
@@ -156,7 +157,8 @@ RoomStyle make_room_style(Random& random, bool glossy) {
   s.rug.c = linear_rgb(rug[2][0], rug[2][1], rug[2][2]);
   s.lampshade = plain(244, 226, 190);
   s.lampshade.emission = 0.35f;
-  s.ceramic = plain(130 + random.below(100), 130 + random.below(90), 130 + random.below(90), 0.5f);
+  const int ceramic[3] = {130 + random.below(100), 130 + random.below(90), 130 + random.below(90)};
+  s.ceramic = plain(ceramic[0], ceramic[1], ceramic[2], 0.5f);
   s.leaf = make(TextureKind::kLeaf, {58, 104, 44}, {98, 146, 70}, 1, random);
   s.soil = make(TextureKind::kStone, {58, 44, 34}, {36, 28, 22}, 0.6f, random);
   s.wicker = make(TextureKind::kWicker, {190, 150, 96}, {104, 72, 40}, 1, random);

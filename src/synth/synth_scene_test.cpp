@@ -217,7 +217,8 @@ TEST(Acceptance, TheMediumTeacherErrsLikeANetwork) {
   ThreadPool pool(2);
   const AcceptanceReport report = measure_acceptance(small_scene(), pool);
   // At this tiny size outlines and depth edges fill more of the picture than at 320 x 240: wide margins.
-  EXPECT_NEAR(report.value("point accuracy mean"), 4, 2.5);
+  EXPECT_GT(report.value("point accuracy mean"), 2);
+  EXPECT_LT(report.value("point accuracy mean"), 9);
   EXPECT_NEAR(report.value("pair pose error mean (max 3)"), 1.3, 0.8);
   EXPECT_NEAR(report.value("confidence rank correlation"), 0.5, 0.2);
   EXPECT_NEAR(report.value("mono depth RMSE"), 0.3, 0.2);

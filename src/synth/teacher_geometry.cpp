@@ -57,7 +57,10 @@ struct UnreliableError {
 };
 UnreliableError unreliable_error(uint16_t instance, size_t view, const Random& random) {
   Random object = random.fork(9000 + instance), own = random.fork(90000 + 977 * view + instance);
-  const auto draw = [](Random& r) { return r.uniform(0.1, 0.3) * (r.chance(0.5) ? 1 : -1); };
+  const auto draw = [](Random& r) {
+    const double size = r.uniform(0.1, 0.3);
+    return r.chance(0.5) ? size : -size;
+  };
   const double shared = draw(object);
   UnreliableError e;
   e.relative = own.chance(0.5) ? shared : draw(own);
@@ -240,8 +243,9 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
     Vec3d axis = turn * (s.rotation_degrees * kPi / 180 / std::sqrt(3.0)), offset = shift * (s.translation / std::sqrt(3.0));
     Random own = pose_random.fork(100 + i);
     if (t.outlier) {
-      axis = normalized(gaussian_vector(own)) * (own.uniform(3, 8) * kPi / 180);
-      offset = normalized(gaussian_vector(own)) * own.uniform(0.1, 0.2);
+      const double angle = own.uniform(3, 8) * kPi / 180, distance = own.uniform(0.1, 0.2);
+      axis = normalized(gaussian_vector(own)) * angle;
+      offset = normalized(gaussian_vector(own)) * distance;
     }
     pose = {pose.rotation * rotation_of(axis), pose.translation + offset};
     t.camera.world_to_camera = pose.inverse();

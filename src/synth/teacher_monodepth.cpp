@@ -43,7 +43,8 @@ ImageF simulate_mono_depth(const RenderedView& view, size_t view_number, const M
     double factor = 1 + offset_of(instance);
     if (view.unreliable.data[i] != 0) {  // glass, screens, black gloss: +-10 to 30 %
       Random own = random.fork(700000 + 1013 * view_number + instance);
-      factor *= 1 + own.uniform(0.1, 0.3) * (own.chance(0.5) ? 1 : -1);
+      const double size = own.uniform(0.1, 0.3);
+      factor *= 1 + (own.chance(0.5) ? size : -size);
     }
     moved.data[i] = static_cast<float>(moved.data[i] * factor);
   }
