@@ -1,6 +1,7 @@
 // One thing wrong with a scene at a time: the program says what and where, ends with status 3 and leaves nothing
 // half-written. Each test damages a copy of the same small room.
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <functional>
@@ -22,9 +23,11 @@ using testing_support::run_aligngs;
 class BadInput : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    pristine_ = fs::path(testing::TempDir()) / "bad_input_pristine";
+    pristine_ = fs::path(testing::TempDir()) / ("bad_input_pristine_" + std::to_string(getpid()));
     testing_support::write_small_scene(pristine_);
   }
+
+  static void TearDownTestSuite() { fs::remove_all(pristine_); }
 
   void SetUp() override {
     base_ = fs::path(testing::TempDir()) / ("bad_input_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
