@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/error.h"
+#include "core/memory_budget.h"
 #include "engine/cpu/tile_products.h"
 
 namespace aligngs::cpu {
@@ -131,6 +133,20 @@ void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& ou
   }
 }
 
+/// Slots of a view whose Gaussians grew without bound may not fit: an error that says so rather than a killed process.
+void size_slots(size_t instances, SlotGradients& out) {
+  constexpr uint64_t kWorthAsking = uint64_t(1) << 30;  // bytes; smaller growth is not worth reading the system's state
+  const uint64_t bytes = uint64_t(instances) * (sizeof(SplatGradient) + 1);
+  if (instances > out.slots.size() && bytes > kWorthAsking + out.slots.capacity_bytes() &&
+      bytes > available_memory_bytes()) {
+    throw_resources({}, std::to_string(instances) + " (Gaussian, tile) pairs in one view need " +
+                            std::to_string(bytes >> 20) + " MB",
+                    "limit the size of the Gaussians (scale limit) or their number");
+  }
+  out.slots.resize(instances);
+  out.used.assign(instances, 0);
+}
+
 }  // namespace
 
 void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
@@ -163,8 +179,7 @@ void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geomet
                    SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch, RowBatches& batches,
                    SlotGradients& out) {
   const ProjectedView& view = tiles.view;
-  out.slots.resize(tiles.lists.instances());
-  out.used.assign(tiles.lists.instances(), 0);
+  size_slots(tiles.lists.instances(), out);
   std::vector<double> soft(semantics != nullptr ? view.tiles() : 0), hard(soft.size());
   const auto visit = [&](size_t tile, int worker, TileRows* rows) {
     TileScratch& s = scratch[static_cast<size_t>(worker)];
