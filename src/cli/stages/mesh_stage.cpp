@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
+#include "train/training_set.h"
 
 namespace aligngs {
 namespace {
@@ -30,8 +31,8 @@ const ImageF& chosen_depth(const Rendering& rendering, const std::string& kind) 
   return kind == "plane" ? rendering.depth_plane : kind == "expected" ? rendering.depth_expected : rendering.depth_median;
 }
 
-FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name) {
-  const Rendering rendering = run.engine->render(camera, run.render_options());
+FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name, const RenderOptions& options) {
+  const Rendering rendering = run.engine->render(camera, options);
   FusionFrame frame;
   frame.name = name;
   frame.camera = camera;
@@ -76,7 +77,7 @@ void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
   for (size_t k = 0; k < wanted && k < pairs; ++k) {
     const size_t i = k * pairs / std::min(wanted, pairs);
     frames.push_back(rendered_frame(run, between(run.working_camera(run.scene.train[i]), run.working_camera(run.scene.train[i + 1])),
-                                    "between " + std::to_string(i)));
+                                    "between " + std::to_string(i), run.render_options()));
     frames.back().interpolated = true;
     frames.back().label = {};
   }
@@ -87,7 +88,14 @@ void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
   for (const int view : run.scene.train) {
-    frames.push_back(options.from_prior ? prior_frame(run, view) : rendered_frame(run, run.working_camera(view), run.scene.views[view].name));
+    if (options.from_prior) {
+      frames.push_back(prior_frame(run, view));
+      continue;
+    }
+    // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
+    RenderOptions render = run.render_options();
+    render.raster.near_plane = near_plane_of_view(run.scene, run.config, view);
+    frames.push_back(rendered_frame(run, run.working_camera(view), run.scene.views[view].name, render));
   }
   if (!options.from_prior && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
