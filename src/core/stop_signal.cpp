@@ -1,16 +1,30 @@
 #include "core/stop_signal.h"
 
 #include <csignal>
+#include <ctime>
 #include <initializer_list>
 #include <unistd.h>
 
 namespace aligngs {
 namespace {
 
-volatile std::sig_atomic_t stop_flag = 0;  // the one thing a signal handler may write
+// timeout(1), shells and build tools deliver one Ctrl-C to the process and to its group: a second signal within this
+// time is that echo, a later one is the user's impatience.
+constexpr double kEchoSeconds = 0.5;
+
+volatile std::sig_atomic_t stop_flag = 0;
+volatile double first_signal_seconds = 0;  // written before stop_flag, and only by the first signal
+
+double monotonic_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);  // safe in a signal handler
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 
 void on_signal(int signal) {
-  if (signal == SIGINT && stop_flag) _exit(130);
+  const double now = monotonic_seconds();
+  if (!stop_flag) first_signal_seconds = now;
+  else if (signal == SIGINT && now - first_signal_seconds > kEchoSeconds) _exit(130);
   stop_flag = 1;
 }
 

@@ -4,7 +4,7 @@
 namespace aligngs {
 
 /// Installs handlers for SIGINT, SIGTERM and SIGUSR1. The first signal asks the program to stop at the
-/// next safe point; a second SIGINT ends the process at once with status 130.
+/// next safe point; a second SIGINT, half a second later or more, ends the process at once with status 130.
 void install_stop_handlers();
 
 /// True once a signal asked the program to stop.

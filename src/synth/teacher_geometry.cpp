@@ -137,7 +137,7 @@ GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
   const auto pick = [i](double low, double medium, double high) { return i == 0 ? low : (i == 1 ? medium : high); };
   s.bend_rms = pick(0.006, 0.014, 0.028);
   s.bend_degrees = pick(0.8, 2.2, 4.5);
-  s.failure_share = pick(0.05, 0.10, 0.18);
+  s.failure_share = pick(0.06, 0.13, 0.2);
   s.rotation_degrees = pick(0.1, 0.25, 0.6);
   s.translation = pick(0.003, 0.008, 0.02);
   s.outlier_share = pick(0, 0.03, 0.08);

@@ -32,8 +32,8 @@ struct GeometryTeacherSettings {
   double warp_rms = 0.008;            ///< relative, 4 x 3 bicubic control points per view
   double white = 0.003;               ///< relative, per pixel
   double patch = 0.0015;              ///< relative, per 14-pixel patch of the network's 518-pixel input
-  double failure_share = 0.10;        ///< of a view: regions whose depth is misjudged
-  double failure_size = 0.09;         ///< relative error there, mean
+  double failure_share = 0.13;        ///< of a view: regions whose depth is misjudged
+  double failure_size = 0.10;         ///< relative error there, mean
   double edge_width = 2.5;            ///< pixels of the image: width of the sigmoid across a depth jump
   bool similarity = false;            ///< unknown scale and rotation of the world as well
 };

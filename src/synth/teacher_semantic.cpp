@@ -209,7 +209,7 @@ std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, cons
   // A one-off mistake is likelier far away and for objects cut off by the image border.
   const double distance = region.depth_sum / static_cast<double>(std::max<size_t>(1, region.pixels));
   const double cut = std::min(1.0, 12.0 * static_cast<double>(region.border) / static_cast<double>(std::max<size_t>(1, region.pixels)));
-  const double chance = s.flip * (0.1 + 0.12 * distance + 0.4 * cut);
+  const double chance = s.flip * (0.06 + 0.1 * distance + 0.35 * cut);
   const bool flip = random.chance(chance);
   const size_t pick = others.empty() ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
   if ((flip || duplicate) && !others.empty()) {
