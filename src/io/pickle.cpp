@@ -76,6 +76,8 @@ class PickleMachine {
                 const std::filesystem::path& name)
       : values_(pickle.values_), reader_(bytes, name), allowed_(allowed), name_(name) {}
 
+  size_t bytes_read() const { return reader_.offset(); }
+
   const PickleValue* run() {
     while (true) {
       at_ = reader_.offset();
@@ -376,7 +378,9 @@ class PickleMachine {
 
 Pickle::Pickle(std::string_view bytes, const std::vector<std::string>& allowed,
                const std::filesystem::path& name_for_errors) {
-  root_ = PickleMachine(*this, bytes, allowed, name_for_errors).run();
+  PickleMachine machine(*this, bytes, allowed, name_for_errors);
+  root_ = machine.run();
+  bytes_read_ = machine.bytes_read();
 }
 
 }  // namespace aligngs

@@ -55,11 +55,16 @@ class Pickle {
   Pickle(Pickle&&) = default;
 
   const PickleValue& root() const { return *root_; }
+  /// Everything that was made, in the order of the file; the root can lie anywhere.
+  const std::deque<PickleValue>& values() const { return values_; }
+  /// Bytes up to and including the STOP that ended this pickle: another one may follow.
+  size_t bytes_read() const { return bytes_read_; }
 
  private:
   friend class PickleMachine;
   std::deque<PickleValue> values_;  ///< owns everything; addresses are stable
   const PickleValue* root_ = nullptr;
+  size_t bytes_read_ = 0;
 };
 
 }  // namespace aligngs

@@ -13,6 +13,7 @@
 #include "io/array_shape.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
+#include "io/byte_source.h"
 
 namespace aligngs {
 namespace {
@@ -73,7 +74,7 @@ struct Placement {
   std::string name;
 };
 
-Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorBytes& tensor,
+Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorPlace& tensor,
                        uint64_t data_bytes, const std::filesystem::path& name) {
   const std::string field = tensor_name.substr(0, 200);
   const auto fail = [&](const std::string& message) {
@@ -140,19 +141,11 @@ std::vector<float> convert_all(const TensorBytes& tensor) {
   return values;
 }
 
-}  // namespace
-
-TensorFile decode_safetensors(const std::string& bytes,
-                              const std::filesystem::path& name_for_errors) {
-  const std::filesystem::path& name = name_for_errors;
-  ByteReader reader(bytes, name);
-  const auto header_bytes = reader.little<uint64_t>("header length");
-  if (header_bytes > kMaxHeaderBytes)
-    throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
-  const Json header = parse_header(reader.take(header_bytes, "header"), name);
-  const std::string_view data = reader.take(reader.remaining(), "data");
-
-  TensorFile file;
+/// Offsets in the result count from the start of the data.
+TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes,
+                                const std::filesystem::path& name) {
+  const Json header = parse_header(text, name);
+  TensorDirectory directory;
   std::vector<Placement> places;
   for (const auto& [key, entry] : header.items()) {
     if (key == kMetadata) {
@@ -160,16 +153,57 @@ TensorFile decode_safetensors(const std::string& bytes,
       for (const auto& [meta_key, value] : entry.items()) {
         if (!value.is_string())
           throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kRemedy);
-        file.metadata[meta_key] = value.get<std::string>();
+        directory.metadata[meta_key] = value.get<std::string>();
       }
     } else {
-      places.push_back(parse_tensor(key, entry, file.tensors[key], data.size(), name));
+      TensorPlace& tensor = directory.tensors[key];
+      places.push_back(parse_tensor(key, entry, tensor, data_bytes, name));
+      tensor.offset = places.back().begin;
+      tensor.bytes = places.back().end - places.back().begin;
     }
   }
-  require_no_holes(places, data.size(), name);
-  for (const Placement& place : places) {
-    file.tensors[place.name].bytes.assign(data.begin() + std::ptrdiff_t(place.begin),
-                                          data.begin() + std::ptrdiff_t(place.end));
+  require_no_holes(std::move(places), data_bytes, name);
+  return directory;
+}
+
+uint64_t checked_header_bytes(uint64_t header_bytes, const std::filesystem::path& name) {
+  if (header_bytes > kMaxHeaderBytes)
+    throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
+  return header_bytes;
+}
+
+}  // namespace
+
+unsigned safetensors_item_bytes(const std::string& dtype) { return item_bytes(dtype); }
+
+TensorDirectory read_safetensors_directory(const ByteSource& source) {
+  constexpr uint64_t kLengthBytes = 8;
+  const std::string length = source.read(0, kLengthBytes);
+  const uint64_t header_bytes =
+      checked_header_bytes(load_number<uint64_t>(length.data(), false), source.name());
+  const std::string header = source.read(kLengthBytes, header_bytes);
+  const uint64_t data_offset = kLengthBytes + header_bytes;
+  TensorDirectory directory =
+      parse_directory(header, source.size() - data_offset, source.name());
+  for (auto& tensor : directory.tensors) tensor.second.offset += data_offset;
+  return directory;
+}
+
+TensorFile decode_safetensors(const std::string& bytes,
+                              const std::filesystem::path& name_for_errors) {
+  const std::filesystem::path& name = name_for_errors;
+  ByteReader reader(bytes, name);
+  const uint64_t header_bytes =
+      checked_header_bytes(reader.little<uint64_t>("header length"), name);
+  const std::string_view header = reader.take(header_bytes, "header");
+  const std::string_view data = reader.take(reader.remaining(), "data");
+  const TensorDirectory directory = parse_directory(header, data.size(), name);
+
+  TensorFile file;
+  file.metadata = directory.metadata;
+  for (const auto& [key, place] : directory.tensors) {
+    const auto begin = data.begin() + std::ptrdiff_t(place.offset);
+    file.tensors[key] = {place.dtype, place.shape, {begin, begin + std::ptrdiff_t(place.bytes)}};
   }
   return file;
 }

@@ -20,11 +20,32 @@ struct TensorFile {
   std::map<std::string, std::string> metadata;
 };
 
+/// Where a tensor lies in a file.
+struct TensorPlace {
+  std::string dtype;
+  std::vector<int64_t> shape;
+  uint64_t offset = 0;  ///< bytes from the start of the file
+  uint64_t bytes = 0;
+};
+
+struct TensorDirectory {
+  std::map<std::string, TensorPlace> tensors;
+  std::map<std::string, std::string> metadata;
+};
+
+class ByteSource;
+
+/// The header alone, checked as below; the tensors are left where they are.
+TensorDirectory read_safetensors_directory(const ByteSource& source);
+
 /// Error{kBadInput} on a malformed header, overlapping or out-of-range offsets, or a truncated file; never
 /// allocates more than the file could hold.
 TensorFile read_safetensors(const std::filesystem::path& path);
 TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::path& name_for_errors);
 void write_safetensors(const std::filesystem::path& path, const TensorFile& file);  ///< atomic
+
+/// Bytes of one element of a type; 0 for an unknown type.
+unsigned safetensors_item_bytes(const std::string& dtype);
 
 TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> shape = {});  ///< default: one dimension
 std::vector<float> floats_of(const TensorBytes& tensor, const std::string& name_for_errors);

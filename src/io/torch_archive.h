@@ -1,4 +1,4 @@
-// Tensors from torch.save files (zip archive with a pickle), read by a whitelist: nothing is executed.
+// One tensor from a torch.save file (either layout), read by a whitelist: nothing is executed.
 #pragma once
 
 #include "io/npy.h"

@@ -18,6 +18,7 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_npy", "c_order", valid::npy(scratch));
   const std::string torch = valid::torch(scratch);
   seed("fuzz_torch", "tensor", torch);
+  seed("fuzz_weights", "tensors.safetensors", valid::safetensors(scratch));
   const ZipArchive archive(memory_source(torch, "tensor"));
   seed("fuzz_pickle", "tensor", archive.read(*archive.find("archive/data.pkl")));
   seed("fuzz_safetensors", "two", valid::safetensors(scratch));
