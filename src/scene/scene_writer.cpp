@@ -11,6 +11,7 @@
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "io/ply.h"
+#include "scene/colmap_model.h"
 #include "scene/mesh_ply.h"
 #include "scene/prior_maps.h"
 
@@ -83,44 +84,6 @@ void write_truth_labels(const fs::path& path, const Image<uint16_t>& labels) {
   }
   make_folder(path.parent_path());
   write_png(path, bytes);
-}
-
-ColmapCamera colmap_camera(uint32_t id, const Camera& camera) {
-  ColmapCamera out;
-  out.id = id;
-  out.model = "PINHOLE";
-  out.width = static_cast<uint64_t>(camera.width);
-  out.height = static_cast<uint64_t>(camera.height);
-  out.params = {camera.fx, camera.fy, camera.cx, camera.cy};
-  return out;
-}
-
-/// Adds an image with its camera; cameras with the same size and intrinsics are shared.
-void add_image(const Camera& camera, const std::string& image_name, ColmapModel& model) {
-  const ColmapCamera wanted = colmap_camera(static_cast<uint32_t>(model.cameras.size() + 1), camera);
-  const auto same = std::find_if(model.cameras.begin(), model.cameras.end(), [&](const ColmapCamera& c) {
-    return c.width == wanted.width && c.height == wanted.height && c.params == wanted.params;
-  });
-  ColmapImage image;
-  image.camera_id = same == model.cameras.end() ? wanted.id : same->id;
-  if (same == model.cameras.end()) model.cameras.push_back(wanted);
-  image.id = static_cast<uint32_t>(model.images.size() + 1);
-  image.rotation = quaternion_of(camera.world_to_camera.rotation);
-  image.translation = camera.world_to_camera.translation;
-  image.name = image_name;
-  model.images.push_back(image);
-}
-
-void add_points(const PointCloud& cloud, ColmapModel& model) {
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    ColmapPoint point;
-    point.id = i + 1;
-    point.position = cloud.positions[i].cast<double>();
-    for (int k = 0; k < 3; ++k) {
-      point.color[k] = static_cast<uint8_t>(std::lround(std::clamp(cloud.colors[i][k], 0.0f, 1.0f) * 255));
-    }
-    model.points.push_back(point);
-  }
 }
 
 PlyProperty column(const char* name, PlyType type, size_t rows) {
@@ -250,15 +213,15 @@ void SceneWriter::write_models(const SceneParts& parts) const {
   ColmapModel model, truth;
   size_t with_truth = 0;
   for (const Written& view : views_) {
-    add_image(view.camera, view.image_name, model);
+    append_view(model, view.camera, view.image_name);
     if (!view.truth_camera) continue;
-    add_image(*view.truth_camera, view.image_name, truth);
+    append_view(truth, *view.truth_camera, view.image_name);
     ++with_truth;
   }
   if (with_truth != 0 && with_truth != views_.size()) {
     fail("a true camera for every view or for none expected", folder_, "truth_camera");
   }
-  add_points(parts.cloud, model);
+  append_points(model, parts.cloud);
   make_folder(partial_ / "sparse");
   write_colmap_binary(partial_ / "sparse", model);
   if (parts.cloud.has_normals()) write_cloud_ply(partial_ / "sparse" / "points3D.ply", parts.cloud);

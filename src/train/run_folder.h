@@ -24,6 +24,8 @@ class RunFolder {
   std::filesystem::path labelled_ply() const { return folder_ / "scene.labels.ply"; }
   std::filesystem::path classes() const { return folder_ / "classes.json"; }
   std::filesystem::path cameras() const { return folder_ / "cameras.json"; }
+  std::filesystem::path sparse() const { return folder_ / "sparse" / "0"; }
+  std::filesystem::path transforms() const { return folder_ / "transforms.json"; }
 
   bool has_run() const;  ///< run.json or config.toml stands in it
 

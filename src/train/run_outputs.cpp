@@ -6,7 +6,7 @@
 
 #include "io/atomic_file.h"
 #include "scene/triangle_mesh.h"
-#include "train/training_set.h"
+#include "train/camera_outputs.h"
 
 namespace aligngs {
 namespace {
@@ -28,34 +28,6 @@ void write_classes(const std::filesystem::path& path, const LabelSet& labels, co
     classes.push_back({{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}, {"gaussians", counts[i]}});
   }
   write_json(path, {{"schema", 1}, {"label_set", labels.name}, {"classes", classes}});
-}
-
-/// The layout that 3DGS viewers read (position and rotation are camera to world, OpenCV axes), plus the
-/// principal point and the split.
-void write_cameras(const std::filesystem::path& path, const Scene& scene, const TrainConfig& config) {
-  Json cameras = Json::array();
-  for (size_t v = 0; v < scene.views.size(); ++v) {
-    const int index = static_cast<int>(v);
-    const bool train = std::find(scene.train.begin(), scene.train.end(), index) != scene.train.end();
-    const bool test = std::find(scene.test.begin(), scene.test.end(), index) != scene.test.end();
-    if (!train && !test) continue;
-    const Camera camera = working_camera(scene, config, index);
-    const Rigidd pose = camera.world_to_camera.inverse();
-    Json rotation = Json::array();
-    for (int r = 0; r < 3; ++r) rotation.push_back({pose.rotation(r, 0), pose.rotation(r, 1), pose.rotation(r, 2)});
-    cameras.push_back({{"id", v},
-                       {"img_name", scene.views[v].name},
-                       {"width", camera.width},
-                       {"height", camera.height},
-                       {"position", {pose.translation.x, pose.translation.y, pose.translation.z}},
-                       {"rotation", rotation},
-                       {"fx", camera.fx},
-                       {"fy", camera.fy},
-                       {"cx", camera.cx},
-                       {"cy", camera.cy},
-                       {"split", train ? "train" : "test"}});
-  }
-  write_json(path, cameras);
 }
 
 }  // namespace
@@ -86,7 +58,7 @@ void write_run_outputs(const RunFolder& folder, const GaussianModel& model, cons
     write_labelled_gaussian_ply(folder.labelled_ply(), model, labels);
     write_classes(folder.classes(), scene.labels, labels);
   }
-  write_cameras(folder.cameras(), scene, config);
+  write_camera_outputs(folder, scene, config);
 }
 
 }  // namespace aligngs

@@ -1,4 +1,5 @@
-// What a finished training leaves in its run folder: scene.ply, scene.labels.ply, classes.json, cameras.json.
+// What a finished training leaves in its run folder: scene.ply, scene.labels.ply, classes.json and the
+// cameras (camera_outputs.h).
 #pragma once
 
 #include "gaussians/gaussian_ply.h"
@@ -12,7 +13,7 @@ namespace aligngs {
 /// (all equal) have no label. The model must have semantic channels.
 GaussianLabels label_gaussians(const GaussianModel& model, const LabelSet& labels);
 
-/// Writes all four (labels and classes only with semantics), each atomically. None holds a time or a path.
+/// Writes them all (labels and classes only with semantics), each atomically. None holds a time or an absolute path.
 void write_run_outputs(const RunFolder& folder, const GaussianModel& model, const Scene& scene, const TrainConfig& config);
 
 }  // namespace aligngs

@@ -86,7 +86,8 @@ TEST_F(TrainRun, LeavesACompleteRunFolder) {
   EXPECT_EQ(result.iterations, 30);
   EXPECT_GT(result.gaussians, 0u);
   for (const char* name : {"run.json", "config.toml", "events.ndjson", "scene.ply", "scene.labels.ply", "classes.json",
-                           "cameras.json", "checkpoints/step_000030.safetensors"}) {
+                           "cameras.json", "sparse/0/images.bin", "transforms.json",
+                           "checkpoints/step_000030.safetensors"}) {
     EXPECT_TRUE(fs::exists(o.run / name)) << name;
   }
   const RunRecord r = record(o);
