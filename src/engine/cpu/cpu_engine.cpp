@@ -5,6 +5,8 @@
 
 #include "core/error.h"
 #include "engine/cpu/adam.h"
+#include "engine/cpu/bf16_packing.h"
+#include "engine/cpu/matrix_tiles.h"
 #include "engine/cpu/project.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
@@ -71,15 +73,24 @@ CpuEngine::CpuEngine(int threads) : pool_(std::make_unique<ThreadPool>(threads))
   scratch_.resize(static_cast<size_t>(pool_->size()));
 }
 
+void CpuEngine::set_semantic_products(SemanticProducts products) {
+  if (products == SemanticProducts::kBfloat16 && !matrix_tiles_available()) {
+    throw_usage("bfloat16 products need AMX, which this processor, system or build does not offer",
+                "use the automatic choice");
+  }
+  products_ = products;
+}
+
 void CpuEngine::prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const {
   project_view(model_, camera, raster, sh_degree, *pool_, frame_.view);
   build_tile_lists(frame_.view, *pool_, frame_.lists);
 }
 
-void CpuEngine::prepare_features(SemanticBlend blend) const {
+void CpuEngine::prepare_features(SemanticBlend blend, bool rounded) const {
   const size_t channels = static_cast<size_t>(model_.semantic_channels);
-  const size_t padded = padded_channels(model_.semantic_channels);
+  const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
   frame_.features.resize(frame_.lists.visible.size() * padded);
+  if (rounded) frame_.rounded.resize(frame_.lists.visible.size() * depth);
   pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       if (frame_.view.rects[i].area() == 0) continue;
@@ -90,6 +101,10 @@ void CpuEngine::prepare_features(SemanticBlend blend) const {
       } else {
         copy_row(in, channels, padded, out);
       }
+      if (!rounded) continue;
+      // A softmax of blended logits does not see a shift of a row, but the rounding does.
+      const float shift = blend == SemanticBlend::kLogits ? row_mean(out, channels, padded) : 0.0f;
+      round_row(out, channels, padded, depth, shift, frame_.rounded.data() + size_t(frame_.lists.rank[i]) * depth);
     }
   });
 }
@@ -135,15 +150,18 @@ StepReport CpuEngine::step(const StepRequest& request) {
   StepReport report;
   Stopwatch watch(report.seconds);
 
-  prepare_frame(view.data.camera, request.raster, request.sh_degree);
+  project_view(model_, view.data.camera, request.raster, request.sh_degree, *pool_, frame_.view);
+  watch.lap("project");
   if (frame_.view.non_finite >= 0) {
     report.non_finite = locate({true, frame_.view.non_finite, "parameters"});
     return report;
   }
-  watch.lap("project");
+  build_tile_lists(frame_.view, *pool_, frame_.lists);
+  watch.lap("bin");
   const bool semantics = semantics_active(request);
   const bool probabilities = request.losses.semantic_blend == SemanticBlend::kProbabilities;
-  if (semantics) prepare_features(request.losses.semantic_blend);
+  const bool rounded = semantics && products_ != SemanticProducts::kFloat32 && matrix_tiles_available();
+  if (semantics) prepare_features(request.losses.semantic_blend, rounded);
   watch.lap("semantic_rows");
 
   const ViewTiles tiles{frame_.view, frame_.lists, request.raster};
@@ -167,13 +185,16 @@ StepReport CpuEngine::step(const StepRequest& request) {
                  padded,          strength != 0};
     pass.rank = frame_.lists.rank.data();
     pass.features = frame_.features.data();
+    pass.rounded = rounded ? frame_.rounded.data() : nullptr;
     pass.gradients = feature_gradients_.data();
     pass.written = &feature_written_;
     pass.visible = frame_.lists.visible.size();
   }
   for (TileScratch& s : scratch_) s.semantic_seconds = 0;
   const bool prior = !view.data.prior_depth.empty();
-  backward_pass(tiles, {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr},
+  backward_pass(tiles,
+                {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr,
+                 request.losses.prior_depth_scale},
                 geometry, density, semantics ? &pass : nullptr, *pool_, scratch_, batches_, slots_);
   watch.lap("backward");
   if (semantics) {

@@ -19,6 +19,14 @@ struct Frame {
   TileLists lists;
   RenderMaps<float> maps;
   AlignedArray<float> features;  ///< [visible][padded] semantic rows as they are blended
+  AlignedArray<uint16_t> rounded;  ///< the same in bfloat16, where the products use it
+};
+
+/// How the semantic products of a training step are formed.
+enum class SemanticProducts {
+  kAutomatic,  ///< kBfloat16 where the machine has AMX, else kFloat32
+  kFloat32,    ///< float32 vectors, within float rounding of the reference
+  kBfloat16    ///< bfloat16 operands and float32 sums on AMX
 };
 
 /// Results do not depend on the number of threads. Not to be used from several threads at once, rendering included:
@@ -46,6 +54,9 @@ class CpuEngine final : public Engine {
   void lift_semantics(const RasterSettings& raster) override;
   uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const override;
 
+  /// Throws Error{kUsage} when kBfloat16 is asked for on a machine without AMX.
+  void set_semantic_products(SemanticProducts products);
+
   /// Gradients of the last step, for tests: rows that the step did not touch are zero.
   GaussianModel last_gradients() const;
   const RenderMaps<float>& last_maps() const { return frame_.maps; }
@@ -55,7 +66,7 @@ class CpuEngine final : public Engine {
 
  private:
   void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
-  void prepare_features(SemanticBlend blend) const;
+  void prepare_features(SemanticBlend blend, bool rounded) const;
   bool semantics_active(const StepRequest& request);
   int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
@@ -68,6 +79,8 @@ class CpuEngine final : public Engine {
   CouplingBalance balance_;  ///< rounded to float, so that a checkpoint holds it exactly
   std::vector<TrainingView> views_;
   std::vector<SemanticView> semantic_views_;
+
+  SemanticProducts products_ = SemanticProducts::kAutomatic;
 
   // Scratch, kept between calls.
   mutable Frame frame_;

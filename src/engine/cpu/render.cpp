@@ -71,28 +71,28 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
   const int channels = model_.semantic_channels;
   if (!options.labels || channels == 0) return r;
 
-  prepare_features(options.semantic_blend);
+  prepare_features(options.semantic_blend, false);
   r.label = Image<uint16_t>(w, h, 1, kNoLabel);
   r.label_probability = ImageF(w, h, 1);
   const size_t padded = padded_channels(channels);
   const bool probabilities = options.semantic_blend == SemanticBlend::kProbabilities;
   pool_->parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {
     TileScratch& s = scratch_[static_cast<size_t>(worker)];
-    s.semantic.blended.resize(kBlockPixels * padded);
+    s.semantic.block.blended.resize(kBlockPixels * padded);
     for (size_t tile = begin; tile < end; ++tile) {
       compute_tile_weights(view, frame_.lists, static_cast<int>(tile) % view.tiles_x,
                            static_cast<int>(tile) / view.tiles_x, options.raster, s.weights);
       for (const BlockWeights& block : s.weights.blocks) {
-        s.rows.resize(block.count);
+        s.semantic.rows.resize(block.count);
         for (size_t e = 0; e < block.count; ++e) {
-          s.rows[e] = frame_.features.data() + size_t(frame_.lists.rank[s.weights.rows[block.entry[e]]]) * padded;
+          s.semantic.rows[e] = frame_.features.data() + size_t(frame_.lists.rank[s.weights.rows[block.entry[e]]]) * padded;
         }
-        block_blend_rows(block, s.rows.data(), padded, s.semantic.blended.data());
+        block_blend_rows(block, s.semantic.rows.data(), padded, s.semantic.block.blended.data());
         for (int i = 0; i < kBlockPixels; ++i) {
           const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
           if (x >= w || y >= h) continue;
           const size_t u = size_t(y) * w + x;
-          label_pixel(s.semantic.blended.data() + i * padded, channels, m.alpha[u], probabilities, r.label.data[u],
+          label_pixel(s.semantic.block.blended.data() + i * padded, channels, m.alpha[u], probabilities, r.label.data[u],
                       r.label_probability.data[u]);
         }
       }

@@ -5,12 +5,20 @@
 #include "engine/cpu/semantic_rows.h"
 
 namespace aligngs::cpu {
+
 float* TileRows::add(uint32_t target) {
   targets_[count_] = target;
   float* row = rows_ + count_ * padded_;
   std::memset(row, 0, padded_ * sizeof(float));
   ++count_;
   return row;
+}
+
+float* TileRows::add_block(size_t count, uint32_t*& targets) {
+  targets = targets_ + count_;
+  float* rows = rows_ + count_ * padded_;
+  count_ += count;
+  return rows;
 }
 
 void RowBatches::run(const TileLists& lists, size_t padded, size_t targets, ThreadPool& pool, const Visit& visit,

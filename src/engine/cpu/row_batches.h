@@ -17,6 +17,8 @@ class TileRows {
   TileRows(float* rows, uint32_t* targets, size_t padded) : rows_(rows), targets_(targets), padded_(padded) {}
   /// A new row of zeros whose sum belongs to `target`.
   float* add(uint32_t target);
+  /// `count` new rows, one behind the other, of any value; their targets are to be filled in.
+  float* add_block(size_t count, uint32_t*& targets);
   size_t count() const { return count_; }
 
  private:

@@ -36,6 +36,33 @@ void SoftmaxRow(const float* logits, size_t channels, size_t padded, float* out)
   for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Mul(hn::Load(d, out + c), inverse), d, out + c);
 }
 
+void RoundRow(const float* HWY_RESTRICT in, size_t channels, size_t padded, size_t depth, float shift,
+              uint16_t* HWY_RESTRICT out) {
+  const FloatTag d;
+  const hn::RebindToUnsigned<FloatTag> du;
+  const hn::RebindToSigned<FloatTag> di;
+  const hn::Rebind<uint16_t, FloatTag> dh;
+  const FloatVec offset = hn::Set(d, shift);
+  for (size_t c = 0; c < padded; c += kLanes) {
+    const FloatVec x = hn::IfThenElseZero(hn::FirstN(d, channels > c ? channels - c : 0),
+                                          hn::Sub(hn::Load(d, in + c), offset));
+    const auto bits = hn::BitCast(du, x);
+    const auto odd = hn::And(hn::ShiftRight<16>(bits), hn::Set(du, 1));
+    const auto rounded = hn::ShiftRight<16>(hn::Add(bits, hn::Add(odd, hn::Set(du, 0x7fff))));
+    const auto nan = hn::RebindMask(di, hn::Ne(x, x));
+    const auto result = hn::IfThenElse(nan, hn::Set(di, 0x7fc0), hn::BitCast(di, rounded));
+    hn::StoreU(hn::DemoteTo(dh, result), dh, out + c);
+  }
+  std::memset(out + padded, 0, (depth - padded) * sizeof(uint16_t));
+}
+
+float RowMean(const float* HWY_RESTRICT in, size_t channels, size_t padded) {
+  const FloatTag d;
+  FloatVec sum = hn::Zero(d);
+  for (size_t c = 0; c < padded; c += kLanes) sum = hn::Add(sum, hn::Load(d, in + c));  // the padding is zero
+  return hn::GetLane(hn::SumOfLanes(d, sum)) / static_cast<float>(channels);
+}
+
 void AddRow(const float* HWY_RESTRICT in, size_t padded, float* HWY_RESTRICT out) {
   const FloatTag d;
   for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Add(hn::Load(d, out + c), hn::Load(d, in + c)), d, out + c);
@@ -50,6 +77,8 @@ HWY_AFTER_NAMESPACE();
 namespace aligngs::cpu {
 
 HWY_EXPORT(SoftmaxRow);
+HWY_EXPORT(RoundRow);
+HWY_EXPORT(RowMean);
 HWY_EXPORT(AddRow);
 
 void softmax_row(const float* logits, size_t channels, size_t padded, float* out) {
@@ -58,6 +87,12 @@ void softmax_row(const float* logits, size_t channels, size_t padded, float* out
 void copy_row(const float* in, size_t channels, size_t padded, float* out) {
   std::memcpy(out, in, channels * sizeof(float));
   std::memset(out + channels, 0, (padded - channels) * sizeof(float));
+}
+void round_row(const float* in, size_t channels, size_t padded, size_t depth, float shift, uint16_t* out) {
+  HWY_DYNAMIC_DISPATCH(RoundRow)(in, channels, padded, depth, shift, out);
+}
+float row_mean(const float* in, size_t channels, size_t padded) {
+  return HWY_DYNAMIC_DISPATCH(RowMean)(in, channels, padded);
 }
 void add_row(const float* in, size_t padded, float* out) { HWY_DYNAMIC_DISPATCH(AddRow)(in, padded, out); }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace aligngs::cpu {
 
@@ -9,6 +10,11 @@ namespace aligngs::cpu {
 void softmax_row(const float* logits, size_t channels, size_t padded, float* out);
 /// out[0..padded) = in[0..channels), zero-padded.
 void copy_row(const float* in, size_t channels, size_t padded, float* out);
+/// out[0..depth) = in[0..padded) - shift in bfloat16, rounded to nearest, ties to even; zero-padded, as are the numbers
+/// from `channels` on. Not a number stays not a number.
+void round_row(const float* in, size_t channels, size_t padded, size_t depth, float shift, uint16_t* out);
+/// Mean of a padded row's first `channels` numbers.
+float row_mean(const float* in, size_t channels, size_t padded);
 /// out += in, both padded and aligned.
 void add_row(const float* in, size_t padded, float* out);
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "core/error.h"
 #include "core/memory_budget.h"
@@ -80,47 +81,23 @@ void load_gradients(const BlockWeights& block, const ProjectedView& view, const 
     read_block(maps.residual, c, view.width, out.residual);
     if (maps.prior != nullptr) {
       read_block(maps.prior, c, view.width, out.prior);
-      for (float& z : out.prior) z = is_finite(z) ? z : 0.0f;
+      for (float& z : out.prior) z = is_finite(z) ? z * maps.prior_scale : 0.0f;
     }
   }
 }
 
-/// Rows of the block's entries in this tile's sums, made on first use.
-void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, const uint32_t* target_of_row,
-                           TileRows& rows, TileScratch& s) {
-  s.row_gradients.resize(block.count);
-  for (size_t e = 0; e < block.count; ++e) {
-    float*& row = s.tile_rows[block.entry[e]];
-    if (row == nullptr) {
-      const uint32_t gaussian = tile.rows[block.entry[e]];
-      row = rows.add(target_of_row != nullptr ? target_of_row[gaussian] : gaussian);
-    }
-    s.row_gradients[e] = row;
+/// Adds the time it lives to the thread's semantic seconds.
+class SemanticTimer {
+ public:
+  explicit SemanticTimer(TileScratch& s) : s_(s) {}
+  ~SemanticTimer() {
+    s_.semantic_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-}
 
-/// The semantic visit to one block: blended rows, loss, row gradients, coupling. Returns q or nullptr.
-const float* visit_semantics(const BlockWeights& block, const SemanticPass& pass, TileRows& rows, TileScratch& s) {
-  const size_t padded = pass.step.padded;
-  s.rows.resize(block.count);
-  for (size_t e = 0; e < block.count; ++e) {
-    s.rows[e] = pass.features + size_t(pass.rank[s.weights.rows[block.entry[e]]]) * padded;
-  }
-  s.semantic.blended.resize(kBlockPixels * padded);
-  block_blend_rows(block, s.rows.data(), padded, s.semantic.blended.data());
-  semantic_block_loss(pass.step, block, s.semantic);
-  if (block.count == 0) return nullptr;
-  collect_row_gradients(block, s.weights, pass.rank, rows, s);
-  block_row_gradients(block, s.semantic.blended.data(), padded, s.row_gradients.data());
-  if (!pass.step.couple) return nullptr;
-  const bool bounded = pass.step.losses->coupling == SemanticCoupling::kBounded;
-  s.semantic.transposed.resize(kBlockPixels * padded);
-  block_transpose(bounded ? s.semantic.direction.data() : s.semantic.blended.data(), padded,
-                  s.semantic.transposed.data());
-  s.q.resize(block.count * kBlockPixels);
-  block_coupling(block, s.rows.data(), padded, s.semantic.transposed.data(), s.semantic.offset, s.q.data());
-  return s.q.data();
-}
+ private:
+  TileScratch& s_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// Leaves the tile's sums at the slots of its Gaussians. One that was blended has a positive weight.
 void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
@@ -189,19 +166,27 @@ void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geomet
     if (s.weights.count > 0) {
       std::memset(static_cast<void*>(s.sums.data()), 0, s.weights.count * sizeof(SplatGradient));
     }
-    if (semantics != nullptr) s.tile_rows.assign(s.weights.count, nullptr);
-    for (const BlockWeights& block : s.weights.blocks) {
+    std::optional<SemanticVisit> semantic;
+    if (semantics != nullptr) {
+      const SemanticTimer timer(s);
+      semantic.emplace(*semantics, s.weights, *rows, s.semantic);
+    }
+    for (int b = 0; b < kTileBlocks; ++b) {
+      const BlockWeights& block = s.weights.blocks[b];
       BackwardOptions options{geometry, density, nullptr};
-      if (semantics != nullptr && block_has_teacher(semantics->step, block)) {
-        const auto start = std::chrono::steady_clock::now();
-        options.coupling = visit_semantics(block, *semantics, *rows, s);
-        soft[tile] += s.semantic.soft;
-        hard[tile] += s.semantic.hard;
-        s.semantic_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (semantic) {
+        const SemanticTimer timer(s);
+        options.coupling = semantic->visit_block(b);
+        soft[tile] += s.semantic.block.soft;
+        hard[tile] += s.semantic.block.hard;
       }
       if (block.count == 0) continue;
       load_gradients(block, view, maps, geometry, density, s.gradients);
       blend_block_backward(s.weights, block, view.camera, tiles.raster, s.gradients, options, s.sums.data());
+    }
+    if (semantic) {
+      const SemanticTimer timer(s);
+      semantic->finish();
     }
     store_slots(tile_x, tile_y, s, out);
   };
@@ -234,21 +219,21 @@ void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& poo
         TileScratch& s = scratch[static_cast<size_t>(worker)];
         compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
                              static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
-        s.tile_rows.assign(s.weights.count, nullptr);
-        s.semantic.blended.resize(kBlockPixels * step.padded);
+        s.semantic.tile_rows.assign(s.weights.count, nullptr);
+        s.semantic.block.blended.resize(kBlockPixels * step.padded);
         for (const BlockWeights& block : s.weights.blocks) {
           if (block.count == 0) continue;
           bool any = false;
           for (int i = 0; i < kBlockPixels; ++i) {
             const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
-            float* teacher = s.semantic.blended.data() + i * step.padded;
+            float* teacher = s.semantic.block.blended.data() + i * step.padded;
             const bool valid = x < view.width && y < view.height && sample_teacher_padded(step, x, y, teacher);
             if (!valid) std::memset(teacher, 0, step.padded * sizeof(float));
             any |= valid;
           }
           if (!any) continue;
-          collect_row_gradients(block, s.weights, nullptr, rows, s);
-          block_row_gradients(block, s.semantic.blended.data(), step.padded, s.row_gradients.data());
+          collect_row_gradients(block, s.weights, nullptr, rows, s.semantic);
+          block_row_gradients(block, s.semantic.block.blended.data(), step.padded, s.semantic.row_gradients.data());
         }
       },
       sums, written);

@@ -6,7 +6,7 @@
 #include "core/thread_pool.h"
 #include "engine/cpu/blend_backward.h"
 #include "engine/cpu/row_batches.h"
-#include "engine/cpu/semantic_block.h"
+#include "engine/cpu/semantic_visit.h"
 #include "engine/maps.h"
 
 namespace aligngs::cpu {
@@ -17,11 +17,7 @@ struct TileScratch {
   BlockMaps maps;
   BlockGradients gradients;
   AlignedArray<SplatGradient> sums;  ///< [gathered splats]
-  SemanticBlock semantic;
-  AlignedArray<float> q;              ///< [entries][64]
-  std::vector<const float*> rows;     ///< [entries] semantic rows
-  std::vector<float*> row_gradients;  ///< [entries]
-  std::vector<float*> tile_rows;      ///< [gathered splats] row of this tile's sums, nullptr = none yet
+  SemanticScratch semantic;
   double semantic_seconds = 0;        ///< time spent in the semantic products and losses
 };
 
@@ -36,22 +32,12 @@ struct ViewTiles {
 void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
                   RenderMaps<float>& maps);
 
-/// The semantic part of a backward pass.
-struct SemanticPass {
-  SemanticStep step;
-  const uint32_t* rank = nullptr;           ///< [N] index of a visible Gaussian's row in the two arrays below
-  const float* features = nullptr;          ///< [visible][padded] what is blended: pi or s
-  float* gradients = nullptr;               ///< [visible][padded] out: dL/dfeatures where written
-  std::vector<uint8_t>* written = nullptr;  ///< [visible]
-  size_t visible = 0;
-  double soft = 0, hard = 0;  ///< out: means over valid pixels
-};
-
 /// What the backward pass needs of the maps, planar as in engine/maps.h.
 struct BackwardMaps {
   const MapGradients<float>& gradients;
   const float* residual = nullptr;  ///< [H * W] with density
   const float* prior = nullptr;     ///< [H * W] prior depth with density, nullptr = none
+  float prior_scale = 1;            ///< the prior depth is multiplied by it (LossSettings::prior_depth_scale)
 };
 
 /// Sums per (Gaussian, tile) at the slots of `lists`; entries of `slots` are valid where used[slot] is 1.

@@ -1,0 +1,46 @@
+// Products of bfloat16 matrices on AMX tiles: detection, and the one kernel that all semantic products use.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace aligngs::cpu {
+
+/// The processor has bfloat16 tiles and AVX-512 with bfloat16, and the kernel of the system granted this process the
+/// use of tile data (asked for at the first call). Always false in scalar-only builds.
+bool matrix_tiles_available();
+
+/// Configures this thread's tiles while it lives. Only with matrix_tiles_available(). Not to be nested.
+class MatrixTilesInUse {
+ public:
+  MatrixTilesInUse();
+  ~MatrixTilesInUse();
+  MatrixTilesInUse(const MatrixTilesInUse&) = delete;
+  MatrixTilesInUse& operator=(const MatrixTilesInUse&) = delete;
+};
+
+inline constexpr size_t kTileRows = 16;    ///< rows of a tile, and columns of a result in float32
+inline constexpr size_t kTileDepth = 32;   ///< terms of the inner sum per step: 64 bytes of bfloat16
+inline constexpr size_t kTileNumbers = kTileRows * kTileDepth;  ///< of one operand
+
+/// C = initial + sum over `steps` of A[step] B[step], for 32 rows and 32 (or 16) columns, float32 sums.
+///   A: bfloat16, row r of a step's 32 terms at a + step * a_step + r * a_row.
+///   B: bfloat16, pairs of terms beside each other: columns 0 to 15 of a step at b + step * b_step as [16][16][2],
+///      columns 16 to 31 at kTileNumbers behind them.
+///   C: row r at c + r * c_row.
+/// Offsets are in numbers, not bytes.
+struct TileProduct {
+  const uint16_t* a = nullptr;
+  size_t a_row = 0, a_step = 0;
+  const uint16_t* b = nullptr;
+  size_t b_step = 0;
+  const uint32_t* steps = nullptr;  ///< [step_count] indices
+  size_t step_count = 0;
+  const float* initial = nullptr;   ///< [32 or 16] one row, the same for all rows of C; nullptr: zeros
+  float* c = nullptr;
+  size_t c_row = 0;
+};
+void tile_product_32(const TileProduct& p);
+void tile_product_16(const TileProduct& p);
+
+}  // namespace aligngs::cpu

@@ -1,0 +1,77 @@
+// The semantic visit to a tile: blended rows, loss, row gradients and coupling, block by block, without leaving the
+// cache. Two ways to form the products: float32 vectors (tile_products.h) on any machine, and bfloat16 operands with
+// float32 sums on AMX tiles (matrix_tiles.h).
+//
+// On AMX, W and S are rounded to bfloat16 (relative 2^-9 per term), and so are the gradients that re-enter products.
+// The loss is formed in float32. The row gradients of a tile are one product over its 256 pixels whose result goes
+// straight to the tile's sums: Gaussians are ordered by the set of blocks they reach, so that the products skip the
+// blocks where a group of 32 has no weight.
+#pragma once
+
+#include <vector>
+
+#include "engine/cpu/row_batches.h"
+#include "engine/cpu/semantic_block.h"
+#include "engine/cpu/tile_weights.h"
+
+namespace aligngs::cpu {
+
+/// The semantic part of a backward pass.
+struct SemanticPass {
+  SemanticStep step;
+  const uint32_t* rank = nullptr;           ///< [N] index of a visible Gaussian's row in the arrays below
+  const float* features = nullptr;          ///< [visible][padded] what is blended: pi or s
+  /// [visible][padded_depth(padded)] the same in bfloat16, s centred; not nullptr: the products use AMX tiles.
+  const uint16_t* rounded = nullptr;
+  float* gradients = nullptr;               ///< [visible][padded] out: dL/dfeatures where written
+  std::vector<uint8_t>* written = nullptr;  ///< [visible]
+  size_t visible = 0;
+  double soft = 0, hard = 0;  ///< out: means over valid pixels
+};
+
+/// Scratch of one thread.
+struct SemanticScratch {
+  SemanticBlock block;
+  AlignedArray<float> q;              ///< [entries, padded to 32][64]
+  std::vector<const float*> rows;     ///< [entries] float rows
+  std::vector<float*> row_gradients;  ///< [entries]
+  std::vector<float*> tile_rows;      ///< [gathered splats] row of this tile's sums, nullptr = none yet
+
+  std::vector<const uint16_t*> rounded;  ///< [entries] bfloat16 rows
+  std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
+  std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's product and back
+  std::vector<uint32_t> steps;           ///< 0, 1, 2, ...
+  AlignedArray<uint16_t> weights_by_pixel, weights_by_entry, row_pairs, row_plain, gradient_pairs, direction_pairs;
+  AlignedArray<float> tail;  ///< [32][padded] sums of the last, partly filled group
+};
+
+class SemanticVisit {
+ public:
+  /// All arguments outlive the visit.
+  SemanticVisit(const SemanticPass& pass, const TileWeights& tile, TileRows& rows, SemanticScratch& scratch);
+
+  /// Visits a block; scratch.block.soft and hard are its terms. Returns q of the coupling, [entries][64], valid until
+  /// the next block, or nullptr when there is none (also for a block without a teacher, whose terms are zero).
+  const float* visit_block(int block);
+  /// After the last block: the rows of the tile's sums are complete.
+  void finish();
+
+ private:
+  const float* visit_float(const BlockWeights& block);
+  const float* visit_tiles(const BlockWeights& block, int index);
+  void order_by_blocks();
+  const float* coupling_direction() const;
+  void row_gradients_of_group(size_t first, float* out, size_t stride);
+
+  const SemanticPass& pass_;
+  const TileWeights& tile_;
+  TileRows& rows_;
+  SemanticScratch& s_;
+  bool has_teacher_[kTileBlocks] = {};
+};
+
+/// Rows of the block's entries in the tile's sums, made on first use. `target_of_row` may be nullptr: the row itself.
+void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, const uint32_t* target_of_row,
+                           TileRows& rows, SemanticScratch& s);
+
+}  // namespace aligngs::cpu
