@@ -1,183 +1,168 @@
-// Time of one training step and of its stages. Arguments of a benchmark: image width, Gaussians, channels.
-//   engine_benchmark --benchmark_filter=Step
-// The room is made up but has the statistics that decide the cost: flat splats on the walls, floor, ceiling and a few
-// boxes, opacity about 0.7, sized so that a few hundred of them meet in a tile of 16 x 16 pixels.
+// Times of a training step and of each of its operations, on the benchmark's room (engine/benchmark).
+//   engine_benchmark --benchmark_filter=Step              whole steps of every scene
+//   engine_benchmark --benchmark_filter=Op/640/200000/150 the operations of one scene
+// Arguments: image width, Gaussians, channels, threads. Every operation is timed inside whole steps, where it finds
+// the caches as training leaves them; its counters are its rates and, as `of_floor`, the share of the time that the
+// machine's own ceilings, measured by this same program, would allow.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
-#include <memory>
+#include <map>
+#include <string>
+#include <functional>
+#include <thread>
+#include <tuple>
 
-#include "core/half.h"
-#include "core/random.h"
-#include "engine/engine.h"
-#include "engine/losses/map_losses.h"
+#include "core/thread_pool.h"
+#include "engine/benchmark/step_benchmark.h"
 
 namespace aligngs {
 namespace {
 
-constexpr int kViews = 4;
+using SceneKey = std::tuple<int, int, int, int>;  ///< width, Gaussians, channels, threads
 
-struct RoomScene {
-  int width = 320, height = 240, channels = 150;
-  size_t gaussians = 50000;
-};
-
-/// Half extents of the room, metres.
-constexpr double kHalf[3] = {2.0, 1.3, 2.5};
-
-Camera room_camera(const RoomScene& s, int view) {
-  Camera c;
-  c.width = s.width;
-  c.height = s.height;
-  c.fx = c.fy = 0.7 * s.width;
-  c.cx = 0.5 * s.width;
-  c.cy = 0.5 * s.height;
-  // From near a corner, across the room: about half of the Gaussians are in view.
-  const double x = view & 1 ? 1.6 : -1.6, z = view & 2 ? 2.1 : -2.1;
-  const double angle = std::atan2(x, z) + 3.14159265;  // turns the camera's z axis to the middle
-  const Mat3d to_world = rotation_matrix(normalized(Quaterniond{std::cos(angle / 2), 0, std::sin(angle / 2), 0}));
-  c.world_to_camera = Rigidd{to_world, {x, 0.1, z}}.inverse();
-  return c;
-}
-
-/// A point and an inward normal on the faces of a box with the given centre and half extents.
-void sample_face(Random& random, const Vec3d& centre, const Vec3d& half, bool inward, Vec3d& point, Vec3d& normal) {
-  const double area[3] = {half.y * half.z, half.x * half.z, half.x * half.y};
-  double pick = random.uniform() * (area[0] + area[1] + area[2]);
-  int axis = 0;
-  while (axis < 2 && pick > area[axis]) pick -= area[axis++];
-  const double side = random.chance(0.5) ? 1 : -1;
-  for (int k = 0; k < 3; ++k) point[k] = centre[k] + (k == axis ? side : random.uniform(-1, 1)) * half[k];
-  normal = {};
-  normal[axis] = inward ? -side : side;
-}
-
-GaussianModel room_model(const RoomScene& s) {
-  Random random(7);
-  GaussianModel m;
-  m.semantic_channels = s.channels;
-  m.sh_degree = 3;
-  m.resize(s.gaussians);
-  // Spacing of the points on about 60 m^2. A standard deviation of 1.2 times that lets some 50 splats reach a pixel,
-  // as measured on a real room.
-  const double spacing = std::sqrt(60.0 / static_cast<double>(s.gaussians));
-  for (size_t i = 0; i < s.gaussians; ++i) {
-    Vec3d p, n;
-    if (random.chance(0.75)) {
-      sample_face(random, {}, {kHalf[0], kHalf[1], kHalf[2]}, true, p, n);
-    } else {
-      const int box = random.below(4);
-      sample_face(random, {box % 2 ? 1.2 : -1.2, 0.8, box / 2 ? 1.5 : -1.5}, {0.5, 0.5, 0.6}, false, p, n);
-    }
-    p += n * (0.3 * spacing * random.normal());
-    const Quaterniond q = quaternion_from_z_to(normalized(n + Vec3d{0.1 * random.normal(), 0.1 * random.normal(), 0}));
-    const float rotation[4] = {float(q.w), float(q.x), float(q.y), float(q.z)};
-    for (int k = 0; k < 3; ++k) m.positions[3 * i + k] = static_cast<float>(p[k]);
-    for (int k = 0; k < 4; ++k) m.rotations[4 * i + k] = rotation[k];
-    for (int k = 0; k < 3; ++k) {
-      const double size = (k == 2 ? 0.1 : 1.2) * spacing * std::exp(0.4 * random.normal());
-      m.log_scales[3 * i + k] = static_cast<float>(std::log(size));
-    }
-    const double opacity = random.uniform(0.5, 0.9);
-    m.opacity_logits[i] = static_cast<float>(std::log(opacity / (1 - opacity)));
-    for (int k = 0; k < 3 * kShCoefficients; ++k) {
-      m.sh[3 * kShCoefficients * i + k] = static_cast<float>((k < 3 ? 0.8 : 0.05) * random.normal());
-    }
-    for (int c = 0; c < s.channels; ++c) m.semantics[i * s.channels + c] = static_cast<float>(random.normal());
+const MachineCeilings& ceilings(int threads) {
+  static std::map<int, MachineCeilings> known;
+  auto found = known.find(threads);
+  if (found == known.end()) {
+    ThreadPool pool(threads);
+    found = known.emplace(threads, measure_ceilings(pool)).first;
   }
-  return m;
+  return found->second;
 }
 
-TrainingView room_view(const RoomScene& s, int index) {
-  Random random(100 + index);
-  TrainingView v;
-  v.data.camera = room_camera(s, index);
-  v.data.color = ImageF(s.width, s.height, 3);
-  v.data.prior_depth = ImageF(s.width, s.height, 1, 2.5f);
-  v.prior_normal = ImageF(s.width, s.height, 3);
-  v.label_edge = Image<uint8_t>(s.width, s.height, 1);
-  for (float& x : v.data.color.data) x = static_cast<float>(random.uniform());
-  for (size_t i = 2; i < v.prior_normal.data.size(); i += 3) v.prior_normal.data[i] = -1;
-  if (s.channels > 0) {
-    SemanticTarget& t = v.data.semantics;
-    t.channels = s.channels;
-    t.width = s.width / 2;
-    t.height = s.height / 2;
-    t.confidence.assign(size_t(t.width) * t.height, 1.0f);
-    v.data.labels = Image<uint16_t>(s.width, s.height, 1);
-    std::vector<double> p(static_cast<size_t>(s.channels));
-    for (int i = 0; i < t.width * t.height; ++i) {
-      double sum = 0;
-      for (double& x : p) sum += x = random.uniform(0.0, 0.2);
-      const size_t top = static_cast<size_t>(random.below(s.channels));
-      sum += 30;
-      p[top] += 30;
-      for (const double x : p) t.probabilities.push_back(float_to_half(static_cast<float>(x / sum)));
-    }
-  }
-  return v;
+BenchmarkRoom room_of(const SceneKey& key) {
+  BenchmarkRoom room;
+  room.width = std::get<0>(key);
+  room.height = room.width * 3 / 4;
+  room.gaussians = static_cast<size_t>(std::get<1>(key));
+  room.channels = std::get<2>(key);
+  return room;
 }
 
-StepRequest room_request(bool geometry) {
-  StepRequest r;
-  r.sh_degree = 3;
-  r.extent = 3;
-  r.rates = {1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f};  // the scene stays as it is
-  if (geometry) {
-    r.losses.log_depth_weight = 0.5f;
-    r.losses.normal_consistency_weight = 0.05f;
-    r.losses.prior_normal_weight = 0.05f;
+/// The steps of a scene are run once and serve all its benchmarks.
+const StepTiming& timing_of(const SceneKey& key) {
+  static std::map<SceneKey, StepTiming> known;
+  auto found = known.find(key);
+  if (found == known.end()) {
+    StepBenchmarkOptions options;
+    options.room = room_of(key);
+    options.threads = std::get<3>(key);
+    found = known.emplace(key, time_steps(options)).first;
   }
-  return r;
+  return found->second;
 }
 
-void run_step(benchmark::State& state, bool geometry) {
-  RoomScene s;
-  s.width = static_cast<int>(state.range(0));
-  s.height = s.width * 3 / 4;
-  s.gaussians = static_cast<size_t>(state.range(1));
-  s.channels = static_cast<int>(state.range(2));
-  const std::unique_ptr<Engine> engine = make_cpu_engine(static_cast<int>(state.range(3)));
-  engine->load(room_model(s));
-  std::vector<TrainingView> views;
-  for (int i = 0; i < kViews; ++i) views.push_back(room_view(s, i));
-  engine->set_training_views(std::move(views));
-  StepRequest request = room_request(geometry);
-  for (; request.step <= kViews; ++request.step) {  // warm: buffers, per-view preparation
-    request.view = static_cast<int>(request.step % kViews);
-    engine->step(request);
-  }
-  std::map<std::string, double> stages;
-  double steps = 0, visible = 0;
+SceneKey key_of(const benchmark::State& state) {
+  return {static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), static_cast<int>(state.range(2)),
+          static_cast<int>(state.range(3))};
+}
+
+double total_of(const std::map<std::string, double>& stages) {
+  double total = 0;
+  for (const auto& stage : stages) total += stage.second;
+  return total;
+}
+
+void Step(benchmark::State& state) {
+  const StepTiming& timing = timing_of(key_of(state));
+  size_t i = 0;
+  for (auto _ : state) state.SetIterationTime(total_of(timing.samples[i++ % timing.samples.size()]));
+  state.counters["best_ms"] = 1e3 * timing.best_seconds;
+  state.counters["median_ms"] = 1e3 * timing.seconds;
+  state.counters["visible"] = static_cast<double>(timing.tiles.visible);
+  state.counters["pairs_per_tile"] = static_cast<double>(timing.tiles.pairs) / static_cast<double>(timing.tiles.tiles);
+  state.counters["used_per_tile"] = static_cast<double>(timing.tiles.used) / static_cast<double>(timing.tiles.tiles);
+  state.counters["splats_per_pixel"] =
+      static_cast<double>(timing.tiles.active) / static_cast<double>(timing.tiles.pixels);
+  state.counters["peak_MB"] = static_cast<double>(timing.peak_memory_bytes) / 1e6;
+}
+
+void Densify(benchmark::State& state) {
+  const StepTiming& timing = timing_of(key_of(state));
+  for (auto _ : state) state.SetIterationTime(timing.densify_seconds);
+}
+
+void Render(benchmark::State& state) {
+  const StepTiming& timing = timing_of(key_of(state));
+  for (auto _ : state) state.SetIterationTime(timing.render_seconds);
+}
+
+void Op(benchmark::State& state, const std::string& stage) {
+  const SceneKey key = key_of(state);
+  const StepTiming& timing = timing_of(key);
+  size_t i = 0;
   for (auto _ : state) {
-    request.view = static_cast<int>(request.step++ % kViews);
-    const StepReport report = engine->step(request);
-    for (const auto& [name, seconds] : report.seconds) {  // the fastest, which other programs disturb least
-      const auto [stage, first] = stages.try_emplace(name, 1e3 * seconds);
-      if (!first) stage->second = std::min(stage->second, 1e3 * seconds);
-    }
-    visible += static_cast<double>(report.visible);
-    ++steps;
+    const auto& sample = timing.samples[i++ % timing.samples.size()];
+    state.SetIterationTime(sample.count(stage) > 0 ? sample.at(stage) : 0.0);
   }
-  for (const auto& [name, ms] : stages) state.counters[name] = ms;
-  state.counters["visible"] = visible / steps;
+  const StageWork work = stage_work(stage, timing, room_of(key));
+  const MachineCeilings& machine = ceilings(std::get<3>(key));
+  const double seconds = timing.stages.at(stage);
+  const double floor = floor_seconds(machine, work.vector_flops, work.matrix_flops, work.bytes);
+  state.counters["GFLOP/s"] = 1e-9 * (work.vector_flops + work.matrix_flops) / seconds;
+  state.counters["GB/s"] = 1e-9 * work.bytes / seconds;
+  state.counters["floor_ms"] = 1e3 * floor;
+  state.counters["of_floor"] = floor / seconds;
+  state.counters["best_ms"] = 1e3 * timing.best_stages.at(stage);
 }
 
-void Step(benchmark::State& state) { run_step(state, true); }
+/// The ceilings themselves, as the first lines of the output.
+void Machine(benchmark::State& state) {
+  const MachineCeilings& machine = ceilings(static_cast<int>(state.range(0)));
+  for (auto _ : state) state.SetIterationTime(1);
+  state.SetLabel(machine.instructions);
+  state.counters["fma_GFLOP/s"] = machine.fma_gflops;
+  state.counters["amx_GFLOP/s"] = machine.amx_gflops;
+  state.counters["read_GB/s"] = machine.read_gbps;
+  state.counters["triad_GB/s"] = machine.triad_gbps;
+}
 
-BENCHMARK(Step)
-    ->ArgNames({"width", "gaussians", "channels", "threads"})
-    ->Args({320, 50000, 150, 2})
-    ->Args({320, 50000, 0, 2})
-    ->Args({640, 200000, 0, 2})
-    ->Args({640, 200000, 150, 2})
-    ->Args({320, 50000, 150, 1})
-    ->Args({320, 50000, 0, 1})
-    ->Unit(benchmark::kMillisecond)
-    ->MeasureProcessCPUTime()
-    ->UseRealTime();
+void register_scene(int width, int gaussians, int channels, int threads) {
+  const auto add = [&](const std::string& name, const std::function<void(benchmark::State&)>& run) {
+    benchmark::RegisterBenchmark(name.c_str(), run)
+        ->Args({width, gaussians, channels, threads})
+        ->UseManualTime()
+        ->Iterations(20)
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("Step", Step);
+  for (const std::string& stage : stage_names()) {
+    if (channels == 0 && stage.rfind("semantic", 0) == 0) continue;
+    add("Op/" + stage, [stage](benchmark::State& state) { Op(state, stage); });
+  }
+  add("Op/densify", Densify);
+  add("Op/render", Render);
+}
+
+void register_all() {
+  const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  for (const int threads : {1, all}) {
+    benchmark::RegisterBenchmark("Machine", Machine)
+        ->Args({threads})
+        ->UseManualTime()
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+    if (threads == all) break;
+  }
+  // The scene of the targets, on one thread and on all; then along each of its three sizes.
+  register_scene(640, 200000, 150, all);
+  if (all > 1) register_scene(640, 200000, 150, 1);
+  for (const int gaussians : {50000, 500000}) register_scene(640, gaussians, 150, all);
+  for (const int channels : {0, 16, 40}) register_scene(640, 200000, channels, all);
+  for (const int gaussians : {50000, 200000}) register_scene(320, gaussians, 150, all);
+  register_scene(320, 50000, 0, all);
+  register_scene(960, 200000, 150, all);
+  register_scene(640, 500000, 0, all);
+}
 
 }  // namespace
 }  // namespace aligngs
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  aligngs::register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

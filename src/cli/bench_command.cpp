@@ -1,0 +1,111 @@
+// `aligngs bench`: how fast this version trains on this machine, and how far that is from what the machine can do.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "core/memory_budget.h"
+#include "engine/benchmark/step_benchmark.h"
+
+namespace aligngs {
+namespace {
+
+double per(size_t a, size_t b) { return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0; }
+
+nlohmann::json stage_json(const std::string& stage, const StepTiming& timing, const BenchmarkRoom& room,
+                          const MachineCeilings& machine) {
+  const StageWork work = stage_work(stage, timing, room);
+  const double seconds = timing.stages.at(stage);
+  return {{"seconds", seconds},
+          {"best_seconds", timing.best_stages.at(stage)},
+          {"gflops", 1e-9 * (work.vector_flops + work.matrix_flops) / seconds},
+          {"gbps", 1e-9 * work.bytes / seconds},
+          {"floor_seconds", floor_seconds(machine, work.vector_flops, work.matrix_flops, work.bytes)}};
+}
+
+nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const MachineCeilings& machine) {
+  nlohmann::json stages = nlohmann::json::object();
+  for (const std::string& stage : stage_names()) {
+    if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine);
+  }
+  const cpu::TileStatistics& t = timing.tiles;
+  return {{"version", ALIGNGS_VERSION},
+          {"scene",
+           {{"width", room.width},
+            {"height", room.height},
+            {"gaussians", room.gaussians},
+            {"channels", room.channels},
+            {"visible", t.visible},
+            {"pairs_per_tile", per(t.pairs, t.tiles)},
+            {"used_per_tile", per(t.used, t.tiles)},
+            {"splats_per_pixel", per(t.active, t.pixels)}}},
+          {"machine",
+           {{"threads", timing.threads},
+            {"instructions", machine.instructions},
+            {"fma_gflops", machine.fma_gflops},
+            {"amx_gflops", machine.amx_gflops},
+            {"read_gbps", machine.read_gbps},
+            {"triad_gbps", machine.triad_gbps}}},
+          {"step", {{"seconds", timing.seconds}, {"best_seconds", timing.best_seconds}, {"stages", stages}}},
+          {"densify", {{"seconds", timing.densify_seconds}}},
+          {"render", {{"seconds", timing.render_seconds}}},
+          {"peak_memory_bytes", timing.peak_memory_bytes}};
+}
+
+void print_table(const nlohmann::json& d) {
+  const auto& scene = d["scene"];
+  const auto& machine = d["machine"];
+  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels\n",
+              scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
+              scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(),
+              scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>());
+  std::printf("machine  %d threads, %s: %.0f GFLOP/s float32", machine["threads"].get<int>(),
+              machine["instructions"].get<std::string>().c_str(), machine["fma_gflops"].get<double>());
+  if (machine["amx_gflops"].get<double>() > 0) {
+    std::printf(", %.2f TFLOP/s bfloat16 tiles", 1e-3 * machine["amx_gflops"].get<double>());
+  }
+  std::printf(", %.0f GB/s memory\n\n", std::max(machine["read_gbps"].get<double>(), machine["triad_gbps"].get<double>()));
+  std::printf("%-14s %9s %9s %9s %8s %9s %9s\n", "stage", "median ms", "best ms", "GFLOP/s", "GB/s", "floor ms", "of floor");
+  for (const std::string& stage : stage_names()) {
+    if (!d["step"]["stages"].contains(stage)) continue;
+    const auto& s = d["step"]["stages"][stage];
+    const double seconds = s["seconds"].get<double>(), floor = s["floor_seconds"].get<double>();
+    if (seconds <= 1e-6) continue;
+    std::printf("%-14s %9.2f %9.2f %9.1f %8.1f %9.2f %8.0f%%\n", stage.c_str(), 1e3 * seconds,
+                1e3 * s["best_seconds"].get<double>(), s["gflops"].get<double>(), s["gbps"].get<double>(), 1e3 * floor,
+                100 * floor / seconds);
+  }
+  std::printf("%-14s %9.2f %9.2f\n\n", "step", 1e3 * d["step"]["seconds"].get<double>(),
+              1e3 * d["step"]["best_seconds"].get<double>());
+  std::printf("%.1f steps per second; densification %.0f ms a call; rendering %.0f ms a view; peak memory %s\n",
+              1 / d["step"]["seconds"].get<double>(), 1e3 * d["densify"]["seconds"].get<double>(),
+              1e3 * d["render"]["seconds"].get<double>(),
+              format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("bench", "Time training on this machine, stage by stage");
+  command->group("Look");
+  command->footer("Example: aligngs bench --gaussians 50000 --width 320 --height 240");
+  auto options = std::make_shared<StepBenchmarkOptions>();
+  command->add_option("--width", options->room.width, "pixels")->capture_default_str();
+  command->add_option("--height", options->room.height, "pixels")->capture_default_str();
+  command->add_option("--gaussians", options->room.gaussians, "Gaussians of the made-up room")->capture_default_str();
+  command->add_option("--channels", options->room.channels, "semantic classes, 0 without")->capture_default_str();
+  command->add_option("--steps", options->steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
+  command->callback([&context, options] {
+    options->threads = context.global.threads;
+    const StepTiming timing = time_steps(*options);
+    ThreadPool pool(options->threads);
+    const nlohmann::json document = document_of(timing, options->room, measure_ceilings(pool));
+    if (context.global.json) {
+      std::printf("%s\n", document.dump(2).c_str());
+    } else {
+      print_table(document);
+    }
+  });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,110 @@
+#include "engine/benchmark/step_benchmark.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "core/error.h"
+#include "core/memory_budget.h"
+#include "engine/engine.h"
+
+namespace aligngs {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+/// One call as training makes it: the statistics of the steps so far, a tenth of the rows grows.
+double time_density_control(Engine& engine) {
+  Random random(1);
+  const auto start = std::chrono::steady_clock::now();
+  GaussianModel model;
+  engine.store(model);
+  const DensityStatistics statistics = engine.density_statistics();
+  std::vector<float> mean;
+  for (size_t i = 0; i < statistics.visible.size(); ++i) {
+    if (statistics.visible[i] > 0) mean.push_back(statistics.gradient[i] / statistics.visible[i]);
+  }
+  DensityRule rule;
+  if (!mean.empty()) {
+    const auto ninth = mean.begin() + static_cast<std::ptrdiff_t>(mean.size() * 9 / 10);
+    std::nth_element(mean.begin(), ninth, mean.end());
+    rule.gradient_threshold = *ninth;
+  }
+  engine.restructure(plan_density_control(model, statistics, rule, random));
+  engine.reset_density_statistics();
+  return seconds_since(start);
+}
+
+}  // namespace
+
+const std::vector<std::string>& stage_names() {
+  static const std::vector<std::string> names = {"project",  "bin",       "semantic_rows", "forward", "losses",
+                                                 "backward", "semantics", "reduce",        "optimise"};
+  return names;
+}
+
+StepTiming time_steps(const StepBenchmarkOptions& options) {
+  if (options.steps < 1 || options.warm_up < 0) throw_usage("a benchmark needs at least one step that counts");
+  StepTiming out;
+  const std::unique_ptr<Engine> engine = make_cpu_engine(options.threads);
+  out.threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const StepRequest base = benchmark_request();
+  Camera camera;
+  {
+    const GaussianModel model = benchmark_model(options.room);
+    engine->load(model);
+    std::vector<TrainingView> views;
+    for (int i = 0; i < kBenchmarkViews; ++i) views.push_back(benchmark_view(options.room, i));
+    camera = views[0].data.camera;
+    ThreadPool pool(options.threads);
+    out.tiles = cpu::tile_statistics(model, camera, base.raster, pool);
+    engine->set_training_views(std::move(views));
+  }
+  StepRequest request = base;
+  std::vector<double> totals;
+  double touched = 0;
+  for (int i = 0; i < options.warm_up + options.steps; ++i) {
+    request.view = i % kBenchmarkViews;
+    request.step = i + 1;
+    const auto start = std::chrono::steady_clock::now();
+    const StepReport report = engine->step(request);
+    const double seconds = seconds_since(start);
+    if (report.non_finite.found) {
+      throw Error({ErrorKind::kFailed, "a step of the benchmark gave a value that is not finite", {}, report.non_finite.term, ""});
+    }
+    if (i < options.warm_up) continue;
+    totals.push_back(seconds);
+    out.samples.push_back(report.seconds);
+    touched += static_cast<double>(report.visible);
+  }
+  out.peak_memory_bytes = peak_memory_bytes();
+  out.seconds = median(totals);
+  out.best_seconds = *std::min_element(totals.begin(), totals.end());
+  out.touched = static_cast<size_t>(touched / options.steps);
+  for (const auto& [stage, first] : out.samples.front()) {
+    std::vector<double> values;
+    for (const auto& sample : out.samples) values.push_back(sample.count(stage) > 0 ? sample.at(stage) : 0.0);
+    out.stages[stage] = median(values);
+    out.best_stages[stage] = *std::min_element(values.begin(), values.end());
+  }
+  RenderOptions render;
+  render.labels = options.room.channels > 0;
+  engine->render(camera, render);
+  const auto start = std::chrono::steady_clock::now();
+  engine->render(camera, render);
+  out.render_seconds = seconds_since(start);
+  out.densify_seconds = time_density_control(*engine);
+  return out;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,49 @@
+// Times whole training steps on the benchmark's room and breaks them down by stage.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/benchmark/benchmark_room.h"
+#include "engine/benchmark/machine_ceilings.h"
+#include "engine/cpu/tile_statistics.h"
+
+namespace aligngs {
+
+struct StepBenchmarkOptions {
+  BenchmarkRoom room;
+  int threads = 0;     ///< 0: all hardware threads
+  int warm_up = 4;     ///< steps before the first one that counts: buffers, what is prepared once per view
+  int steps = 20;      ///< steps that count
+};
+
+struct StepTiming {
+  int threads = 0;
+  double seconds = 0;       ///< median wall time of a step: every loss, optimiser included
+  double best_seconds = 0;  ///< of the fastest step, which other programs disturbed least
+  std::map<std::string, double> stages;       ///< median wall time by stage (StepReport::seconds)
+  std::map<std::string, double> best_stages;  ///< the fastest of each
+  std::vector<std::map<std::string, double>> samples;  ///< stages of every step that counts
+  double densify_seconds = 0;  ///< one call of density control (plan and restructuring), apart from the steps
+  double render_seconds = 0;   ///< colour, geometry and labels of one view
+  cpu::TileStatistics tiles;   ///< of view 0
+  size_t touched = 0;          ///< Gaussians that reached a pixel, mean over the steps
+  uint64_t peak_memory_bytes = 0;  ///< of the process, so that it means this scene only when it is the first
+};
+
+StepTiming time_steps(const StepBenchmarkOptions& options);
+
+/// What a stage has to do at least, whatever the implementation: its floor.
+struct StageWork {
+  double vector_flops = 0;  ///< float32 operations on active (Gaussian, pixel) pairs, rows or pixels
+  double matrix_flops = 0;  ///< operations of the semantic tile products
+  double bytes = 0;         ///< memory traffic with perfect caches
+};
+StageWork stage_work(const std::string& stage, const StepTiming& timing, const BenchmarkRoom& room);
+
+/// The stages in the order in which a step runs them.
+const std::vector<std::string>& stage_names();
+
+}  // namespace aligngs

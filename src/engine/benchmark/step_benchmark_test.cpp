@@ -1,0 +1,85 @@
+#include "engine/benchmark/step_benchmark.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+TEST(BenchmarkRoomTest, HasTheTileStatisticsOfARealRoom) {
+  BenchmarkRoom room;
+  room.width = 320;
+  room.height = 240;
+  room.gaussians = 50000;
+  room.channels = 0;
+  ThreadPool pool(2);
+  const cpu::TileStatistics t = cpu::tile_statistics(benchmark_model(room), benchmark_view(room, 0).data.camera,
+                                                     benchmark_request().raster, pool);
+  const double tiles = static_cast<double>(t.tiles), pixels = static_cast<double>(t.pixels);
+  // Kitchen: 61 % in view, 415 pairs per tile of which 259 are used, 54 splats per pixel.
+  EXPECT_NEAR(static_cast<double>(t.visible) / 50000, 0.61, 0.08);
+  EXPECT_NEAR(static_cast<double>(t.pairs) / tiles, 415, 80);
+  EXPECT_NEAR(static_cast<double>(t.used) / tiles, 259, 50);
+  EXPECT_NEAR(static_cast<double>(t.active) / pixels, 54, 10);
+  EXPECT_LE(t.used, t.pairs);
+  EXPECT_LE(static_cast<double>(t.active), 64.0 * static_cast<double>(t.entries));
+}
+
+TEST(BenchmarkRoomTest, EveryPixelHasADepthAndALabel) {
+  BenchmarkRoom room;
+  room.width = 64;
+  room.height = 48;
+  room.gaussians = 10;
+  room.channels = 7;
+  for (int v = 0; v < kBenchmarkViews; ++v) {
+    const TrainingView view = benchmark_view(room, v);
+    for (const float z : view.data.prior_depth.data) EXPECT_TRUE(z > 0 && z < 20);
+    for (const uint16_t label : view.data.labels.data) EXPECT_LT(label, 7);
+    EXPECT_EQ(view.data.semantics.channels, 7);
+  }
+}
+
+TEST(BenchmarkRoomTest, SizesOutOfRangeAreUsageErrors) {
+  BenchmarkRoom room;
+  room.width = 0;
+  EXPECT_THROW(benchmark_model(room), Error);
+  room = {};
+  room.gaussians = 0;
+  EXPECT_THROW(benchmark_view(room, 0), Error);
+}
+
+TEST(StepBenchmarkTest, EveryStageIsTimedAndHasAFloor) {
+  StepBenchmarkOptions options;
+  options.room = {64, 48, 2000, 7};
+  options.threads = 2;
+  options.steps = 3;
+  const StepTiming timing = time_steps(options);
+  EXPECT_GT(timing.seconds, 0);
+  EXPECT_LE(timing.best_seconds, timing.seconds);
+  EXPECT_GT(timing.touched, 0u);
+  for (const std::string& stage : stage_names()) {
+    ASSERT_EQ(timing.stages.count(stage), 1u) << stage;
+    const StageWork work = stage_work(stage, timing, options.room);
+    EXPECT_GT(work.vector_flops + work.matrix_flops + work.bytes, 0) << stage;
+  }
+  EXPECT_EQ(timing.stages.size(), stage_names().size());
+  EXPECT_EQ(timing.samples.size(), 3u);
+}
+
+TEST(StepBenchmarkTest, TheFloorIsTheSlowerOfComputingAndMoving) {
+  MachineCeilings machine;
+  machine.fma_gflops = 100;
+  machine.amx_gflops = 1000;
+  machine.read_gbps = 10;
+  machine.triad_gbps = 12;
+  EXPECT_NEAR(floor_seconds(machine, 1e9, 1e9, 0), 0.011, 1e-12);
+  EXPECT_NEAR(floor_seconds(machine, 0, 0, 12e9), 1.0, 1e-12);
+  machine.amx_gflops = 0;  // products then run as multiply-adds
+  EXPECT_NEAR(floor_seconds(machine, 1e9, 1e9, 0), 0.02, 1e-12);
+}
+
+}  // namespace
+}  // namespace aligngs
