@@ -115,7 +115,7 @@ bool CpuEngine::semantics_active(const StepRequest& request) {
   if (view.data.semantics.channels != model_.semantic_channels) return false;
   if (request.losses.semantic_soft_weight == 0 && request.losses.semantic_hard_weight == 0) return false;
   SemanticView& cache = semantic_views_[static_cast<size_t>(request.view)];
-  if (!cache.ready) prepare_semantic_view(view, *pool_, cache);
+  if (!cache.ready) prepare_semantic_view(view, counts_.classes(), *pool_, cache);
   return cache.valid > 0;
 }
 
@@ -181,8 +181,9 @@ StepReport CpuEngine::step(const StepRequest& request) {
     const size_t padded = padded_channels(model_.semantic_channels);
     feature_gradients_.resize(frame_.lists.visible.size() * padded);
     pass.step = {&view,           &semantic_views_[static_cast<size_t>(request.view)],
-                 &request.losses, model_.semantic_channels,
-                 padded,          strength != 0};
+                 &request.losses, &counts_,
+                 model_.semantic_channels, padded,
+                 strength != 0};
     pass.rank = frame_.lists.rank.data();
     pass.features = frame_.features.data();
     pass.rounded = rounded ? frame_.rounded.data() : nullptr;

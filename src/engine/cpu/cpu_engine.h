@@ -80,6 +80,7 @@ class CpuEngine final : public Engine {
   std::vector<TrainingView> views_;
   std::vector<SemanticView> semantic_views_;
 
+  ClassCounts counts_;  ///< of the model's channels
   SemanticProducts products_ = SemanticProducts::kAutomatic;
 
   // Scratch, kept between calls.

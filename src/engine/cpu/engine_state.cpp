@@ -69,6 +69,7 @@ void CpuEngine::load(const GaussianModel& model) {
   check_shape(model);
   if (model.size() > 0xffffffffull) throw_resources({}, "more than 2^32 Gaussians", "lower the cap on Gaussians");
   model_ = model;
+  counts_ = make_class_counts(model_.semantic_channels, 0);
   moments_.reset(model_);
   balance_ = {};
   reset_density_statistics();
@@ -117,6 +118,7 @@ void CpuEngine::load_state(const EngineState& state) {
     if (moments.m.sh[i] != 0 || moments.v.sh[i] != 0) moments.sh_used = std::max(moments.sh_used, i % kShRow + 1);
   }
   model_ = state.model;
+  counts_ = make_class_counts(model_.semantic_channels, 0);
   moments_ = std::move(moments);
   statistics_ = std::move(statistics);
   double running[2];

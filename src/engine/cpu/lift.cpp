@@ -58,14 +58,14 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
   const uint64_t numbers = 3 + 3 + 4 + 1 + 3 * kShCoefficients, padded = padded_channels(channels);
   uint64_t per_gaussian = 3 * (numbers + static_cast<uint64_t>(channels)) * kFloat;  // parameters and two moments
   per_gaussian *= 2;                                                                 // and their copy in a checkpoint
-  per_gaussian += numbers * kFloat + 2 * padded * kFloat;                            // gradients, blended rows
+  // Gradients; blended rows, their gradients, and as much again for the rounded rows and sums between tiles.
+  per_gaussian += numbers * kFloat + 3 * padded * kFloat + static_cast<uint64_t>(pool_->size()) * sizeof(uint32_t);
   per_gaussian += 7 * kFloat;                                                        // density statistics
   per_gaussian += sizeof(Splat) + sizeof(TileRect) + kFloat + 8 + 6 * kFloat;        // projection and its order
   per_gaussian += kInstances * (sizeof(SplatGradient) + 1 + sizeof(uint32_t));
   const uint64_t threads = static_cast<uint64_t>(pool_->size());
-  // Per thread: weights of four blocks of up to a thousand Gaussians, the semantic rows of its batch.
-  const uint64_t per_thread = 4 * 1024 * (4 * kBlockPixels * kFloat) + RowBatches::kEntriesPerThread * padded * kFloat +
-                              4 * kBlockPixels * padded * kFloat;
+  // Per thread: weights of four blocks of up to a thousand Gaussians, once more rounded, and the maps of a block.
+  const uint64_t per_thread = 6 * 1024 * (4 * kBlockPixels * kFloat) + 8 * kBlockPixels * padded * kFloat;
   uint64_t views = 0;
   for (const TrainingView& view : views_) {
     const ViewData& d = view.data;

@@ -1,73 +1,143 @@
 #include "engine/cpu/row_batches.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "engine/cpu/semantic_rows.h"
 
 namespace aligngs::cpu {
+namespace {
 
-float* TileRows::add(uint32_t target) {
-  targets_[count_] = target;
-  float* row = rows_ + count_ * padded_;
-  std::memset(row, 0, padded_ * sizeof(float));
-  ++count_;
+/// Groups beyond this many list entries wait for the next batch, so that memory stays bounded however many Gaussians
+/// reach over the whole image: at most this many rows, and usually a tenth of it, are kept at a time.
+constexpr uint64_t kEntriesPerBatch = uint64_t(1) << 20;
+constexpr int kGroupSizeMax = 4;   ///< tiles: the sums of 16 tiles, some 2000 rows of 640 bytes, fit a cache of 2 MB
+constexpr int kGroupsWanted = 64;
+
+struct Grid {
+  int size, columns, rows;
+  Grid(int tiles_x, int tiles_y, int group)
+      : size(group), columns((tiles_x + group - 1) / group), rows((tiles_y + group - 1) / group) {}
+  size_t count() const { return size_t(columns) * rows; }
+  TileRect rect(size_t group, const ProjectedView& view) const {
+    const int x = static_cast<int>(group % columns) * size, y = static_cast<int>(group / columns) * size;
+    return {static_cast<uint16_t>(x), static_cast<uint16_t>(y), static_cast<uint16_t>(std::min(x + size, view.tiles_x)),
+            static_cast<uint16_t>(std::min(y + size, view.tiles_y))};
+  }
+};
+
+}  // namespace
+
+TileRows::TileRows(const ProjectedView& view, const TileRect& group, const RowSums& sums, SharedRows& shared,
+                   uint32_t* index, size_t entries)
+    : view_(view), group_(group), sums_(sums), shared_(shared), index_(index) {
+  const size_t most = shared.targets.size() + entries;  // room for all, so that pointers stay valid
+  if (most * sums.padded > shared.rows.size()) shared.rows.resize(most * sums.padded);
+}
+
+float* TileRows::sums_of(uint32_t gaussian, bool& fresh) {
+  const uint32_t target = sums_.target_of_row != nullptr ? sums_.target_of_row[gaussian] : gaussian;
+  const TileRect& r = view_.rects[gaussian];
+  if (r.x0 >= group_.x0 && r.y0 >= group_.y0 && r.x1 <= group_.x1 && r.y1 <= group_.y1) {
+    uint8_t& written = (*sums_.written)[target];
+    fresh = written == 0;
+    written = 1;
+    return sums_.destination + size_t(target) * sums_.padded;
+  }
+  uint32_t& at = index_[target];  // any value: right only if that row says so
+  fresh = at >= shared_.targets.size() || shared_.targets[at] != target;
+  if (fresh) {
+    at = static_cast<uint32_t>(shared_.targets.size());
+    shared_.targets.push_back(target);
+  }
+  return shared_.rows.data() + size_t(at) * sums_.padded;
+}
+
+float* TileRows::zeroed_sums_of(uint32_t gaussian) {
+  bool fresh;
+  float* row = sums_of(gaussian, fresh);
+  if (fresh) std::memset(row, 0, sums_.padded * sizeof(float));
   return row;
 }
 
-float* TileRows::add_block(size_t count, uint32_t*& targets) {
-  targets = targets_ + count_;
-  float* rows = rows_ + count_ * padded_;
-  count_ += count;
-  return rows;
+int RowBatches::group_size(int tiles_x, int tiles_y) {
+  int size = kGroupSizeMax;
+  while (size > 1 && Grid(tiles_x, tiles_y, size).count() < kGroupsWanted) size /= 2;
+  return size;
 }
 
-void RowBatches::run(const TileLists& lists, size_t padded, size_t targets, ThreadPool& pool, const Visit& visit,
-                     float* destination, std::vector<uint8_t>& written) {
-  const size_t tiles = lists.tile_begin.size() - 1;
-  const size_t limit = kEntriesPerThread * static_cast<size_t>(pool.size());
-  const size_t partitions = 4 * static_cast<size_t>(pool.size());
-  for (size_t first = 0; first < tiles;) {
-    size_t last = first, entries = 0;
-    begin_.clear();
-    while (last < tiles) {
-      const size_t here = static_cast<size_t>(lists.tile_begin[last + 1] - lists.tile_begin[last]);
-      if (last > first && entries + here > limit) break;
-      begin_.push_back(entries);
-      entries += here;
-      ++last;
+uint64_t RowBatches::bytes() const {
+  uint64_t bytes = 0;
+  for (const SharedRows& s : shared_) bytes += s.rows.capacity_bytes() + s.targets.capacity() * sizeof(uint32_t);
+  for (const auto& index : index_) bytes += index.capacity() * sizeof(uint32_t);
+  return bytes;
+}
+
+void RowBatches::run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+                     const Visit& visit) {
+  const Grid grid(view.tiles_x, view.tiles_y, group_size(view.tiles_x, view.tiles_y));
+  const auto entries_of = [&](size_t tile) {
+    return static_cast<size_t>(lists.tile_begin[tile + 1] - lists.tile_begin[tile]);
+  };
+  const auto group_entries = [&](size_t group) {
+    const TileRect r = grid.rect(group, view);
+    uint64_t n = 0;
+    for (size_t y = r.y0; y < r.y1; ++y) {
+      n += lists.tile_begin[y * view.tiles_x + r.x1] - lists.tile_begin[y * view.tiles_x + r.x0];
     }
-    arena_.resize(std::max(arena_.size(), entries * padded));
-    arena_targets_.resize(std::max(arena_targets_.size(), entries));
-    count_.assign(last - first, 0);
+    return n;
+  };
+  index_.resize(static_cast<size_t>(pool.size()));
+  for (std::vector<uint32_t>& index : index_) index.resize(std::max(index.size(), sums.targets));
+  for (size_t first = 0; first < grid.count();) {
+    size_t last = first;
+    for (uint64_t entries = 0; last < grid.count(); ++last) {
+      entries += group_entries(last);
+      if (last > first && entries > kEntriesPerBatch) break;
+    }
+    if (shared_.size() < last - first) shared_.resize(last - first);
     pool.parallel_for(last - first, 1, [&](size_t begin, size_t end, int worker) {
-      for (size_t t = begin; t < end; ++t) {
-        TileRows rows(arena_.data() + begin_[t] * padded, arena_targets_.data() + begin_[t], padded);
-        visit(first + t, worker, rows);
-        count_[t] = rows.count();
-      }
-    });
-    pool.parallel_for(partitions, 1, [&](size_t begin, size_t end, int) {
-      for (size_t partition = begin; partition < end; ++partition) {
-        const uint64_t low = partition * uint64_t(targets) / partitions;
-        const uint64_t high = (partition + 1) * uint64_t(targets) / partitions;
-        for (size_t t = 0; t < last - first; ++t) {
-          const uint32_t* target = arena_targets_.data() + begin_[t];
-          for (size_t r = 0; r < count_[t]; ++r) {
-            if (target[r] < low || target[r] >= high) continue;
-            const float* row = arena_.data() + (begin_[t] + r) * padded;
-            float* to = destination + size_t(target[r]) * padded;
-            if (written[target[r]] != 0) {
-              add_row(row, padded, to);
-            } else {
-              std::memcpy(to, row, padded * sizeof(float));
-              written[target[r]] = 1;
-            }
+      for (size_t g = begin; g < end; ++g) {
+        SharedRows& shared = shared_[g];
+        shared.targets.clear();
+        const TileRect group = grid.rect(first + g, view);
+        for (size_t y = group.y0; y < group.y1; ++y) {
+          for (size_t tile = y * view.tiles_x + group.x0; tile < y * view.tiles_x + group.x1; ++tile) {
+            TileRows rows(view, group, sums, shared, index_[static_cast<size_t>(worker)].data(), entries_of(tile));
+            visit(tile, worker, rows);
           }
         }
       }
     });
+    add_shared(sums, last - first, pool);
     first = last;
   }
+}
+
+void RowBatches::add_shared(const RowSums& sums, size_t groups, ThreadPool& pool) {
+  const size_t partitions = 4 * static_cast<size_t>(pool.size()), padded = sums.padded;
+  std::vector<uint8_t>& written = *sums.written;
+  pool.parallel_for(partitions, 1, [&](size_t begin, size_t end, int) {
+    for (size_t partition = begin; partition < end; ++partition) {
+      const uint64_t low = partition * uint64_t(sums.targets) / partitions;
+      const uint64_t high = (partition + 1) * uint64_t(sums.targets) / partitions;
+      for (size_t g = 0; g < groups; ++g) {
+        const std::vector<uint32_t>& targets = shared_[g].targets;
+        for (size_t r = 0; r < targets.size(); ++r) {
+          const uint32_t target = targets[r];
+          if (target < low || target >= high) continue;
+          const float* row = shared_[g].rows.data() + r * padded;
+          float* to = sums.destination + size_t(target) * padded;
+          if (written[target] != 0) {
+            add_row(row, padded, to);
+          } else {
+            std::memcpy(to, row, padded * sizeof(float));
+            written[target] = 1;
+          }
+        }
+      }
+    }
+  });
 }
 
 }  // namespace aligngs::cpu

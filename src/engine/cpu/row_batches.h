@@ -1,4 +1,4 @@
-// Adds rows of C numbers that tiles produce for Gaussians, in tile order, on any number of threads.
+// Adds rows of C numbers that tiles produce for Gaussians, in one order on any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -11,43 +11,64 @@
 
 namespace aligngs::cpu {
 
-/// The rows of one tile, in an arena shared by a batch of tiles.
-class TileRows {
- public:
-  TileRows(float* rows, uint32_t* targets, size_t padded) : rows_(rows), targets_(targets), padded_(padded) {}
-  /// A new row of zeros whose sum belongs to `target`.
-  float* add(uint32_t target);
-  /// `count` new rows, one behind the other, of any value; their targets are to be filled in.
-  float* add_block(size_t count, uint32_t*& targets);
-  size_t count() const { return count_; }
-
- private:
-  float* rows_;
-  uint32_t* targets_;
-  size_t padded_, count_ = 0;
+/// Rows are added to destination + target * padded, where target is the Gaussian's row or target_of_row of it.
+struct RowSums {
+  size_t padded = 0;
+  const uint32_t* target_of_row = nullptr;  ///< nullptr: the row itself
+  size_t targets = 0;
+  float* destination = nullptr;             ///< valid where written; other rows are left as they are
+  std::vector<uint8_t>* written = nullptr;  ///< [targets]
 };
 
-/// Tiles fill rows in parallel, batch by batch; after each batch the rows are added to their targets, each target by
-/// one thread in tile order. So a target's sum has one order whatever the threads and the batches are.
-class RowBatches {
+/// Sums of Gaussians that reach beyond their group of tiles.
+struct SharedRows {
+  AlignedArray<float> rows;       ///< [count][padded]
+  std::vector<uint32_t> targets;  ///< [count]
+};
+
+/// What a tile adds to. Valid for one tile.
+class TileRows {
  public:
-  /// Entries of the tiles of one batch, per thread: at 160 channels 5 MB, of which a thread's cache holds a good part,
-  /// and some 30 tiles, enough to keep the threads evenly busy.
-  static constexpr size_t kEntriesPerThread = 8192;
+  /// Tiles [x0, x1) x [y0, y1) are one group. `index` is the thread's scratch, [targets] of any value.
+  TileRows(const ProjectedView& view, const TileRect& group, const RowSums& sums, SharedRows& shared, uint32_t* index,
+           size_t entries);
 
-  using Visit = std::function<void(size_t tile, int worker, TileRows& rows)>;
-
-  /// Calls visit for every tile. It may add at most as many rows as the tile has entries in `lists`.
-  /// destination[target] receives the sum where written[target] becomes 1; other rows are left as they are.
-  void run(const TileLists& lists, size_t padded, size_t targets, ThreadPool& pool, const Visit& visit,
-           float* destination, std::vector<uint8_t>& written);
-
-  uint64_t bytes() const { return arena_.capacity_bytes() + arena_targets_.capacity_bytes(); }
+  /// The sums of a Gaussian within this group. A fresh row holds anything and is to be set, not added to. The pointer
+  /// stays valid while the tile is visited.
+  float* sums_of(uint32_t gaussian, bool& fresh);
+  /// The same, zeros when fresh.
+  float* zeroed_sums_of(uint32_t gaussian);
 
  private:
-  AlignedArray<float> arena_;
-  AlignedArray<uint32_t> arena_targets_;
-  std::vector<size_t> begin_, count_;
+  const ProjectedView& view_;
+  const TileRect& group_;
+  const RowSums& sums_;
+  SharedRows& shared_;
+  uint32_t* index_;
+};
+
+/// Groups of neighbouring tiles are visited in parallel, the tiles of one in order by one thread. A Gaussian that lies
+/// within a group has its sums at the destination at once, and they stay in the cache from tile to tile; the partial
+/// sums of those that reach further are added after all groups, in the groups' order. So a target's sum has one order
+/// whatever the threads are, and most rows are written once.
+class RowBatches {
+ public:
+  using Visit = std::function<void(size_t tile, int worker, TileRows& rows)>;
+
+  /// Calls visit for every tile. It may ask for the rows of Gaussians of that tile's list only.
+  void run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+           const Visit& visit);
+
+  uint64_t bytes() const;
+
+  /// Edge of a group in tiles: 4, less for small images so that the groups keep some sixteen threads busy.
+  static int group_size(int tiles_x, int tiles_y);
+
+ private:
+  void add_shared(const RowSums& sums, size_t groups, ThreadPool& pool);
+
+  std::vector<SharedRows> shared_;            ///< [groups of a batch]
+  std::vector<std::vector<uint32_t>> index_;  ///< [thread][targets]
 };
 
 }  // namespace aligngs::cpu

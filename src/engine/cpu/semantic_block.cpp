@@ -81,69 +81,121 @@ float NegativeEntropy(const float* teacher, size_t padded) {
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }
 
+/// Natural logarithm within 4e-7 for normal positive x: enough for values of a loss. Chebyshev series of degree 6 of
+/// log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
+HWY_INLINE FloatVec loss_log(FloatVec x) {
+  const FloatTag d;
+  const hn::RebindToSigned<FloatTag> di;
+  const auto bits = hn::BitCast(di, x);
+  const auto e = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3f3504f3)));
+  const FloatVec z = hn::Sub(hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(e))), hn::Set(d, 1.0f));
+  FloatVec p = hn::MulAdd(hn::Set(d, 0.119310543f), z, hn::Set(d, -0.186807513f));
+  p = hn::MulAdd(p, z, hn::Set(d, 0.204917595f));
+  p = hn::MulAdd(p, z, hn::Set(d, -0.249082893f));
+  p = hn::MulAdd(p, z, hn::Set(d, 0.333146751f));
+  p = hn::MulAdd(p, z, hn::Set(d, -0.500011444f));
+  p = hn::MulAdd(p, z, hn::Set(d, 1.00000095f));
+  return hn::MulAdd(p, z, hn::Mul(hn::ConvertTo(d, e), hn::Set(d, 0.693147181f)));
+}
+
+/// 1 / x for normal x, within 2 ulp where the processor's estimate has 12 bits or more.
+HWY_INLINE FloatVec reciprocal(FloatVec x) {
+  const FloatTag d;
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+  const FloatVec r = hn::ApproximateReciprocal(x);
+  return hn::Mul(r, hn::NegMulAdd(x, r, hn::Set(d, 2.0f)));
+#else
+  return hn::Div(hn::Set(d, 1.0f), x);
+#endif
+}
+
 /// What one pixel adds to the block's terms.
 struct PixelTerms {
   float soft, hard;
+  float gradient_sum = 0;  ///< sum over all classes of g, kPlain coupling of probabilities only
 };
-/// One valid pixel; pointers are to padded rows.
+/// One valid pixel; pointers are to padded rows. The teacher is near + share (far - near).
 struct PixelData {
   float* HWY_RESTRICT blended;
   float* HWY_RESTRICT direction;  ///< nullptr without the bounded coupling
-  const float* HWY_RESTRICT teacher;
+  const float* near_column;
+  const float* far_column;
+  float share = 0;
   float* HWY_RESTRICT student;
+  float* HWY_RESTRICT teacher;
   int top = 0;
   float negative_entropy = 0, alpha = 0, omega = 0;
+
+  HWY_INLINE FloatVec teacher_at(size_t c) const {
+    const FloatTag d;
+    const FloatVec a = hn::Load(d, near_column + c);
+    return hn::MulAdd(hn::Set(d, share), hn::Sub(hn::Load(d, far_column + c), a), a);
+  }
 };
 
 /// semantic_loss_probabilities and bounded_coupling_probabilities in one pass.
 template <bool kBounded>
 PixelTerms probabilities_pixel(const PixelData& px, const SemanticStep& step, const SemanticWeights<float>& weights) {
   const FloatTag d;
-  const float floor = semantic_floor<float>(step.channels), remainder = (1.0f - px.alpha) / step.channels;
+  const ClassCounts& classes = *step.counts;
+  const float* HWY_RESTRICT count = classes.count.data();
+  const float* HWY_RESTRICT inverse_count = classes.inverse.data();
+  const float* HWY_RESTRICT floors = classes.floor.data();
+  const float remainder = (1.0f - px.alpha) / static_cast<float>(classes.all_classes());
   const bool covered = px.alpha >= static_cast<float>(kCouplingAlphaMin);
   const float inverse_alpha = covered ? 1.0f / px.alpha : 0.0f, omega = covered ? px.omega * inverse_alpha : 0.0f;
-  const FloatVec lowest = hn::Set(d, floor), rest = hn::Set(d, remainder), soft_weight = hn::Set(d, -weights.soft);
-  FloatVec cross = hn::Zero(d);
-  const float top_q = px.blended[px.top] + remainder;
+  const FloatVec rest = hn::Set(d, remainder), soft_weight = hn::Set(d, -weights.soft);
+  FloatVec cross = hn::Zero(d), sum = hn::Zero(d);
+  const float top_q = px.blended[px.top] + remainder, top_floor = floors[px.top];
   for (size_t c = 0; c < step.padded; c += kLanes) {
-    const FloatVec b = hn::Load(d, px.blended + c), t = hn::Load(d, px.teacher + c);
-    const FloatVec q = hn::Add(b, rest);
+    const FloatVec b = hn::Load(d, px.blended + c), t = px.teacher_at(c), n = hn::Load(d, count + c);
+    const FloatVec lowest = hn::Load(d, floors + c);
+    const FloatVec q = hn::MulAdd(rest, n, b);
     const FloatVec bounded = hn::Max(q, lowest);
-    cross = hn::MulAdd(t, fast_log(d, bounded), cross);
-    const FloatVec g = hn::Div(hn::Mul(soft_weight, t), bounded);
-    hn::Store(hn::IfThenElseZero(hn::Gt(q, lowest), g), d, px.blended + c);
+    cross = hn::MulAdd(t, loss_log(bounded), cross);
+    const FloatVec g =
+        hn::IfThenElseZero(hn::Gt(q, lowest), hn::Mul(hn::Mul(soft_weight, t), reciprocal(bounded)));
+    hn::Store(g, d, px.blended + c);
     if constexpr (kBounded) {
+      // The difference of the remainder is spread over its classes: their squares add up to its square / n.
       const FloatVec e = hn::MulSub(b, hn::Set(d, inverse_alpha), t);
-      hn::Store(hn::Mul(hn::Set(d, omega), e), d, px.direction + c);
+      hn::Store(hn::Mul(hn::Mul(hn::Set(d, omega), e), hn::Load(d, inverse_count + c)), d, px.direction + c);
+    } else {
+      sum = hn::MulAdd(g, n, sum);
     }
   }
-  const bool above = top_q > floor;
-  if (above) px.blended[px.top] -= weights.hard / top_q;
-  return {px.negative_entropy - hn::GetLane(hn::SumOfLanes(d, cross)), -std::log(above ? top_q : floor)};
+  const bool above = top_q > top_floor;
+  const float hard_gradient = above ? weights.hard / top_q : 0.0f;
+  px.blended[px.top] -= hard_gradient;
+  return {px.negative_entropy - hn::GetLane(hn::SumOfLanes(d, cross)), -std::log(above ? top_q : top_floor),
+          hn::GetLane(hn::SumOfLanes(d, sum)) - hard_gradient};
 }
 
 /// semantic_loss_logits and bounded_coupling_logits.
 template <bool kBounded>
 PixelTerms logits_pixel(const PixelData& px, const SemanticStep& step, const SemanticWeights<float>& weights) {
   const FloatTag d;
+  const float* HWY_RESTRICT count = step.counts->count.data();
+  const float* HWY_RESTRICT inverse_count = step.counts->inverse.data();
+  const float* HWY_RESTRICT log_count = step.counts->log_count.data();
   const FloatVec lowest = hn::Set(d, -3.0e38f), zero = hn::Zero(d);
-  const size_t channels = static_cast<size_t>(step.channels);
-  const auto real = [&](size_t c) HWY_ATTR { return hn::FirstN(d, channels > c ? channels - c : 0); };
   FloatVec top = lowest;
   for (size_t c = 0; c < step.padded; c += kLanes) {
-    top = hn::Max(top, hn::IfThenElse(real(c), hn::Load(d, px.blended + c), lowest));
+    const auto real = hn::Gt(hn::Load(d, count + c), zero);
+    top = hn::Max(top, hn::IfThenElse(real, hn::Load(d, px.blended + c), lowest));
   }
   const FloatVec highest = hn::MaxOfLanes(d, top);
   FloatVec sum = zero, mass = zero, cross = zero;
   const float logit_top = px.blended[px.top];
   for (size_t c = 0; c < step.padded; c += kLanes) {
-    const FloatVec t = hn::Load(d, px.teacher + c);
+    const FloatVec t = px.teacher_at(c);
     const FloatVec shifted = hn::Sub(hn::Load(d, px.blended + c), highest);
-    const FloatVec e = hn::IfThenElseZero(real(c), fast_exp(d, shifted));
+    const FloatVec e = hn::Mul(hn::Load(d, count + c), fast_exp(d, shifted));
     hn::Store(e, d, px.student + c);
+    hn::Store(t, d, px.teacher + c);
     sum = hn::Add(sum, e);
     mass = hn::Add(mass, t);
-    cross = hn::MulAdd(t, shifted, cross);
+    cross = hn::MulAdd(t, hn::Add(shifted, hn::Load(d, log_count + c)), cross);
   }
   const float total = hn::GetLane(hn::SumOfLanes(d, sum)), mass_sum = hn::GetLane(hn::SumOfLanes(d, mass));
   const float log_sum = std::log(total);
@@ -155,7 +207,7 @@ PixelTerms logits_pixel(const PixelData& px, const SemanticStep& step, const Sem
     hn::Store(hn::NegMulAdd(hn::Set(d, weights.soft), t, hn::Mul(student_weight, q)), d, px.blended + c);
     if constexpr (kBounded) {
       hn::Store(q, d, px.student + c);
-      along = hn::MulAdd(q, hn::Sub(q, t), along);
+      along = hn::MulAdd(q, hn::Mul(hn::Sub(q, t), hn::Load(d, inverse_count + c)), along);
     }
   }
   px.blended[px.top] -= weights.hard;
@@ -164,11 +216,62 @@ PixelTerms logits_pixel(const PixelData& px, const SemanticStep& step, const Sem
     const FloatVec omega = hn::Set(d, px.alpha >= static_cast<float>(kCouplingAlphaMin) ? px.omega : 0.0f);
     for (size_t c = 0; c < step.padded; c += kLanes) {
       const FloatVec t = hn::Load(d, px.teacher + c), q = hn::Load(d, px.student + c);
-      hn::Store(hn::Mul(hn::Mul(omega, q), hn::Sub(hn::Sub(q, t), mean)), d, px.direction + c);
+      const FloatVec e = hn::Mul(hn::Sub(q, t), hn::Load(d, inverse_count + c));
+      hn::Store(hn::Mul(hn::Mul(omega, q), hn::Sub(e, mean)), d, px.direction + c);
     }
   }
-  const float cross_sum = hn::GetLane(hn::SumOfLanes(d, cross));
-  return {px.negative_entropy - cross_sum + mass_sum * log_sum, hn::GetLane(highest) + log_sum - logit_top};
+  const float cross_sum = hn::GetLane(hn::SumOfLanes(d, cross)), top_value = hn::GetLane(highest);
+  return {px.negative_entropy - cross_sum + mass_sum * log_sum,
+          top_value + log_sum - logit_top};
+}
+
+/// The part of the teacher's map under a block, when it is known there throughout: then bilinear sampling is separable.
+struct TeacherWindow {
+  bool separable = false;
+  int first_column = 0, columns = 0;
+  int row0[kBlockSize], row1[kBlockSize], column0[kBlockSize], column1[kBlockSize];  ///< of the map, per pixel
+  float row_share[kBlockSize], column_share[kBlockSize];  ///< weight of row1, column1
+};
+
+/// Where pixel i of a line of `size` falls in a line of `source` pixels; the rule of teacher_taps.
+HWY_INLINE void source_pair(int i, int size, int source, int& low, int& high, float& share) {
+  const double at = (i + 0.5) * source / size - 0.5, floor_at = std::floor(at);
+  share = static_cast<float>(at - floor_at);
+  low = static_cast<int>(floor_at);
+  high = HWY_MIN(low + 1, source - 1);
+  low = HWY_MIN(HWY_MAX(low, 0), source - 1);
+  if (high < 0) high = 0;
+}
+
+TeacherWindow teacher_window(const SemanticTarget& target, int x, int y, int width, int height) {
+  TeacherWindow w;
+  for (int i = 0; i < kBlockSize; ++i) {  // pixels beyond the image repeat the last one
+    source_pair(HWY_MIN(x + i, width - 1), width, target.width, w.column0[i], w.column1[i], w.column_share[i]);
+    source_pair(HWY_MIN(y + i, height - 1), height, target.height, w.row0[i], w.row1[i], w.row_share[i]);
+  }
+  w.first_column = w.column0[0];
+  w.columns = w.column1[kBlockSize - 1] + 1 - w.first_column;
+  // A teacher much finer than the image leaves gaps between the pixels' columns: those are not worth blending.
+  w.separable = w.columns <= 2 * kBlockSize;
+  if (!w.separable || target.confidence.empty()) return w;
+  for (int r = w.row0[0]; r <= w.row1[kBlockSize - 1] && w.separable; ++r) {
+    const float* confidence = &target.confidence[size_t(r) * target.width + w.first_column];
+    for (int c = 0; c < w.columns; ++c) w.separable &= confidence[c] > 0;
+  }
+  return w;
+}
+
+/// Blends the window's rows for pixel row j into columns[column][padded].
+void blend_teacher_rows(const SemanticTarget& target, const TeacherWindow& w, int j, size_t padded,
+                        float* HWY_RESTRICT columns) {
+  const size_t channels = static_cast<size_t>(target.channels);
+  for (int c = 0; c < w.columns; ++c, columns += padded) {
+    const auto row = [&](int r) {
+      return &target.probabilities[(size_t(r) * target.width + w.first_column + c) * channels];
+    };
+    add_tap<true>(row(w.row0[j]), 1 - w.row_share[j], channels, columns);
+    if (w.row_share[j] != 0) add_tap<false>(row(w.row1[j]), w.row_share[j], channels, columns);
+  }
 }
 
 void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, SemanticBlock& scratch) {
@@ -180,15 +283,20 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
   const SemanticWeights<float> weights{step.losses->semantic_soft_weight * inverse_valid,
                                        step.losses->semantic_hard_weight * inverse_valid};
   const ImageF& omega = step.view->semantic_weight;
+  const TeacherWindow window = teacher_window(target, block.x, block.y, width, height);
   scratch.direction.resize(bounded ? kBlockPixels * step.padded : 0);
   scratch.teacher.resize(step.padded);
   scratch.student.resize(step.padded);
+  scratch.columns.resize(window.separable ? static_cast<size_t>(window.columns) * step.padded : step.padded);
   scratch.soft = scratch.hard = 0;
   for (int i = 0; i < kBlockPixels; ++i) {
-    const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
+    const int column = i % kBlockSize, row = i / kBlockSize, x = block.x + column, y = block.y + row;
     float* blended = scratch.blended.data() + i * step.padded;
     float* direction = bounded ? scratch.direction.data() + i * step.padded : nullptr;
     scratch.offset[i] = 0;
+    if (column == 0 && window.separable && y < height) {
+      blend_teacher_rows(target, window, row, step.padded, scratch.columns.data());
+    }
     const bool inside = x < width && y < height;
     const size_t u = size_t(y) * width + x;
     if (!inside || step.cache->top_class[u] == kNoLabel) {
@@ -196,8 +304,19 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
       if (bounded) std::memset(direction, 0, step.padded * sizeof(float));
       continue;
     }
-    SampleTeacher(target, teacher_taps(target, x, y, width, height), scratch.teacher.data());
-    PixelData px{blended, direction, scratch.teacher.data(), scratch.student.data()};
+    PixelData px;
+    px.blended = blended;
+    px.direction = direction;
+    px.student = scratch.student.data();
+    px.teacher = scratch.teacher.data();
+    if (window.separable) {
+      px.near_column = scratch.columns.data() + (window.column0[column] - window.first_column) * step.padded;
+      px.far_column = scratch.columns.data() + (window.column1[column] - window.first_column) * step.padded;
+      px.share = window.column_share[column];
+    } else {
+      SampleTeacher(target, teacher_taps(target, x, y, width, height), scratch.columns.data());
+      px.near_column = px.far_column = scratch.columns.data();
+    }
     px.top = step.cache->top_class[u];
     px.negative_entropy = step.cache->negative_entropy[u];
     px.alpha = 1.0f - block.transmittance[i];
@@ -208,8 +327,9 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
     } else {
       terms = bounded ? logits_pixel<true>(px, step, weights) : logits_pixel<false>(px, step, weights);
     }
-    if (step.couple && !bounded) {
-      scratch.offset[i] = plain_coupling_offset(probabilities, blended, step.channels);
+    // plain_coupling_offset of formulas/semantic_loss.h
+    if (step.couple && !bounded && probabilities) {
+      scratch.offset[i] = terms.gradient_sum / static_cast<float>(step.counts->all_classes());
     }
     scratch.soft += static_cast<double>(terms.soft);
     scratch.hard += static_cast<double>(terms.hard);
@@ -228,6 +348,26 @@ HWY_EXPORT(SampleTeacher);
 HWY_EXPORT(NegativeEntropy);
 HWY_EXPORT(SemanticBlockLoss);
 
+ClassCounts make_class_counts(int channels, int remainder) {
+  ClassCounts k;
+  k.channels = channels;
+  k.remainder = remainder;
+  const size_t padded = padded_channels(channels);
+  k.count.assign(padded, 0.0f);
+  k.inverse.assign(padded, 0.0f);
+  k.log_count.assign(padded, 0.0f);
+  k.floor.assign(padded, 1.0f);
+  const float floor = semantic_floor<float>(k.all_classes());
+  for (int c = 0; c < channels; ++c) {
+    const float n = remainder > 0 && c == channels - 1 ? static_cast<float>(remainder) : 1.0f;
+    k.count[static_cast<size_t>(c)] = n;
+    k.inverse[static_cast<size_t>(c)] = 1.0f / n;
+    k.log_count[static_cast<size_t>(c)] = std::log(n);
+    k.floor[static_cast<size_t>(c)] = n * floor;
+  }
+  return k;
+}
+
 bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
   const int width = step.view->data.camera.width, height = step.view->data.camera.height;
   for (int y = block.y; y < block.y + kBlockSize && y < height; ++y) {
@@ -238,7 +378,7 @@ bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
   return false;
 }
 
-void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticView& out) {
+void prepare_semantic_view(const TrainingView& view, int classes, ThreadPool& pool, SemanticView& out) {
   const SemanticTarget& target = view.data.semantics;
   const int width = view.data.camera.width, height = view.data.camera.height;
   const size_t padded = padded_channels(target.channels);
@@ -253,7 +393,7 @@ void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticV
       for (int x = 0; x < width; ++x) {
         if (!sample_teacher_padded(step, x, static_cast<int>(y), teacher.data())) continue;
         out.negative_entropy[y * width + x] = HWY_DYNAMIC_DISPATCH(NegativeEntropy)(teacher.data(), padded);
-        out.top_class[y * width + x] = static_cast<uint16_t>(arg_max(teacher.data(), target.channels));
+        out.top_class[y * width + x] = static_cast<uint16_t>(arg_max(teacher.data(), classes));
         ++valid[y];
       }
     }

@@ -8,11 +8,30 @@
 
 namespace aligngs::cpu {
 
+/// How many classes each channel stands for, as vectors over the padded channels. A model may carry the classes that no
+/// teacher ranks high as one last channel, the remainder, that stands for n classes of equal probability: its softmax
+/// term is n exp(r), its share of "nothing here" and its floor are n times those of a class.
+struct ClassCounts {
+  int channels = 0;              ///< channels of the model, remainder included
+  int remainder = 0;             ///< n; 0: every channel is a class of its own
+  AlignedArray<float> count;     ///< [padded] 1, n for the remainder, 0 beyond the channels
+  AlignedArray<float> inverse;   ///< [padded] 1 / count, 0 beyond the channels
+  AlignedArray<float> log_count; ///< [padded] its logarithm, 0 beyond the channels
+  AlignedArray<float> floor;     ///< [padded] smallest Q inside the logarithm, 1 beyond the channels
+
+  /// Classes that may be an arg-max: all but the remainder.
+  int classes() const { return channels - (remainder > 0 ? 1 : 0); }
+  /// Classes of the whole label set.
+  int all_classes() const { return classes() + remainder; }
+};
+ClassCounts make_class_counts(int channels, int remainder);
+
 /// Constant over one step.
 struct SemanticStep {
   const TrainingView* view = nullptr;
   const SemanticView* cache = nullptr;
   const LossSettings* losses = nullptr;
+  const ClassCounts* counts = nullptr;
   int channels = 0;
   size_t padded = 0;    ///< channels rounded up, tile_products.h
   bool couple = false;  ///< the coupling direction is wanted
@@ -24,6 +43,7 @@ struct SemanticBlock {
   AlignedArray<float> direction;   ///< [64][padded] coupling direction h
   AlignedArray<float> transposed;  ///< [padded][64] the same
   AlignedArray<float> teacher;     ///< [padded] of one pixel
+  AlignedArray<float> columns;     ///< [teacher's columns under the block][padded] its rows blended for one pixel row
   AlignedArray<float> student;     ///< [padded] of one pixel
   alignas(64) float offset[kBlockPixels];  ///< h_0
   double soft = 0, hard = 0;  ///< sums over this block's pixels, not yet divided by the number of valid ones

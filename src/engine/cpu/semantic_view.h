@@ -19,6 +19,7 @@ struct SemanticView {
 };
 
 /// Fills `out` from the view's teacher, which must not be empty; defined in semantic_block.cpp beside its sampling.
-void prepare_semantic_view(const TrainingView& view, ThreadPool& pool, SemanticView& out);
+/// The arg-max is taken over the first `classes` channels.
+void prepare_semantic_view(const TrainingView& view, int classes, ThreadPool& pool, SemanticView& out);
 
 }  // namespace aligngs::cpu

@@ -5,6 +5,7 @@
 
 #include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/matrix_tiles.h"
+#include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
 
 namespace aligngs::cpu {
@@ -28,15 +29,11 @@ void tile_product_columns(TileProduct p, size_t columns) {
 
 }  // namespace
 
-void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, const uint32_t* target_of_row,
-                           TileRows& rows, SemanticScratch& s) {
+void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, TileRows& rows, SemanticScratch& s) {
   s.row_gradients.resize(block.count);
   for (size_t e = 0; e < block.count; ++e) {
     float*& row = s.tile_rows[block.entry[e]];
-    if (row == nullptr) {
-      const uint32_t gaussian = tile.rows[block.entry[e]];
-      row = rows.add(target_of_row != nullptr ? target_of_row[gaussian] : gaussian);
-    }
+    if (row == nullptr) row = rows.zeroed_sums_of(tile.rows[block.entry[e]]);
     s.row_gradients[e] = row;
   }
 }
@@ -124,7 +121,7 @@ const float* SemanticVisit::visit_float(const BlockWeights& block) {
   block_blend_rows(block, s_.rows.data(), padded, s_.block.blended.data());
   semantic_block_loss(pass_.step, block, s_.block);
   if (block.count == 0) return nullptr;
-  collect_row_gradients(block, tile_, pass_.rank, rows_, s_);
+  collect_row_gradients(block, tile_, rows_, s_);
   block_row_gradients(block, s_.block.blended.data(), padded, s_.row_gradients.data());
   if (!pass_.step.couple) return nullptr;
   s_.block.transposed.resize(kBlockPixels * padded);
@@ -212,16 +209,26 @@ void SemanticVisit::row_gradients_of_group(size_t first, float* out, size_t stri
 void SemanticVisit::finish() {
   if (pass_.rounded == nullptr || s_.order.empty()) return;
   const size_t padded = pass_.step.padded, count = s_.order.size();
-  uint32_t* targets = nullptr;
-  float* sums = rows_.add_block(count, targets);
-  for (size_t row = 0; row < count; ++row) targets[row] = pass_.rank[tile_.rows[s_.order[row]]];
   const MatrixTilesInUse tiles;
-  size_t row = 0;
-  for (; row + kGroup <= count; row += kGroup) row_gradients_of_group(row, sums + row * padded, padded);
-  if (row == count) return;
-  s_.tail.resize(kGroup * padded);
-  row_gradients_of_group(row, s_.tail.data(), padded);
-  std::memcpy(sums + row * padded, s_.tail.data(), (count - row) * padded * sizeof(float));
+  s_.group_sums.resize(kGroup * padded);
+  for (size_t first = 0; first < count; first += kGroup) {
+    float* rows[kGroup];
+    bool fresh[kGroup];
+    const size_t n = std::min(kGroup, count - first);
+    for (size_t i = 0; i < n; ++i) {
+      rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]], fresh[i]);
+      for (size_t c = 0; c < padded; c += kCacheLine / sizeof(float)) __builtin_prefetch(rows[i] + c, 1, 3);
+    }
+    row_gradients_of_group(first, s_.group_sums.data(), padded);
+    for (size_t i = 0; i < n; ++i) {
+      const float* sum = s_.group_sums.data() + i * padded;
+      if (fresh[i]) {
+        std::memcpy(rows[i], sum, padded * sizeof(float));
+      } else {
+        add_row(sum, padded, rows[i]);
+      }
+    }
+  }
 }
 
 }  // namespace aligngs::cpu

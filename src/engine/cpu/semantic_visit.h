@@ -3,9 +3,9 @@
 // float32 sums on AMX tiles (matrix_tiles.h).
 //
 // On AMX, W and S are rounded to bfloat16 (relative 2^-9 per term), and so are the gradients that re-enter products.
-// The loss is formed in float32. The row gradients of a tile are one product over its 256 pixels whose result goes
-// straight to the tile's sums: Gaussians are ordered by the set of blocks they reach, so that the products skip the
-// blocks where a group of 32 has no weight.
+// The loss is formed in float32. The row gradients of a tile are one product over its 256 pixels, 32 Gaussians at a
+// time. Gaussians are ordered by the set of blocks they reach, so that these products skip the blocks where none of the
+// 32 has a weight.
 #pragma once
 
 #include <vector>
@@ -35,14 +35,14 @@ struct SemanticScratch {
   AlignedArray<float> q;              ///< [entries, padded to 32][64]
   std::vector<const float*> rows;     ///< [entries] float rows
   std::vector<float*> row_gradients;  ///< [entries]
-  std::vector<float*> tile_rows;      ///< [gathered splats] row of this tile's sums, nullptr = none yet
+  std::vector<float*> tile_rows;      ///< [gathered splats] their sums, nullptr = not asked for yet in this tile
 
   std::vector<const uint16_t*> rounded;  ///< [entries] bfloat16 rows
   std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
   std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's product and back
   std::vector<uint32_t> steps;           ///< 0, 1, 2, ...
   AlignedArray<uint16_t> weights_by_pixel, weights_by_entry, row_pairs, row_plain, gradient_pairs, direction_pairs;
-  AlignedArray<float> tail;  ///< [32][padded] sums of the last, partly filled group
+  AlignedArray<float> group_sums;  ///< [32][padded] row gradients of 32 splats of the tile
 };
 
 class SemanticVisit {
@@ -53,7 +53,7 @@ class SemanticVisit {
   /// Visits a block; scratch.block.soft and hard are its terms. Returns q of the coupling, [entries][64], valid until
   /// the next block, or nullptr when there is none (also for a block without a teacher, whose terms are zero).
   const float* visit_block(int block);
-  /// After the last block: the rows of the tile's sums are complete.
+  /// After the last block: the tile's row gradients are in their sums.
   void finish();
 
  private:
@@ -70,8 +70,7 @@ class SemanticVisit {
   bool has_teacher_[kTileBlocks] = {};
 };
 
-/// Rows of the block's entries in the tile's sums, made on first use. `target_of_row` may be nullptr: the row itself.
-void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, const uint32_t* target_of_row,
-                           TileRows& rows, SemanticScratch& s);
+/// The sums of the block's entries, zeros where they are new; scratch.tile_rows holds those found earlier in the tile.
+void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, TileRows& rows, SemanticScratch& s);
 
 }  // namespace aligngs::cpu

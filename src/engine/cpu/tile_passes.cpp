@@ -197,10 +197,10 @@ void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geomet
     return;
   }
   semantics->written->assign(semantics->visible, 0);
-  batches.run(
-      tiles.lists, semantics->step.padded, semantics->visible, pool,
-      [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); }, semantics->gradients,
-      *semantics->written);
+  const RowSums sums{semantics->step.padded, semantics->rank, semantics->visible, semantics->gradients,
+                     semantics->written};
+  batches.run(view, tiles.lists, sums, pool,
+              [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); });
   semantics->soft = semantics->hard = 0;
   for (size_t tile = 0; tile < soft.size(); ++tile) {
     semantics->soft += soft[tile];
@@ -214,7 +214,7 @@ void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& poo
                RowBatches& batches, float* sums, std::vector<uint8_t>& written) {
   const ProjectedView& view = tiles.view;
   batches.run(
-      tiles.lists, step.padded, view.size(), pool,
+      view, tiles.lists, {step.padded, nullptr, view.size(), sums, &written}, pool,
       [&](size_t tile, int worker, TileRows& rows) {
         TileScratch& s = scratch[static_cast<size_t>(worker)];
         compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
@@ -232,11 +232,10 @@ void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& poo
             any |= valid;
           }
           if (!any) continue;
-          collect_row_gradients(block, s.weights, nullptr, rows, s.semantic);
+          collect_row_gradients(block, s.weights, rows, s.semantic);
           block_row_gradients(block, s.semantic.block.blended.data(), step.padded, s.semantic.row_gradients.data());
         }
-      },
-      sums, written);
+      });
 }
 
 }  // namespace aligngs::cpu
