@@ -41,6 +41,7 @@ struct RunConfig {
   int64_t sh_degree = 0;  ///< highest degree; -1: 1, and 2 above 30 training views
   int64_t sh_every = 0;   ///< [ref] one degree more after so many
   double near_plane = 0;  ///< / E
+  bool random_background = false;  ///< a new colour behind the scene every step; false: black
   double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off
   int64_t log_every = 0;  ///< iterations between lines of events.ndjson
 };

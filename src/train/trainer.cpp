@@ -17,7 +17,7 @@ namespace {
 constexpr float kResetOpacity = 0.01f;   // 3DGS opacity reset
 constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
 // Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp.
-constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2;
+constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4;
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -25,6 +25,12 @@ double now_seconds() {
 
 Random generator(const TrainConfig& config, uint64_t purpose) {
   return Random(static_cast<uint64_t>(config.train.seed)).fork(purpose);
+}
+
+/// A function of seed and iteration alone, so that a resumed run sees the colours of the whole one.
+void set_random_background(const TrainConfig& config, int64_t iteration, RasterSettings& raster) {
+  Random random = generator(config, kRandomBackground).fork(static_cast<uint64_t>(iteration));
+  for (float& channel : raster.background) channel = static_cast<float>(random.uniform());
 }
 
 }  // namespace
@@ -90,6 +96,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   request.view = order_.next();
   request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];
   request.raster.near_plane = in_.guides[static_cast<size_t>(request.view)].near_plane;
+  if (in_.config.train.random_background) set_random_background(in_.config, iteration, request.raster);
   report_ = engine_.step(request);
   state_.iteration = iteration;
   if (report_.non_finite.found) {
