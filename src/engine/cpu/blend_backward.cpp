@@ -39,6 +39,22 @@ HWY_INLINE size_t first_strip(uint32_t strips) {
   return hwy::Num0BitsBelowLS1Bit_Nonzero32(strips) * static_cast<size_t>(kStripPixels);
 }
 
+/// Rays of a block's pixels.
+struct BlockRays {
+  HWY_ALIGN float x[kBlockPixels];
+  HWY_ALIGN float y[kBlockPixels];
+  HWY_ALIGN float grazing[kBlockPixels];
+};
+void block_rays(const BlockWeights& block, const ProjectionCamera<float>& camera, BlockRays& rays) {
+  const FloatTag d;
+  for (size_t at = 0; at < kBlockPixels; at += kLanes) {
+    const RayLanes ray = ray_lanes(camera, pixel_centres_x(block.x, at), pixel_centres_y(block.y, at));
+    hn::Store(ray.x, d, rays.x + at);
+    hn::Store(ray.y, d, rays.y + at);
+    hn::Store(ray.grazing, d, rays.grazing + at);
+  }
+}
+
 /// What stands behind the Gaussian at hand, per pixel.
 struct Behind {
   HWY_ALIGN float color[kBlockPixels];

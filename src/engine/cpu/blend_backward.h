@@ -1,8 +1,8 @@
 // From gradients of a block's maps to sums per Gaussian.
 #pragma once
 
-#include "engine/cpu/blend_forward.h"
 #include "engine/cpu/tile_weights.h"
+#include "engine/formulas/projection.h"
 
 namespace aligngs::cpu {
 

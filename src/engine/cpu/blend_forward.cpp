@@ -1,79 +1,194 @@
 #include "engine/cpu/blend_forward.h"
 
+#include <cstring>
+
 #include "engine/cpu/simd_targets.h"
 #include "engine/formulas/blending.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/cpu/blend_forward.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "engine/cpu/alpha-inl.h"
 #include "engine/cpu/intersection-inl.h"
-#include "engine/cpu/simd_math-inl.h"
+#include "engine/cpu/overlap-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace aligngs {
 namespace cpu {
 namespace HWY_NAMESPACE {
 
-template <bool kGeometry>
-void blend_strip(const TileWeights& tile, const BlockWeights& block, size_t first, const BlockRays& rays,
-                 const RasterSettings& raster, BlockMaps& maps) {
+/// Gaussians taken at a time: most tiles end within two.
+constexpr size_t kGather = 256;
+/// How far ahead the gather asks for a splat: a miss of the last-level cache lasts about this many copies.
+constexpr size_t kPrefetch = 12;
+constexpr int kBlockStrips = kBlockPixels / kStripPixels;
+constexpr int kStripRows = kStripPixels / kBlockSize;
+/// A list may be written a whole vector beyond its last entry.
+constexpr size_t kListLength = kGather + kLanes;
+
+/// Appends the numbers of the Gaussians that each strip can reach; counts[strip] is the length of its list.
+void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, uint32_t* lists, size_t* counts) {
   const FloatTag d;
-  const FloatVec zero = hn::Zero(d), one = hn::Set(d, 1.0f), half = hn::Set(d, float(kMedianTransmittance));
-  FloatVec c0 = zero, c1 = zero, c2 = zero, a = zero, n0 = zero, n1 = zero, n2 = zero, dist = zero, expected = zero,
-           median = zero, t = one;
-  FloatVec rx = zero, ry = zero, grazing = zero;
-  if constexpr (kGeometry) {
-    rx = hn::Load(d, rays.x + first);
-    ry = hn::Load(d, rays.y + first);
-    grazing = hn::Load(d, rays.grazing + first);
-  }
-  for (size_t e = 0; e < block.count; ++e) {
-    const Splat& g = tile.splats[block.entry[e]];
-    const FloatVec w = hn::Load(d, block.weight.data() + e * kBlockPixels + first);
-    c0 = hn::MulAdd(w, hn::Set(d, g.color[0]), c0);
-    c1 = hn::MulAdd(w, hn::Set(d, g.color[1]), c1);
-    c2 = hn::MulAdd(w, hn::Set(d, g.color[2]), c2);
-    a = hn::Add(a, w);
-    if constexpr (kGeometry) {
-      n0 = hn::MulAdd(w, hn::Set(d, g.normal[0]), n0);
-      n1 = hn::MulAdd(w, hn::Set(d, g.normal[1]), n1);
-      n2 = hn::MulAdd(w, hn::Set(d, g.normal[2]), n2);
-      dist = hn::MulAdd(w, hn::Set(d, g.distance), dist);
-      const FloatVec z = intersection(d, g, rx, ry, grazing);
-      expected = hn::MulAdd(w, z, expected);
-      const FloatVec alpha = hn::Load(d, block.alpha.data() + e * kBlockPixels + first);
-      const FloatVec next = hn::NegMulAdd(alpha, t, t);  // as in tile_weights.cpp
-      median = hn::IfThenElse(hn::And(hn::Ge(t, half), hn::Lt(next, half)), z, median);
-      t = next;
+  const hn::RebindToUnsigned<FloatTag> du;
+  for (size_t first = 0; first < count; first += kLanes) {
+    const size_t n = HWY_MIN(kLanes, count - first);
+    const OverlapLanes lanes = overlap_lanes(splats + first, n);
+    const auto indices = hn::Iota(du, static_cast<uint32_t>(first));
+    const auto real = hn::FirstN(d, n);
+    for (int strip = 0; strip < kTileBlocks * kBlockStrips; ++strip) {
+      const int block = strip / kBlockStrips;
+      const float left = tile_x + static_cast<float>((block & 1) * kBlockSize);
+      const float top = tile_y + static_cast<float>((block >> 1) * kBlockSize + strip % kBlockStrips * kStripRows);
+      const auto hit = hn::And(real, reaches_box(lanes, left, top, kBlockSize, kStripRows));
+      counts[strip] +=
+          hn::CompressBlendedStore(indices, hn::RebindMask(du, hit), du, lists + strip * kListLength + counts[strip]);
     }
-  }
-  const FloatVec left = hn::Load(d, block.transmittance + first);
-  hn::Store(hn::MulAdd(left, hn::Set(d, raster.background[0]), c0), d, maps.color[0] + first);
-  hn::Store(hn::MulAdd(left, hn::Set(d, raster.background[1]), c1), d, maps.color[1] + first);
-  hn::Store(hn::MulAdd(left, hn::Set(d, raster.background[2]), c2), d, maps.color[2] + first);
-  hn::Store(a, d, maps.alpha + first);
-  if constexpr (kGeometry) {
-    hn::Store(n0, d, maps.normal[0] + first);
-    hn::Store(n1, d, maps.normal[1] + first);
-    hn::Store(n2, d, maps.normal[2] + first);
-    hn::Store(dist, d, maps.distance + first);
-    hn::Store(expected, d, maps.expected + first);
-    hn::Store(median, d, maps.median + first);
   }
 }
 
-void BlendBlockForward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                       const RasterSettings& raster, bool geometry, BlockMaps& maps) {
-  BlockRays rays;
-  if (geometry) block_rays(block, camera, rays);
-  for (size_t first = 0; first < kBlockPixels; first += kLanes) {
-    if (geometry) {
-      blend_strip<true>(tile, block, first, rays, raster, maps);
-    } else {
-      blend_strip<false>(tile, block, first, rays, raster, maps);
+/// The sums of a vector of pixels.
+struct PixelSums {
+  FloatVec color[3], alpha, normal[3], distance, expected, median;
+};
+template <bool kGeometry>
+HWY_INLINE PixelSums load_sums(const BlockMaps& maps, size_t at) {
+  const FloatTag d;
+  const FloatVec zero = hn::Zero(d);
+  PixelSums s{{zero, zero, zero}, zero, {zero, zero, zero}, zero, zero, zero};
+  for (int k = 0; k < 3; ++k) s.color[k] = hn::Load(d, maps.color[k] + at);
+  s.alpha = hn::Load(d, maps.alpha + at);
+  if constexpr (kGeometry) {
+    for (int k = 0; k < 3; ++k) s.normal[k] = hn::Load(d, maps.normal[k] + at);
+    s.distance = hn::Load(d, maps.distance + at);
+    s.expected = hn::Load(d, maps.expected + at);
+    s.median = hn::Load(d, maps.median + at);
+  }
+  return s;
+}
+template <bool kGeometry>
+HWY_INLINE void store_sums(const PixelSums& s, BlockMaps& maps, size_t at) {
+  const FloatTag d;
+  for (int k = 0; k < 3; ++k) hn::Store(s.color[k], d, maps.color[k] + at);
+  hn::Store(s.alpha, d, maps.alpha + at);
+  if constexpr (kGeometry) {
+    for (int k = 0; k < 3; ++k) hn::Store(s.normal[k], d, maps.normal[k] + at);
+    hn::Store(s.distance, d, maps.distance + at);
+    hn::Store(s.expected, d, maps.expected + at);
+    hn::Store(s.median, d, maps.median + at);
+  }
+}
+
+/// Blends a list of Gaussians into the pixels of one vector, whose first is number `at` of the block at (x, y).
+/// Returns false when all of them are closed.
+template <bool kGeometry, bool kSmooth>
+bool blend_pixels(const Splat* splats, const uint32_t* list, size_t count, const AlphaConstants& constants,
+                  const ProjectionCamera<float>& camera, int x, int y, size_t at, BlockMaps& maps) {
+  const FloatTag d;
+  const FloatVec zero = hn::Zero(d), half = hn::Set(d, float(kMedianTransmittance));
+  const FloatVec pixel_x = pixel_centres_x(x, at), pixel_y = pixel_centres_y(y, at);
+  RayLanes ray{zero, zero, zero};
+  if constexpr (kGeometry) ray = ray_lanes(camera, pixel_x, pixel_y);
+  PixelSums sums = load_sums<kGeometry>(maps, at);
+  FloatVec t = hn::Load(d, maps.transmittance + at);
+  bool open = true;
+  for (size_t i = 0; i < count && open; ++i) {
+    const Splat& g = splats[list[i]];
+    const FloatVec before = t;
+    const FloatVec fdx = hn::Mul(hn::Set(d, g.fxx), hn::Sub(pixel_x, hn::Set(d, g.x)));
+    const AlphaLanes a = alpha_lanes<kSmooth>(g, fdx, pixel_y, constants, t);
+    const FloatVec w = hn::Mul(a.alpha, before);
+    for (int k = 0; k < 3; ++k) sums.color[k] = hn::MulAdd(w, hn::Set(d, g.color[k]), sums.color[k]);
+    sums.alpha = hn::Add(sums.alpha, w);
+    if constexpr (kGeometry) {
+      for (int k = 0; k < 3; ++k) sums.normal[k] = hn::MulAdd(w, hn::Set(d, g.normal[k]), sums.normal[k]);
+      sums.distance = hn::MulAdd(w, hn::Set(d, g.distance), sums.distance);
+      const FloatVec z = intersection(d, g, ray.x, ray.y, ray.grazing);
+      sums.expected = hn::MulAdd(w, z, sums.expected);
+      const auto crossing = hn::And(a.taken, hn::And(hn::Ge(before, half), hn::Lt(t, half)));
+      sums.median = hn::IfThenElse(crossing, z, sums.median);
     }
+    open = !hn::AllFalse(d, hn::Gt(t, zero));
+  }
+  store_sums<kGeometry>(sums, maps, at);
+  hn::Store(t, d, maps.transmittance + at);
+  return open;
+}
+
+template <bool kGeometry, bool kSmooth>
+void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y, const RasterSettings& raster,
+                TileForward& out) {
+  constexpr int kStrips = kTileBlocks * kBlockStrips;
+  const size_t tile = size_t(tile_y) * view.tiles_x + tile_x;
+  const uint32_t* list = lists.gaussians.data() + lists.tile_begin[tile];
+  const size_t length = static_cast<size_t>(lists.tile_begin[tile + 1] - lists.tile_begin[tile]);
+  const int left = tile_x * kTileSize, top = tile_y * kTileSize;
+  const AlphaConstants constants(raster);
+  out.splats.resize(kGather);
+  out.lists.resize(kStrips * kListLength);
+  bool open[kStrips] = {};
+  for (int b = 0; b < kTileBlocks; ++b) {
+    BlockMaps& maps = out.blocks[b];
+    std::memset(static_cast<void*>(&maps), 0, sizeof maps);
+    const int x = left + (b & 1) * kBlockSize, y = top + (b >> 1) * kBlockSize;
+    for (int i = 0; i < kBlockPixels; ++i) {
+      const bool inside = x + i % kBlockSize < view.width && y + i / kBlockSize < view.height;
+      maps.transmittance[i] = inside ? 1.0f : -1.0f;
+      open[b * kBlockStrips + i / kStripPixels] |= inside;
+    }
+  }
+  bool any = true;
+  for (size_t first = 0; first < length && any; first += kGather) {
+    const size_t n = HWY_MIN(kGather, length - first);
+    for (size_t i = 0; i < n; ++i) {
+      const size_t ahead = first + i + kPrefetch;
+      if (ahead < length) {
+        const char* next = reinterpret_cast<const char*>(&view.splats[list[ahead]]);
+        hwy::Prefetch(next);
+        hwy::Prefetch(next + 64);
+      }
+      out.splats[i] = view.splats[list[first + i]];
+    }
+    size_t counts[kStrips] = {};
+    list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), out.lists.data(), counts);
+    any = false;
+    for (int strip = 0; strip < kStrips; ++strip) {
+      if (!open[strip]) continue;
+      const int b = strip / kBlockStrips;
+      const int x = left + (b & 1) * kBlockSize, y = top + (b >> 1) * kBlockSize;
+      const size_t begin = static_cast<size_t>(strip % kBlockStrips * kStripPixels);
+      bool still = false;
+      for (size_t at = begin; at < begin + kStripPixels; at += kLanes) {
+        still |= blend_pixels<kGeometry, kSmooth>(out.splats.data(), out.lists.data() + strip * kListLength,
+                                                  counts[strip], constants, view.camera, x, y, at, out.blocks[b]);
+      }
+      open[strip] = still;
+      any |= still;
+    }
+  }
+  const FloatTag d;
+  for (BlockMaps& maps : out.blocks) {
+    for (size_t at = 0; at < kBlockPixels; at += kLanes) {
+      const FloatVec t = hn::Abs(hn::Load(d, maps.transmittance + at));
+      hn::Store(t, d, maps.transmittance + at);
+      for (int k = 0; k < 3; ++k) {
+        const FloatVec color = hn::Load(d, maps.color[k] + at);
+        hn::Store(hn::MulAdd(t, hn::Set(d, raster.background[k]), color), d, maps.color[k] + at);
+      }
+    }
+  }
+}
+
+void BlendTileForward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
+                      const RasterSettings& raster, bool geometry, TileForward& out) {
+  if (raster.smooth_cutoff) {  // for tests: one version that computes everything
+    blend_tile<true, true>(view, lists, tile_x, tile_y, raster, out);
+  } else if (geometry) {
+    blend_tile<true, false>(view, lists, tile_x, tile_y, raster, out);
+  } else {
+    blend_tile<false, false>(view, lists, tile_x, tile_y, raster, out);
   }
 }
 
@@ -85,20 +200,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace aligngs::cpu {
 
-HWY_EXPORT(BlendBlockForward);
+HWY_EXPORT(BlendTileForward);
 
-void blend_block_forward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                         const RasterSettings& raster, bool geometry, BlockMaps& maps) {
-  HWY_DYNAMIC_DISPATCH(BlendBlockForward)(tile, block, camera, raster, geometry, maps);
-}
-
-void block_rays(const BlockWeights& block, const ProjectionCamera<float>& camera, BlockRays& rays) {
-  for (int i = 0; i < kBlockPixels; ++i) {
-    const Vec3<float> ray = camera.ray(block.x + i % kBlockSize, block.y + i / kBlockSize);
-    rays.x[i] = ray.x;
-    rays.y[i] = ray.y;
-    rays.grazing[i] = static_cast<float>(kGrazingCosine) * norm(ray);
-  }
+void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
+                        const RasterSettings& raster, bool geometry, TileForward& out) {
+  HWY_DYNAMIC_DISPATCH(BlendTileForward)(view, lists, tile_x, tile_y, raster, geometry, out);
 }
 
 }  // namespace aligngs::cpu

@@ -1,12 +1,14 @@
-// Colour, alpha, normal, distance and depths of one block from its blending weights.
+// Colour, alpha, normal, distance and depths of a tile.
 #pragma once
 
-#include "engine/cpu/tile_weights.h"
-#include "engine/formulas/projection.h"
+#include "engine/cpu/aligned_array.h"
+#include "engine/cpu/binning.h"
+#include "engine/cpu/splats.h"
+#include "engine/settings.h"
 
 namespace aligngs::cpu {
 
-/// The maps of engine/maps.h for the 64 pixels of a block.
+/// The maps of engine/maps.h for the 64 pixels of a block. Without geometry only colour and alpha mean anything.
 struct BlockMaps {
   alignas(64) float color[3][kBlockPixels];
   alignas(64) float alpha[kBlockPixels];
@@ -14,16 +16,20 @@ struct BlockMaps {
   alignas(64) float distance[kBlockPixels];
   alignas(64) float expected[kBlockPixels];
   alignas(64) float median[kBlockPixels];
+  alignas(64) float transmittance[kBlockPixels];  ///< what is left behind the last Gaussian
 };
 
-/// Rays of a block's pixels (z = 1) and 0.1 |ray|, below which the slope to a plane counts as grazing.
-struct BlockRays {
-  alignas(64) float x[kBlockPixels], y[kBlockPixels], grazing[kBlockPixels];
+/// Scratch of one thread.
+struct TileForward {
+  AlignedArray<Splat> splats;     ///< the next Gaussians of the tile
+  AlignedArray<uint32_t> lists;   ///< [strips of the tile][kGather] which of them each strip may see
+  BlockMaps blocks[kTileBlocks];  ///< out, in the order of TileWeights::blocks
 };
-void block_rays(const BlockWeights& block, const ProjectionCamera<float>& camera, BlockRays& rays);
 
-/// Without `geometry` only colour and alpha are written.
-void blend_block_forward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                         const RasterSettings& raster, bool geometry, BlockMaps& maps);
+/// Blends tile (tile_x, tile_y) of the view into out.blocks. Takes the same alphas, bit for bit, as
+/// compute_tile_weights, but keeps none of them: each strip of 8 x 2 pixels sums its maps in registers over the
+/// Gaussians that can reach it, and ends when its own pixels are closed.
+void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
+                        const RasterSettings& raster, bool geometry, TileForward& out);
 
 }  // namespace aligngs::cpu

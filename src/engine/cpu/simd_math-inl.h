@@ -55,6 +55,16 @@ HWY_INLINE V fast_exp2(D d, V x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
 }
 
+/// 1 / x within 2 ulp for normal x whose reciprocal is normal: Newton steps from an estimate of 11 bits or more, which
+/// leave the divider to nobody.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V fast_reciprocal(D d, V x) {
+  const V two = hn::Set(d, 2.0f);
+  V y = hn::ApproximateReciprocal(x);
+  y = hn::Mul(y, hn::NegMulAdd(x, y, two));
+  return hn::Mul(y, hn::NegMulAdd(x, y, two));
+}
+
 /// log(x) within 2 ulp for normal positive x. Polynomial of Cephes' logf.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_log(D d, V x) {

@@ -16,10 +16,11 @@ namespace {
 struct BlockClip {
   int x, y, width, height;
 };
-BlockClip clip(const BlockWeights& block, int width, int height) {
-  return {block.x, block.y, std::max(0, std::min(kBlockSize, width - block.x)),
-          std::max(0, std::min(kBlockSize, height - block.y))};
+BlockClip clip(int x, int y, int width, int height) {
+  return {x, y, std::max(0, std::min(kBlockSize, width - x)), std::max(0, std::min(kBlockSize, height - y))};
 }
+
+constexpr size_t kTilesPerTask = 4;  ///< neighbours write to the same cache lines of a map
 
 constexpr size_t kRowBytes = kBlockSize * sizeof(float);
 
@@ -66,7 +67,7 @@ void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
 
 void load_gradients(const BlockWeights& block, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
                     bool density, BlockGradients& out) {
-  const BlockClip c = clip(block, view.width, view.height);
+  const BlockClip c = clip(block.x, block.y, view.width, view.height);
   // Beyond the image, and where a map is not given, everything is zero.
   const bool whole = c.width == kBlockSize && c.height == kBlockSize;
   if (!whole || !geometry || !density || maps.prior == nullptr) std::memset(static_cast<void*>(&out), 0, sizeof out);
@@ -101,10 +102,19 @@ class SemanticTimer {
 
 /// Leaves the tile's sums at the slots of its Gaussians. One that was blended has a positive weight.
 void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
-  for (size_t i = 0; i < s.weights.count; ++i) {
-    if (!(s.sums[i].weight > 0)) continue;
+  constexpr size_t kAhead = 8;  ///< slots lie anywhere in memory: each is asked for while this many are written
+  const auto slot_of = [&](size_t i) {
     const Splat& splat = s.weights.splats[i];
-    const size_t slot = static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
+    return static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
+  };
+  for (size_t i = 0; i < s.weights.count; ++i) {
+    if (i + kAhead < s.weights.count) {
+      const char* next = reinterpret_cast<const char*>(out.slots.data() + slot_of(i + kAhead));
+      __builtin_prefetch(next, 1);
+      __builtin_prefetch(next + 64, 1);
+    }
+    if (!(s.sums[i].weight > 0)) continue;
+    const size_t slot = slot_of(i);
     out.used[slot] = 1;
     out.slots[slot] = s.sums[i];
   }
@@ -131,22 +141,23 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
   const ProjectedView& view = tiles.view;
   size_maps(view.width, view.height, geometry, maps);
   const size_t n = maps.pixels();
-  pool.parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {
-    TileScratch& s = scratch[static_cast<size_t>(worker)];
+  pool.parallel_for(view.tiles(), kTilesPerTask, [&](size_t begin, size_t end, int worker) {
+    TileForward& s = scratch[static_cast<size_t>(worker)].forward;
     for (size_t tile = begin; tile < end; ++tile) {
-      compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
-                           static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
-      for (const BlockWeights& block : s.weights.blocks) {
-        const BlockClip c = clip(block, view.width, view.height);
+      const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
+      blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, geometry, s);
+      for (int b = 0; b < kTileBlocks; ++b) {
+        const BlockClip c = clip(tile_x * kTileSize + (b & 1) * kBlockSize, tile_y * kTileSize + (b >> 1) * kBlockSize,
+                                 view.width, view.height);
         if (c.width == 0 || c.height == 0) continue;
-        blend_block_forward(s.weights, block, view.camera, tiles.raster, geometry, s.maps);
-        for (int k = 0; k < 3; ++k) write_block(s.maps.color[k], c, view.width, maps.color.data() + k * n);
-        write_block(s.maps.alpha, c, view.width, maps.alpha.data());
+        const BlockMaps& block = s.blocks[b];
+        for (int k = 0; k < 3; ++k) write_block(block.color[k], c, view.width, maps.color.data() + k * n);
+        write_block(block.alpha, c, view.width, maps.alpha.data());
         if (!geometry) continue;
-        for (int k = 0; k < 3; ++k) write_block(s.maps.normal[k], c, view.width, maps.normal.data() + k * n);
-        write_block(s.maps.distance, c, view.width, maps.distance.data());
-        write_block(s.maps.expected, c, view.width, maps.expected.data());
-        write_block(s.maps.median, c, view.width, maps.median.data());
+        for (int k = 0; k < 3; ++k) write_block(block.normal[k], c, view.width, maps.normal.data() + k * n);
+        write_block(block.distance, c, view.width, maps.distance.data());
+        write_block(block.expected, c, view.width, maps.expected.data());
+        write_block(block.median, c, view.width, maps.median.data());
       }
     }
   });

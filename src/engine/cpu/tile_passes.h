@@ -5,6 +5,7 @@
 
 #include "core/thread_pool.h"
 #include "engine/cpu/blend_backward.h"
+#include "engine/cpu/blend_forward.h"
 #include "engine/cpu/row_batches.h"
 #include "engine/cpu/semantic_visit.h"
 #include "engine/maps.h"
@@ -14,7 +15,7 @@ namespace aligngs::cpu {
 /// Scratch of one thread.
 struct TileScratch {
   TileWeights weights;
-  BlockMaps maps;
+  TileForward forward;
   BlockGradients gradients;
   AlignedArray<SplatGradient> sums;  ///< [gathered splats]
   SemanticScratch semantic;
