@@ -21,6 +21,9 @@ namespace aligngs::cpu {
 #ifdef ALIGNGS_PACKING_TARGET
 namespace {
 
+/// Rows lie anywhere in memory; a miss of the second-level cache lasts about as long as this many rows take.
+constexpr size_t kPrefetchRows = 12;
+
 /// 16 x 16 numbers of 32 bits: out[j][i] = in[i][j].
 ALIGNGS_PACKING_INLINE void transpose_16x16(const __m512i* in, __m512i* out) {
   __m512i pairs[16], quads[16];
@@ -104,23 +107,27 @@ ALIGNGS_PACKING_TARGET void pack_weights_by_entry(const BlockWeights& block, con
   }
 }
 
-ALIGNGS_PACKING_TARGET void pack_rows(const uint16_t* const* rows, size_t count, size_t padded, uint16_t* pairs,
-                                      uint16_t* plain) {
+ALIGNGS_PACKING_TARGET void pack_row_pairs(const uint16_t* const* rows, size_t count, size_t padded, uint16_t* out) {
   const __m512i low = interleave_index(0), high = interleave_index(16), zero = _mm512_setzero_si512();
   const size_t depth = padded_depth(padded), groups = padded / kTileRows;
   for (size_t e = 0; e < padded_entries(count); e += 2) {
-    uint16_t* to = pairs + (e / 32) * groups * kTileNumbers + (e % 32 / 2) * 32;
-    for (size_t c = 0; c < depth; c += 32) {
+    for (size_t ahead = e + kPrefetchRows; ahead < count && ahead < e + kPrefetchRows + 2; ++ahead) {
+      for (size_t c = 0; c < depth; c += 32) _mm_prefetch(reinterpret_cast<const char*>(rows[ahead] + c), _MM_HINT_T0);
+    }
+    uint16_t* to = out + (e / 32) * groups * kTileNumbers + (e % 32 / 2) * 32;
+    for (size_t c = 0; c < depth; c += 32, to += 2 * kTileNumbers) {
       const __m512i a = e < count ? _mm512_load_si512(rows[e] + c) : zero;
       const __m512i b = e + 1 < count ? _mm512_load_si512(rows[e + 1] + c) : zero;
-      const size_t group = c / kTileRows;
-      _mm512_store_si512(to + group * kTileNumbers, _mm512_permutex2var_epi16(a, low, b));
-      if (group + 1 < groups) {
-        _mm512_store_si512(to + (group + 1) * kTileNumbers, _mm512_permutex2var_epi16(a, high, b));
-      }
-      if (plain == nullptr) continue;
-      _mm512_store_si512(plain + e * depth + c, a);
-      _mm512_store_si512(plain + (e + 1) * depth + c, b);
+      _mm512_store_si512(to, _mm512_permutex2var_epi16(a, low, b));
+      if (c + kTileRows < padded) _mm512_store_si512(to + kTileNumbers, _mm512_permutex2var_epi16(a, high, b));
+    }
+  }
+}
+
+ALIGNGS_PACKING_TARGET void copy_rows(const uint16_t* const* rows, size_t count, size_t depth, uint16_t* out) {
+  for (size_t e = 0; e < 32; ++e) {
+    for (size_t c = 0; c < depth; c += 32) {
+      _mm512_store_si512(out + e * depth + c, e < count ? _mm512_load_si512(rows[e] + c) : _mm512_setzero_si512());
     }
   }
 }
@@ -167,7 +174,8 @@ namespace {
 
 void pack_weights_by_pixel(const BlockWeights&, uint16_t*) { no_packing(); }
 void pack_weights_by_entry(const BlockWeights&, const uint32_t*, size_t, uint16_t*) { no_packing(); }
-void pack_rows(const uint16_t* const*, size_t, size_t, uint16_t*, uint16_t*) { no_packing(); }
+void pack_row_pairs(const uint16_t* const*, size_t, size_t, uint16_t*) { no_packing(); }
+void copy_rows(const uint16_t* const*, size_t, size_t, uint16_t*) { no_packing(); }
 void pack_pixels(const float*, size_t, uint16_t*) { no_packing(); }
 void pack_pixels_transposed(const float*, size_t, uint16_t*) { no_packing(); }
 

@@ -28,35 +28,25 @@ struct Grid {
 
 }  // namespace
 
-TileRows::TileRows(const ProjectedView& view, const TileRect& group, const RowSums& sums, SharedRows& shared,
-                   uint32_t* index, size_t entries)
-    : view_(view), group_(group), sums_(sums), shared_(shared), index_(index) {
-  const size_t most = shared.targets.size() + entries;  // room for all, so that pointers stay valid
-  if (most * sums.padded > shared.rows.size()) shared.rows.resize(most * sums.padded);
+TileRows::TileRows(GroupSums& sums, size_t padded, size_t entries) : sums_(sums), padded_(padded) {
+  const size_t most = (sums.gaussians.size() + entries) * padded;
+  if (most > sums.rows.size()) sums.rows.resize(most);
 }
 
 float* TileRows::sums_of(uint32_t gaussian, bool& fresh) {
-  const uint32_t target = sums_.target_of_row != nullptr ? sums_.target_of_row[gaussian] : gaussian;
-  const TileRect& r = view_.rects[gaussian];
-  if (r.x0 >= group_.x0 && r.y0 >= group_.y0 && r.x1 <= group_.x1 && r.y1 <= group_.y1) {
-    uint8_t& written = (*sums_.written)[target];
-    fresh = written == 0;
-    written = 1;
-    return sums_.destination + size_t(target) * sums_.padded;
-  }
-  uint32_t& at = index_[target];  // any value: right only if that row says so
-  fresh = at >= shared_.targets.size() || shared_.targets[at] != target;
+  uint32_t& at = sums_.index[gaussian];
+  fresh = at >= sums_.gaussians.size() || sums_.gaussians[at] != gaussian;
   if (fresh) {
-    at = static_cast<uint32_t>(shared_.targets.size());
-    shared_.targets.push_back(target);
+    at = static_cast<uint32_t>(sums_.gaussians.size());
+    sums_.gaussians.push_back(gaussian);
   }
-  return shared_.rows.data() + size_t(at) * sums_.padded;
+  return sums_.rows.data() + size_t(at) * padded_;
 }
 
 float* TileRows::zeroed_sums_of(uint32_t gaussian) {
   bool fresh;
   float* row = sums_of(gaussian, fresh);
-  if (fresh) std::memset(row, 0, sums_.padded * sizeof(float));
+  if (fresh) std::memset(row, 0, padded_ * sizeof(float));
   return row;
 }
 
@@ -69,7 +59,9 @@ int RowBatches::group_size(int tiles_x, int tiles_y) {
 uint64_t RowBatches::bytes() const {
   uint64_t bytes = 0;
   for (const SharedRows& s : shared_) bytes += s.rows.capacity_bytes() + s.targets.capacity() * sizeof(uint32_t);
-  for (const auto& index : index_) bytes += index.capacity() * sizeof(uint32_t);
+  for (const GroupSums& s : own_) {
+    bytes += s.rows.capacity_bytes() + (s.gaussians.capacity() + s.index.capacity()) * sizeof(uint32_t);
+  }
   return bytes;
 }
 
@@ -87,8 +79,8 @@ void RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
     }
     return n;
   };
-  index_.resize(static_cast<size_t>(pool.size()));
-  for (std::vector<uint32_t>& index : index_) index.resize(std::max(index.size(), sums.targets));
+  own_.resize(static_cast<size_t>(pool.size()));
+  for (GroupSums& own : own_) own.index.resize(std::max(own.index.size(), view.size()));
   for (size_t first = 0; first < grid.count();) {
     size_t last = first;
     for (uint64_t entries = 0; last < grid.count(); ++last) {
@@ -98,20 +90,48 @@ void RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
     if (shared_.size() < last - first) shared_.resize(last - first);
     pool.parallel_for(last - first, 1, [&](size_t begin, size_t end, int worker) {
       for (size_t g = begin; g < end; ++g) {
-        SharedRows& shared = shared_[g];
-        shared.targets.clear();
+        GroupSums& own = own_[static_cast<size_t>(worker)];
+        own.gaussians.clear();
         const TileRect group = grid.rect(first + g, view);
         for (size_t y = group.y0; y < group.y1; ++y) {
           for (size_t tile = y * view.tiles_x + group.x0; tile < y * view.tiles_x + group.x1; ++tile) {
-            TileRows rows(view, group, sums, shared, index_[static_cast<size_t>(worker)].data(), entries_of(tile));
+            TileRows rows(own, sums.padded, entries_of(tile));
             visit(tile, worker, rows);
           }
         }
+        finish_group(view, group, sums, own, shared_[g]);
       }
     });
     add_shared(sums, last - first, pool);
     first = last;
   }
+}
+
+void RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums,
+                              const GroupSums& own, SharedRows& shared) {
+  const auto inside = [&](const TileRect& r) {
+    return r.x0 >= group.x0 && r.y0 >= group.y0 && r.x1 <= group.x1 && r.y1 <= group.y1;
+  };
+  const size_t padded = sums.padded;
+  size_t reaching_out = 0;
+  for (const uint32_t gaussian : own.gaussians) reaching_out += inside(view.rects[gaussian]) ? 0 : 1;
+  shared.targets.clear();
+  shared.rows.resize(std::max(shared.rows.size(), reaching_out * padded));
+  for (size_t i = 0; i < own.gaussians.size(); ++i) {
+    const uint32_t gaussian = own.gaussians[i];
+    const uint32_t target = sums.target_of_row != nullptr ? sums.target_of_row[gaussian] : gaussian;
+    const float* row = own.rows.data() + i * padded;
+    if (!inside(view.rects[gaussian])) {
+      stream_row(row, padded, shared.rows.data() + shared.targets.size() * padded);
+      shared.targets.push_back(target);
+    } else if ((*sums.written)[target] != 0) {
+      add_row(row, padded, sums.destination + size_t(target) * padded);
+    } else {
+      stream_row(row, padded, sums.destination + size_t(target) * padded);
+      (*sums.written)[target] = 1;
+    }
+  }
+  finish_streams();
 }
 
 void RowBatches::add_shared(const RowSums& sums, size_t groups, ThreadPool& pool) {

@@ -20,37 +20,39 @@ struct RowSums {
   std::vector<uint8_t>* written = nullptr;  ///< [targets]
 };
 
-/// Sums of Gaussians that reach beyond their group of tiles.
-struct SharedRows {
-  AlignedArray<float> rows;       ///< [count][padded]
-  std::vector<uint32_t> targets;  ///< [count]
+/// Sums of the Gaussians of one group of tiles, in a thread's cache.
+struct GroupSums {
+  AlignedArray<float> rows;         ///< [count][padded]
+  std::vector<uint32_t> gaussians;  ///< [count]
+  std::vector<uint32_t> index;      ///< [N] any value: right only if that row says so
 };
 
 /// What a tile adds to. Valid for one tile.
 class TileRows {
  public:
-  /// Tiles [x0, x1) x [y0, y1) are one group. `index` is the thread's scratch, [targets] of any value.
-  TileRows(const ProjectedView& view, const TileRect& group, const RowSums& sums, SharedRows& shared, uint32_t* index,
-           size_t entries);
+  /// Room for `entries` more rows, so that pointers stay valid while the tile is visited.
+  TileRows(GroupSums& sums, size_t padded, size_t entries);
 
-  /// The sums of a Gaussian within this group. A fresh row holds anything and is to be set, not added to. The pointer
-  /// stays valid while the tile is visited.
+  /// The sums of a Gaussian within this group. A fresh row holds anything and is to be set, not added to.
   float* sums_of(uint32_t gaussian, bool& fresh);
   /// The same, zeros when fresh.
   float* zeroed_sums_of(uint32_t gaussian);
 
  private:
-  const ProjectedView& view_;
-  const TileRect& group_;
-  const RowSums& sums_;
-  SharedRows& shared_;
-  uint32_t* index_;
+  GroupSums& sums_;
+  size_t padded_;
 };
 
-/// Groups of neighbouring tiles are visited in parallel, the tiles of one in order by one thread. A Gaussian that lies
-/// within a group has its sums at the destination at once, and they stay in the cache from tile to tile; the partial
-/// sums of those that reach further are added after all groups, in the groups' order. So a target's sum has one order
-/// whatever the threads are, and most rows are written once.
+/// Partial sums of Gaussians that reach beyond their group of tiles.
+struct SharedRows {
+  AlignedArray<float> rows;       ///< [count][padded]
+  std::vector<uint32_t> targets;  ///< [count]
+};
+
+/// Groups of neighbouring tiles are visited in parallel, the tiles of one in order by one thread, whose sums stay in its
+/// cache meanwhile. Then the sums of a Gaussian that lies within the group go to their destination; those of one that
+/// reaches further are kept and added after all groups, in the groups' order. So a target's sum has one order whatever
+/// the threads are, and most rows leave the cache once.
 class RowBatches {
  public:
   using Visit = std::function<void(size_t tile, int worker, TileRows& rows)>;
@@ -65,10 +67,12 @@ class RowBatches {
   static int group_size(int tiles_x, int tiles_y);
 
  private:
+  void finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, const GroupSums& own,
+                    SharedRows& shared);
   void add_shared(const RowSums& sums, size_t groups, ThreadPool& pool);
 
-  std::vector<SharedRows> shared_;            ///< [groups of a batch]
-  std::vector<std::vector<uint32_t>> index_;  ///< [thread][targets]
+  std::vector<SharedRows> shared_;  ///< [groups of a batch]
+  std::vector<GroupSums> own_;      ///< [thread]
 };
 
 }  // namespace aligngs::cpu

@@ -6,6 +6,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/cpu/semantic_rows.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -63,6 +64,11 @@ float RowMean(const float* HWY_RESTRICT in, size_t channels, size_t padded) {
   return hn::GetLane(hn::SumOfLanes(d, sum)) / static_cast<float>(channels);
 }
 
+void StreamRow(const float* HWY_RESTRICT in, size_t padded, float* HWY_RESTRICT out) {
+  const FloatTag d;
+  for (size_t c = 0; c < padded; c += kLanes) hn::Stream(hn::Load(d, in + c), d, out + c);
+}
+
 void AddRow(const float* HWY_RESTRICT in, size_t padded, float* HWY_RESTRICT out) {
   const FloatTag d;
   for (size_t c = 0; c < padded; c += kLanes) hn::Store(hn::Add(hn::Load(d, out + c), hn::Load(d, in + c)), d, out + c);
@@ -79,6 +85,7 @@ namespace aligngs::cpu {
 HWY_EXPORT(SoftmaxRow);
 HWY_EXPORT(RoundRow);
 HWY_EXPORT(RowMean);
+HWY_EXPORT(StreamRow);
 HWY_EXPORT(AddRow);
 
 void softmax_row(const float* logits, size_t channels, size_t padded, float* out) {
@@ -94,6 +101,8 @@ void round_row(const float* in, size_t channels, size_t padded, size_t depth, fl
 float row_mean(const float* in, size_t channels, size_t padded) {
   return HWY_DYNAMIC_DISPATCH(RowMean)(in, channels, padded);
 }
+void stream_row(const float* in, size_t padded, float* out) { HWY_DYNAMIC_DISPATCH(StreamRow)(in, padded, out); }
+void finish_streams() { hwy::FlushStream(); }
 void add_row(const float* in, size_t padded, float* out) { HWY_DYNAMIC_DISPATCH(AddRow)(in, padded, out); }
 
 }  // namespace aligngs::cpu

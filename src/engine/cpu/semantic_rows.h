@@ -15,6 +15,9 @@ void copy_row(const float* in, size_t channels, size_t padded, float* out);
 void round_row(const float* in, size_t channels, size_t padded, size_t depth, float shift, uint16_t* out);
 /// Mean of a padded row's first `channels` numbers.
 float row_mean(const float* in, size_t channels, size_t padded);
+/// out = in, both padded and aligned, past the caches. To be completed by finish_streams() on the same thread.
+void stream_row(const float* in, size_t padded, float* out);
+void finish_streams();
 /// out += in, both padded and aligned.
 void add_row(const float* in, size_t padded, float* out);
 

@@ -14,7 +14,6 @@ namespace {
 constexpr size_t kGroup = 32;                                  ///< rows of a tile product
 constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
 constexpr size_t kTilePixels = size_t(kTileBlocks) * kBlockPixels;
-constexpr size_t kCacheLine = 64;                              ///< bytes
 
 /// Calls the kernel for all 16-column groups of C and B.
 void tile_product_columns(TileProduct p, size_t columns) {
@@ -46,11 +45,6 @@ SemanticVisit::SemanticVisit(const SemanticPass& pass, const TileWeights& tile, 
   if (pass.rounded == nullptr) {
     s_.tile_rows.assign(tile.count, nullptr);
     return;
-  }
-  const size_t depth = padded_depth(pass.step.padded);
-  for (size_t i = 0; i < tile.count; ++i) {  // the rows lie anywhere in memory
-    const char* row = reinterpret_cast<const char*>(pass.rounded + size_t(pass.rank[tile.rows[i]]) * depth);
-    for (size_t byte = 0; byte < depth * sizeof(uint16_t); byte += kCacheLine) __builtin_prefetch(row + byte, 0, 2);
   }
   order_by_blocks();
 }
@@ -89,11 +83,6 @@ void SemanticVisit::order_by_blocks() {
       std::memset(s_.weights_by_entry.data() + row * kTilePixels + b * kBlockPixels, 0,
                   kBlockPixels * sizeof(uint16_t));
     }
-  }
-  for (int b = 0; b < kTileBlocks; ++b) {
-    if (!has_teacher_[b]) continue;
-    pack_weights_by_entry(tile_.blocks[b], s_.row_of.data(), kTilePixels,
-                          s_.weights_by_entry.data() + b * kBlockPixels);
   }
   const size_t steps = std::max({padded_entries(most) / kTileDepth, padded_depth(pass_.step.padded) / kTileDepth});
   while (s_.steps.size() < steps) s_.steps.push_back(static_cast<uint32_t>(s_.steps.size()));
@@ -140,10 +129,9 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   }
   s_.weights_by_pixel.resize(entries * kBlockPixels);
   s_.row_pairs.resize(entries * padded);
-  s_.row_plain.resize(pass_.step.couple ? entries * depth : 0);
+  pack_weights_by_entry(block, s_.row_of.data(), kTilePixels, s_.weights_by_entry.data() + index * kBlockPixels);
   pack_weights_by_pixel(block, s_.weights_by_pixel.data());
-  pack_rows(s_.rounded.data(), block.count, padded, s_.row_pairs.data(),
-            pass_.step.couple ? s_.row_plain.data() : nullptr);
+  pack_row_pairs(s_.rounded.data(), block.count, padded, s_.row_pairs.data());
 
   TileProduct blend;  // P = W^T S
   blend.a_row = kTileDepth;
@@ -163,6 +151,7 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   if (block.count == 0 || !pass_.step.couple) return nullptr;
 
   TileProduct coupling;  // Q = S H^T - h_0
+  s_.rows_of_group.resize(kGroup * depth);
   s_.direction_pairs.resize(kBlockPixels * depth);
   pack_pixels_transposed(coupling_direction(), padded, s_.direction_pairs.data());
   s_.q.resize(entries * kBlockPixels);
@@ -176,7 +165,8 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   coupling.initial = s_.block.offset;
   coupling.c_row = kBlockPixels;
   for (size_t e = 0; e < entries; e += kGroup) {
-    coupling.a = s_.row_plain.data() + e * depth;
+    copy_rows(s_.rounded.data() + e, std::min(kGroup, block.count - e), depth, s_.rows_of_group.data());
+    coupling.a = s_.rows_of_group.data();
     coupling.c = s_.q.data() + e * kBlockPixels;
     tile_product_columns(coupling, kBlockPixels);
   }
@@ -215,10 +205,7 @@ void SemanticVisit::finish() {
     float* rows[kGroup];
     bool fresh[kGroup];
     const size_t n = std::min(kGroup, count - first);
-    for (size_t i = 0; i < n; ++i) {
-      rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]], fresh[i]);
-      for (size_t c = 0; c < padded; c += kCacheLine / sizeof(float)) __builtin_prefetch(rows[i] + c, 1, 3);
-    }
+    for (size_t i = 0; i < n; ++i) rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]], fresh[i]);
     row_gradients_of_group(first, s_.group_sums.data(), padded);
     for (size_t i = 0; i < n; ++i) {
       const float* sum = s_.group_sums.data() + i * padded;

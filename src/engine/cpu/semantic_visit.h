@@ -41,7 +41,7 @@ struct SemanticScratch {
   std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
   std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's product and back
   std::vector<uint32_t> steps;           ///< 0, 1, 2, ...
-  AlignedArray<uint16_t> weights_by_pixel, weights_by_entry, row_pairs, row_plain, gradient_pairs, direction_pairs;
+  AlignedArray<uint16_t> weights_by_pixel, weights_by_entry, row_pairs, rows_of_group, gradient_pairs, direction_pairs;
   AlignedArray<float> group_sums;  ///< [32][padded] row gradients of 32 splats of the tile
 };
 
