@@ -22,3 +22,16 @@ add_library(tomlplusplus::tomlplusplus ALIAS PkgConfig::TOMLPP)
 # Debian's embree package ships a CMake config that names no namespaced target; link it by file.
 find_library(EMBREE_LIBRARY embree3 REQUIRED)
 find_path(EMBREE_INCLUDE_DIR embree3/rtcore.h REQUIRED)
+
+# Optional: matrix products of the networks; without it a portable kernel takes over.
+set(ALIGNGS_ONEDNN "")
+if(ALIGNGS_WITH_ONEDNN AND NOT ALIGNGS_SCALAR_ONLY)
+  find_library(DNNL_LIBRARY dnnl)
+  find_path(DNNL_INCLUDE_DIR dnnl.hpp)
+  if(DNNL_LIBRARY AND DNNL_INCLUDE_DIR)
+    add_library(aligngs_onednn INTERFACE)
+    target_link_libraries(aligngs_onednn INTERFACE ${DNNL_LIBRARY} ${CMAKE_DL_LIBS})
+    target_compile_definitions(aligngs_onednn INTERFACE ALIGNGS_WITH_ONEDNN)
+    set(ALIGNGS_ONEDNN aligngs_onednn)
+  endif()
+endif()

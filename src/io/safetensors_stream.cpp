@@ -59,8 +59,8 @@ void SafetensorsStream::append(const float* values, uint64_t count) {
 
 void SafetensorsStream::commit() {
   if (missing_ > 0) {
-    throw Error({ErrorKind::kFailed, std::to_string(missing_) + " values are missing", path_, "",
-                 ""});
+    throw Error(
+        {ErrorKind::kFailed, std::to_string(missing_) + " values are missing", path_, "", ""});
   }
   out_.commit();
 }

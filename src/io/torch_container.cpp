@@ -86,7 +86,8 @@ void TorchContainer::open_legacy(std::unique_ptr<ByteSource> source) {
   for (const PickleValue* key : keys.root().items) {
     const auto known = element_bytes.find(key->text);
     if (!key->is(PickleKind::kString) || known == element_bytes.end())
-      throw_bad_input(name_, "storage " + key->text.substr(0, 100), "nothing refers to it", kRemedy);
+      throw_bad_input(name_, "storage " + key->text.substr(0, 100), "nothing refers to it",
+                      kRemedy);
     constexpr uint64_t kCountBytes = 8;
     const std::string text = source_->read(offset, kCountBytes);
     const uint64_t count = load_number<uint64_t>(text.data(), big_endian_);
@@ -105,10 +106,10 @@ std::string TorchContainer::storage_bytes(const TorchStorage& storage) const {
   const uint64_t needed = storage.elements * storage.type->bytes;
   const auto require_size = [&](uint64_t size) {
     if (size != needed) {
-      throw_bad_input(name_, field,
-                      "has " + std::to_string(size) + " bytes, " + std::to_string(needed) +
-                          " are needed",
-                      kRemedy);
+      throw_bad_input(
+          name_, field,
+          "has " + std::to_string(size) + " bytes, " + std::to_string(needed) + " are needed",
+          kRemedy);
     }
   };
   if (source_) {

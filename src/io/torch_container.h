@@ -36,7 +36,7 @@ class TorchContainer {
 
   std::filesystem::path name_;
   std::optional<ZipArchive> zip_;
-  std::unique_ptr<ByteSource> source_;             ///< legacy only
+  std::unique_ptr<ByteSource> source_;              ///< legacy only
   std::unordered_map<std::string, Span> storages_;  ///< legacy only, by key
   std::string prefix_;
   bool big_endian_ = false;

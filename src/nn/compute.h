@@ -1,0 +1,95 @@
+// What every operator is given: threads, precision and memory to work in.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/thread_pool.h"
+
+namespace aligngs::nn {
+
+/// Of the operands of matrix products and of attention. Sums, normalisations and the residual
+/// stream are float32 in both.
+enum class Precision { kFloat32, kBfloat16 };
+
+/// Uninitialised memory on a 64-byte boundary.
+class AlignedBytes {
+ public:
+  AlignedBytes() = default;
+  explicit AlignedBytes(size_t bytes);
+  char* get() { return memory_.get(); }
+  const char* get() const { return memory_.get(); }
+  size_t size() const { return size_; }
+
+ private:
+  struct Free {
+    void operator()(char* memory) const;
+  };
+  std::unique_ptr<char, Free> memory_;
+  size_t size_ = 0;
+};
+
+/// A stack of buffers that belongs to one worker and is reused from call to call.
+class Scratch {
+ public:
+  /// What was taken while a frame lives is given back when it ends.
+  class Frame {
+   public:
+    explicit Frame(Scratch& scratch) : scratch_(scratch), mark_(scratch.used_) {}
+    ~Frame() { scratch_.used_ = mark_; }
+    Frame(const Frame&) = delete;
+    Frame& operator=(const Frame&) = delete;
+
+   private:
+    Scratch& scratch_;
+    size_t mark_;
+  };
+
+  void* bytes(size_t count);
+  float* floats(size_t count) { return static_cast<float*>(bytes(count * sizeof(float))); }
+  uint16_t* halves(size_t count) { return static_cast<uint16_t*>(bytes(count * sizeof(uint16_t))); }
+
+ private:
+  std::vector<AlignedBytes> buffers_;
+  size_t used_ = 0;
+};
+
+class MatrixBackend;  // cpu/matrix_backend.h
+
+/// What may be used of this machine.
+struct ComputeOptions {
+  Precision precision = Precision::kFloat32;
+  bool onednn = true;  ///< when built with it; otherwise the portable kernels
+  bool amx = true;     ///< when the processor has it
+};
+
+class Compute {
+ public:
+  /// `pool` must outlive this and everything made with it.
+  Compute(ThreadPool& pool, const ComputeOptions& options = {});
+  ~Compute();
+
+  ThreadPool& pool() const { return pool_; }
+  Precision precision() const { return options_.precision; }
+  /// Whether attention runs on the matrix unit (bfloat16 only).
+  bool amx() const { return amx_; }
+  const std::shared_ptr<MatrixBackend>& matrices() const { return matrices_; }
+  Scratch& scratch(int worker) { return scratch_[static_cast<size_t>(worker)]; }
+
+  /// Calls body(first row, number of rows, scratch) on chunks that depend on `rows` alone, so that
+  /// results do not depend on the number of threads. chunk == 0: chosen for products of matrices.
+  void for_rows(int64_t rows, int64_t chunk,
+                const std::function<void(int64_t, int64_t, Scratch&)>& body);
+
+ private:
+  ThreadPool& pool_;
+  ComputeOptions options_;
+  bool amx_ = false;
+  std::shared_ptr<MatrixBackend> matrices_;
+  std::vector<Scratch> scratch_;
+};
+
+}  // namespace aligngs::nn

@@ -1,0 +1,43 @@
+#include "nn/ops/linear.h"
+
+namespace aligngs::nn {
+
+Linear::Linear(const Compute& compute, const std::vector<float>& weight, int64_t outputs,
+               int64_t inputs, std::vector<float> bias)
+    : matrix_(compute.matrices()->pack(weight.data(), outputs, inputs)), bias_(std::move(bias)) {}
+
+Linear::Linear(const Compute& compute, const Weights& weights, const std::string& name,
+               int64_t outputs, int64_t inputs) {
+  Shape shape = {outputs, inputs};
+  if (weights.has(name + ".weight") && weights.shape(name + ".weight").size() == 4)
+    shape = {outputs, inputs, 1, 1};  // a convolution of one pixel
+  matrix_ = compute.matrices()->pack(weights.load(name + ".weight", shape).data(), outputs, inputs);
+  if (weights.has(name + ".bias")) bias_ = weights.load(name + ".bias", {outputs});
+}
+
+void Linear::rows(const float* x, int64_t rows, float* y, Scratch& scratch,
+                  Activation activation) const {
+  matrix_->multiply(x, rows, y, scratch);
+  add_bias_and_activate(y, rows, outputs(), bias(), activation);
+}
+
+void Linear::apply(Compute& compute, const float* x, int64_t row_count, float* y,
+                   Activation activation) const {
+  compute.for_rows(row_count, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
+    rows(x + begin * inputs(), count, y + begin * outputs(), scratch, activation);
+  });
+}
+
+Matrix Linear::operator()(Compute& compute, const Matrix& x, Activation activation) const {
+  Matrix y(x.rows, outputs());
+  apply(compute, x.data.data(), x.rows, y.data.data(), activation);
+  return y;
+}
+
+FeatureMap Linear::operator()(Compute& compute, const FeatureMap& x, Activation activation) const {
+  FeatureMap y(x.height, x.width, outputs());
+  apply(compute, x.data.data(), x.places(), y.data.data(), activation);
+  return y;
+}
+
+}  // namespace aligngs::nn

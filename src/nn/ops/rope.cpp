@@ -1,0 +1,33 @@
+#include "nn/ops/rope.h"
+
+#include <cmath>
+
+namespace aligngs::nn {
+
+Rope2d::Rope2d(int64_t head_dim, int64_t largest) : quarter_(head_dim / 4) {
+  constexpr double kFrequency = 100;
+  for (int64_t p = 0; p <= largest; ++p) {
+    for (int64_t j = 0; j < quarter_; ++j) {
+      const double angle = double(p) * std::pow(kFrequency, -double(j) / double(quarter_));
+      cos_.push_back(float(std::cos(angle)));
+      sin_.push_back(float(std::sin(angle)));
+    }
+  }
+}
+
+void Rope2d::rotate_half(float* half, int64_t position) const {
+  const float* c = cos_.data() + position * quarter_;
+  const float* s = sin_.data() + position * quarter_;
+  for (int64_t j = 0; j < quarter_; ++j) {
+    const float a = half[j], b = half[j + quarter_];
+    half[j] = a * c[j] - b * s[j];
+    half[j + quarter_] = b * c[j] + a * s[j];
+  }
+}
+
+void Rope2d::rotate(float* head, int64_t y, int64_t x) const {
+  rotate_half(head, y);
+  rotate_half(head + 2 * quarter_, x);
+}
+
+}  // namespace aligngs::nn

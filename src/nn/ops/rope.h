@@ -1,0 +1,24 @@
+// Rotary position embedding in two dimensions, as VGGT uses it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace aligngs::nn {
+
+/// The first half of a head rotates with y, the second with x. For a half of size D the frequencies
+/// are 100^(-2j/D), j < D/2; value j is paired with value j + D/2.
+class Rope2d {
+ public:
+  /// head_dim is a multiple of 4; positions are integers in [0, largest].
+  Rope2d(int64_t head_dim, int64_t largest);
+  void rotate(float* head, int64_t y, int64_t x) const;
+
+ private:
+  void rotate_half(float* half, int64_t position) const;
+
+  int64_t quarter_;
+  std::vector<float> cos_, sin_;  ///< [position][quarter]
+};
+
+}  // namespace aligngs::nn

@@ -1,0 +1,121 @@
+#include "nn/transformer_block.h"
+
+#include "core/error.h"
+#include "nn/attention.h"
+
+namespace aligngs::nn {
+namespace {
+
+constexpr float kHeadNormEps = 1e-5f;  // of VGGT's q_norm and k_norm
+
+std::vector<float> layer_scale(const Weights& weights, const char* name, const char* other,
+                               int64_t channels) {
+  if (weights.has(name)) return weights.load(name, {channels});
+  if (weights.has(other)) return weights.load(other, {channels});
+  return {};
+}
+
+const float* or_null(const std::vector<float>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+
+}  // namespace
+
+TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weights,
+                                   const Config& config)
+    : config_(config) {
+  const int64_t c = config.channels;
+  if (config.heads <= 0 || c % config.heads != 0) {
+    throw Error({ErrorKind::kWeights,
+                 std::to_string(c) + " channels do not divide into " +
+                     std::to_string(config.heads) + " heads",
+                 {},
+                 "attn",
+                 "set the number of heads"});
+  }
+  norm1_ = LayerNorm(weights, "norm1", c, config.eps);
+  norm2_ = LayerNorm(weights, "norm2", c, config.eps);
+  qkv_ = Linear(compute, weights, "attn.qkv", 3 * c, c);
+  proj_ = Linear(compute, weights, "attn.proj", c, c);
+  if (weights.has("attn.q_norm.weight")) {
+    q_norm_ = LayerNorm(weights, "attn.q_norm", c / config.heads, kHeadNormEps);
+    k_norm_ = LayerNorm(weights, "attn.k_norm", c / config.heads, kHeadNormEps);
+  }
+  scale1_ = layer_scale(weights, "ls1.gamma", "gamma1", c);
+  scale2_ = layer_scale(weights, "ls2.gamma", "gamma2", c);
+  gated_ = weights.has("mlp.w3.weight");
+  if (!gated_) {
+    const int64_t hidden = weights.dimension("mlp.fc1.weight", 0);
+    fc1_ = Linear(compute, weights, "mlp.fc1", hidden, c);
+    fc2_ = Linear(compute, weights, "mlp.fc2", c, hidden);
+    return;
+  }
+  const int64_t hidden = weights.dimension("mlp.w3.weight", 1);
+  fc2_ = Linear(compute, weights, "mlp.w3", c, hidden);
+  if (weights.has("mlp.w12.weight")) {
+    fc1_ = Linear(compute, weights, "mlp.w12", 2 * hidden, c);
+    return;
+  }
+  std::vector<float> weight = weights.load("mlp.w1.weight", {hidden, c});
+  const std::vector<float> more = weights.load("mlp.w2.weight", {hidden, c});
+  weight.insert(weight.end(), more.begin(), more.end());
+  std::vector<float> bias = weights.load("mlp.w1.bias", {hidden});
+  const std::vector<float> more_bias = weights.load("mlp.w2.bias", {hidden});
+  bias.insert(bias.end(), more_bias.begin(), more_bias.end());
+  fc1_ = Linear(compute, weight, 2 * hidden, c, std::move(bias));
+}
+
+void TransformerBlock::attend(Compute& compute, const Matrix& x, int64_t sequences,
+                              const TokenPlaces* places, Matrix& out) const {
+  const int64_t c = config_.channels, tokens = x.rows / sequences, dim = c / config_.heads;
+  AttentionOperands operands(compute, {sequences, config_.heads, dim, tokens, tokens});
+  compute.for_rows(x.rows, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
+    float* normed = scratch.floats(size_t(count * c));
+    float* qkv = scratch.floats(size_t(count * 3 * c));
+    norm1_.rows(x.row(begin), count, normed);
+    qkv_.rows(normed, count, qkv, scratch);
+    for (int64_t i = 0; i < count; ++i) {
+      float* row = qkv + i * 3 * c;
+      const int64_t sequence = (begin + i) / tokens, token = (begin + i) % tokens;
+      if (q_norm_.channels() > 0) {
+        q_norm_.rows(row, config_.heads, row);
+        k_norm_.rows(row + c, config_.heads, row + c);
+      }
+      if (places) {
+        const TokenPlaces::Place at = places->places[size_t(token) % places->places.size()];
+        for (int64_t h = 0; h < 2 * config_.heads; ++h)  // queries, then keys
+          places->rope.rotate(row + h * dim, at.y, at.x);
+      }
+      operands.set_query_row(sequence, token, row);
+      operands.set_key_row(sequence, token, row + c);
+      operands.set_value_row(sequence, token, row + 2 * c);
+    }
+  });
+  attention(compute, operands, out.data.data());
+}
+
+void TransformerBlock::forward(Compute& compute, Matrix& x, int64_t sequences,
+                               const TokenPlaces* places) const {
+  const int64_t c = config_.channels, hidden = fc2_.inputs();
+  Matrix attended(x.rows, c);
+  attend(compute, x, sequences, places, attended);
+  compute.for_rows(x.rows, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
+    float* update = scratch.floats(size_t(count * c));
+    float* wide = scratch.floats(size_t(count * fc1_.outputs()));
+    proj_.product(attended.row(begin), count, update, scratch);
+    add_scaled(x.row(begin), update, count, c, proj_.bias(), or_null(scale1_));
+    norm2_.rows(x.row(begin), count, update);
+    if (gated_) {
+      float* gated = scratch.floats(size_t(count * hidden));
+      fc1_.rows(update, count, wide, scratch);
+      swiglu(wide, count, hidden, gated);
+      fc2_.product(gated, count, update, scratch);
+    } else {
+      fc1_.rows(update, count, wide, scratch, Activation::kGelu);
+      fc2_.product(wide, count, update, scratch);
+    }
+    add_scaled(x.row(begin), update, count, c, fc2_.bias(), or_null(scale2_));
+  });
+}
+
+}  // namespace aligngs::nn

@@ -1,0 +1,47 @@
+// The pre-norm transformer block of DINOv2 and VGGT.
+#pragma once
+
+#include <vector>
+
+#include "nn/ops/linear.h"
+#include "nn/ops/norm.h"
+#include "nn/ops/rope.h"
+
+namespace aligngs::nn {
+
+/// Where each token of a sequence lies; sequences longer than the list repeat it.
+struct TokenPlaces {
+  struct Place {
+    int y = 0, x = 0;
+  };
+  Rope2d rope;
+  std::vector<Place> places;
+};
+
+/// x += ls1 * proj(attention(norm1(x))); x += ls2 * ffn(norm2(x)). What the weights hold decides on
+/// the rest: normalised queries and keys (attn.q_norm), LayerScale (ls1.gamma or gamma1, none), and
+/// the feed-forward part (mlp.fc1 with GELU, SwiGLU as mlp.w12 or as mlp.w1 and mlp.w2).
+class TransformerBlock {
+ public:
+  struct Config {
+    int64_t channels = 0, heads = 0;
+    float eps = 1e-6f;  ///< of norm1 and norm2
+  };
+  TransformerBlock(const Compute& compute, const Weights& weights, const Config& config);
+
+  /// x [sequences * tokens, channels]; attention within each sequence.
+  void forward(Compute& compute, Matrix& x, int64_t sequences,
+               const TokenPlaces* places = nullptr) const;
+
+ private:
+  void attend(Compute& compute, const Matrix& x, int64_t sequences, const TokenPlaces* places,
+              Matrix& out) const;
+
+  Config config_;
+  LayerNorm norm1_, norm2_, q_norm_, k_norm_;
+  std::vector<float> scale1_, scale2_;
+  Linear qkv_, proj_, fc1_, fc2_;
+  bool gated_ = false;
+};
+
+}  // namespace aligngs::nn

@@ -1,0 +1,142 @@
+#include "nn/vit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "io/array_shape.h"
+#include "nn/ops/resize.h"
+
+namespace aligngs::nn {
+namespace {
+
+int64_t square_side(int64_t places) {
+  const auto side = int64_t(std::lround(std::sqrt(double(places))));
+  return side * side == places ? side : 0;
+}
+
+}  // namespace
+
+FeatureMap VitTokens::patches(const Matrix& of, int64_t image) const {
+  FeatureMap map(grid_height, grid_width, of.columns);
+  const float* from = of.row(image * per_image() + 1 + registers);
+  std::copy_n(from, map.data.size(), map.data.data());
+  return map;
+}
+
+std::vector<float> VitTokens::cls(const Matrix& of, int64_t image) const {
+  const float* row = of.row(image * per_image());
+  return {row, row + of.columns};
+}
+
+Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& options)
+    : options_(options) {
+  const char* const kPatch = "patch_embed.proj.weight";
+  channels_ = weights.dimension(kPatch, 0);
+  const int64_t c = channels_, patch = weights.dimension(kPatch, 2);
+  constexpr int64_t kHeadDim = 64;  // of every published model
+  if (options_.heads <= 0) options_.heads = c / kHeadDim;
+  patch_embed_ = Convolution(compute, weights, "patch_embed.proj", {c, 3, patch, patch, 0});
+  cls_ = weights.load("cls_token", {1, 1, c});
+  const int64_t places = weights.dimension("pos_embed", 1);
+  if (square_side(places - 1) == 0) {
+    throw Error({ErrorKind::kWeights,
+                 "shape " + shape_text(weights.shape("pos_embed")) +
+                     " found, expected a square number of places and one more",
+                 {},
+                 "pos_embed",
+                 "these are not the weights of this network"});
+  }
+  position_ = Matrix(places, c);
+  position_.data = weights.load("pos_embed", {1, places, c});
+  if (weights.has("register_tokens"))
+    registers_ = weights.load("register_tokens", {1, weights.dimension("register_tokens", 1), c});
+  rule_ = options_.position.value_or(registers_.empty() ? PositionRule::kScaleOffset
+                                                        : PositionRule::kAntialiased);
+  const int depth = weights.count("blocks.");
+  if (depth == 0) weights.shape("blocks.0.norm1.weight");  // throws: missing
+  for (int i = 0; i < depth; ++i) {
+    blocks_.emplace_back(compute, weights.sub("blocks." + std::to_string(i) + "."),
+                         TransformerBlock::Config{c, options_.heads, options_.eps});
+  }
+  if (weights.has("norm.weight")) norm_ = LayerNorm(weights, "norm", c, options_.eps);
+}
+
+Matrix Vit::positions(Compute& compute, int64_t grid_height, int64_t grid_width) const {
+  const int64_t side = square_side(position_.rows - 1);
+  if (grid_height == side && grid_width == side) return position_;
+  FeatureMap trained(side, side, channels_);
+  std::copy_n(position_.row(1), trained.data.size(), trained.data.data());
+  const auto axis = [&](int64_t grid) {
+    switch (rule_) {
+      case PositionRule::kAntialiased:
+        return antialiased_bicubic_axis(side, grid);
+      case PositionRule::kScaleOffset:
+        return bicubic_axis(side, grid, double(side) / (double(grid) + options_.position_offset));
+      case PositionRule::kPlain:
+        break;
+    }
+    return bicubic_axis(side, grid, double(side) / double(grid));
+  };
+  const FeatureMap resized = resample(compute, trained, axis(grid_height), axis(grid_width));
+  Matrix out(1 + grid_height * grid_width, channels_);
+  std::copy_n(position_.row(0), channels_, out.row(0));
+  std::copy(resized.data.begin(), resized.data.end(), out.row(1));
+  return out;
+}
+
+VitTokens Vit::embed(Compute& compute, const std::vector<FeatureMap>& images) const {
+  VitTokens out;
+  out.images = int64_t(images.size());
+  if (images.empty()) throw_bad_input({}, "images", "none given");
+  const FeatureMap& first = images.front();
+  for (const FeatureMap& image : images) {
+    const bool whole = image.height % patch() == 0 && image.width % patch() == 0;
+    if (image.height != first.height || image.width != first.width || image.height < patch() ||
+        image.width < patch() || !(whole || options_.patches_cut)) {
+      throw_bad_input(
+          {}, "images",
+          "a size of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+              " does not suit the network",
+          "all images must have one size, sides multiples of " + std::to_string(patch()));
+    }
+  }
+  out.grid_height = first.height / patch();
+  out.grid_width = first.width / patch();
+  out.registers = int64_t(registers_.size()) / channels_;
+  out.tokens = Matrix(out.images * out.per_image(), channels_);
+  const Matrix position = positions(compute, out.grid_height, out.grid_width);
+  for (int64_t i = 0; i < out.images; ++i) {
+    const FeatureMap patches = patch_embed_(compute, images[size_t(i)]);
+    float* to = out.tokens.row(i * out.per_image());
+    for (int64_t c = 0; c < channels_; ++c) to[c] = cls_[size_t(c)] + position.row(0)[c];
+    to = std::copy(registers_.begin(), registers_.end(), to + channels_);
+    for (size_t k = 0; k < patches.data.size(); ++k) to[k] = patches.data[k] + position.row(1)[k];
+  }
+  return out;
+}
+
+VitTokens Vit::operator()(Compute& compute, const std::vector<FeatureMap>& images,
+                          const std::vector<int>& keep) const {
+  VitTokens out = embed(compute, images);
+  out.blocks.resize(keep.size());
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    blocks_[i].forward(compute, out.tokens, out.images);
+    for (size_t k = 0; k < keep.size(); ++k) {
+      if (keep[k] == int(i)) out.blocks[k] = out.tokens;
+    }
+  }
+  for (size_t k = 0; k < keep.size(); ++k) {
+    if (out.blocks[k].rows == 0) {
+      throw Error({ErrorKind::kWeights,
+                   "block " + std::to_string(keep[k]) + " is wanted of a network of " +
+                       std::to_string(blocks_.size()),
+                   {},
+                   "blocks",
+                   "these are not the weights of this network"});
+    }
+  }
+  return out;
+}
+
+}  // namespace aligngs::nn
