@@ -1,0 +1,193 @@
+#include "edit/selection.h"
+
+#include <algorithm>
+#include <map>
+
+#include "core/error.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kSmoothingNeighbours = 16;
+constexpr float kFaint = 0.01f;  ///< probabilities below say nothing about where a histogram splits
+
+/// Answers "which object of this class is Gaussian i part of?" also for Gaussians whose best class is another one.
+class ObjectFinder {
+ public:
+  ObjectFinder(const LabelledGaussians& room, int label, double reach) : room_(room), label_(label), reach_(reach), tree_(members()) {}
+
+  bool any() const { return !rows_.empty(); }
+  /// 0: none within reach. A class without numbered objects has the object 0 everywhere.
+  int object_of(size_t i, std::vector<PointTree::Neighbour>& scratch) const {
+    if (room_.labels.label[i] == label_ && room_.labels.instance[i]) return room_.labels.instance[i];
+    const float* p = &room_.model.positions[3 * i];
+    tree_.nearest({p[0], p[1], p[2]}, 1, scratch);
+    return scratch.empty() || scratch[0].distance > reach_ ? 0 : room_.labels.instance[rows_[scratch[0].index]];
+  }
+
+ private:
+  std::vector<Vec3f> members() {
+    std::vector<Vec3f> points;
+    for (uint32_t i = 0; i < room_.labels.label.size(); ++i) {
+      if (room_.labels.label[i] != label_ || room_.labels.instance[i] == 0) continue;
+      rows_.push_back(i);
+      points.push_back({room_.model.positions[3 * i], room_.model.positions[3 * i + 1], room_.model.positions[3 * i + 2]});
+    }
+    return points;
+  }
+
+  const LabelledGaussians& room_;
+  int label_;
+  double reach_;
+  std::vector<uint32_t> rows_;
+  PointTree tree_;
+};
+
+/// Probability that decides, per Gaussian, and the threshold for it.
+struct Criterion {
+  std::vector<float> value;
+  double threshold = 0;
+};
+
+Criterion criterion_of(const LabelledGaussians& room, int label, const std::vector<SelectionTerm>& terms, const ThresholdRule& rule) {
+  Criterion out;
+  out.value.assign(room.model.size(), 0.f);
+  std::vector<int> classes = {label};
+  if (rule.kind == ThresholdRule::Kind::kValue) {  // the named classes together: a pillow that may be a cushion is one of the two
+    classes.clear();
+    for (const SelectionTerm& term : terms) classes.push_back(term.label);
+    std::sort(classes.begin(), classes.end());
+    classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
+  }
+  for (size_t i = 0; i < out.value.size(); ++i) {
+    if (rule.kind == ThresholdRule::Kind::kArgmax) {
+      out.value[i] = room.labels.label[i] == label ? 1.f : 0.f;
+    } else {
+      for (const int c : classes) out.value[i] += room.soft.of(i, c);
+    }
+  }
+  if (rule.kind == ThresholdRule::Kind::kArgmax) {
+    out.threshold = 1;
+  } else if (rule.kind == ThresholdRule::Kind::kValue) {
+    out.threshold = rule.value;
+  } else {
+    std::vector<float> informative;
+    for (const float p : out.value) {
+      if (p > kFaint) informative.push_back(p);
+    }
+    out.threshold = otsu_threshold(informative);
+  }
+  return out;
+}
+
+void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms, const ThresholdRule& rule,
+          const SelectionOptions& options, uint8_t value, GaussianSelection& selection) {
+  for (const SelectionTerm& term : terms) {
+    const Criterion criterion = criterion_of(room, term.label, terms, rule);
+    if (rule.kind != ThresholdRule::Kind::kArgmax && selection.threshold == 0) selection.threshold = criterion.threshold;
+    const ObjectFinder finder(room, term.label, options.reach * room.extent);
+    std::vector<PointTree::Neighbour> scratch;
+    for (size_t i = 0; i < selection.mask.size(); ++i) {
+      if (!(criterion.value[i] >= criterion.threshold) || selection.mask[i] == value) continue;
+      const int object = finder.any() ? finder.object_of(i, scratch) : 0;
+      const bool wanted = term.instance ? object == term.instance : object != 0 || !finder.any();
+      if (wanted) selection.mask[i] = value;
+    }
+  }
+}
+
+/// Majority of the neighbours with hysteresis, counted by opacity.
+void clean(const LabelledGaussians& room, const SelectionOptions& options, ThreadPool& pool, std::vector<uint8_t>& mask) {
+  const size_t k = static_cast<size_t>(std::max(0, options.neighbours));
+  if (k == 0 || mask.size() <= k) return;
+  const NeighbourGraph graph = neighbour_graph(positions_of(room.model), k, pool);
+  for (int round = 0; round < options.rounds; ++round) {
+    const std::vector<uint8_t> before = mask;
+    for (size_t i = 0; i < mask.size(); ++i) {
+      double chosen = 0, all = 0;
+      for (size_t slot = k * i; slot < k * (i + 1); ++slot) {
+        const double weight = opacity_of(room.model, graph.index[slot]);
+        all += weight;
+        if (before[graph.index[slot]]) chosen += weight;
+      }
+      if (!before[i] && chosen >= options.join * all) mask[i] = 1;
+      if (before[i] && chosen <= options.leave * all) mask[i] = 0;
+    }
+  }
+}
+
+}  // namespace
+
+LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, double extent, ThreadPool& pool) {
+  if (model.semantic_channels == 0) {
+    throw_bad_input({}, "semantics", "this scene was trained without semantics, so that no object has a name",
+                    "train a scene that has segmentation_logits/");
+  }
+  LabelledGaussians room;
+  room.extent = extent > 0 ? extent : extent_of(model);
+  room.soft = soft_labels(model, pool);
+  smooth_labels(room.soft, model, neighbour_graph(positions_of(model), kSmoothingNeighbours, pool), room.extent, {}, pool);
+  room.labels = best_labels(room.soft, labels);
+  find_instances(model, room.labels, room.extent, {}, pool);
+  room.model = std::move(model);
+  return room;
+}
+
+double otsu_threshold(const std::vector<float>& values) {
+  constexpr int kBins = 256;
+  std::vector<double> count(kBins, 0.0);
+  for (const float v : values) count[std::clamp(static_cast<int>(v * kBins), 0, kBins - 1)] += 1;
+  double total = 0, sum = 0;
+  for (int b = 0; b < kBins; ++b) {
+    total += count[b];
+    sum += b * count[b];
+  }
+  double below = 0, below_sum = 0, best = 0, threshold = 0.5;
+  for (int b = 0; b + 1 < kBins; ++b) {
+    below += count[b];
+    below_sum += b * count[b];
+    if (below == 0 || below == total) continue;
+    const double gap = below_sum / below - (sum - below_sum) / (total - below);
+    const double between = below * (total - below) * gap * gap;
+    if (between > best) {
+      best = between;
+      threshold = static_cast<double>(b + 1) / kBins;
+    }
+  }
+  return threshold;
+}
+
+GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query, const ThresholdRule& rule,
+                                   const LabelSet& labels, const SelectionOptions& options, ThreadPool& pool) {
+  GaussianSelection selection;
+  selection.mask.assign(room.model.size(), query.everything ? 1 : 0);
+  mark(room, query.include, rule, options, 1, selection);
+  mark(room, query.exclude, rule, options, 0, selection);
+  if (std::find(selection.mask.begin(), selection.mask.end(), uint8_t(1)) != selection.mask.end()) {
+    clean(room, options, pool, selection.mask);
+  }
+  std::map<std::pair<int, int>, size_t> counts;
+  for (size_t i = 0; i < selection.mask.size(); ++i) {
+    if (!selection.mask[i]) continue;
+    ++selection.count;
+    const uint16_t label = room.labels.label[i];
+    ++counts[{label == kNoLabel ? -1 : label, label == kNoLabel ? 0 : room.labels.instance[i]}];
+  }
+  for (const auto& [key, gaussians] : counts) selection.objects.push_back({key.first, key.second, gaussians});
+  if (selection.count == 0) {
+    throw_bad_input({}, "--select", "the room has no Gaussian that is \"" + selection_text(query, labels) + "\"",
+                    "it holds: " + objects_text(list_instances(room.model, room.labels), labels));
+  }
+  return selection;
+}
+
+std::string objects_text(const std::vector<Instance>& objects, const LabelSet& labels) {
+  std::string text;
+  for (const Instance& object : objects) {
+    text += (text.empty() ? "" : ", ") + labels.classes.at(object.label).name + "#" + std::to_string(object.number);
+  }
+  return text.empty() ? "nothing that has a name" : text;
+}
+
+}  // namespace aligngs

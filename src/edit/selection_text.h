@@ -1,0 +1,47 @@
+// The text that says which objects are meant: "pillow, cushion#2", "everything but wall, floor".
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "edit/vocabulary.h"
+
+namespace aligngs {
+
+/// One class, or one object of it.
+struct SelectionTerm {
+  int label = 0;     ///< class number
+  int instance = 0;  ///< 1, 2, ... as in scene.labels.ply, largest object first; 0 = all objects of the class
+};
+
+struct SelectionQuery {
+  bool everything = false;             ///< also what has no label
+  std::vector<SelectionTerm> include;  ///< united
+  std::vector<SelectionTerm> exclude;  ///< taken away afterwards
+};
+
+/// Grammar: items parted by commas (or "and"); an item is a name, optionally with "#" and an object number;
+/// "everything" or "all" is the whole room; after "but", "except" or "without" stand the exclusions.
+/// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
+SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);
+
+/// The same selection in one spelling, for edits.json and messages; parse_selection reads it back.
+std::string selection_text(const SelectionQuery& query, const LabelSet& labels);
+
+/// How sure a Gaussian must be to be selected.
+struct ThresholdRule {
+  enum class Kind {
+    kArgmax,  ///< the class is the Gaussian's most probable one
+    kAuto,    ///< its probability is above the split of the class's histogram (Otsu 1979)
+    kValue    ///< the probability of the named classes together is at least `value`
+  };
+  Kind kind = Kind::kArgmax;
+  double value = 0;  ///< in (0, 1], for kValue
+};
+
+/// "argmax", "auto" or a number in (0, 1]; Error{kUsage} for anything else.
+ThresholdRule parse_threshold(std::string_view text);
+std::string threshold_text(const ThresholdRule& rule);
+
+}  // namespace aligngs

@@ -1,0 +1,84 @@
+#include "edit/selection_text.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+using testing::HasSubstr;
+
+std::string canonical(const std::string& text) {
+  const Vocabulary vocabulary(ade20k_labels());
+  return selection_text(parse_selection(text, vocabulary), ade20k_labels());
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    canonical(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted: " << text;
+  return "";
+}
+
+TEST(SelectionText, AListIsAUnion) {
+  EXPECT_EQ(canonical("pillow, cushion"), "cushion, pillow");
+  EXPECT_EQ(canonical("Pillows and cushions"), "cushion, pillow");
+  EXPECT_EQ(canonical("pillow,pillow , PILLOW"), "pillow");
+}
+
+TEST(SelectionText, ObjectsHaveNumbers) {
+  EXPECT_EQ(canonical("pillow#2, pillow #1, couch#3"), "sofa#3, pillow#1, pillow#2");
+  for (const char* bad : {"pillow#", "pillow#0", "pillow#-1", "pillow#x", "pillow#1x", "pillow#99999999999"}) {
+    EXPECT_THAT(refusal(bad), HasSubstr("object number")) << bad;
+  }
+}
+
+TEST(SelectionText, EverythingButSomething) {
+  EXPECT_EQ(canonical("everything but wall, floor"), "everything but wall, floor");
+  EXPECT_EQ(canonical("ALL except the walls"), "everything but wall");
+}
+
+TEST(SelectionText, ExclusionsApplyToLists) {
+  EXPECT_EQ(canonical("pillow, sofa without pillow#2"), "sofa, pillow but pillow#2");
+}
+
+TEST(SelectionText, TheCanonicalTextReadsBack) {
+  for (const char* text : {"everything but wall, floor", "pillow#2 and sofa", "chests of drawers, rug except rug#1"}) {
+    EXPECT_EQ(canonical(canonical(text)), canonical(text));
+  }
+}
+
+TEST(SelectionText, MistakesAreUsageErrorsThatHelp) {
+  EXPECT_THAT(refusal("pilow"), HasSubstr("did you mean \"pillow\""));
+  EXPECT_THAT(refusal(""), HasSubstr("nothing is selected"));
+  EXPECT_THAT(refusal("pillow,,cushion"), HasSubstr("empty item"));
+  EXPECT_THAT(refusal("everything but"), HasSubstr("empty item"));
+  EXPECT_THAT(refusal("everything but everything"), HasSubstr("everything"));
+  EXPECT_THAT(refusal(std::string("pil\0low", 7)), HasSubstr("zero byte"));
+  EXPECT_THAT(refusal(std::string(100000, ',')), HasSubstr("longer"));
+}
+
+TEST(SelectionText, AClassWhoseNameHoldsAndIsOneItem) {
+  LabelSet labels;
+  labels.classes = {{"washer and dryer", {}, {}}, {"rug", {}, {}}};
+  const SelectionQuery query = parse_selection("washer and dryer, rug", Vocabulary(labels));
+  EXPECT_EQ(query.include.size(), 2u);
+}
+
+TEST(Threshold, ArgmaxAutoOrAProbability) {
+  EXPECT_EQ(parse_threshold("argmax").kind, ThresholdRule::Kind::kArgmax);
+  EXPECT_EQ(parse_threshold("Auto").kind, ThresholdRule::Kind::kAuto);
+  EXPECT_DOUBLE_EQ(parse_threshold("0.25").value, 0.25);
+  for (const char* text : {"argmax", "auto", "0.25"}) EXPECT_EQ(threshold_text(parse_threshold(text)), text);
+  for (const char* bad : {"", "0", "1.5", "-1", "nan", "inf", "0.5x", "much"}) {
+    EXPECT_THROW(parse_threshold(bad), Error) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,53 @@
+// Class probabilities of the Gaussians, smoothed over their neighbours, and the labels that follow.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "edit/point_tree.h"
+#include "gaussians/gaussian_model.h"
+#include "gaussians/gaussian_ply.h"
+#include "scene/label_set.h"
+
+namespace aligngs {
+
+/// The kTop most probable classes of each Gaussian, best first. What is left of 1 belongs to the other classes.
+struct SoftLabels {
+  static constexpr size_t kTop = 8;  ///< beyond the eighth class of a room nothing has weight; 48 bytes a Gaussian
+  std::vector<uint16_t> label;       ///< [N][kTop]; kNoLabel: no further class
+  std::vector<float> probability;    ///< [N][kTop]
+
+  size_t size() const { return label.size() / kTop; }
+  float of(size_t gaussian, int wanted) const;  ///< 0 when not among the best
+};
+
+/// softmax of the semantic rows; rows that no pixel taught (all equal) have no class.
+SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool);
+
+/// Gaussians next to each other and of like colour are parts of one thing: each takes the mean of its neighbours'
+/// probabilities, weighted by opacity, nearness and likeness of colour (bilateral filter; Tomasi and Manduchi 1998).
+/// This settles Gaussians at object borders and inside of objects, which few pixels taught.
+struct SmoothingOptions {
+  int rounds = 3;
+  double color_sigma = 0.12;     ///< sRGB difference (norm over 3 channels) of unlike things
+  double distance_quantile = 0.5;  ///< the bandwidth is the distance of this share of the neighbours
+  double own_weight = 1;         ///< of the Gaussian's own probabilities, next to about k of the neighbours
+  double reach = 0.02;           ///< neighbours farther than this share of the extent say nothing
+};
+void smooth_labels(SoftLabels& soft, const GaussianModel& model, const NeighbourGraph& graph, double extent,
+                   const SmoothingOptions& options, ThreadPool& pool);
+
+/// Best class and its probability; instances are 0.
+GaussianLabels best_labels(const SoftLabels& soft, const LabelSet& labels);
+
+/// Positions as vectors.
+std::vector<Vec3f> positions_of(const GaussianModel& model);
+/// Half the diagonal of the box between the 5 % and 95 % quantiles of the positions; never zero. The same measure as
+/// robust_extent of a scene, for code that has only the Gaussians.
+double extent_of(const GaussianModel& model);
+float opacity_of(const GaussianModel& model, size_t i);
+/// Colour of the constant spherical harmonic, sRGB, not clamped.
+Vec3f base_color_of(const GaussianModel& model, size_t i);
+
+}  // namespace aligngs

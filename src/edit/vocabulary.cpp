@@ -1,0 +1,132 @@
+#include "edit/vocabulary.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/edit_distance.h"
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+/// Words that the ADE20K object list lacks and people type. Used where the label set has the class and no word of its
+/// own that is spelt so.
+struct EverydayWord {
+  const char* word;
+  const char* name;
+};
+constexpr EverydayWord kEveryday[] = {
+    {"fridge", "refrigerator"}, {"bin", "ashcan"},           {"picture frame", "painting"}, {"drawers", "chest of drawers"},
+    {"duvet", "blanket"},       {"quilt", "blanket"},        {"bedspread", "blanket"},      {"settee", "sofa"},
+    {"cupboard", "cabinet"},    {"bookshelf", "bookcase"},   {"hob", "stove"},              {"cooker", "stove"},
+    {"heater", "radiator"},     {"potted plant", "plant"},   {"footstool", "ottoman"},      {"armoire", "wardrobe"},
+    {"rubbish bin", "ashcan"},  {"basin", "sink"},           {"washbasin", "sink"},         {"mat", "rug"}};
+
+bool ends_with(const std::string& word, const char* tail) {
+  const std::string_view t(tail);
+  return word.size() > t.size() && word.compare(word.size() - t.size(), t.size(), t) == 0;
+}
+
+/// Forms that may be the singular of a plural, the most regular one first; the word itself last.
+std::vector<std::string> singular_forms(const std::string& phrase) {
+  // "chests of drawers": the noun that takes the plural stands before " of ".
+  const size_t of = phrase.find(" of ");
+  const std::string head = phrase.substr(0, of), tail = of == std::string::npos ? "" : phrase.substr(of);
+  std::vector<std::string> forms;
+  const auto cut = [&](size_t letters, const char* end) { forms.push_back(head.substr(0, head.size() - letters) + end + tail); };
+  if (ends_with(head, "ss")) {
+    forms.push_back(phrase);
+    return forms;  // "glass" is no plural
+  }
+  if (ends_with(head, "ies")) cut(3, "y");
+  if (ends_with(head, "ves")) {
+    cut(3, "f");
+    cut(3, "fe");
+  }
+  if (ends_with(head, "s")) cut(1, "");
+  if (ends_with(head, "ses") || ends_with(head, "xes") || ends_with(head, "hes") || ends_with(head, "oes")) cut(2, "");
+  forms.push_back(phrase);
+  return forms;
+}
+
+}  // namespace
+
+std::string folded_name(std::string_view text) {
+  std::string out;
+  for (const char raw : text) {
+    const unsigned char c = static_cast<unsigned char>(raw);
+    if (std::isspace(c) || raw == '-' || raw == '_') {
+      if (!out.empty() && out.back() != ' ') out += ' ';
+    } else {
+      out += static_cast<char>(std::tolower(c));
+    }
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+void Vocabulary::add(const std::string& word, int label) {
+  const std::string folded = folded_name(word);
+  if (folded.empty()) return;
+  exact_.emplace(folded, label);
+  for (const std::string& form : singular_forms(folded)) singular_.emplace(form, label);
+}
+
+Vocabulary::Vocabulary(const LabelSet& labels) : labels_(labels) {
+  for (int i = 0; i < labels_.size(); ++i) add(labels_.classes[i].name, i);
+  for (int i = 0; i < labels_.size(); ++i) {
+    for (const std::string& synonym : labels_.classes[i].synonyms) add(synonym, i);
+  }
+  for (const EverydayWord& word : kEveryday) {
+    if (const auto it = exact_.find(word.name); it != exact_.end()) add(word.word, it->second);
+  }
+}
+
+std::optional<int> Vocabulary::find(std::string_view word) const {
+  std::string folded = folded_name(word);
+  if (const auto it = exact_.find(folded); it != exact_.end()) return it->second;
+  for (const std::string_view article : {"the ", "a ", "an "}) {
+    if (folded.compare(0, article.size(), article) == 0) folded.erase(0, article.size());
+  }
+  for (const std::string& form : singular_forms(folded)) {
+    if (const auto it = exact_.find(form); it != exact_.end()) return it->second;
+  }
+  for (const std::string& form : singular_forms(folded)) {  // "chest of drawer" for "chest of drawers"
+    if (const auto it = singular_.find(form); it != singular_.end()) return it->second;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t most) const {
+  const std::string folded = folded_name(word);
+  constexpr size_t kLongestWord = 64;  // bytes; nothing longer is a mistyped name, and the distance is quadratic
+  if (folded.empty() || folded.size() > kLongestWord) return {};
+  struct Near {
+    size_t distance;
+    std::string word;
+  };
+  std::vector<Near> near;
+  const size_t limit = std::max<size_t>(1, folded.size() / 3);
+  for (const auto& [known, label] : exact_) {
+    size_t distance = edit_distance(folded, known);
+    for (const std::string& form : singular_forms(folded)) distance = std::min(distance, edit_distance(form, known));
+    if (distance <= limit) near.push_back({distance, known});
+  }
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+  std::vector<std::string> out;
+  for (size_t i = 0; i < near.size() && out.size() < most; ++i) out.push_back(near[i].word);
+  return out;
+}
+
+int Vocabulary::resolve(std::string_view word) const {
+  if (const auto label = find(word)) return *label;
+  constexpr size_t kShown = 60;  // bytes of the user's word in the message
+  const std::string shown(word.substr(0, kShown));
+  std::string remedy;
+  for (const std::string& s : suggestions(word)) remedy += (remedy.empty() ? "did you mean " : " or ") + ("\"" + s + "\"");
+  if (!remedy.empty()) remedy += "? ";
+  throw_usage("there is no class called \"" + shown + "\" in the label set " + labels_.name,
+              remedy + "`aligngs edit RUN --list` shows what the room holds");
+}
+
+}  // namespace aligngs

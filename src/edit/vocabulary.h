@@ -1,0 +1,39 @@
+// What people call things, and which class of a label set they mean.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/label_set.h"
+
+namespace aligngs {
+
+/// Lower case, words parted by single blanks; '-' and '_' count as blanks.
+std::string folded_name(std::string_view text);
+
+/// Names, synonyms and everyday words of one label set. Case, plural and '-' or '_' do not matter; a typing error is
+/// answered with suggestions, never guessed: an edit that hits the wrong object is worse than a second try.
+class Vocabulary {
+ public:
+  explicit Vocabulary(const LabelSet& labels);
+
+  /// Class number, or nothing when the word is unknown. A name goes before a synonym, a synonym before a plural.
+  std::optional<int> find(std::string_view word) const;
+  /// Class number; Error{kUsage} with suggestions when the word is unknown.
+  int resolve(std::string_view word) const;
+  /// Known words that differ from `word` in at most a third of its letters, nearest first.
+  std::vector<std::string> suggestions(std::string_view word, size_t most = 3) const;
+  const LabelSet& labels() const { return labels_; }
+
+ private:
+  void add(const std::string& word, int label);
+
+  LabelSet labels_;
+  std::map<std::string, int> exact_;     ///< folded names and synonyms
+  std::map<std::string, int> singular_;  ///< their singular forms
+};
+
+}  // namespace aligngs
