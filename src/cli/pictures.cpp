@@ -27,8 +27,12 @@ DepthRange depth_range(const ImageF& depth) {
     if (z > 0 && std::isfinite(z)) values.push_back(z);
   }
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  DepthRange range{values[values.size() * 2 / 100], values[values.size() * 98 / 100]};
+  const auto quantile = [&](size_t percent) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * percent / 100);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  DepthRange range{quantile(2), quantile(98)};
   if (!(range.high > range.low)) range.high = range.low * 1.01f;
   return range;
 }

@@ -173,6 +173,9 @@ Image<uint16_t> decode_png_values(std::string_view bytes, const std::filesystem:
   return image;
 }
 
+/// zlib's: renderings become 3 % larger than with its default of 6, in a third of the time.
+constexpr int kCompressionLevel = 3;
+
 std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height,
                                       int channels, int bit_depth) {
   const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
@@ -185,6 +188,7 @@ std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width
                       : channels == 3 ? SPNG_COLOR_TYPE_TRUECOLOR
                                       : SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
   int code = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
+  if (code == 0) code = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, kCompressionLevel);
   if (code == 0) code = spng_set_ihdr(context.get(), &header);
   if (code == 0)
     code = spng_encode_image(context.get(), pixels, size, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);

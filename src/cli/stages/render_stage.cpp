@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "cli/pictures.h"
 #include "io/image_file.h"
@@ -36,17 +38,24 @@ void render_one(OpenRun& run, int index, const fs::path& folder) {
   const std::string file = view.name + ".png";
   const ViewData data = load_view(run.scene, index, run.load_options());
   const Rendering rendering = run.engine->render(data.camera, run.render_options());
-  const DepthRange range = depth_range(rendering.depth_median);
-  write_png(folder / "rgb" / file, to_bytes(rendering.color));
-  write_png(folder / "gt" / file, to_bytes(data.color));
-  write_png(folder / "error" / file, error_picture(rendering.color, data.color));
-  write_png(folder / "depth" / file, depth_picture(rendering.depth_median, range.low, range.high));
-  write_png16(folder / "depth16" / file, depth_values(rendering.depth_median));
-  write_png(folder / "normal" / file, normal_picture(rendering.normal));
+  // Making and compressing the pictures takes longer than rendering them.
+  std::vector<std::function<void()>> pictures = {
+      [&] { write_png(folder / "rgb" / file, to_bytes(rendering.color)); },
+      [&] { write_png(folder / "gt" / file, to_bytes(data.color)); },
+      [&] { write_png(folder / "error" / file, error_picture(rendering.color, data.color)); },
+      [&] {
+        const DepthRange range = depth_range(rendering.depth_median);
+        write_png(folder / "depth" / file, depth_picture(rendering.depth_median, range.low, range.high));
+      },
+      [&] { write_png16(folder / "depth16" / file, depth_values(rendering.depth_median)); },
+      [&] { write_png(folder / "normal" / file, normal_picture(rendering.normal)); }};
   if (run.has_labels()) {
-    write_png(folder / "label" / file, label_picture(rendering.label, run.scene.labels));
-    if (run.scene.labels.size() < 255) write_png(folder / "label_id" / file, label_ids(rendering.label));
+    pictures.push_back([&] { write_png(folder / "label" / file, label_picture(rendering.label, run.scene.labels)); });
+    if (run.scene.labels.size() < 255) {
+      pictures.push_back([&] { write_png(folder / "label_id" / file, label_ids(rendering.label)); });
+    }
   }
+  run.pool->parallel_for(pictures.size(), 1, [&](size_t i, size_t, int) { pictures[i](); });
 }
 
 }  // namespace
