@@ -67,6 +67,10 @@ class Engine {
   virtual void load_state(const EngineState& state) = 0;
   virtual size_t size() const = 0;
 
+  /// Before set_training_views: classes that no view's teacher ranks among its `top_k` at any pixel may be carried as
+  /// one channel that stands for them all. Everything that goes in and out keeps every class. 0, or an engine that does
+  /// not offer it: every class has a channel of its own.
+  virtual void limit_classes(int /*top_k*/) {}
   virtual void set_training_views(std::vector<TrainingView> views) = 0;
   /// Forward, losses, backward, optimiser for one view. On a non-finite value the parameters and moments
   /// are as before the call and report.non_finite says where.

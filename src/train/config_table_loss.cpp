@@ -61,6 +61,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "closed-form start of the semantic rows from the teacher's maps"},
       {"semantic.lift_at", field<&C::semantic, &S::lift_at>, 0, kIterationsMax, "", all(0),
        "[ref] iteration after which the closed form is taken"},
+      {"semantic.active_top", field<&C::semantic, &S::active_top>, 0, 65535, "", ours_paper(2, 0),
+       "classes that no view's teacher ever ranks among its so many best train as one remainder; 0 = every class alone"},
   };
 }
 

@@ -187,6 +187,7 @@ TrainResult Run::train() {
   inputs.guides = guides_of(views, use_, config_, extent_);
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
+  engine->limit_classes(static_cast<int>(config_.semantic.active_top));
   engine->set_training_views(std::move(views));
   if (fresh) {
     engine->load(state.engine.model);

@@ -97,7 +97,7 @@ void CpuEngine::prepare_features(SemanticBlend blend, bool rounded) const {
       const float* in = model_.semantics.data() + i * channels;
       float* out = frame_.features.data() + frame_.lists.rank[i] * padded;
       if (blend == SemanticBlend::kProbabilities) {
-        softmax_row(in, channels, padded, out);
+        softmax_row(in, channels, padded, counts_.log_count[channels - 1], out);
       } else {
         copy_row(in, channels, padded, out);
       }
@@ -113,6 +113,7 @@ bool CpuEngine::semantics_active(const StepRequest& request) {
   const TrainingView& view = views_[static_cast<size_t>(request.view)];
   if (model_.semantic_channels == 0 || view.data.semantics.empty()) return false;
   if (view.data.semantics.channels != model_.semantic_channels) return false;
+  if (map_.remainder() != active_.remainder()) return false;  // a model of another number of classes
   if (request.losses.semantic_soft_weight == 0 && request.losses.semantic_hard_weight == 0) return false;
   SemanticView& cache = semantic_views_[static_cast<size_t>(request.view)];
   if (!cache.ready) prepare_semantic_view(view, counts_.classes(), *pool_, cache);

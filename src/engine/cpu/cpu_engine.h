@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/thread_pool.h"
+#include "engine/cpu/active_classes.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cpu/reduce.h"
 #include "engine/engine.h"
@@ -42,6 +43,7 @@ class CpuEngine final : public Engine {
   void load_state(const EngineState& state) override;
   size_t size() const override { return model_.size(); }
 
+  void limit_classes(int top_k) override { active_top_k_ = top_k; }
   void set_training_views(std::vector<TrainingView> views) override;
   StepReport step(const StepRequest& request) override;
 
@@ -57,7 +59,8 @@ class CpuEngine final : public Engine {
   /// Throws Error{kUsage} when kBfloat16 is asked for on a machine without AMX.
   void set_semantic_products(SemanticProducts products);
 
-  /// Gradients of the last step, for tests: rows that the step did not touch are zero.
+  /// Gradients of the last step, for tests: rows that the step did not touch are zero. Semantic rows have the model's
+  /// channels (ActiveClasses).
   GaussianModel last_gradients() const;
   const RenderMaps<float>& last_maps() const { return frame_.maps; }
   const CouplingBalance& coupling_balance() const { return balance_; }
@@ -67,6 +70,9 @@ class CpuEngine final : public Engine {
  private:
   void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
   void prepare_features(SemanticBlend blend, bool rounded) const;
+  /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
+  void adopt(const GaussianModel& model, const Moments* moments);
+  GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
   bool semantics_active(const StepRequest& request);
   int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
@@ -80,7 +86,10 @@ class CpuEngine final : public Engine {
   std::vector<TrainingView> views_;
   std::vector<SemanticView> semantic_views_;
 
-  ClassCounts counts_;  ///< of the model's channels
+  int active_top_k_ = 0;
+  ActiveClasses active_;  ///< of the training views, whose targets hold its channels
+  ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
+  ClassCounts counts_;    ///< of the model's channels
   SemanticProducts products_ = SemanticProducts::kAutomatic;
 
   // Scratch, kept between calls.

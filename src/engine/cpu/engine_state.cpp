@@ -68,22 +68,49 @@ std::string CpuEngine::device_name() const {
 void CpuEngine::load(const GaussianModel& model) {
   check_shape(model);
   if (model.size() > 0xffffffffull) throw_resources({}, "more than 2^32 Gaussians", "lower the cap on Gaussians");
-  model_ = model;
-  counts_ = make_class_counts(model_.semantic_channels, 0);
-  moments_.reset(model_);
+  adopt(model, nullptr);
   balance_ = {};
   reset_density_statistics();
 }
 
-void CpuEngine::store(GaussianModel& model) const { model = model_; }
+void CpuEngine::adopt(const GaussianModel& model, const Moments* moments) {
+  map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : ActiveClasses();
+  const auto take_in = [&](const GaussianModel& from, RowKind kind, GaussianModel& to) {
+    to = from;
+    if (!map_.has_remainder()) return;
+    to.semantics = compress_rows(map_, kind, from.semantics);
+    to.semantic_channels = map_.channels();
+  };
+  take_in(model, RowKind::kLogits, model_);
+  counts_ = make_class_counts(model_.semantic_channels, map_.remainder());
+  if (moments == nullptr) {
+    moments_.reset(model_);
+  } else {
+    take_in(moments->m, RowKind::kMoments, moments_.m);
+    take_in(moments->v, RowKind::kMoments, moments_.v);
+    moments_.sh_used = moments->sh_used;
+  }
+}
+
+GaussianModel CpuEngine::expanded(const GaussianModel& rows) const {
+  GaussianModel out = rows;
+  if (!map_.has_remainder()) return out;
+  out.semantics = expand_rows(map_, rows.semantics);
+  out.semantic_channels = map_.classes;
+  return out;
+}
+
+void CpuEngine::store(GaussianModel& model) const { model = expanded(model_); }
 
 void CpuEngine::reset_density_statistics() {
   for (const NamedArray& a : arrays_of(statistics_)) a.values->assign(model_.size(), 0.0f);
 }
 
 void CpuEngine::save_state(EngineState& state) const {
-  state.model = model_;
-  Moments moments = moments_;
+  state.model = expanded(model_);
+  Moments moments;
+  moments.m = expanded(moments_.m);
+  moments.v = expanded(moments_.v);
   DensityStatistics statistics = statistics_;
   state.arrays.clear();
   for (const NamedArray& a : arrays_of(moments.m)) state.arrays[std::string("adam_m.") + a.name] = std::move(*a.values);
@@ -117,9 +144,7 @@ void CpuEngine::load_state(const EngineState& state) {
   for (size_t i = 0; i < moments.m.sh.size(); ++i) {
     if (moments.m.sh[i] != 0 || moments.v.sh[i] != 0) moments.sh_used = std::max(moments.sh_used, i % kShRow + 1);
   }
-  model_ = state.model;
-  counts_ = make_class_counts(model_.semantic_channels, 0);
-  moments_ = std::move(moments);
+  adopt(state.model, &moments);
   statistics_ = std::move(statistics);
   double running[2];
   std::memcpy(running, balance.data(), sizeof(running));
@@ -129,6 +154,15 @@ void CpuEngine::load_state(const EngineState& state) {
 void CpuEngine::set_training_views(std::vector<TrainingView> views) {
   views_ = std::move(views);
   semantic_views_.assign(views_.size(), SemanticView());
+  active_ = find_active_classes(views_, active_top_k_, *pool_);
+  for (TrainingView& view : views_) compress_target(active_, *pool_, view.data.semantics);
+  if (!active_.has_remainder() && !map_.has_remainder()) return;
+  const GaussianModel model = expanded(model_);
+  Moments moments;
+  moments.m = expanded(moments_.m);
+  moments.v = expanded(moments_.v);
+  moments.sh_used = moments_.sh_used;
+  adopt(model, &moments);
 }
 
 void CpuEngine::restructure(const RestructurePlan& plan) {

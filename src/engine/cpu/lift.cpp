@@ -23,6 +23,7 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
   std::vector<uint8_t> written(n, 0);
   for (const TrainingView& view : views_) {
     if (view.data.semantics.channels != model_.semantic_channels || view.data.semantics.empty()) continue;
+    if (map_.remainder() != active_.remainder()) continue;  // a model of another number of classes
     SemanticStep step;
     step.view = &view;
     step.channels = model_.semantic_channels;
@@ -39,10 +40,10 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
       for (size_t c = 0; c < channels; ++c) mass += static_cast<double>(sum[c]);
       const float epsilon = kPseudoCount + kShare * static_cast<float>(mass);
       for (size_t c = 0; c < channels; ++c) {
-        row[c] = std::log(sum[c] + epsilon);
-        mean += static_cast<double>(row[c]);
+        row[c] = std::log(sum[c] * counts_.inverse[c] + epsilon);  // of the remainder: the mean of its classes
+        mean += static_cast<double>(counts_.count[c] * row[c]);
       }
-      for (size_t c = 0; c < channels; ++c) row[c] -= static_cast<float>(mean / static_cast<double>(channels));
+      for (size_t c = 0; c < channels; ++c) row[c] -= static_cast<float>(mean / counts_.all_classes());
     }
   });
   moments_.m.semantics.assign(model_.semantics.size(), 0.0f);

@@ -13,17 +13,19 @@ constexpr size_t kRowsPerTask = 8;      ///< image rows per task
 constexpr float kLabelAlphaMin = 0.5f;  ///< "nothing here" below (engine.h)
 
 /// Arg-max class of one pixel and its probability.
-void label_pixel(float* blended, int channels, float alpha, bool probabilities, uint16_t& label, float& probability) {
-  const int best = arg_max(blended, channels);
+void label_pixel(float* blended, const ClassCounts& counts, const ActiveClasses& map, float alpha, bool probabilities,
+                 uint16_t& label, float& probability) {
+  const int best = arg_max(blended, counts.classes());
   if (probabilities) {
-    probability = blended[best] + (1.0f - alpha) / static_cast<float>(channels);
+    probability = blended[best] + (1.0f - alpha) / static_cast<float>(counts.all_classes());
   } else {
     const float top = blended[best];
     float sum = 0;
-    for (int c = 0; c < channels; ++c) sum += std::exp(blended[c] - top);
+    for (int c = 0; c < counts.channels; ++c) sum += counts.count[static_cast<size_t>(c)] * std::exp(blended[c] - top);
     probability = 1.0f / sum;
   }
-  label = alpha >= kLabelAlphaMin ? static_cast<uint16_t>(best) : kNoLabel;
+  const uint16_t index = map.has_remainder() ? map.active[static_cast<size_t>(best)] : static_cast<uint16_t>(best);
+  label = alpha >= kLabelAlphaMin ? index : kNoLabel;
 }
 
 void interleave(const std::vector<float>& planes, size_t pixels, size_t begin, size_t end, ImageF& out) {
@@ -92,8 +94,8 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
           const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
           if (x >= w || y >= h) continue;
           const size_t u = size_t(y) * w + x;
-          label_pixel(s.semantic.block.blended.data() + i * padded, channels, m.alpha[u], probabilities, r.label.data[u],
-                      r.label_probability.data[u]);
+          label_pixel(s.semantic.block.blended.data() + i * padded, counts_, map_, m.alpha[u], probabilities,
+                      r.label.data[u], r.label_probability.data[u]);
         }
       }
     }

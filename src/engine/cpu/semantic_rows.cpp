@@ -17,10 +17,11 @@ namespace aligngs {
 namespace cpu {
 namespace HWY_NAMESPACE {
 
-void SoftmaxRow(const float* logits, size_t channels, size_t padded, float* out) {
+void SoftmaxRow(const float* logits, size_t channels, size_t padded, float last_shift, float* out) {
   const FloatTag d;
   const FloatVec lowest = hn::Set(d, -3.0e38f);
   std::memcpy(out, logits, channels * sizeof(float));
+  out[channels - 1] += last_shift;
   for (size_t c = channels; c < padded; ++c) out[c] = -3.0e38f;
   FloatVec top = lowest;
   for (size_t c = 0; c < padded; c += kLanes) top = hn::Max(top, hn::Load(d, out + c));
@@ -88,8 +89,8 @@ HWY_EXPORT(RowMean);
 HWY_EXPORT(StreamRow);
 HWY_EXPORT(AddRow);
 
-void softmax_row(const float* logits, size_t channels, size_t padded, float* out) {
-  HWY_DYNAMIC_DISPATCH(SoftmaxRow)(logits, channels, padded, out);
+void softmax_row(const float* logits, size_t channels, size_t padded, float last_shift, float* out) {
+  HWY_DYNAMIC_DISPATCH(SoftmaxRow)(logits, channels, padded, last_shift, out);
 }
 void copy_row(const float* in, size_t channels, size_t padded, float* out) {
   std::memcpy(out, in, channels * sizeof(float));

@@ -6,8 +6,9 @@
 
 namespace aligngs::cpu {
 
-/// out[0..padded) = softmax(logits[0..channels)), zero-padded.
-void softmax_row(const float* logits, size_t channels, size_t padded, float* out);
+/// out[0..padded) = softmax(logits[0..channels)), zero-padded, with `last_shift` added to the last logit: the logarithm
+/// of how many classes it stands for.
+void softmax_row(const float* logits, size_t channels, size_t padded, float last_shift, float* out);
 /// out[0..padded) = in[0..channels), zero-padded.
 void copy_row(const float* in, size_t channels, size_t padded, float* out);
 /// out[0..depth) = in[0..padded) - shift in bfloat16, rounded to nearest, ties to even; zero-padded, as are the numbers
