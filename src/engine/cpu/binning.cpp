@@ -1,14 +1,32 @@
 #include "engine/cpu/binning.h"
 
-#include <array>
+#include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace aligngs::cpu {
 namespace {
 
-/// Chunks of the depth order that count and emit independently; fixed, so that no result depends on the threads.
+/// Chunks of the rows, and of the depth order, that count and emit independently; fixed, so that no result depends on
+/// the threads.
 constexpr size_t kChunks = 16;
 constexpr int kRadixBits = 11, kRadixPasses = 3;  // 33 bits: the whole float in three passes
+constexpr uint32_t kBuckets = 1u << kRadixBits;
+
+struct ChunkRange {
+  size_t begin, end;
+};
+ChunkRange chunk_range(size_t count, size_t chunk) {
+  const size_t length = (count + kChunks - 1) / kChunks;
+  return {std::min(count, chunk * length), std::min(count, (chunk + 1) * length)};
+}
+
+template <class Body>
+void for_each_chunk(ThreadPool& pool, size_t count, const Body& body) {
+  pool.parallel_for(kChunks, 1, [&](size_t first, size_t last, int) {
+    for (size_t chunk = first; chunk < last; ++chunk) body(chunk, chunk_range(count, chunk));
+  });
+}
 
 /// Bits of a positive float order like the number itself.
 uint32_t depth_key(float z) {
@@ -17,31 +35,80 @@ uint32_t depth_key(float z) {
   return bits;
 }
 
+/// Numbers the slots, and lists the visible rows with their depths.
+void list_visible(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
+  const size_t n = view.size();
+  lists.slot_begin.resize(n + 1);
+  lists.rank.resize(n);
+  lists.chunk_visible.assign(kChunks, 0);
+  lists.chunk_slots.assign(kChunks, 0);
+  for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
+    uint64_t visible = 0, slots = 0;
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const uint32_t area = view.rects[i].area();
+      visible += area > 0 ? 1 : 0;
+      slots += area;
+    }
+    lists.chunk_visible[chunk] = visible;
+    lists.chunk_slots[chunk] = slots;
+  });
+  uint64_t visible = 0, slots = 0;
+  for (size_t chunk = 0; chunk < kChunks; ++chunk) {  // from counts to where each chunk begins
+    visible += std::exchange(lists.chunk_visible[chunk], visible);
+    slots += std::exchange(lists.chunk_slots[chunk], slots);
+  }
+  lists.visible.resize(static_cast<size_t>(visible));
+  lists.keys.resize(static_cast<size_t>(visible));
+  lists.slot_begin[n] = slots;
+  for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
+    size_t at = static_cast<size_t>(lists.chunk_visible[chunk]);
+    uint64_t slot = lists.chunk_slots[chunk];
+    for (size_t i = range.begin; i < range.end; ++i) {
+      lists.slot_begin[i] = slot;
+      lists.rank[i] = static_cast<uint32_t>(at);
+      const TileRect& rect = view.rects[i];
+      const uint32_t area = rect.area();
+      if (area == 0) continue;
+      Splat& splat = view.splats[i];
+      splat.slot_stride = static_cast<uint32_t>(rect.x1 - rect.x0);
+      splat.slot_origin = static_cast<int64_t>(slot) - int64_t(rect.y0) * splat.slot_stride - rect.x0;
+      slot += area;
+      lists.visible[at] = static_cast<uint32_t>(i);
+      lists.keys[at++] = depth_key(splat.z);
+    }
+  });
+}
+
 /// Stable least-significant-digit radix sort of lists.visible by lists.keys.
-void sort_by_depth(TileLists& lists) {
-  constexpr uint32_t kBuckets = 1u << kRadixBits;
+void sort_by_depth(ThreadPool& pool, TileLists& lists) {
   const size_t n = lists.visible.size();
   lists.keys_scratch.resize(n);
   lists.rows_scratch.resize(n);
-  std::array<std::array<uint32_t, kBuckets>, kRadixPasses> counts{};
-  for (const uint32_t key : lists.keys) {
-    for (int pass = 0; pass < kRadixPasses; ++pass) ++counts[pass][(key >> (pass * kRadixBits)) & (kBuckets - 1)];
-  }
   for (int pass = 0; pass < kRadixPasses; ++pass) {
-    std::array<uint32_t, kBuckets>& count = counts[pass];
-    const int shift = pass * kRadixBits;
-    if (n > 0 && count[(lists.keys[0] >> shift) & (kBuckets - 1)] == n) continue;  // all alike: already in order
+    const auto digit = [shift = pass * kRadixBits](uint32_t key) { return (key >> shift) & (kBuckets - 1); };
+    lists.digit_counts.assign(kChunks * kBuckets, 0);
+    for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
+      uint32_t* count = &lists.digit_counts[chunk * kBuckets];
+      for (size_t i = range.begin; i < range.end; ++i) ++count[digit(lists.keys[i])];
+    });
     uint32_t sum = 0;
-    for (uint32_t& c : count) {
-      const uint32_t here = c;
-      c = sum;
-      sum += here;
+    bool alike = false;  // all keys have the same digit: already in order
+    for (uint32_t bucket = 0; bucket < kBuckets; ++bucket) {
+      const uint32_t before = sum;
+      for (size_t chunk = 0; chunk < kChunks; ++chunk) {
+        sum += std::exchange(lists.digit_counts[chunk * kBuckets + bucket], sum);
+      }
+      alike |= sum - before == n;
     }
-    for (size_t i = 0; i < n; ++i) {
-      const uint32_t to = count[(lists.keys[i] >> shift) & (kBuckets - 1)]++;
-      lists.keys_scratch[to] = lists.keys[i];
-      lists.rows_scratch[to] = lists.visible[i];
-    }
+    if (alike) continue;
+    for_each_chunk(pool, n, [&](size_t chunk, ChunkRange range) {
+      uint32_t* next = &lists.digit_counts[chunk * kBuckets];
+      for (size_t i = range.begin; i < range.end; ++i) {
+        const uint32_t to = next[digit(lists.keys[i])]++;
+        lists.keys_scratch[to] = lists.keys[i];
+        lists.rows_scratch[to] = lists.visible[i];
+      }
+    });
     lists.keys.swap(lists.keys_scratch);
     lists.visible.swap(lists.rows_scratch);
   }
@@ -57,41 +124,17 @@ void for_each_tile(const TileRect& rect, int tiles_x, const Body& body) {
 }  // namespace
 
 void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
-  const size_t n = view.size(), tiles = view.tiles();
-  lists.slot_begin.resize(n + 1);
-  lists.rank.resize(n);
-  lists.visible.clear();
-  lists.keys.clear();
-  uint64_t slots = 0;
-  for (size_t i = 0; i < n; ++i) {
-    lists.slot_begin[i] = slots;
-    lists.rank[i] = static_cast<uint32_t>(lists.visible.size());
-    const TileRect& rect = view.rects[i];
-    const uint32_t area = rect.area();
-    if (area == 0) continue;
-    Splat& splat = view.splats[i];
-    splat.slot_stride = static_cast<uint32_t>(rect.x1 - rect.x0);
-    splat.slot_origin = static_cast<int64_t>(slots) - int64_t(rect.y0) * splat.slot_stride - rect.x0;
-    slots += area;
-    lists.visible.push_back(static_cast<uint32_t>(i));
-    lists.keys.push_back(depth_key(splat.z));
-  }
-  lists.slot_begin[n] = slots;
-  sort_by_depth(lists);
+  const size_t tiles = view.tiles();
+  list_visible(view, pool, lists);
+  sort_by_depth(pool, lists);
 
   // cursors[chunk][tile]: first how many instances, then where they go.
-  const size_t visible = lists.visible.size(), per_chunk = (visible + kChunks - 1) / kChunks;
+  const size_t visible = lists.visible.size();
   lists.cursors.assign(kChunks * tiles, 0);
-  const auto chunk_range = [&](size_t chunk) {
-    return std::pair<size_t, size_t>(std::min(visible, chunk * per_chunk), std::min(visible, (chunk + 1) * per_chunk));
-  };
-  pool.parallel_for(kChunks, 1, [&](size_t first, size_t last, int) {
-    for (size_t chunk = first; chunk < last; ++chunk) {
-      uint64_t* count = &lists.cursors[chunk * tiles];
-      const auto [begin, end] = chunk_range(chunk);
-      for (size_t i = begin; i < end; ++i) {
-        for_each_tile(view.rects[lists.visible[i]], view.tiles_x, [&](size_t tile) { ++count[tile]; });
-      }
+  for_each_chunk(pool, visible, [&](size_t chunk, ChunkRange range) {
+    uint64_t* count = &lists.cursors[chunk * tiles];
+    for (size_t i = range.begin; i < range.end; ++i) {
+      for_each_tile(view.rects[lists.visible[i]], view.tiles_x, [&](size_t tile) { ++count[tile]; });
     }
   });
   lists.tile_begin.resize(tiles + 1);
@@ -107,14 +150,11 @@ void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists) {
   }
   lists.tile_begin[tiles] = position;
   lists.gaussians.resize(static_cast<size_t>(position));
-  pool.parallel_for(kChunks, 1, [&](size_t first, size_t last, int) {
-    for (size_t chunk = first; chunk < last; ++chunk) {
-      uint64_t* cursor = &lists.cursors[chunk * tiles];
-      const auto [begin, end] = chunk_range(chunk);
-      for (size_t i = begin; i < end; ++i) {
-        const uint32_t row = lists.visible[i];
-        for_each_tile(view.rects[row], view.tiles_x, [&](size_t tile) { lists.gaussians[cursor[tile]++] = row; });
-      }
+  for_each_chunk(pool, visible, [&](size_t chunk, ChunkRange range) {
+    uint64_t* cursor = &lists.cursors[chunk * tiles];
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const uint32_t row = lists.visible[i];
+      for_each_tile(view.rects[row], view.tiles_x, [&](size_t tile) { lists.gaussians[cursor[tile]++] = row; });
     }
   });
 }

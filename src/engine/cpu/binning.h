@@ -20,12 +20,12 @@ struct TileLists {
   size_t instances() const { return slot_begin.empty() ? 0 : static_cast<size_t>(slot_begin.back()); }
 
   // Scratch of build_tile_lists.
-  std::vector<uint32_t> keys, keys_scratch, rows_scratch;
-  std::vector<uint64_t> cursors;
+  std::vector<uint32_t> keys, keys_scratch, rows_scratch, digit_counts;
+  std::vector<uint64_t> cursors, chunk_visible, chunk_slots;
 };
 
-/// Depth order by a stable radix sort of the depths, then a counting sort by tile over fixed chunks of that order,
-/// so the result does not depend on the number of threads. Offsets are 64-bit. Writes the slots into the view's splats.
+/// Depth order by a stable radix sort of the depths, then a counting sort by tile, both over fixed chunks, so the
+/// result does not depend on the number of threads. Offsets are 64-bit. Writes the slots into the view's splats.
 void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists);
 
 }  // namespace aligngs::cpu

@@ -9,7 +9,7 @@ namespace aligngs::cpu {
 /// Sums over pixels that one Gaussian receives from one tile. With g = dL/dpower of a pixel and (p, r) = F^T (dx, dy)
 /// the whitened offset of the pixel (see Splat), the moments of g give mean, conic and opacity; kept in whitened form
 /// because the moments of (dx, dy) cancel for needles.
-struct SplatGradient {
+struct alignas(64) SplatGradient {
   float color[3];
   float weight;  ///< sum of w
   float normal[3];
@@ -21,10 +21,10 @@ struct SplatGradient {
   float photometric_p, photometric_r;          ///< sums of g p, g r of the colour losses alone
   float photometric_abs_p, photometric_abs_y;  ///< sums of |g p| and |g (fxy p + fyy r)|
   float coupling_p, coupling_r, coupling_one, coupling_pp;  ///< the same moments for the semantic coupling
-  float coupling_pr, coupling_rr, unused[2];
+  float coupling_pr, coupling_rr, unused[6];
 };
 inline constexpr size_t kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
-static_assert(kSplatGradientFloats == 28, "sums are added in groups of four");
+static_assert(kSplatGradientFloats == 32, "two cache lines of their own: they are written to any place in memory");
 
 /// dL / d maps of a block and what density statistics need of its pixels. Zero outside the image.
 struct BlockGradients {

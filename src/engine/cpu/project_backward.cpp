@@ -1,5 +1,7 @@
 #include "engine/cpu/project_backward.h"
 
+#include <cstddef>
+
 #include "engine/cpu/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -16,6 +18,10 @@ namespace HWY_NAMESPACE {
 
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 constexpr size_t kRowFloats = 3 + 3 + 4 + 1 + 3 * kShCoefficients;
+
+/// Places in SplatGradient: the sums of the map losses end at rr, those of the coupling begin at coupling_p.
+constexpr size_t kMapSums = offsetof(SplatGradient, rr) / sizeof(float) + 1;
+constexpr size_t kCouplingSums = offsetof(SplatGradient, coupling_p) / sizeof(float);
 
 /// Inputs of a batch, one row per lane.
 struct LaneInputs {
@@ -40,7 +46,10 @@ void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const Spl
     out.parameters[10][lane] = m.opacity_logits[row];
     for (size_t j = 0; j < sh_used; ++j) out.parameters[11 + j][lane] = m.sh[3 * kShCoefficients * row + j];
     const float* sum = reinterpret_cast<const float*>(sums[k]);
-    for (size_t j = 0; j < kSplatGradientFloats; ++j) out.sums[j][lane] = sum[j];
+    for (size_t j = 0; j < kMapSums; ++j) out.sums[j][lane] = sum[j];
+    if (in.coupling_scale != 0) {
+      for (size_t j = kCouplingSums; j < kCouplingSums + 6; ++j) out.sums[j][lane] = sum[j];
+    }
     const Splat& s = in.view.splats[row];
     out.fxx[lane] = s.fxx;
     out.fxy[lane] = s.fxy;
