@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "synth/noise.h"
+#include "synth/shared_misjudgement.h"
 
 namespace aligngs {
 namespace {
@@ -21,12 +22,25 @@ Mat3d rotation_of(const Vec3d& axis_angle) {
   return rotation_matrix(Quaterniond{std::cos(angle / 2), a.x, a.y, a.z});
 }
 
-/// Depth of the bent surface along the ray of each pixel of the bent camera.
-ImageF bent_depth(const RenderedView& view, const WorldBend& bend, const Rigidd& bent_pose) {
+/// Depth along the ray of each pixel of the bent camera: of the bent surface alone, and of the bent surface as all
+/// views misjudge it.
+struct BentDepth {
+  ImageF bent, misjudged;
+};
+
+BentDepth bent_depth(const RenderedView& view, const WorldBend& bend, const SharedMisjudgement& misjudged,
+                     const Rigidd& bent_pose) {
   const Rigidd to_world = view.camera.world_to_camera.inverse(), bent_to_world = bent_pose.inverse();
-  ImageF out(view.depth.width, view.depth.height, 1);
-  for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x) {
+  BentDepth out{ImageF(view.depth.width, view.depth.height, 1), ImageF(view.depth.width, view.depth.height, 1)};
+  const auto along_ray = [&](const Vec3d& surface, const Vec3d& normal, const Vec3d& direction) {
+    const double depth = (bent_pose * surface).z, slope = dot(normal, direction) / norm(direction);
+    if (std::fabs(slope) <= 0.15) return depth;
+    // Where the surface's tangent plane meets this pixel's own ray.
+    const double t = dot(normal, surface - bent_to_world.translation) / dot(normal, direction);
+    return std::clamp(t, 0.9 * depth, 1.1 * depth);
+  };
+  for (int y = 0; y < view.depth.height; ++y) {
+    for (int x = 0; x < view.depth.width; ++x) {
       const float z = view.depth.at(x, y);
       if (!(z > 0)) continue;
       const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5), point = to_world * (ray * static_cast<double>(z));
@@ -37,13 +51,10 @@ ImageF bent_depth(const RenderedView& view, const WorldBend& bend, const Rigidd&
       const Vec3d c0 = j.column(0), c1 = j.column(1), c2 = j.column(2);
       const Vec3d normal = normalized(cross(c1, c2) * n.x + cross(c2, c0) * n.y + cross(c0, c1) * n.z);
       const Vec3d direction = bent_to_world.rotation * ray;
-      const double slope = dot(normal, direction) / norm(direction);
-      double depth = (bent_pose * moved).z;
-      if (std::fabs(slope) > 0.15) {  // where the bent surface's tangent plane meets this pixel's own ray
-        const double t = dot(normal, moved - bent_to_world.translation) / dot(normal, direction);
-        depth = std::clamp(t, 0.9 * depth, 1.1 * depth);
-      }
-      out.at(x, y) = static_cast<float>(depth);
+      out.bent.at(x, y) = static_cast<float>(along_ray(moved, normal, direction));
+      const double shift = misjudged(point);
+      out.misjudged.at(x, y) = shift == 0 ? out.bent.at(x, y)
+                                          : static_cast<float>(along_ray(moved + normal * shift, normal, direction));
     }
   }
   return out;
@@ -66,12 +77,6 @@ UnreliableError unreliable_error(uint16_t instance, size_t view, const Random& r
   e.relative = own.chance(0.5) ? shared : draw(own);
   e.noticed = own.chance(0.5);
   return e;
-}
-
-/// The level that a standard normal value exceeds with the given probability (logistic approximation).
-double upper_quantile(double share) {
-  if (share <= 0) return 1e9;
-  return std::log((1 - share) / share) / 1.702;
 }
 
 /// Box mean with the given radius; borders use what there is.
@@ -118,7 +123,7 @@ ImageF confidence_of(const ImageF& error, const DepthJumps& jumps, const Image<u
   for (size_t i = 0; i < out.data.size(); ++i) {
     // A network is least sure at edges, whatever its error there.
     const float edge = jumps.distance.data[i] > 0 ? 0.8f * std::exp(-jumps.distance.data[i] / 2) : 0.0f;
-    float s = -0.55f * score.data[i] + 0.62f * blind.data[i] + 0.3f * static_cast<float>(random.normal()) - edge;
+    float s = -0.48f * score.data[i] + 0.62f * blind.data[i] + 0.3f * static_cast<float>(random.normal()) - edge;
     if (known_bad.data[i] != 0) s -= 2.5f;
     out.data[i] = 1 + 5 * std::exp(0.7f * s);
   }
@@ -137,7 +142,8 @@ GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
   const auto pick = [i](double low, double medium, double high) { return i == 0 ? low : (i == 1 ? medium : high); };
   s.bend_rms = pick(0.006, 0.014, 0.028);
   s.bend_degrees = pick(0.8, 2.2, 4.5);
-  s.failure_share = pick(0.06, 0.13, 0.2);
+  s.failure_share = pick(0, 0.01, 0.06);
+  s.shared_failure_share = pick(0.12, 0.26, 0.4);
   s.rotation_degrees = pick(0.1, 0.25, 0.6);
   s.translation = pick(0.003, 0.008, 0.02);
   s.outlier_share = pick(0, 0.03, 0.08);
@@ -211,6 +217,8 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
   teacher.views.resize(views.size());
   Random bend_random = random.fork(1), pose_random = random.fork(2), focal_random = random.fork(3);
   const WorldBend bend({s.bend_rms, s.bend_degrees, extent}, centre, up, bend_random);
+  Random shared_random = random.fork(6);
+  const SharedMisjudgement misjudged({s.shared_failure_share, s.shared_failure_size}, shared_random);
   if (s.similarity) {
     Random r = random.fork(4);
     teacher.world.scale = r.uniform(0.3, 0.7);  // VGGT's unit is the mean distance of the points
@@ -262,12 +270,12 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       const int w = view.depth.width, h = view.depth.height;
       const Rigidd exact = view.camera.world_to_camera.inverse();
       const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
-      const ImageF bent = bent_depth(view, bend, bent_pose);
+      const BentDepth depth = bent_depth(view, bend, misjudged, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
       // Where a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about
       // 0.5, and the mean of the clamped sign map 0.72.
       const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.36;
-      t.depth = mix_across_edges(bent, jumps, s.edge_width);
+      t.depth = mix_across_edges(depth.misjudged, jumps, s.edge_width);
       const ImageF warp = smooth_random_map(w, h, 4, 3, s.warp_rms, r);
       const ImageF region = smooth_random_map(w, h, 6, 5, 1, r), sign = smooth_random_map(w, h, 6, 5, 1, r);
       const double scale = 1 + s.view_scale * r.normal(), patch = kPatch * static_cast<double>(w) / kNetworkWidth;
@@ -290,7 +298,7 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
             known_bad.at(x, y) = e.noticed ? 1 : 0;
           }
           z = static_cast<float>(z * factor);
-          error.at(x, y) = std::fabs(std::log(z / bent.at(x, y)));
+          error.at(x, y) = std::fabs(std::log(z / depth.bent.at(x, y)));
         }
       }
       t.confidence = confidence_of(error, jumps, known_bad, r.fork(5));

@@ -23,8 +23,16 @@ ImageF simulate_mono_depth(const RenderedView& view, size_t view_number, const M
                            const Random& random) {
   Random r = random.fork(1000 + view_number);
   const int w = view.depth.width, h = view.depth.height;
-  const double root3 = std::sqrt(3.0);  // uniform draws of the given root mean square
-  const double scale = 1 + s.view_scale * r.uniform(-root3, root3), shift = s.view_shift * r.uniform(-root3, root3);
+  // Uniform with the given root mean square, and spread evenly over the views of a scene (steps of the golden ratio
+  // and of the square root of two from a random start), so that every scene gets a network of the same quality.
+  const double root3 = std::sqrt(3.0), number = static_cast<double>(view_number);
+  Random start = random.fork(3);
+  const auto spread = [&](double step) {
+    const double u = start.uniform() + number * step;
+    return root3 * (2 * (u - std::floor(u)) - 1);
+  };
+  const double scale = 1 + s.view_scale * spread(0.618033988749895);
+  const double shift = s.view_shift * spread(0.414213562373095);
   const double edge = r.uniform(s.edge_width_low, s.edge_width_high);
   const ImageF warp = smooth_random_map(w, h, 4, 4, s.warp_rms, r);
   std::unordered_map<uint16_t, double> offsets;

@@ -19,6 +19,7 @@ constexpr int kStride = 4;              // of the network's mask features, image
 constexpr double kReach = 14;           // masks are below 0.1 % this far outside, image pixels
 constexpr double kUnknown = 0.3;        // score sum below which a pixel counts as unknown
 constexpr double kSmallShare = 0.015;   // of the image: objects below are missed more often
+constexpr double kLargeShare = 0.06;    // of the image: objects above are hardly ever missed
 
 /// What one query sees: an object, or all surface of one stuff class.
 struct Region {
@@ -153,26 +154,35 @@ SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, dou
   return m;
 }
 
-/// Draws which objects are confused. One draw in some hundred gives all large pieces or none; the draw whose share
-/// of the pixels is nearest to the expected one is kept, so that every scene has a teacher of the same quality.
+/// Draws which objects are confused. One draw in some hundred gives all large pieces or none; the draw whose confused
+/// share is nearest to the expected one, of the pixels of things as well as of their classes, is kept, so that every
+/// scene has a teacher of the same quality.
 std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
                                              const SemanticTeacherSettings& s, Random random) {
+  constexpr int kDraws = 256;
+  constexpr double kLargeAreClearer = 0.8;  // confused share of the pixels over that of the objects
+  constexpr double kPresent = 1e-3;  // share of the pixels from which a class counts, as in the acceptance check
   std::vector<double> pixels(room.objects.size(), 0);
-  double things = 0;
+  std::map<uint16_t, double> class_pixels;
+  double things = 0, all = 0;
   for (const RenderedView& view : views) {
     for (size_t i = 0; i < view.instances.data.size(); ++i) {
       const uint16_t object = view.instances.data[i];
       if (object >= room.objects.size()) continue;
-      if (is_stuff(room.objects[object].label)) continue;
+      all += 1;
+      const uint16_t label = room.objects[object].label;
+      if (is_stuff(label)) continue;
       pixels[object] += 1;
+      class_pixels[label] += 1;
       things += 1;
     }
   }
   std::vector<ObjectConfusion> best(room.objects.size());
   double best_error = 1e9;
-  for (int attempt = 0; attempt < 64 && things > 0; ++attempt) {
+  for (int attempt = 0; attempt < kDraws && things > 0; ++attempt) {
     std::vector<ObjectConfusion> draw(room.objects.size());
-    double share = 0;
+    double share = 0, class_share = 0, classes = 0;
+    std::map<uint16_t, double> confused_pixels;
     for (size_t i = 0; i < draw.size(); ++i) {
       const std::vector<uint16_t> others = confusable_classes(room.objects[i].label);
       if (others.empty()) continue;
@@ -182,8 +192,15 @@ std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& vi
       if (!confused) continue;
       draw[i] = {true, ambiguous, others[other]};
       share += pixels[i] / things;
+      confused_pixels[room.objects[i].label] += pixels[i];
     }
-    const double error = std::fabs(share - s.confused_share);
+    for (const auto& [label, count] : class_pixels) {
+      if (count < kPresent * all) continue;
+      class_share += confused_pixels[label] / count;
+      classes += 1;
+    }
+    if (classes > 0) class_share /= classes;
+    const double error = std::fabs(share - kLargeAreClearer * s.confused_share) + std::fabs(class_share - s.confused_share);
     if (error < best_error) best_error = error, best = std::move(draw);
   }
   return best;
@@ -204,7 +221,7 @@ std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, cons
     const ObjectConfusion& c = confusions[static_cast<size_t>(region.key)];
     second = region.label;
     first = c.other;
-    if (c.ambiguous) split = random.uniform(0.44, 0.62);
+    if (c.ambiguous) split = random.uniform(0.48, 0.65);
   }
   // A one-off mistake is likelier far away and for objects cut off by the image border.
   const double distance = region.depth_sum / static_cast<double>(std::max<size_t>(1, region.pixels));
@@ -248,7 +265,8 @@ ScoreMap one_view(const RenderedView& view, const std::vector<ObjectConfusion>& 
     const bool small = static_cast<double>(region.pixels) < kSmallShare * static_cast<double>(view.labels.pixels());
     const bool stuff = region.key < 0;
     if (region.pixels < 6) continue;  // below the network's resolution
-    const bool dropped = own.chance(small ? s.dropped_small : s.dropped) && !stuff;
+    const bool large = static_cast<double>(region.pixels) > kLargeShare * static_cast<double>(view.labels.pixels());
+    const bool dropped = own.chance(small ? s.dropped_small : large ? s.dropped_large : s.dropped) && !stuff;
     const bool twice = own.chance(s.duplicate) && !stuff;
     const SoftMask mask = soft_mask(region, w, h, out_w, out_h, s.outline_rms, own);
     if (dropped) continue;

@@ -15,9 +15,9 @@ namespace aligngs {
 struct SemanticTeacherSettings {
   double outline_rms = 3.5;         ///< displacement of mask outlines, correlated over 20 pixels
   double confused_share = 0.22;     ///< of the objects: wrong or ambiguous in most of their views
-  double confused_view_share = 0.9; ///< of such an object's views
+  double confused_view_share = 0.93; ///< of such an object's views
   double flip = 0.10;               ///< chance that a view names an object wrongly for once, for an average view
-  double dropped = 0.05, dropped_small = 0.15;  ///< chance that an object is not found
+  double dropped = 0.05, dropped_small = 0.15, dropped_large = 0.02;  ///< chance that an object is not found
   double duplicate = 0.10;          ///< share of second queries of the same object
   double low_top = 0.75, high_top = 0.95;       ///< score of a query's first class
 };

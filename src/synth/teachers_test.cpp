@@ -122,7 +122,7 @@ TEST(GeometryTeacher, DisturbsCamerasAndDepthByTheirSizes) {
   const std::vector<RenderedView> views = row_of_views(30);
   ThreadPool pool(2);
   GeometryTeacherSettings s = geometry_teacher_settings(TeacherLevel::kMedium);
-  s.bend_rms = s.bend_degrees = s.outlier_share = s.shared_focal = s.failure_share = 0;  // residuals alone
+  s.bend_rms = s.bend_degrees = s.outlier_share = s.shared_focal = s.failure_share = s.shared_failure_share = 0;  // residuals alone
   const GeometryTeacher t = simulate_geometry_teacher(views, s, {}, 4, {0, 0, 1}, Random(3), pool);
   double turn = 0, shift = 0, error = 0;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -154,7 +154,7 @@ TEST(GeometryTeacher, ConfidenceDoesNotKnowTheBend) {
   ThreadPool pool(1);
   GeometryTeacherSettings s;
   s.rotation_degrees = s.translation = s.outlier_share = s.shared_focal = s.view_focal = 0;
-  s.view_scale = s.warp_rms = s.white = s.patch = s.failure_share = 0;
+  s.view_scale = s.warp_rms = s.white = s.patch = s.failure_share = s.shared_failure_share = 0;
   s.bend_rms = 0.05;
   const GeometryTeacher t = simulate_geometry_teacher({flat_view({}, false)}, s, {0, 1, 0}, 4, {0, 0, 1}, Random(3), pool);
   std::vector<float> relative;
