@@ -65,7 +65,8 @@ FeatureMap BnHeadNetwork::grid_logits(Compute& compute, const FeatureMap& image)
   for (size_t k = 0; k < layers_.size(); ++k) {
     const FeatureMap map = tokens.patches(vit_.normed(compute, tokens.blocks[k]));
     for (int64_t p = 0; p < map.places(); ++p)
-      std::copy_n(map.data.data() + p * c, c, joined.data.data() + p * joined.channels + int64_t(k) * c);
+      std::copy_n(map.data.data() + p * c, c,
+                  joined.data.data() + p * joined.channels + int64_t(k) * c);
   }
   return classify_(compute, joined);
 }

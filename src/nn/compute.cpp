@@ -30,7 +30,13 @@ Compute::Compute(ThreadPool& pool, const ComputeOptions& options)
       options_(options),
       amx_(options.precision == Precision::kBfloat16 && options.amx && amx_attention_usable()),
       matrices_(make_matrix_backend(options)),
-      scratch_(static_cast<size_t>(pool.size())) {}
+      exact_matrices_(matrices_),
+      scratch_(static_cast<size_t>(pool.size())) {
+  if (options.precision == Precision::kFloat32) return;
+  ComputeOptions exact = options;
+  exact.precision = Precision::kFloat32;
+  exact_matrices_ = make_matrix_backend(exact);
+}
 
 Compute::~Compute() = default;
 

@@ -77,6 +77,8 @@ class Compute {
   /// Whether attention runs on the matrix unit (bfloat16 only).
   bool amx() const { return amx_; }
   const std::shared_ptr<MatrixBackend>& matrices() const { return matrices_; }
+  /// The same in float32, for the few places that rounding would move far.
+  const std::shared_ptr<MatrixBackend>& exact_matrices() const { return exact_matrices_; }
   Scratch& scratch(int worker) { return scratch_[static_cast<size_t>(worker)]; }
 
   /// Calls body(first row, number of rows, scratch) on chunks that depend on `rows` alone, so that
@@ -88,7 +90,7 @@ class Compute {
   ThreadPool& pool_;
   ComputeOptions options_;
   bool amx_ = false;
-  std::shared_ptr<MatrixBackend> matrices_;
+  std::shared_ptr<MatrixBackend> matrices_, exact_matrices_;
   std::vector<Scratch> scratch_;
 };
 

@@ -41,11 +41,11 @@ class DptDepth : public DepthNetwork {
       const std::string n = std::to_string(j);
       readouts_.emplace_back(compute, head, "reassemble_blocks.readout_projects." + n + ".0", c,
                              2 * c);
-      levels_.emplace_back(compute, head, j,
-                           DptLevel::Names{"reassemble_blocks.projects." + n + ".conv",
-                                           "reassemble_blocks.resize_layers." + n,
-                                           "convs." + n + ".conv"},
-                           c, features);
+      levels_.emplace_back(
+          compute, head, j,
+          DptLevel::Names{"reassemble_blocks.projects." + n + ".conv",
+                          "reassemble_blocks.resize_layers." + n, "convs." + n + ".conv"},
+          c, features);
       const std::string p = "fusion_blocks." + n + ".";
       const auto unit = [&](const std::string& name) {
         return ResidualUnit(compute, head, p + name + ".conv1.conv", p + name + ".conv2.conv",
@@ -115,8 +115,8 @@ class LinearDepth : public DepthNetwork {
     const int64_t inputs = head.dimension("conv_depth.weight", 1);
     const int64_t layers = inputs / (2 * vit_.channels());
     if (options_.layers.empty()) {
-      options_.layers = layers == 4 ? published_layers(vit_.depth())
-                                    : std::vector<int>{int(vit_.depth()) - 1};
+      options_.layers =
+          layers == 4 ? published_layers(vit_.depth()) : std::vector<int>{int(vit_.depth()) - 1};
     }
     bins_ = Linear(compute, head, "conv_depth", head.dimension("conv_depth.weight", 0),
                    2 * vit_.channels() * int64_t(options_.layers.size()));

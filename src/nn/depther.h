@@ -11,16 +11,16 @@ namespace aligngs::nn {
 
 struct DepthOptions {
   VitOptions vit;
-  std::vector<int> layers;       ///< of the backbone; empty: those of the published models
-  double min_depth = 0.001;      ///< metres
-  double max_depth = 10;         ///< metres: 10 for NYU, 80 for KITTI
+  std::vector<int> layers;   ///< of the backbone; empty: those of the published models
+  double min_depth = 0.001;  ///< metres
+  double max_depth = 10;     ///< metres: 10 for NYU, 80 for KITTI
 };
 
 class DepthNetwork {
  public:
   virtual ~DepthNetwork() = default;
-  /// The head alone, on a normalised image whose sides are multiples of the patch: metres, unclamped,
-  /// one channel, at the head's resolution.
+  /// The head alone, on a normalised image whose sides are multiples of the patch: metres,
+  /// unclamped, one channel, at the head's resolution.
   virtual FeatureMap head(Compute& compute, const FeatureMap& padded) const = 0;
 
   /// Metres at the size of a normalised image, clamped to the range.
@@ -33,8 +33,8 @@ class DepthNetwork {
   Vit vit_;
 };
 
-/// backbone: a plain DINOv2 file; head: tensors "decode_head.*". Which of the heads it is shows in the
-/// tensors. Hugging Face files: see huggingface.h.
+/// backbone: a plain DINOv2 file; head: tensors "decode_head.*". Which of the heads it is shows in
+/// the tensors. Hugging Face files: see huggingface.h.
 std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone,
                                                  const Weights& head,
                                                  const DepthOptions& options = {});

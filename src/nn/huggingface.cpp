@@ -29,11 +29,10 @@ std::string backbone_name(std::string name) {
     if (replace_start(name, p.first, p.second)) return name;
   }
   if (!replace_start(name, "encoder.layer.", "blocks.")) return "";
-  for (const Pair& p : {Pair(".attention.output.dense.", ".attn.proj."),
-                        Pair(".layer_scale1.lambda1", ".ls1.gamma"),
-                        Pair(".layer_scale2.lambda1", ".ls2.gamma"),
-                        Pair(".mlp.weights_in.", ".mlp.w12."),
-                        Pair(".mlp.weights_out.", ".mlp.w3.")}) {
+  for (const Pair& p :
+       {Pair(".attention.output.dense.", ".attn.proj."),
+        Pair(".layer_scale1.lambda1", ".ls1.gamma"), Pair(".layer_scale2.lambda1", ".ls2.gamma"),
+        Pair(".mlp.weights_in.", ".mlp.w12."), Pair(".mlp.weights_out.", ".mlp.w3.")}) {
     if (replace_part(name, p.first, p.second)) return name;
   }
   return name;
@@ -49,7 +48,7 @@ std::string head_name(std::string name) {
     if (replace_start(out, "projection.", "reassemble_blocks.projects." + level + ".conv."))
       return out;
     return replace_start(out, "resize.", "reassemble_blocks.resize_layers." + level + ".") ? out
-                                                                                          : "";
+                                                                                           : "";
   }
   if (replace_start(name, "neck.reassemble_stage.readout_projects.",
                     "reassemble_blocks.readout_projects."))

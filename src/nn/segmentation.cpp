@@ -53,9 +53,8 @@ std::vector<int> argmax_channels(const FeatureMap& map) {
 FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network,
                                const FeatureMap& normalised, const SlidingWindow& window,
                                int64_t height, int64_t width) {
-  const FeatureMap logits = slide(normalised, window, [&](const FeatureMap& part) {
-    return network.predict(compute, part);
-  });
+  const FeatureMap logits = slide(
+      normalised, window, [&](const FeatureMap& part) { return network.predict(compute, part); });
   return resize_bilinear_map(compute, logits, height, width, false);
 }
 

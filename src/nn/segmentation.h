@@ -24,8 +24,8 @@ struct SegmentationPlan {
   bool flip = false;                   ///< mirrored as well
 };
 
-/// The published settings: linear heads (crop 512), multi-scale heads (crop 640, with augmentation or
-/// without), Mask2Former (crop 896).
+/// The published settings: linear heads (crop 512), multi-scale heads (crop 640, with augmentation
+/// or without), Mask2Former (crop 896).
 SegmentationPlan linear_plan();
 SegmentationPlan multi_scale_plan(bool augmented);
 SegmentationPlan mask2former_plan();

@@ -13,8 +13,8 @@ struct SlidingWindow {
   int64_t stride_height = 0, stride_width = 0;
 };
 
-/// `predict` maps a part of the image to values of the same height and width. The last window of a row
-/// or column ends with the image (mmseg's slide_inference).
+/// `predict` maps a part of the image to values of the same height and width. The last window of a
+/// row or column ends with the image (mmseg's slide_inference).
 FeatureMap slide(const FeatureMap& image, const SlidingWindow& window,
                  const std::function<FeatureMap(const FeatureMap&)>& predict);
 

@@ -36,7 +36,7 @@ Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& optio
   const int64_t c = channels_, patch = weights.dimension(kPatch, 2);
   constexpr int64_t kHeadDim = 64;  // of every published model
   if (options_.heads <= 0) options_.heads = c / kHeadDim;
-  patch_embed_ = Convolution(compute, weights, "patch_embed.proj", {c, 3, patch, patch, 0});
+  patch_embed_ = Convolution(compute, weights, "patch_embed.proj", {c, 3, patch, patch, 0, true});
   cls_ = weights.load("cls_token", {1, 1, c});
   const int64_t places = weights.dimension("pos_embed", 1);
   if (square_side(places - 1) == 0) {

@@ -66,7 +66,8 @@ void Convolution::pack(const Compute& compute, const std::vector<float>& weight)
       }
     }
   }
-  matrix_ = compute.matrices()->pack(ordered.data(), shape_.outputs, taps * shape_.inputs);
+  const MatrixBackend& backend = shape_.exact ? *compute.exact_matrices() : *compute.matrices();
+  matrix_ = backend.pack(ordered.data(), shape_.outputs, taps * shape_.inputs);
 }
 
 FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x,

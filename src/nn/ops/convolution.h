@@ -18,6 +18,7 @@ struct ConvolutionShape {
   int64_t kernel = 3;  ///< square
   int64_t stride = 1;
   int64_t padding = 0;  ///< zeros on every side
+  bool exact = false;   ///< in float32 whatever the precision
 };
 
 /// As a product of matrices over gathered patches, a chunk of places at a time.

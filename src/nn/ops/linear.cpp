@@ -7,11 +7,12 @@ Linear::Linear(const Compute& compute, const std::vector<float>& weight, int64_t
     : matrix_(compute.matrices()->pack(weight.data(), outputs, inputs)), bias_(std::move(bias)) {}
 
 Linear::Linear(const Compute& compute, const Weights& weights, const std::string& name,
-               int64_t outputs, int64_t inputs) {
+               int64_t outputs, int64_t inputs, bool exact) {
   Shape shape = {outputs, inputs};
   if (weights.has(name + ".weight") && weights.shape(name + ".weight").size() == 4)
     shape = {outputs, inputs, 1, 1};  // a convolution of one pixel
-  matrix_ = compute.matrices()->pack(weights.load(name + ".weight", shape).data(), outputs, inputs);
+  const MatrixBackend& backend = exact ? *compute.exact_matrices() : *compute.matrices();
+  matrix_ = backend.pack(weights.load(name + ".weight", shape).data(), outputs, inputs);
   if (weights.has(name + ".bias")) bias_ = weights.load(name + ".bias", {outputs});
 }
 

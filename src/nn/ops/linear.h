@@ -20,8 +20,9 @@ class Linear {
          std::vector<float> bias);
   /// `name`.weight [outputs, inputs] (or [outputs, inputs, 1, 1]) and, when there is one,
   /// `name`.bias.
+  /// exact: in float32 whatever the precision.
   Linear(const Compute& compute, const Weights& weights, const std::string& name, int64_t outputs,
-         int64_t inputs);
+         int64_t inputs, bool exact = false);
 
   bool empty() const { return !matrix_; }
   int64_t inputs() const { return matrix_->inputs(); }

@@ -1,0 +1,237 @@
+// Time and memory of the full-size networks on random weights, and the speed of their layer types.
+// Usage: network_benchmark layers|vggt|m2f|dpt [--frames N] [--size WxH] [--threads T] [--fp32]
+//                          [--weights FOLDER]
+// Files of random weights are written to the folder (default: a folder of the system's for
+// temporary files) where they are absent: 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt.
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "nn/attention.h"
+#include "nn/cpu/matrix_backend.h"
+#include "nn/depther.h"
+#include "nn/mask2former.h"
+#include "nn/random_weights.h"
+#include "nn/vggt.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string what;
+  int64_t frames = 20, width = 0, height = 0;
+  int threads = 0;
+  bool exact = false;
+  fs::path weights = fs::temp_directory_path() / "aligngs_random_weights";
+};
+
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double peak_gigabytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  double kilobytes = 0;
+  while (status >> word) {
+    if (word == "VmHWM:") status >> kilobytes;
+  }
+  return kilobytes / 1e6;
+}
+
+fs::path weights_at(const Arguments& arguments, const std::string& name,
+                    const nn::TensorList& tensors) {
+  const fs::path path = arguments.weights / name;
+  if (!fs::exists(path)) {
+    constexpr uint64_t kSeed = 1;
+    std::printf("writing %s: %.1f s\n", path.c_str(),
+                seconds_of([&] { nn::write_random_weights(path, tensors, kSeed); }));
+  }
+  return path;
+}
+
+nn::FeatureMap random_image(int64_t width, int64_t height, double low, double high) {
+  nn::FeatureMap image(height, width, 3);
+  Random random(1);
+  for (float& v : image.data) v = float(random.uniform(low, high));
+  return image;
+}
+
+void report(const char* name, double loading, double running) {
+  std::printf("%s: loading %.1f s, running %.1f s, peak memory %.2f GB\n", name, loading, running,
+              peak_gigabytes());
+}
+
+void run_vggt(nn::Compute& compute, const Arguments& a) {
+  const fs::path path = weights_at(a, "vggt_1b.safetensors", nn::vggt_tensors({}));
+  std::unique_ptr<nn::Vggt> network;
+  const double loading =
+      seconds_of([&] { network = std::make_unique<nn::Vggt>(compute, nn::Weights::open(path)); });
+  const int64_t width = a.width > 0 ? a.width : 518, height = a.height > 0 ? a.height : 392;
+  std::vector<nn::FeatureMap> images(size_t(a.frames), random_image(width, height, 0, 1));
+  double first = 0;
+  const auto start = std::chrono::steady_clock::now();
+  const double running = seconds_of([&] {
+    (*network)(compute, std::move(images), {true, true}, [&](int64_t frame, nn::VggtFrame) {
+      if (frame > 0) return;
+      first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+  });
+  std::printf("first frame done after %.1f s, the others' dense heads %.1f s\n", first,
+              running - first);
+  report("VGGT-1B", loading, running);
+}
+
+void run_mask2former(nn::Compute& compute, const Arguments& a) {
+  const fs::path path = weights_at(a, "vitg_m2f.safetensors", nn::mask2former_tensors({}));
+  std::unique_ptr<nn::Mask2Former> network;
+  const double loading = seconds_of(
+      [&] { network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(path)); });
+  const int64_t width = a.width > 0 ? a.width : 896, height = a.height > 0 ? a.height : 896;
+  const nn::FeatureMap image = random_image(width, height, -2, 2);
+  report("ViT-g Mask2Former, one window", loading,
+         seconds_of([&] { network->predict(compute, image); }));
+}
+
+void run_dpt(nn::Compute& compute, const Arguments& a) {
+  const nn::VitSize size = nn::vit_size('l');
+  const nn::Weights backbone =
+      nn::Weights::open(weights_at(a, "dinov2_vitl14.safetensors", nn::dinov2_tensors(size)));
+  const nn::Weights head =
+      nn::Weights::open(weights_at(a, "dinov2_vitl14_dpt.safetensors", nn::dpt_head_tensors(size)));
+  std::unique_ptr<nn::DepthNetwork> network;
+  const double loading =
+      seconds_of([&] { network = nn::make_depth_network(compute, backbone, head); });
+  const nn::FeatureMap image =
+      random_image(a.width > 0 ? a.width : 640, a.height > 0 ? a.height : 480, -2, 2);
+  (*network)(compute, image);
+  report("ViT-L DPT, one image", loading, seconds_of([&] { (*network)(compute, image); }));
+}
+
+/// The best of several runs in GFLOP/s.
+void rate(const char* name, double flop, const std::function<void()>& work) {
+  double best = 1e30;
+  constexpr int kRuns = 5;
+  for (int i = 0; i < kRuns; ++i) best = std::min(best, seconds_of(work));
+  std::printf("%-44s %8.0f GFLOP/s\n", name, flop / best / 1e9);
+}
+
+std::vector<float> random_values(size_t count) {
+  std::vector<float> values(count);
+  Random random(2);
+  for (float& v : values) v = float(random.uniform(-1, 1));
+  return values;
+}
+
+void run_layers(nn::Compute& compute) {
+  std::printf("backend %s, matrix unit %s\n", compute.matrices()->name().c_str(),
+              compute.amx() ? "yes" : "no");
+  const int64_t rows = 10412;  // tokens of ten frames of 392 x 518
+  nn::Matrix x(rows, 1024);
+  x.data = random_values(x.data.size());
+  {
+    // The ceiling: the same product again and again, operands in the cache.
+    const auto packed = compute.matrices()->pack(random_values(1024 * 1024).data(), 1024, 1024);
+    std::vector<float> y(256 * 1024);
+    const double flop = 2.0 * 256 * 1024 * 1024;
+    const int64_t repeats = 64;
+    rate("product 256 x 1024 x 1024, in the cache", flop * double(repeats), [&] {
+      compute.for_rows(repeats, 1, [&](int64_t, int64_t, nn::Scratch& scratch) {
+        packed->multiply(x.row(0), 256, scratch.floats(256 * 1024), scratch);
+      });
+    });
+  }
+  const auto linear = [&](const char* name, int64_t outputs) {
+    const nn::Linear layer(compute, random_values(size_t(outputs) * 1024), outputs, 1024, {});
+    rate(name, 2.0 * double(rows) * 1024 * double(outputs), [&] { layer(compute, x); });
+  };
+  linear("linear 1024 -> 3072", 3072);
+  linear("linear 1024 -> 4096", 4096);
+  const int64_t heads = 16, dim = 64;
+  for (const int64_t tokens : {int64_t(1041), rows}) {
+    nn::AttentionOperands operands(compute, {rows / tokens, heads, dim, tokens, tokens});
+    for (int64_t s = 0; s < rows / tokens; ++s) {
+      for (int64_t t = 0; t < tokens; ++t) {
+        operands.set_query_row(s, t, x.row(t));
+        operands.set_key_row(s, t, x.row(t));
+        operands.set_value_row(s, t, x.row(t));
+      }
+    }
+    nn::Matrix out(rows, heads * dim);
+    const std::string name = "attention, 16 heads of 64, " + std::to_string(tokens) + " tokens";
+    rate(name.c_str(), 4.0 * double(rows) * double(tokens) * double(heads * dim),
+         [&] { nn::attention(compute, operands, out.data.data()); });
+  }
+  nn::FeatureMap map(148, 148, 256);
+  map.data = random_values(map.data.size());
+  const nn::Convolution conv(compute, {256, 256, 3, 1, 1}, random_values(256 * 256 * 9), {});
+  rate("convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9,
+       [&] { conv(compute, map); });
+}
+
+Arguments parse(int count, char** values) {
+  Arguments a;
+  for (int i = 1; i < count; ++i) {
+    const std::string option = values[i];
+    const auto next = [&]() -> std::string {
+      if (i + 1 >= count) throw_usage("a value is missing after " + option);
+      return values[++i];
+    };
+    if (option == "--frames") {
+      a.frames = std::stoll(next());
+    } else if (option == "--size") {
+      const std::string size = next();
+      a.width = std::stoll(size);
+      a.height = std::stoll(size.substr(size.find('x') + 1));
+    } else if (option == "--threads") {
+      a.threads = std::stoi(next());
+    } else if (option == "--fp32") {
+      a.exact = true;
+    } else if (option == "--weights") {
+      a.weights = next();
+    } else if (a.what.empty() && option[0] != '-') {
+      a.what = option;
+    } else {
+      throw_usage("unknown option " + option);
+    }
+  }
+  return a;
+}
+
+void run(const Arguments& a) {
+  ThreadPool pool(a.threads);
+  nn::ComputeOptions options;
+  if (!a.exact) options.precision = nn::Precision::kBfloat16;
+  nn::Compute compute(pool, options);
+  std::printf("%d threads, %s\n", pool.size(), a.exact ? "float32" : "bfloat16");
+  if (a.what == "layers") return run_layers(compute);
+  if (a.what == "vggt") return run_vggt(compute, a);
+  if (a.what == "m2f") return run_mask2former(compute, a);
+  if (a.what == "dpt") return run_dpt(compute, a);
+  throw_usage("say what to run: layers, vggt, m2f or dpt");
+}
+
+}  // namespace
+}  // namespace aligngs
+
+int main(int count, char** values) {
+  try {
+    aligngs::run(aligngs::parse(count, values));
+    return 0;
+  } catch (const aligngs::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.exit_status();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,49 @@
+// Weights of the published networks' sizes with random values: for measuring shapes, memory and
+// time without the publishers' files. What such a network predicts means nothing.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/safetensors_stream.h"
+
+namespace aligngs::nn {
+
+using TensorList = std::vector<SafetensorsStream::Entry>;
+
+/// ViT-S, B, L, g: 384, 12, false; 768, 12, false; 1024, 24, false; 1536, 40, true.
+struct VitSize {
+  int64_t channels = 384, depth = 12;
+  bool gated = false;  ///< SwiGLU
+  int64_t registers = 0;
+  int64_t grid = 37;  ///< trained places per side
+  int64_t hidden() const { return gated ? (channels * 8 / 3 + 7) / 8 * 8 : 4 * channels; }
+};
+VitSize vit_size(char letter, int64_t registers = 0);  ///< 's', 'b', 'l', 'g'
+
+struct VggtSize {
+  VitSize encoder{1024, 24, false, 4, 37};
+  int64_t depth = 24, camera_depth = 4, features = 256;
+  std::vector<int64_t> levels = {256, 512, 1024, 1024};
+};
+
+struct Mask2FormerSize {
+  VitSize backbone{1536, 40, true, 0, 37};
+  int64_t inplane = 64, deform_heads = 24, features = 1536, heads = 24, ffn = 6144;
+  int64_t queries = 100, classes = 150, encoder_layers = 6, decoder_layers = 9;
+};
+
+/// Names and shapes as published. `prefix` stands before every name.
+TensorList dinov2_tensors(const VitSize& size, const std::string& prefix = "");
+TensorList dpt_head_tensors(const VitSize& size, int64_t features = 256);
+TensorList vggt_tensors(const VggtSize& size);  ///< without the tracker
+TensorList mask2former_tensors(const Mask2FormerSize& size);
+
+/// Writes them to a safetensors file in half precision, one after the other. Values are such that
+/// activations stay of the order of one; equal seeds give equal files.
+void write_random_weights(const std::filesystem::path& path, const TensorList& tensors,
+                          uint64_t seed);
+
+}  // namespace aligngs::nn

@@ -1,0 +1,88 @@
+// One folder of reference data, and the book-keeping of what was compared with it.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "io/npy.h"
+#include "nn/compute.h"
+#include "nn/tensor.h"
+#include "nn/weights.h"
+
+namespace aligngs::parity {
+
+using Json = nlohmann::json;
+using Shape = std::vector<int64_t>;
+
+/// A way of computing, and how far its results may lie from the reference.
+struct Mode {
+  std::string name;
+  nn::ComputeOptions options;
+  double max_limit;    ///< of max|a - b| / max|b|
+  double rms_limit;    ///< of rms(a - b) / rms(b)
+  double label_limit;  ///< fraction of labels that may differ
+};
+
+class Case {
+ public:
+  Case(std::filesystem::path folder, const Mode& mode);
+
+  const Json& config() const { return config_; }
+  const Mode& mode() const { return mode_; }
+  const std::filesystem::path& folder() const { return folder_; }
+  bool has(const std::string& file) const { return std::filesystem::exists(folder_ / file); }
+
+  FloatArray array(const std::string& name);  ///< name.npy, an input
+  nn::Weights weights(const std::string& file) const { return nn::Weights::open(folder_ / file); }
+
+  /// Compares with name.npy where it is there. Labels: the fraction that differs counts; exact:
+  /// none may differ.
+  void compare(const std::string& name, const std::vector<float>& values, const Shape& shape);
+  void compare_labels(const std::string& name, const std::vector<float>& labels,
+                      const Shape& shape);
+  void compare_exactly(const std::string& name, const std::vector<float>& values,
+                       const Shape& shape);
+  /// The comparison itself; `limit` < 0: those of the mode.
+  void judge(const std::string& name, const std::vector<float>& values,
+             const std::vector<float>& reference, double limit = -1);
+  void fail(const std::string& name, const std::string& why);
+
+  /// Every .npy file must have been read or compared; prints a line; true when all is well.
+  bool finish();
+
+ private:
+  bool reference(const std::string& name, const Shape& shape, std::vector<float>& values);
+
+  std::filesystem::path folder_;
+  const Mode& mode_;
+  Json config_;
+  std::set<std::string> used_;
+  std::vector<std::string> failures_;
+  double worst_ = 0;
+  std::string worst_name_ = "-";
+};
+
+/// Values of an NCHW array as maps, one per image, and back.
+std::vector<nn::FeatureMap> maps_of(const FloatArray& array);
+std::vector<float> nchw(const std::vector<nn::FeatureMap>& maps);
+Shape nchw_shape(const std::vector<nn::FeatureMap>& maps);
+
+template <class T>
+T value_or(const Json& config, const char* key, T fallback) {
+  return config.contains(key) ? config.at(key).get<T>() : fallback;
+}
+
+void run_vit(Case& test, nn::Compute& compute);
+void run_vggt(Case& test, nn::Compute& compute);
+void run_segmentation(Case& test, nn::Compute& compute);
+void run_depth(Case& test, nn::Compute& compute);
+void run_mask2former(Case& test, nn::Compute& compute);
+void run_deformable_attention(Case& test, nn::Compute& compute);
+void run_ops(Case& test, nn::Compute& compute);
+void run_preprocess(Case& test, nn::Compute& compute);
+void run_loader(Case& test, nn::Compute& compute);
+
+}  // namespace aligngs::parity

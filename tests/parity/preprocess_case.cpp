@@ -1,0 +1,119 @@
+#include <algorithm>
+
+#include "nn/preprocess/normalised_image.h"
+#include "nn/preprocess/opencv_resize.h"
+#include "nn/preprocess/pillow_resize.h"
+#include "nn/preprocess/vggt_images.h"
+#include "parity_case.h"
+
+namespace aligngs::parity {
+namespace {
+
+Image<uint8_t> image_of(const FloatArray& a) {  // [height, width, channels]
+  Image<uint8_t> image(int(a.shape.at(1)), int(a.shape.at(0)), int(a.shape.at(2)));
+  for (size_t i = 0; i < a.data.size(); ++i) image.data[i] = uint8_t(a.data[i]);
+  return image;
+}
+
+/// "0::16, columns 0::4": which rows and columns of the result are in the file.
+struct Selection {
+  int64_t row_step = 1, column_step = 1;
+  explicit Selection(const Json& entry) {
+    const auto text = value_or<std::string>(entry, "rows", "0::1");
+    row_step = std::stoll(text.substr(text.find("::") + 2));
+    const size_t columns = text.find("columns");
+    if (columns != std::string::npos)
+      column_step = std::stoll(text.substr(text.find("::", columns) + 2));
+  }
+};
+
+/// Interleaved images to selected rows and columns, channels first.
+template <class T>
+void append_selected(const T* data, int64_t height, int64_t width, const Selection& s,
+                     std::vector<float>& out, Shape& shape) {
+  for (int64_t c = 0; c < 3; ++c) {
+    for (int64_t y = 0; y < height; y += s.row_step) {
+      for (int64_t x = 0; x < width; x += s.column_step)
+        out.push_back(float(data[(y * width + x) * 3 + c]));
+    }
+  }
+  shape = {3, (height + s.row_step - 1) / s.row_step, (width + s.column_step - 1) / s.column_step};
+}
+
+void compare_image(Case& test, const std::string& name, const Image<uint8_t>& image,
+                   const Json& entry) {
+  std::vector<float> values;
+  Shape shape;
+  append_selected(image.data.data(), image.height, image.width, Selection(entry), values, shape);
+  test.compare_exactly(name, values, shape);
+  if (entry.contains("full_shape") &&
+      entry.at("full_shape") != Json({3, image.height, image.width}))
+    test.fail(name, "the result has another size");
+}
+
+void run_entry(Case& test, const Json& entry) {
+  const auto name = entry.at("name").get<std::string>();
+  const std::string source = name.substr(name.rfind('_') + 1);  // 0, 1, tall, rgba, two
+  const auto photo = [&](const std::string& which) {
+    return image_of(test.array(which == "rgba" ? "rgba" : "rgb_" + which));
+  };
+  if (name.rfind("mmseg_norm_", 0) == 0) {
+    const auto scale = entry.at("img_scale").get<std::vector<int>>();
+    const nn::FeatureMap map = nn::normalised_image(
+        nn::segmentation_image(image_of(test.array("mmseg_rgb_" + source)),
+                               {scale.at(0), scale.at(1), value_or(entry, "size_multiple", 0)}));
+    std::vector<float> values;
+    Shape shape;
+    append_selected(map.data.data(), map.height, map.width, Selection(entry), values, shape);
+    const FloatArray reference = test.array(name);
+    constexpr double kNormalisedLimit = 1e-6;
+    if (reference.shape != shape) test.fail(name, "the result has another size");
+    test.judge(name, values, reference.data, kNormalisedLimit);
+  } else if (name.rfind("vggt_square", 0) == 0) {
+    const nn::VggtSquare square = nn::vggt_square_image(
+        photo(source), std::stoi(name.substr(std::string("vggt_square").size())));
+    compare_image(test, name, square.image, entry);
+    test.compare_exactly(name + "_coords",
+                         {square.x1, square.y1, square.x2, square.y2, square.width, square.height},
+                         {1, 6});
+  } else if (name.rfind("vggt_pad_", 0) == 0) {
+    compare_image(test, name, nn::vggt_image(photo(source), nn::VggtFit::kPad), entry);
+  } else if (name == "vggt_crop_two") {
+    std::vector<Image<uint8_t>> both;
+    for (const char* const which : {"0", "1"})
+      both.push_back(nn::vggt_image(photo(which), nn::VggtFit::kCrop));
+    nn::vggt_common_size(both);
+    std::vector<float> values;
+    Shape shape;
+    for (const Image<uint8_t>& image : both)
+      append_selected(image.data.data(), image.height, image.width, Selection(entry), values,
+                      shape);
+    shape.insert(shape.begin(), 2);
+    test.compare_exactly(name, values, shape);
+  } else if (name.rfind("vggt_crop_", 0) == 0) {
+    compare_image(test, name, nn::vggt_image(photo(source), nn::VggtFit::kCrop), entry);
+  } else {
+    test.fail(name, "unknown entry");
+  }
+}
+
+}  // namespace
+
+void run_preprocess(Case& test, nn::Compute&) {
+  for (const Json& entry : test.config().at("entries")) run_entry(test, entry);
+  // The plain resizes carry their size in the name of the file: pil_bicubic_20x31 (height x width).
+  for (const auto& file : std::filesystem::directory_iterator(test.folder())) {
+    const std::string name = file.path().stem().string();
+    const bool pillow = name.rfind("pil_bicubic_", 0) == 0,
+               opencv = name.rfind("cv2_linear_", 0) == 0;
+    if (!pillow && !opencv) continue;
+    const std::string size = name.substr(name.rfind('_') + 1);
+    const int height = std::stoi(size), width = std::stoi(size.substr(size.find('x') + 1));
+    const Image<uint8_t> input = image_of(test.array("resize_in"));
+    const Image<uint8_t> out = pillow ? nn::pillow_resize_bicubic(input, width, height)
+                                      : nn::opencv_resize_linear(input, width, height);
+    test.compare_exactly(name, {out.data.begin(), out.data.end()}, {height, width, 3});
+  }
+}
+
+}  // namespace aligngs::parity
