@@ -69,6 +69,7 @@ void Step(benchmark::State& state) {
   for (auto _ : state) state.SetIterationTime(total_of(timing.samples[i++ % timing.samples.size()]));
   state.counters["best_ms"] = 1e3 * timing.best_seconds;
   state.counters["median_ms"] = 1e3 * timing.seconds;
+  state.counters["cpu_ms"] = 1e3 * timing.cpu_seconds;
   state.counters["visible"] = static_cast<double>(timing.tiles.visible);
   state.counters["pairs_per_tile"] = static_cast<double>(timing.tiles.pairs) / static_cast<double>(timing.tiles.tiles);
   state.counters["used_per_tile"] = static_cast<double>(timing.tiles.used) / static_cast<double>(timing.tiles.tiles);

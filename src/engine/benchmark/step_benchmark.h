@@ -23,6 +23,9 @@ struct StepTiming {
   int threads = 0;
   double seconds = 0;       ///< median wall time of a step: every loss, optimiser included
   double best_seconds = 0;  ///< of the fastest step, which other programs disturbed least
+  /// Median over the steps of the processor time of all threads together, divided by their number: what a step would
+  /// take were the machine free and the threads always busy. Other programs change it much less than wall time.
+  double cpu_seconds = 0;
   std::map<std::string, double> stages;       ///< median wall time by stage (StepReport::seconds)
   std::map<std::string, double> best_stages;  ///< the fastest of each
   std::vector<std::map<std::string, double>> samples;  ///< stages of every step that counts
