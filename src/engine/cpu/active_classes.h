@@ -6,9 +6,11 @@
 // ones cost the term sum t_c log(t_c / mean t) over the n, which training cannot act on. The remainder takes part in no
 // arg-max.
 //
-// So teachers are kept at their native resolution in float16 of the channels: with 45 of 150 classes active that is less
-// than 8-bit log-probabilities of all classes take, and it costs below 1e-6 nats and 2^-12 of a probability where those
-// cost 9e-5 nats and 1.2 %, and the sixteen best classes alone 4e-2 nats (teacher_storage_test.cpp). Files and callers always see all classes: expanding repeats r, compressing takes it back bit by bit.
+// Files and callers always see all classes: expanding repeats r, compressing takes it back bit by bit.
+//
+// Teachers are kept at their native resolution in float16 of the channels. With 45 of 150 classes active that is less
+// than 8-bit log-probabilities of all classes take, and it costs below 1e-6 nats and 2^-12 of a probability where
+// those cost 9e-5 nats and 1.2 %, and the sixteen best classes alone 4e-2 nats (teacher_storage_test.cpp).
 #pragma once
 
 #include <cstddef>

@@ -209,7 +209,8 @@ TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
     compress_target(find_active_classes({view}, 2, pool), pool, compact.data.semantics);
     for (size_t i = 0; i < compact.data.semantics.confidence.size(); ++i) {
       if (!(compact.data.semantics.confidence[i] > 0)) continue;
-      const double rest = static_cast<double>(half_to_float(compact.data.semantics.probabilities[(i + 1) * (kActive + 1) - 1]));
+      const double rest =
+          static_cast<double>(half_to_float(compact.data.semantics.probabilities[(i + 1) * (kActive + 1) - 1]));
       unevenness -= rest * std::log(rest / (150 - kActive));
       for (size_t c = 0; c < 150; ++c) {
         const double p = static_cast<double>(half_to_float(view.data.semantics.probabilities[i * 150 + c]));

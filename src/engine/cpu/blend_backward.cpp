@@ -90,6 +90,11 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
     const uint32_t strips = block.strips[e];
     FloatVec c0 = zero, c1 = zero, c2 = zero, w_sum = zero, n0 = zero, n1 = zero, n2 = zero, dist = zero;
     FloatVec residual = zero, unsupported = zero;
+    Moments all = zero_moments();
+    FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
+    const FloatVec gx = hn::Set(d, g.x), gy = hn::Set(d, g.y), fxx = hn::Set(d, g.fxx), fxy = hn::Set(d, g.fxy),
+                   fyy = hn::Set(d, g.fyy);
+    FloatVec fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x), gx));  // the same for all vectors of whole rows
     for (uint32_t left = strips; left != 0; left &= left - 1) {
       const size_t first = first_strip(left);
       for (size_t s = first; s < first + kStripPixels; s += kLanes) {
@@ -113,21 +118,9 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
           const auto supported = hn::And(hn::Le(hn::Abs(hn::Sub(z, prior)), allowed), hn::Gt(prior, zero));
           unsupported = hn::Add(unsupported, hn::IfThenZeroElse(supported, w));
         }
-      }
-    }
-    add_lane_sums(d, c0, c1, c2, w_sum, out);
-    if constexpr (kGeometry) add_lane_sums(d, n0, n1, n2, dist, out + 4);
-    Moments all = zero_moments(), semantic = zero_moments();
-    FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
-    const FloatVec gx = hn::Set(d, g.x), gy = hn::Set(d, g.y), fxx = hn::Set(d, g.fxx), fxy = hn::Set(d, g.fxy),
-                   fyy = hn::Set(d, g.fyy);
-    FloatVec fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x), gx));  // the same for all vectors of whole rows
-    for (uint32_t left = strips; left != 0; left &= left - 1) {
-      const size_t first = first_strip(left);
-      for (size_t s = first; s < first + kStripPixels; s += kLanes) {
         const FloatVec a = hn::Load(d, alpha + s);
         const FloatVec slope =
-            kSmooth ? hn::Load(d, gain + s) : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
+            kSmooth ? hn::Load(d, gain + s) : hn::IfThenElseZero(hn::Lt(a, alpha_max), w);
         if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s), gx));
         const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
         const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
@@ -158,15 +151,10 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
           abs_p = hn::Add(abs_p, hn::Abs(hn::Mul(g_color, p)));
           abs_y = hn::Add(abs_y, hn::Abs(hn::Mul(g_color, hn::MulAdd(fxy, p, hn::Mul(fyy, r)))));
         }
-        if constexpr (kCoupling) {
-          const FloatVec q = hn::Load(d, coupling + e * kBlockPixels + s);
-          const FloatVec behind_semantic = hn::Load(d, behind.semantic + s);
-          const FloatVec step = hn::Sub(q, behind_semantic);
-          hn::Store(hn::MulAdd(a, step, behind_semantic), d, behind.semantic + s);
-          add_moments(hn::Mul(slope, step), p, r, semantic);
-        }
       }
     }
+    add_lane_sums(d, c0, c1, c2, w_sum, out);
+    if constexpr (kGeometry) add_lane_sums(d, n0, n1, n2, dist, out + 4);
     add_lane_sums(d, all.p, all.r, all.one, all.pp, out + 8);
     add_lane_sums(d, all.pr, all.rr, residual, unsupported, out + 12);
     if constexpr (!kGeometry) {
@@ -175,6 +163,24 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
     }
     add_lane_sums(d, photo_p, photo_r, abs_p, abs_y, out + 16);
     if constexpr (kCoupling) {
+      // A loop of its own, because the registers hold no more sums.
+      Moments semantic = zero_moments();
+      for (uint32_t left = strips; left != 0; left &= left - 1) {
+        const size_t first = first_strip(left);
+        for (size_t s = first; s < first + kStripPixels; s += kLanes) {
+          const FloatVec a = hn::Load(d, alpha + s);
+          const FloatVec slope = kSmooth ? hn::Load(d, gain + s)
+                                         : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
+          if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s), gx));
+          const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
+          const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
+          const FloatVec q = hn::Load(d, coupling + e * kBlockPixels + s);
+          const FloatVec behind_semantic = hn::Load(d, behind.semantic + s);
+          const FloatVec step = hn::Sub(q, behind_semantic);
+          hn::Store(hn::MulAdd(a, step, behind_semantic), d, behind.semantic + s);
+          add_moments(hn::Mul(slope, step), p, r, semantic);
+        }
+      }
       add_lane_sums(d, semantic.p, semantic.r, semantic.one, semantic.pp, out + 20);
       add_lane_sums(d, semantic.pr, semantic.rr, zero, zero, out + 24);
     }

@@ -103,21 +103,26 @@ void CpuEngine::prepare_features(SemanticBlend blend, bool rounded) const {
   const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
   frame_.features.resize(frame_.lists.visible.size() * padded);
   if (rounded) frame_.rounded.resize(frame_.lists.visible.size() * depth);
-  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
+    AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
+    scratch.resize(padded);
     for (size_t i = begin; i < end; ++i) {
       if (frame_.view.rects[i].area() == 0) continue;
       const float* in = model_.semantics.data() + i * channels;
-      float* out = frame_.features.data() + frame_.lists.rank[i] * padded;
+      float* out = frame_.features.data() + size_t(frame_.lists.rank[i]) * padded;
+      float* row = rounded ? scratch.data() : out;
       if (blend == SemanticBlend::kProbabilities) {
-        softmax_row(in, channels, padded, counts_.log_count[channels - 1], out);
+        softmax_row(in, channels, padded, counts_.log_count[channels - 1], row);
       } else {
-        copy_row(in, channels, padded, out);
+        copy_row(in, channels, padded, row);
       }
       if (!rounded) continue;
+      stream_row(row, padded, out);  // the tiles read the rounded ones; these wait for the optimiser
       // A softmax of blended logits does not see a shift of a row, but the rounding does.
-      const float shift = blend == SemanticBlend::kLogits ? row_mean(out, channels, padded) : 0.0f;
-      round_row(out, channels, padded, depth, shift, frame_.rounded.data() + size_t(frame_.lists.rank[i]) * depth);
+      const float shift = blend == SemanticBlend::kLogits ? row_mean(row, channels, padded) : 0.0f;
+      round_row(row, channels, padded, depth, shift, frame_.rounded.data() + size_t(frame_.lists.rank[i]) * depth);
     }
+    if (rounded) finish_streams();
   });
 }
 

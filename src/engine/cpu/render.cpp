@@ -87,9 +87,11 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
       for (const BlockWeights& block : s.weights.blocks) {
         s.semantic.rows.resize(block.count);
         for (size_t e = 0; e < block.count; ++e) {
-          s.semantic.rows[e] = frame_.features.data() + size_t(frame_.lists.rank[s.weights.rows[block.entry[e]]]) * padded;
+          s.semantic.rows[e] =
+              frame_.features.data() + size_t(frame_.lists.rank[s.weights.rows[block.entry[e]]]) * padded;
         }
-        block_blend_rows(block, s.semantic.rows.data(), padded, s.semantic.block.blended.data());
+        order_by_strips(block, s.semantic.strips);
+        block_blend_rows(block, s.semantic.strips, s.semantic.rows.data(), padded, s.semantic.block.blended.data());
         for (int i = 0; i < kBlockPixels; ++i) {
           const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
           if (x >= w || y >= h) continue;

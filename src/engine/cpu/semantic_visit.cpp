@@ -107,16 +107,17 @@ const float* SemanticVisit::visit_float(const BlockWeights& block) {
   for (size_t e = 0; e < block.count; ++e) {
     s_.rows[e] = pass_.features + size_t(pass_.rank[tile_.rows[block.entry[e]]]) * padded;
   }
-  block_blend_rows(block, s_.rows.data(), padded, s_.block.blended.data());
+  order_by_strips(block, s_.strips);
+  block_blend_rows(block, s_.strips, s_.rows.data(), padded, s_.block.blended.data());
   semantic_block_loss(pass_.step, block, s_.block);
   if (block.count == 0) return nullptr;
   collect_row_gradients(block, tile_, rows_, s_);
-  block_row_gradients(block, s_.block.blended.data(), padded, s_.row_gradients.data());
+  block_row_gradients(block, s_.strips, s_.block.blended.data(), padded, s_.row_gradients.data());
   if (!pass_.step.couple) return nullptr;
   s_.block.transposed.resize(kBlockPixels * padded);
   block_transpose(coupling_direction(), padded, s_.block.transposed.data());
   s_.q.resize(block.count * kBlockPixels);
-  block_coupling(block, s_.rows.data(), padded, s_.block.transposed.data(), s_.block.offset, s_.q.data());
+  block_coupling(block, s_.strips, s_.rows.data(), padded, s_.block.transposed.data(), s_.block.offset, s_.q.data());
   return s_.q.data();
 }
 
@@ -136,15 +137,17 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   TileProduct blend;  // P = W^T S
   blend.a_row = kTileDepth;
   blend.a_step = kTileDepth * kBlockPixels;
-  blend.b = s_.row_pairs.data();
   blend.b_step = kTileDepth * padded;
   blend.steps = s_.steps.data();
   blend.step_count = entries / kTileDepth;
   blend.c_row = padded;
-  for (size_t pixel = 0; pixel < kBlockPixels; pixel += kGroup) {
-    blend.a = s_.weights_by_pixel.data() + pixel * kTileDepth;
-    blend.c = s_.block.blended.data() + pixel * padded;
-    tile_product_columns(blend, padded);
+  for (size_t column = 0; column < padded; column += kGroup) {  // B of the columns stays in the nearest cache
+    blend.b = s_.row_pairs.data() + column * kTileDepth;
+    for (size_t pixel = 0; pixel < kBlockPixels; pixel += kGroup) {
+      blend.a = s_.weights_by_pixel.data() + pixel * kTileDepth;
+      blend.c = s_.block.blended.data() + pixel * padded + column;
+      tile_product_columns(blend, std::min(kGroup, padded - column));
+    }
   }
   semantic_block_loss(pass_.step, block, s_.block);
   pack_pixels(s_.block.blended.data(), padded, s_.gradient_pairs.data() + size_t(index) * kBlockPixels * padded);

@@ -12,6 +12,7 @@
 
 #include "engine/cpu/row_batches.h"
 #include "engine/cpu/semantic_block.h"
+#include "engine/cpu/tile_products.h"
 #include "engine/cpu/tile_weights.h"
 
 namespace aligngs::cpu {
@@ -35,6 +36,7 @@ struct SemanticScratch {
   AlignedArray<float> q;              ///< [entries, padded to 32][64]
   std::vector<const float*> rows;     ///< [entries] float rows
   std::vector<float*> row_gradients;  ///< [entries]
+  StripOrder strips;
   std::vector<float*> tile_rows;      ///< [gathered splats] their sums, nullptr = not asked for yet in this tile
 
   std::vector<const uint16_t*> rounded;  ///< [entries] bfloat16 rows

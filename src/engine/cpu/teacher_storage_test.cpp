@@ -90,8 +90,8 @@ std::vector<Row> as_top16(std::vector<Row> rows) {
 
 TEST(TeacherStorage, Float16OfActiveClassesIsBothSmallerAndMoreExact) {
   const std::vector<Row> teacher = make_teacher();
-  const StorageError half = storage_error(teacher, as_float16(teacher)), log8 = storage_error(teacher, as_log8(teacher)),
-                     top16 = storage_error(teacher, as_top16(teacher));
+  const StorageError half = storage_error(teacher, as_float16(teacher)),
+                     log8 = storage_error(teacher, as_log8(teacher)), top16 = storage_error(teacher, as_top16(teacher));
   // Measured: float16 below 1e-6 nats, largest error 1.5e-4; 8-bit logarithms 9e-5 nats, 1.2 %; sixteen best 4e-2 nats.
   EXPECT_LT(half.kl, 1e-6);
   EXPECT_LT(half.largest, 2.5e-4);  // 2^-12, half a unit of the last place below 1
@@ -121,13 +121,15 @@ TEST(TeacherStorage, Float16OfActiveClassesIsBothSmallerAndMoreExact) {
   // What the active classes hold is exactly what was given; the remainder is the rest of the mass.
   for (size_t i = 0; i < pixels; ++i) {
     double rest = 0;
-    for (size_t c = 0; c < kClasses; ++c) rest += static_cast<double>(half_to_float(float_to_half(static_cast<float>(teacher[i][c]))));
+    for (size_t c = 0; c < kClasses; ++c)
+      rest += static_cast<double>(half_to_float(float_to_half(static_cast<float>(teacher[i][c]))));
     for (size_t k = 0; k < map.active.size(); ++k) {
       const uint16_t stored = t.probabilities[i * static_cast<size_t>(t.channels) + k];
       ASSERT_EQ(stored, float_to_half(static_cast<float>(teacher[i][map.active[k]])));
       rest -= static_cast<double>(half_to_float(stored));
     }
-    const double stored_rest = static_cast<double>(half_to_float(t.probabilities[(i + 1) * static_cast<size_t>(t.channels) - 1]));
+    const double stored_rest =
+        static_cast<double>(half_to_float(t.probabilities[(i + 1) * static_cast<size_t>(t.channels) - 1]));
     ASSERT_NEAR(stored_rest, rest, 5e-4 * rest + 1e-6);
   }
 }

@@ -244,7 +244,9 @@ void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& poo
           }
           if (!any) continue;
           collect_row_gradients(block, s.weights, rows, s.semantic);
-          block_row_gradients(block, s.semantic.block.blended.data(), step.padded, s.semantic.row_gradients.data());
+          order_by_strips(block, s.semantic.strips);
+          block_row_gradients(block, s.semantic.strips, s.semantic.block.blended.data(), step.padded,
+                              s.semantic.row_gradients.data());
         }
       });
 }

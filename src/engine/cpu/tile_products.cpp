@@ -20,17 +20,20 @@ constexpr bool kManyRegisters = HWY_MAX_BYTES >= 64;
 constexpr size_t kRows = kManyRegisters ? 8 : 4;
 constexpr size_t kColumns = 3;
 
-/// blended[pixel .. pixel + kRows)[channel ..] over all entries.
+/// blended[pixel .. pixel + kRows)[channel ..] over the entries with a weight in the strip.
 template <size_t kVectors>
-HWY_INLINE void blend_rows_tile(const BlockWeights& block, const float* const* rows, size_t padded, size_t pixel,
-                                size_t channel, float* blended) {
+HWY_INLINE void blend_rows_tile(const BlockWeights& block, const AlignedArray<uint32_t>& entries,
+                                const float* const* rows, size_t padded, size_t pixel, size_t channel,
+                                float* blended) {
+  static_assert(kStripPixels % kRows == 0, "the pixels of a register tile share a strip");
   const FloatTag d;
   FloatVec sum[kRows][kVectors];
   for (size_t m = 0; m < kRows; ++m) {
     for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::Zero(d);
   }
-  const float* HWY_RESTRICT weight = block.weight.data() + pixel;
-  for (size_t e = 0; e < block.count; ++e, weight += kBlockPixels) {
+  for (size_t k = 0; k < entries.size(); ++k) {
+    const size_t e = entries[k];
+    const float* HWY_RESTRICT weight = block.weight.data() + e * kBlockPixels + pixel;
     const float* HWY_RESTRICT row = rows[e] + channel;
     FloatVec b[kVectors];
     for (size_t v = 0; v < kVectors; ++v) b[v] = hn::Load(d, row + v * kLanes);
@@ -47,79 +50,92 @@ HWY_INLINE void blend_rows_tile(const BlockWeights& block, const float* const* r
 }
 
 template <size_t kVectors>
-void blend_rows_columns(const BlockWeights& block, const float* const* rows, size_t padded, size_t channel,
-                        float* blended) {
+void blend_rows_columns(const BlockWeights& block, const StripOrder& order, const float* const* rows, size_t padded,
+                        size_t channel, float* blended) {
   for (size_t pixel = 0; pixel < kBlockPixels; pixel += kRows) {
-    blend_rows_tile<kVectors>(block, rows, padded, pixel, channel, blended);
+    blend_rows_tile<kVectors>(block, order.of_strip[pixel / kStripPixels], rows, padded, pixel, channel, blended);
   }
 }
 
-void BlockBlendRows(const BlockWeights& block, const float* const* rows, size_t padded, float* blended) {
+void BlockBlendRows(const BlockWeights& block, const StripOrder& order, const float* const* rows, size_t padded,
+                    float* blended) {
   size_t channel = 0;
   for (; channel + kColumns * kLanes <= padded; channel += kColumns * kLanes) {
-    blend_rows_columns<kColumns>(block, rows, padded, channel, blended);
+    blend_rows_columns<kColumns>(block, order, rows, padded, channel, blended);
   }
   for (; channel + 2 * kLanes <= padded; channel += 2 * kLanes) {
-    blend_rows_columns<2>(block, rows, padded, channel, blended);
+    blend_rows_columns<2>(block, order, rows, padded, channel, blended);
   }
-  for (; channel < padded; channel += kLanes) blend_rows_columns<1>(block, rows, padded, channel, blended);
+  for (; channel < padded; channel += kLanes) blend_rows_columns<1>(block, order, rows, padded, channel, blended);
 }
 
-/// gradient_rows[first .. first + kEntries)[channel ..] over the 64 pixels.
+/// gradient_rows of `kEntries` entries, [channel ..], over the pixels of their strips.
 template <size_t kEntries, size_t kVectors>
-HWY_INLINE void row_gradients_tile(const float* HWY_RESTRICT weight, const float* HWY_RESTRICT dblended, size_t padded,
-                                   size_t channel, float* const* gradient_rows) {
+HWY_INLINE void row_gradients_tile(const BlockWeights& block, const uint32_t* HWY_RESTRICT entries,
+                                   const float* HWY_RESTRICT dblended, size_t padded, size_t channel,
+                                   float* const* gradient_rows) {
   const FloatTag d;
   FloatVec sum[kEntries][kVectors];
+  const float* weight[kEntries];
+  uint32_t strips = 0;
   for (size_t m = 0; m < kEntries; ++m) {
-    for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::Load(d, gradient_rows[m] + channel + v * kLanes);
+    const uint32_t e = entries[m];
+    strips |= block.strips[e];
+    weight[m] = block.weight.data() + size_t(e) * kBlockPixels;
+    for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::Load(d, gradient_rows[e] + channel + v * kLanes);
   }
-  const float* HWY_RESTRICT operand = dblended + channel;
-  for (size_t pixel = 0; pixel < kBlockPixels; ++pixel, operand += padded) {
-    FloatVec b[kVectors];
-    for (size_t v = 0; v < kVectors; ++v) b[v] = hn::Load(d, operand + v * kLanes);
-    for (size_t m = 0; m < kEntries; ++m) {
-      const FloatVec w = hn::Set(d, weight[m * kBlockPixels + pixel]);
-      for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::MulAdd(w, b[v], sum[m][v]);
+  for (size_t strip = 0; strip < kBlockPixels / kStripPixels; ++strip) {
+    if (((strips >> strip) & 1u) == 0) continue;
+    const float* HWY_RESTRICT operand = dblended + strip * kStripPixels * padded + channel;
+    for (size_t pixel = strip * kStripPixels; pixel < (strip + 1) * kStripPixels; ++pixel, operand += padded) {
+      FloatVec b[kVectors];
+      for (size_t v = 0; v < kVectors; ++v) b[v] = hn::Load(d, operand + v * kLanes);
+      for (size_t m = 0; m < kEntries; ++m) {
+        const FloatVec w = hn::Set(d, weight[m][pixel]);
+        for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::MulAdd(w, b[v], sum[m][v]);
+      }
     }
   }
   for (size_t m = 0; m < kEntries; ++m) {
-    for (size_t v = 0; v < kVectors; ++v) hn::Store(sum[m][v], d, gradient_rows[m] + channel + v * kLanes);
+    for (size_t v = 0; v < kVectors; ++v) hn::Store(sum[m][v], d, gradient_rows[entries[m]] + channel + v * kLanes);
   }
 }
 
 template <size_t kVectors>
-void row_gradients_columns(const BlockWeights& block, const float* dblended, size_t padded, size_t channel,
-                           float* const* gradient_rows) {
-  size_t e = 0;
-  for (; e + kRows <= block.count; e += kRows) {
-    row_gradients_tile<kRows, kVectors>(block.weight.data() + e * kBlockPixels, dblended, padded, channel,
-                                        gradient_rows + e);
+void row_gradients_columns(const BlockWeights& block, const StripOrder& order, const float* dblended, size_t padded,
+                           size_t channel, float* const* gradient_rows) {
+  size_t k = 0;
+  for (; k + kRows <= block.count; k += kRows) {
+    row_gradients_tile<kRows, kVectors>(block, order.by_strips.data() + k, dblended, padded, channel, gradient_rows);
   }
-  for (; e < block.count; ++e) {
-    row_gradients_tile<1, kVectors>(block.weight.data() + e * kBlockPixels, dblended, padded, channel,
-                                    gradient_rows + e);
+  for (; k < block.count; ++k) {
+    row_gradients_tile<1, kVectors>(block, order.by_strips.data() + k, dblended, padded, channel, gradient_rows);
   }
 }
 
-void BlockRowGradients(const BlockWeights& block, const float* dblended, size_t padded, float* const* gradient_rows) {
+void BlockRowGradients(const BlockWeights& block, const StripOrder& order, const float* dblended, size_t padded,
+                       float* const* gradient_rows) {
   size_t channel = 0;
   for (; channel + kColumns * kLanes <= padded; channel += kColumns * kLanes) {
-    row_gradients_columns<kColumns>(block, dblended, padded, channel, gradient_rows);
+    row_gradients_columns<kColumns>(block, order, dblended, padded, channel, gradient_rows);
   }
   for (; channel + 2 * kLanes <= padded; channel += 2 * kLanes) {
-    row_gradients_columns<2>(block, dblended, padded, channel, gradient_rows);
+    row_gradients_columns<2>(block, order, dblended, padded, channel, gradient_rows);
   }
-  for (; channel < padded; channel += kLanes) row_gradients_columns<1>(block, dblended, padded, channel, gradient_rows);
+  for (; channel < padded; channel += kLanes)
+    row_gradients_columns<1>(block, order, dblended, padded, channel, gradient_rows);
 }
 
-/// q[first .. first + kEntries)[pixel ..] over all channels.
+/// q of `kEntries` entries, [pixel ..], over all channels.
 template <size_t kEntries, size_t kVectors>
-HWY_INLINE void coupling_tile(const float* const* rows, size_t padded, const float* HWY_RESTRICT transposed,
-                              const float* HWY_RESTRICT offset, size_t pixel, float* HWY_RESTRICT q) {
+HWY_INLINE void coupling_tile(const uint32_t* HWY_RESTRICT entries, const float* const* all_rows, size_t padded,
+                              const float* HWY_RESTRICT transposed, const float* HWY_RESTRICT offset, size_t pixel,
+                              float* HWY_RESTRICT q) {
   const FloatTag d;
   FloatVec sum[kEntries][kVectors];
+  const float* rows[kEntries];
   for (size_t m = 0; m < kEntries; ++m) {
+    rows[m] = all_rows[entries[m]];
     for (size_t v = 0; v < kVectors; ++v) sum[m][v] = hn::Neg(hn::Load(d, offset + pixel + v * kLanes));
   }
   const float* HWY_RESTRICT operand = transposed + pixel;
@@ -132,22 +148,26 @@ HWY_INLINE void coupling_tile(const float* const* rows, size_t padded, const flo
     }
   }
   for (size_t m = 0; m < kEntries; ++m) {
-    for (size_t v = 0; v < kVectors; ++v) hn::Store(sum[m][v], d, q + m * kBlockPixels + pixel + v * kLanes);
+    for (size_t v = 0; v < kVectors; ++v)
+      hn::Store(sum[m][v], d, q + size_t(entries[m]) * kBlockPixels + pixel + v * kLanes);
   }
 }
 
-void BlockCoupling(const BlockWeights& block, const float* const* rows, size_t padded, const float* transposed,
-                   const float* offset, float* q) {
-  constexpr size_t kVectors = kManyRegisters ? 4 : 2, kPixels = kVectors * kLanes;
+void BlockCoupling(const BlockWeights& block, const StripOrder& order, const float* const* rows, size_t padded,
+                   const float* transposed, const float* offset, float* q) {
+  // One strip, or for long vectors the whole block: fewer loads per product, but also pixels without weights.
+  constexpr size_t kVectors = kManyRegisters ? 4 : kStripPixels / kLanes < 2 ? 1 : 2, kPixels = kVectors * kLanes;
   constexpr size_t kEntries = kManyRegisters ? 6 : 5;
   static_assert(kBlockPixels % kPixels == 0);
   for (size_t pixel = 0; pixel < kBlockPixels; pixel += kPixels) {
-    size_t e = 0;
-    for (; e + kEntries <= block.count; e += kEntries) {
-      coupling_tile<kEntries, kVectors>(rows + e, padded, transposed, offset, pixel, q + e * kBlockPixels);
+    const bool one_strip = kPixels <= static_cast<size_t>(kStripPixels);
+    const AlignedArray<uint32_t>& entries = one_strip ? order.of_strip[pixel / kStripPixels] : order.by_strips;
+    size_t k = 0;
+    for (; k + kEntries <= entries.size(); k += kEntries) {
+      coupling_tile<kEntries, kVectors>(entries.data() + k, rows, padded, transposed, offset, pixel, q);
     }
-    for (; e < block.count; ++e) {
-      coupling_tile<1, kVectors>(rows + e, padded, transposed, offset, pixel, q + e * kBlockPixels);
+    for (; k < entries.size(); ++k) {
+      coupling_tile<1, kVectors>(entries.data() + k, rows, padded, transposed, offset, pixel, q);
     }
   }
 }
@@ -192,15 +212,33 @@ HWY_EXPORT(BlockRowGradients);
 HWY_EXPORT(BlockCoupling);
 HWY_EXPORT(BlockTranspose);
 
-void block_blend_rows(const BlockWeights& block, const float* const* rows, size_t padded, float* blended) {
-  HWY_DYNAMIC_DISPATCH(BlockBlendRows)(block, rows, padded, blended);
+void order_by_strips(const BlockWeights& block, StripOrder& order) {
+  constexpr size_t kStrips = kBlockPixels / kStripPixels, kSets = size_t(1) << kStrips;
+  size_t begin[kSets + 1] = {}, counts[kStrips] = {};
+  for (size_t e = 0; e < block.count; ++e) ++begin[block.strips[e] + size_t(1)];
+  for (size_t set = 1; set <= kSets; ++set) begin[set] += begin[set - 1];
+  order.by_strips.resize(block.count);
+  for (AlignedArray<uint32_t>& entries : order.of_strip) entries.resize(block.count);
+  for (uint32_t e = 0; e < block.count; ++e) {
+    order.by_strips[begin[block.strips[e]]++] = e;
+    for (size_t strip = 0; strip < kStrips; ++strip) {
+      if (((block.strips[e] >> strip) & 1u) != 0) order.of_strip[strip][counts[strip]++] = e;
+    }
+  }
+  for (size_t strip = 0; strip < kStrips; ++strip) order.of_strip[strip].resize(counts[strip]);
 }
-void block_row_gradients(const BlockWeights& block, const float* dblended, size_t padded, float* const* gradient_rows) {
-  HWY_DYNAMIC_DISPATCH(BlockRowGradients)(block, dblended, padded, gradient_rows);
+
+void block_blend_rows(const BlockWeights& block, const StripOrder& order, const float* const* rows, size_t padded,
+                      float* blended) {
+  HWY_DYNAMIC_DISPATCH(BlockBlendRows)(block, order, rows, padded, blended);
 }
-void block_coupling(const BlockWeights& block, const float* const* rows, size_t padded, const float* transposed,
-                    const float* offset, float* q) {
-  HWY_DYNAMIC_DISPATCH(BlockCoupling)(block, rows, padded, transposed, offset, q);
+void block_row_gradients(const BlockWeights& block, const StripOrder& order, const float* dblended, size_t padded,
+                         float* const* gradient_rows) {
+  HWY_DYNAMIC_DISPATCH(BlockRowGradients)(block, order, dblended, padded, gradient_rows);
+}
+void block_coupling(const BlockWeights& block, const StripOrder& order, const float* const* rows, size_t padded,
+                    const float* transposed, const float* offset, float* q) {
+  HWY_DYNAMIC_DISPATCH(BlockCoupling)(block, order, rows, padded, transposed, offset, q);
 }
 void block_transpose(const float* in, size_t padded, float* out) {
   HWY_DYNAMIC_DISPATCH(BlockTranspose)(in, padded, out);
