@@ -207,4 +207,19 @@ FeatureMap max_pool_3x3_stride_2(Compute& compute, const FeatureMap& x) {
   return y;
 }
 
+FeatureMap max_pool_2x2(Compute& compute, const FeatureMap& x) {
+  FeatureMap y(x.height / 2, x.width / 2, x.channels);
+  compute.for_rows(y.height, 1, [&](int64_t row, int64_t, Scratch&) {
+    for (int64_t column = 0; column < y.width; ++column) {
+      float* out = y.at(row, column);
+      for (int64_t c = 0; c < y.channels; ++c) {
+        out[c] = std::max(
+            std::max(x.at(2 * row, 2 * column)[c], x.at(2 * row, 2 * column + 1)[c]),
+            std::max(x.at(2 * row + 1, 2 * column)[c], x.at(2 * row + 1, 2 * column + 1)[c]));
+      }
+    }
+  });
+  return y;
+}
+
 }  // namespace aligngs::nn

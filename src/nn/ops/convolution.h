@@ -83,5 +83,7 @@ class DepthwiseConvolution {
 
 /// 3x3, stride 2, padding 1 that never wins.
 FeatureMap max_pool_3x3_stride_2(Compute& compute, const FeatureMap& x);
+/// 2x2, stride 2; an odd last row or column is left out.
+FeatureMap max_pool_2x2(Compute& compute, const FeatureMap& x);
 
 }  // namespace aligngs::nn
