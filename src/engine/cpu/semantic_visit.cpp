@@ -15,6 +15,17 @@ constexpr size_t kGroup = 32;                                  ///< rows of a ti
 constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
 constexpr size_t kTilePixels = size_t(kTileBlocks) * kBlockPixels;
 
+/// Order of the sets of blocks: neighbours in a Gray code differ by one block, so that 32 Gaussians of neighbouring sets
+/// reach few blocks together.
+constexpr size_t kBlockSets = size_t(1) << kTileBlocks;
+struct SetOrder {
+  uint8_t place[kBlockSets] = {};
+  constexpr SetOrder() {
+    for (size_t i = 0; i < kBlockSets; ++i) place[i ^ (i >> 1)] = static_cast<uint8_t>(i);
+  }
+};
+constexpr SetOrder kPlaceOfSet;
+
 /// Calls the kernel for all 16-column groups of C and B.
 void tile_product_columns(TileProduct p, size_t columns) {
   for (; columns >= 2 * kTileRows; columns -= 2 * kTileRows) {
@@ -59,29 +70,34 @@ void SemanticVisit::order_by_blocks() {
     most = std::max(most, block.count);
     for (size_t e = 0; e < block.count; ++e) s_.block_set[block.entry[e]] |= static_cast<uint8_t>(1u << b);
   }
-  constexpr size_t kSets = size_t(1) << kTileBlocks;
-  size_t begin[kSets + 1] = {};
-  for (size_t i = 0; i < tile_.count; ++i) ++begin[s_.block_set[i] + 1];
+  size_t begin[kBlockSets + 1] = {};
+  for (size_t i = 0; i < tile_.count; ++i) ++begin[kPlaceOfSet.place[s_.block_set[i]] + size_t(1)];
   begin[1] = 0;  // splats without any weight take no part
-  for (size_t set = 1; set <= kSets; ++set) begin[set] += begin[set - 1];
-  const size_t taking_part = begin[kSets];
+  for (size_t place = 1; place <= kBlockSets; ++place) begin[place] += begin[place - 1];
+  const size_t taking_part = begin[kBlockSets];
   s_.order.resize(taking_part);
   s_.row_of.resize(tile_.count);
   for (size_t i = 0; i < tile_.count; ++i) {
     const uint8_t set = s_.block_set[i];
     if (set == 0) continue;
-    const size_t row = begin[set]++;
+    const size_t row = begin[kPlaceOfSet.place[set]]++;
     s_.order[row] = static_cast<uint32_t>(i);
     s_.row_of[i] = static_cast<uint32_t>(row);
   }
   const size_t rows = padded_entries(taking_part);
   s_.weights_by_entry.resize(rows * kTilePixels);
-  for (size_t row = 0; row < rows; ++row) {
-    const unsigned set = row < taking_part ? s_.block_set[s_.order[row]] : 0u;
-    for (int b = 0; b < kTileBlocks; ++b) {
-      if (((set >> b) & 1u) != 0) continue;
-      std::memset(s_.weights_by_entry.data() + row * kTilePixels + b * kBlockPixels, 0,
-                  kBlockPixels * sizeof(uint16_t));
+  s_.group_set.resize(rows / kGroup);
+  for (size_t first = 0; first < rows; first += kGroup) {
+    uint8_t all = 0;
+    for (size_t row = first; row < std::min(first + kGroup, taking_part); ++row) all |= s_.block_set[s_.order[row]];
+    s_.group_set[first / kGroup] = all;
+    for (size_t row = first; row < first + kGroup; ++row) {  // zeros where others of the group have weights
+      const unsigned missing = row < taking_part ? all & ~unsigned(s_.block_set[s_.order[row]]) : all;
+      for (int b = 0; b < kTileBlocks; ++b) {
+        if (((missing >> b) & 1u) == 0) continue;
+        std::memset(s_.weights_by_entry.data() + row * kTilePixels + b * kBlockPixels, 0,
+                    kBlockPixels * sizeof(uint16_t));
+      }
     }
   }
   const size_t steps = std::max({padded_entries(most) / kTileDepth, padded_depth(pass_.step.padded) / kTileDepth});
@@ -178,9 +194,8 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
 
 /// Sums of rows [first, first + 32) of the tile's product: dS = W dP over the blocks that some of them reach.
 void SemanticVisit::row_gradients_of_group(size_t first, float* out, size_t stride) {
-  const size_t padded = pass_.step.padded, last = std::min(first + kGroup, s_.order.size());
-  unsigned set = 0;
-  for (size_t row = first; row < last; ++row) set |= s_.block_set[s_.order[row]];
+  const size_t padded = pass_.step.padded;
+  const unsigned set = s_.group_set[first / kGroup];
   uint32_t steps[kTileBlocks * kStepsPerBlock];
   TileProduct p;
   for (uint32_t b = 0; b < kTileBlocks; ++b) {

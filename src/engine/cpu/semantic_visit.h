@@ -41,6 +41,7 @@ struct SemanticScratch {
 
   std::vector<const uint16_t*> rounded;  ///< [entries] bfloat16 rows
   std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
+  std::vector<uint8_t> group_set;        ///< of 32 rows of the tile's product: blocks that some of them reach
   std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's product and back
   std::vector<uint32_t> steps;           ///< 0, 1, 2, ...
   AlignedArray<uint16_t> weights_by_pixel, weights_by_entry, row_pairs, rows_of_group, gradient_pairs, direction_pairs;
