@@ -53,8 +53,11 @@ std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, c
       spacing[i] = found.back().distance;
     }
   });
-  const float link = static_cast<float>(
-      std::clamp(options.link_spacings * static_cast<double>(median(spacing)), options.link_min * extent, options.link_max * extent));
+  // The limits keep apart what a coarse class would join, but never fall below the spacing itself.
+  constexpr double kLeastSpacings = 1.2;
+  const double typical = median(spacing);
+  const double most = std::max(options.link_max * extent, kLeastSpacings * typical);
+  const float link = static_cast<float>(std::clamp(options.link_spacings * typical, std::min(options.link_min * extent, most), most));
 
   // Neighbour lists of core points only: a border point hangs on its nearest core point.
   std::vector<std::vector<uint32_t>> near(n);

@@ -30,6 +30,24 @@ double share_within(const std::vector<Vec3f>& from, const PointIndex& to, double
   return from.empty() ? 0 : static_cast<double>(near) / static_cast<double>(from.size());
 }
 
+/// The triangles with two vertices or more in the box around some meshes, widened by `margin`.
+TriangleMesh near_box(const TriangleMesh& all, const std::vector<const TriangleMesh*>& around, double margin) {
+  Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (const TriangleMesh* mesh : around) {
+    for (const Vec3f& v : mesh->vertices) {
+      for (int a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], v[a] - static_cast<float>(margin));
+        high[a] = std::max(high[a], v[a] + static_cast<float>(margin));
+      }
+    }
+  }
+  std::vector<uint8_t> inside;
+  for (const Vec3f& v : all.vertices) {
+    inside.push_back(v.x >= low.x && v.y >= low.y && v.z >= low.z && v.x <= high.x && v.y <= high.y && v.z <= high.z);
+  }
+  return submesh(all, inside, 1);
+}
+
 SurfaceSamples sample(const TriangleMesh& mesh, const SelectionTruthOptions& options) {
   SamplingOptions sampling;
   sampling.points_per_area = options.points_per_area;
@@ -72,10 +90,15 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
     throw_bad_input({}, "label", "the true mesh has no labels", "give a mesh with a label per vertex");
   }
   const std::vector<uint8_t> wanted = true_flags(truth, query);
-  const SurfaceSamples object = sample(submesh(truth, wanted, 1), options), rest = sample(submesh(truth, wanted, 0), options);
+  const TriangleMesh true_object = submesh(truth, wanted, 1);
+  const SurfaceSamples object = sample(true_object, options);
   const std::vector<Vec3f> seen = seen_points(truth, object.positions, cameras, pool);
   if (seen.empty()) throw_bad_input({}, "--select", "no camera sees a true object of these classes", "measure other classes");
-  const TriangleMesh chosen = submesh(mesh, flags, 1), other = submesh(mesh, flags, 0);
+  const TriangleMesh chosen = submesh(mesh, flags, 1);
+  // What else is there matters only near the two.
+  const auto nearby = [&](const TriangleMesh& all) { return near_box(all, {&true_object, &chosen}, 2 * options.threshold); };
+  const SurfaceSamples rest = sample(nearby(submesh(truth, wanted, 0)), options);
+  const TriangleMesh other = nearby(submesh(mesh, flags, 0));
   const SurfaceSamples chosen_samples = sample(chosen, options);
 
   SelectionScore score;
@@ -95,9 +118,9 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
     const std::vector<Nearest> to_object = object_index.nearest(points, pool), to_rest = rest_index.nearest(points, pool);
     for (size_t i = 0; i < points.size(); ++i) {
       if (std::min(to_object[i].distance, to_rest[i].distance) > options.threshold) continue;  // no truth here
-      const bool true_object = to_object[i].distance <= to_rest[i].distance;
-      both += in && true_object;
-      either += in || true_object;
+      const bool is_object = to_object[i].distance <= to_rest[i].distance;
+      both += in && is_object;
+      either += in || is_object;
     }
   }
   score.label_iou = either > 0 ? both / either : 0;

@@ -35,6 +35,10 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_colmap_text", "cameras", text.cameras);
   seed("fuzz_colmap_text", "images", text.images);
   seed("fuzz_colmap_text", "points", text.points);
+  seed("fuzz_edits", "two", R"({"schema": 1, "edits": [{"operation": "delete", "select": "pillow#2", "threshold": "auto", "fill": true},
+    {"operation": "recolor", "select": "sofa", "threshold": "0.25", "color": "#add8e6"}]})");
+  seed("fuzz_selection", "list", "pillow, Cushions#2 and the couch");
+  seed("fuzz_selection", "exclusion", "everything but wall, floor");
   std::filesystem::remove_all(scratch);
 }
 

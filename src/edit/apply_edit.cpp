@@ -1,0 +1,147 @@
+#include "edit/apply_edit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/error.h"
+#include "edit/mesh_selection.h"
+#include "edit/recolor.h"
+#include "edit/support_fill.h"
+#include "gaussians/density_control.h"
+
+namespace aligngs {
+namespace {
+
+template <class T>
+std::vector<T> kept(const std::vector<T>& values, const std::vector<uint8_t>& keep, size_t width) {
+  std::vector<T> out;
+  for (size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width), values.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
+  }
+  return out;
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
+  for (uint8_t& f : flags) f = !f;
+  return flags;
+}
+
+void append_patch(EditableRoom& room, const SupportPatch& patch) {
+  GaussianModel& m = room.gaussians.model;
+  const GaussianModel& p = patch.gaussians;
+  append(m.positions, p.positions);
+  append(m.log_scales, p.log_scales);
+  append(m.rotations, p.rotations);
+  append(m.opacity_logits, p.opacity_logits);
+  append(m.sh, p.sh);
+  append(m.semantics, p.semantics);
+  for (const uint32_t source : patch.sources) {
+    GaussianLabels& l = room.gaussians.labels;
+    l.label.push_back(l.label[source]);
+    l.instance.push_back(l.instance[source]);
+    l.confidence.push_back(l.confidence[source]);
+    for (size_t k = 0; k < SoftLabels::kTop; ++k) {
+      room.gaussians.soft.label.push_back(room.gaussians.soft.label[SoftLabels::kTop * source + k]);
+      room.gaussians.soft.probability.push_back(room.gaussians.soft.probability[SoftLabels::kTop * source + k]);
+    }
+    room.origins.push_back({room.origins[source].row, true});
+  }
+}
+
+void append_mesh(TriangleMesh& mesh, const TriangleMesh& patch) {
+  const uint32_t base = static_cast<uint32_t>(mesh.vertices.size());
+  append(mesh.vertices, patch.vertices);
+  if (!mesh.normals.empty()) append(mesh.normals, patch.normals);
+  if (!mesh.colors.empty()) append(mesh.colors, patch.colors);
+  if (!mesh.labels.empty()) append(mesh.labels, patch.labels);
+  for (const auto& t : patch.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+}
+
+void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::vector<uint8_t>& vertices, uint8_t value) {
+  room.gaussians = keep_rows(room.gaussians, keep);
+  room.origins = kept(room.origins, keep, 1);
+  if (!room.mesh.vertices.empty()) room.mesh = submesh(room.mesh, vertices, value);
+}
+
+void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                    const std::vector<uint8_t>& vertices, EditReport& report) {
+  std::vector<SupportPatch> patches;
+  if (edit.fill) {
+    const std::vector<SupportPlane> planes = find_supports(room.gaussians, mask, room.up);
+    for (const SupportPlane& plane : planes) patches.push_back(fill_on_plane(room.gaussians, mask, plane));
+    report.no_support = planes.empty();
+  }
+  std::vector<uint8_t> keep = inverted(mask);
+  for (const SupportPatch& patch : patches) {
+    report.filled += patch.sources.size();
+    append_patch(room, patch);  // before rows move: the sources are rows of the room as it is
+  }
+  keep.resize(room.gaussians.model.size(), 1);
+  keep_part(room, keep, vertices, 0);
+  for (const SupportPatch& patch : patches) {
+    if (!room.mesh.vertices.empty()) append_mesh(room.mesh, patch.mesh);
+  }
+}
+
+}  // namespace
+
+LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep) {
+  LabelledGaussians out;
+  out.extent = room.extent;
+  out.model = room.model;
+  restructure_model(plan_keep(keep), out.model);
+  out.soft.label = kept(room.soft.label, keep, SoftLabels::kTop);
+  out.soft.probability = kept(room.soft.probability, keep, SoftLabels::kTop);
+  out.labels.label_set = room.labels.label_set;
+  out.labels.label = kept(room.labels.label, keep, 1);
+  out.labels.instance = kept(room.labels.instance, keep, 1);
+  out.labels.confidence = kept(room.labels.confidence, keep, 1);
+  return out;
+}
+
+EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {
+  const Vocabulary vocabulary(room.labels);
+  const SelectionQuery query = parse_selection(edit.select, vocabulary);
+  SelectionOptions options;
+  // What is left of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
+  if (edit.kind == EditKind::kDelete) options.join = 0.5;
+  const GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
+  EditReport report;
+  report.description = describe(edit);
+  report.objects = selection.objects;
+  report.selected = selection.count;
+  report.threshold = selection.threshold;
+  report.before = room.gaussians.model.size();
+  report.vertices_before = room.mesh.vertices.size();
+  if (edit.kind == EditKind::kDelete && selection.count == report.before) {
+    throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
+  }
+  const std::vector<uint8_t> vertices = select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent);
+  report.selected_vertices = static_cast<size_t>(std::count(vertices.begin(), vertices.end(), uint8_t(1)));
+  switch (edit.kind) {
+    case EditKind::kDelete:
+      remove_objects(room, edit, selection.mask, vertices, report);
+      break;
+    case EditKind::kExtract:
+      keep_part(room, selection.mask, vertices, 1);
+      break;
+    case EditKind::kRecolor:
+      recolor_gaussians(room.gaussians.model, selection.mask, edit.color);
+      recolor_vertices(room.mesh, vertices, edit.color);
+      break;
+    case EditKind::kHighlight:
+      highlight_gaussians(room.gaussians.model, selection.mask, edit.color);
+      highlight_vertices(room.mesh, vertices, edit.color);
+      break;
+  }
+  report.after = room.gaussians.model.size();
+  report.vertices_after = room.mesh.vertices.size();
+  return report;
+}
+
+}  // namespace aligngs

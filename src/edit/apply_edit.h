@@ -1,0 +1,48 @@
+// Carries out one edit on Gaussians and mesh alike.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "edit/edit_operation.h"
+#include "edit/selection.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+
+/// Where a Gaussian of an edited room comes from.
+struct GaussianOrigin {
+  uint32_t row = 0;       ///< row of the trained model
+  bool filled = false;    ///< made by an edit; `row` is the one whose class it has
+};
+
+/// A room with everything that edits change.
+struct EditableRoom {
+  LabelledGaussians gaussians;
+  std::vector<GaussianOrigin> origins;  ///< per Gaussian
+  TriangleMesh mesh;                    ///< empty when the run has none
+  LabelSet labels;
+  std::optional<Vec3d> up;              ///< unit, world; when the scene knows it
+};
+
+struct EditReport {
+  std::string description;
+  std::vector<SelectedObject> objects;  ///< what was selected
+  size_t selected = 0;                  ///< Gaussians
+  size_t before = 0, after = 0;         ///< Gaussians of the room
+  size_t filled = 0;                    ///< new Gaussians on the supporting plane
+  bool no_support = false;              ///< fill was asked for and no plane was found
+  size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
+  double threshold = 0;                 ///< that was used; 0 for argmax
+};
+
+/// Names and objects mean what they meant in the unedited room, whatever was deleted before. Error{kUsage} for names
+/// that are unknown, Error{kBadInput} when nothing is selected or nothing would be left; the room is then unchanged.
+EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool);
+
+/// The row subset of all parts of a labelled scene.
+LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep);
+
+}  // namespace aligngs

@@ -1,0 +1,163 @@
+#include "edit/edit_operation.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+constexpr uint64_t kLargestFile = uint64_t(1) << 20;  // bytes
+constexpr size_t kMostEdits = 1000;                   // replayed one after the other
+constexpr size_t kLongestSelection = 4096;            // bytes, as in selection_text
+constexpr const char* kRepair = "undo it with `aligngs edit RUN --undo`, or remove edits.json to forget all edits";
+
+constexpr std::pair<EditKind, const char*> kKinds[] = {{EditKind::kDelete, "delete"},
+                                                       {EditKind::kExtract, "extract"},
+                                                       {EditKind::kRecolor, "recolor"},
+                                                       {EditKind::kHighlight, "highlight"}};
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+bool takes_color(EditKind kind) { return kind == EditKind::kRecolor || kind == EditKind::kHighlight; }
+
+/// One entry of the file, with errors that name it.
+class EntryReader {
+ public:
+  EntryReader(const Json& json, size_t index, const std::filesystem::path& path)
+      : json_(json), index_(index), path_(path) {
+    if (!json.is_object()) fail("", "the entry is no object");
+  }
+
+  std::string text(const char* key, size_t longest) const {
+    const auto it = json_.find(key);
+    if (it == json_.end() || !it->is_string()) fail(key, "a text is expected");
+    const std::string value = it->get<std::string>();
+    if (value.size() > longest) fail(key, "the text is too long");
+    return value;
+  }
+  bool flag(const char* key) const {
+    const auto it = json_.find(key);
+    if (it == json_.end()) return false;
+    if (!it->is_boolean()) fail(key, "true or false is expected");
+    return it->get<bool>();
+  }
+  bool has(const char* key) const { return json_.contains(key); }
+  /// Runs a parser of a user's text; its complaint is one about this file.
+  template <class Parse>
+  auto parsed(const char* key, Parse&& parse) const {
+    try {
+      return parse(text(key, 64));
+    } catch (const Error& error) {
+      fail(key, error.details().message);
+    }
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
+    throw_bad_input(path_, "edits[" + std::to_string(index_) + "]" + (key.empty() ? "" : "." + key), message, kRepair);
+  }
+
+ private:
+  const Json& json_;
+  size_t index_;
+  const std::filesystem::path& path_;
+};
+
+EditOperation parse_entry(const EntryReader& entry) {
+  EditOperation edit;
+  const std::string name = entry.text("operation", 64);
+  bool known = false;
+  for (const auto& [kind, kind_name] : kKinds) {
+    if (name != kind_name) continue;
+    edit.kind = kind;
+    known = true;
+  }
+  if (!known) entry.fail("operation", "delete, extract, recolor or highlight is expected");
+  edit.select = entry.text("select", kLongestSelection);
+  if (entry.has("threshold")) edit.threshold = entry.parsed("threshold", [](const std::string& t) { return parse_threshold(t); });
+  if (takes_color(edit.kind)) edit.color = entry.parsed("color", [](const std::string& t) { return parse_color(t); });
+  edit.fill = entry.flag("fill");
+  return edit;
+}
+
+}  // namespace
+
+std::string edit_kind_name(EditKind kind) {
+  for (const auto& [known, name] : kKinds) {
+    if (known == kind) return name;
+  }
+  return "";
+}
+
+std::array<uint8_t, 3> parse_color(std::string_view text) {
+  const bool brief = text.size() == 4, full = text.size() == 7;
+  std::array<uint8_t, 3> color{};
+  bool good = (brief || full) && text[0] == '#';
+  for (size_t c = 0; good && c < 3; ++c) {
+    const int high = hex_digit(text[brief ? 1 + c : 1 + 2 * c]), low = hex_digit(text[brief ? 1 + c : 2 + 2 * c]);
+    good = high >= 0 && low >= 0;
+    color[c] = static_cast<uint8_t>(16 * high + low);
+  }
+  if (!good) throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no colour", "write it as '#rrggbb', for example '#add8e6'");
+  return color;
+}
+
+std::string color_text(const std::array<uint8_t, 3>& color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
+
+std::string describe(const EditOperation& edit) {
+  std::string text = edit_kind_name(edit.kind) + " " + edit.select;
+  if (edit.kind == EditKind::kRecolor) text += " to " + color_text(edit.color);
+  if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);
+  if (edit.threshold.kind != ThresholdRule::Kind::kArgmax) text += " (threshold " + threshold_text(edit.threshold) + ")";
+  return edit.fill ? text + ", hole filled" : text;
+}
+
+std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors) {
+  const auto refuse = [&](const char* field, const char* message) { throw_bad_input(name_for_errors, field, message, kRepair); };
+  // Depth is bounded before parsing: the parser recurses when it destroys what it read.
+  constexpr int kDeepest = 16;
+  int depth = 0;
+  for (const char c : json) {
+    depth += (c == '{' || c == '[') - (c == '}' || c == ']');
+    if (depth > kDeepest) refuse("", "nested too deeply for a list of edits");
+  }
+  const Json document = Json::parse(json, nullptr, false);
+  if (!document.is_object()) refuse("", "this is no JSON object");
+  const auto schema = document.find("schema");
+  if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() != kSchema) {
+    refuse("schema", "schema 1 is expected");
+  }
+  const auto list = document.find("edits");
+  if (list == document.end() || !list->is_array()) refuse("edits", "a list is expected");
+  if (list->size() > kMostEdits) refuse("edits", "more than 1000 edits");
+  std::vector<EditOperation> edits;
+  for (const Json& entry : *list) edits.push_back(parse_entry(EntryReader(entry, edits.size(), name_for_errors)));
+  return edits;
+}
+
+std::string edits_text(const std::vector<EditOperation>& edits) {
+  Json list = Json::array();
+  for (const EditOperation& edit : edits) {
+    Json entry = {{"operation", edit_kind_name(edit.kind)}, {"select", edit.select}, {"threshold", threshold_text(edit.threshold)}};
+    if (takes_color(edit.kind)) entry["color"] = color_text(edit.color);
+    if (edit.kind == EditKind::kDelete) entry["fill"] = edit.fill;
+    list.push_back(entry);
+  }
+  return Json{{"schema", kSchema}, {"edits", list}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<EditOperation> read_edits(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return {};
+  return parse_edits(read_file(path, kLargestFile), path);
+}
+
+}  // namespace aligngs

@@ -1,0 +1,42 @@
+// One edit: what is done to which objects. The same record serves the command line, edits.json and the page.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "edit/selection_text.h"
+
+namespace aligngs {
+
+enum class EditKind {
+  kDelete,    ///< the selected objects are gone
+  kExtract,   ///< everything else is gone
+  kRecolor,   ///< the selected objects have the colour in the mean; light and texture stay
+  kHighlight  ///< the selected objects are mixed with the colour
+};
+
+struct EditOperation {
+  EditKind kind = EditKind::kDelete;
+  std::string select;                           ///< selection text (selection_text.h)
+  ThresholdRule threshold;
+  std::array<uint8_t, 3> color{255, 200, 0};    ///< sRGB, of kRecolor and kHighlight
+  bool fill = false;                            ///< kDelete: close the hole on the supporting plane
+};
+
+std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "recolor", "highlight"
+/// "#rrggbb" or "#rgb"; Error{kUsage} for anything else.
+std::array<uint8_t, 3> parse_color(std::string_view text);
+std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"
+std::string describe(const EditOperation& edit);              ///< "recolor pillow to #add8e6", for lists and messages
+
+/// edits.json: the stack of a run, oldest first. Error{kBadInput} naming entry and field; selections are only checked
+/// against a label set when they are applied.
+std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors);
+std::string edits_text(const std::vector<EditOperation>& edits);
+/// An absent file is an empty stack.
+std::vector<EditOperation> read_edits(const std::filesystem::path& path);
+
+}  // namespace aligngs

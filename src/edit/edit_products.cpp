@@ -1,0 +1,143 @@
+#include "edit/edit_products.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "scene/mesh_ply.h"
+#include "train/run_outputs.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+void write_json(const fs::path& path, const Json& json) {
+  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+Json objects_json(const EditableRoom& room, int label) {
+  Json objects = Json::array();
+  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels)) {
+    if (object.label != label) continue;
+    objects.push_back({{"instance", object.number},
+                       {"gaussians", object.gaussians},
+                       {"centre", {object.centre.x, object.centre.y, object.centre.z}},
+                       {"min", {object.low.x, object.low.y, object.low.z}},
+                       {"max", {object.high.x, object.high.y, object.high.z}}});
+  }
+  return objects;
+}
+
+void write_classes_and_objects(const fs::path& path, const EditableRoom& room) {
+  Json classes = Json::array();
+  for (int i = 0; i < room.labels.size(); ++i) {
+    const LabelClass& c = room.labels.classes[static_cast<size_t>(i)];
+    const auto& labels = room.gaussians.labels.label;
+    const auto count = std::count(labels.begin(), labels.end(), static_cast<uint16_t>(i));
+    Json entry = {{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}, {"gaussians", count}};
+    if (count > 0) entry["objects"] = objects_json(room, i);
+    classes.push_back(entry);
+  }
+  write_json(path, {{"schema", 1}, {"label_set", room.labels.name}, {"classes", classes}});
+}
+
+}  // namespace
+
+void write_room(const fs::path& folder, const EditableRoom& room) {
+  write_gaussian_ply(folder / "scene.ply", room.gaussians.model);
+  write_labelled_gaussian_ply(folder / "scene.labels.ply", room.gaussians.model, room.gaussians.labels);
+  write_classes_and_objects(folder / "classes.json", room);
+  if (!room.mesh.vertices.empty()) write_mesh_ply(folder / "mesh" / "mesh.ply", room.mesh);
+}
+
+void write_before_after(const fs::path& path, const BeforeAfter& picture) {
+  if (!picture.picture.empty()) write_png(path, picture.picture);
+}
+
+void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene, const TrainConfig& config) {
+  // The same function as after a training, then the labels with objects in place of the plain ones.
+  write_run_outputs(folder, room.gaussians.model, scene, config);
+  write_labelled_gaussian_ply(folder.labelled_ply(), room.gaussians.model, room.gaussians.labels);
+  write_classes_and_objects(folder.classes(), room);
+}
+
+void write_edited_record(const fs::path& path, RunRecord record, const std::string& command_line, const std::string& scene,
+                         const fs::path& original, const std::vector<EditOperation>& edits, size_t gaussians) {
+  // Fields that the record does not know are kept by its writer.
+  Json extra = {{"edited_from", original.filename().empty() ? original.parent_path().filename().string() : original.filename().string()},
+                {"edits", Json::parse(edits_text(edits)).at("edits")}};
+  write_json(path, extra);
+  record.status = "done";
+  record.stage = "edit";
+  record.command = command_line;
+  record.scene = scene;
+  record.updated = record.finished = utc_now();
+  record.reason = "edited";
+  record.train.gaussians = gaussians;
+  write_run_record(path, record);
+}
+
+void require_new_folder(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!fs::is_directory(folder, error) || !fs::is_empty(folder, error)) {
+    throw Error({ErrorKind::kUsage, "the place for the edited run is taken", folder, "-o", "name a new or empty folder"});
+  }
+}
+
+FolderReplacement::FolderReplacement(fs::path target) : target_(std::move(target)) {
+  if (target_.filename().empty()) target_ = target_.parent_path();  // "out/" means "out"
+  temporary_ = target_;
+  temporary_ += ".tmp-" + std::to_string(::getpid());
+  std::error_code error;
+  fs::remove_all(temporary_, error);
+  fs::create_directories(temporary_, error);
+  if (error) throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+}
+
+FolderReplacement::~FolderReplacement() {
+  std::error_code error;
+  if (!temporary_.empty()) fs::remove_all(temporary_, error);
+}
+
+void FolderReplacement::commit() {
+  fs::path old = target_;
+  old += ".old.tmp-" + std::to_string(::getpid());
+  std::error_code error;
+  const bool replaced = fs::exists(target_, error);
+  if (replaced) fs::rename(target_, old, error);
+  if (!error) fs::rename(temporary_, target_, error);
+  if (error) {
+    std::error_code ignored;
+    if (replaced && !fs::exists(target_, ignored)) fs::rename(old, target_, ignored);
+    throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
+  }
+  temporary_.clear();
+  fs::remove_all(old, error);
+}
+
+EditableRoom centred(const EditableRoom& room) {
+  EditableRoom out = room;
+  GaussianModel& model = out.gaussians.model;
+  if (model.size() == 0) return out;
+  Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (size_t i = 0; i < model.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], model.positions[3 * i + static_cast<size_t>(a)]);
+      high[a] = std::max(high[a], model.positions[3 * i + static_cast<size_t>(a)]);
+    }
+  }
+  const Vec3f middle = 0.5f * (low + high);
+  for (size_t i = 0; i < model.positions.size(); ++i) model.positions[i] -= middle[static_cast<int>(i % 3)];
+  for (Vec3f& v : out.mesh.vertices) v -= middle;
+  return out;
+}
+
+}  // namespace aligngs

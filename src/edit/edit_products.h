@@ -1,0 +1,41 @@
+// Files of an edited room, and folders that appear whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "edit/edit_session.h"
+#include "train/run_folder.h"
+
+namespace aligngs {
+
+/// Writes scene.ply, scene.labels.ply, classes.json and, when there is a mesh, mesh/mesh.ply into `folder`.
+void write_room(const std::filesystem::path& folder, const EditableRoom& room);
+void write_before_after(const std::filesystem::path& path, const BeforeAfter& picture);
+/// cameras.json and the other camera files of a run.
+void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene, const TrainConfig& config);
+/// run.json of an edited run: the original's record, with where it came from and the edits.
+void write_edited_record(const std::filesystem::path& path, RunRecord record, const std::string& command_line,
+                         const std::string& scene, const std::filesystem::path& original,
+                         const std::vector<EditOperation>& edits, size_t gaussians);
+/// Error{kUsage} unless `folder` is absent or empty.
+void require_new_folder(const std::filesystem::path& folder);
+
+/// A folder that is filled under a temporary name beside its place and takes it on commit(); what stood there before
+/// goes then. Without commit the temporary folder is removed.
+class FolderReplacement {
+ public:
+  explicit FolderReplacement(std::filesystem::path target);
+  ~FolderReplacement();
+  FolderReplacement(const FolderReplacement&) = delete;
+  FolderReplacement& operator=(const FolderReplacement&) = delete;
+
+  const std::filesystem::path& path() const { return temporary_; }
+  void commit();
+
+ private:
+  std::filesystem::path target_, temporary_;
+};
+
+}  // namespace aligngs

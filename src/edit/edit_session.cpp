@@ -1,0 +1,150 @@
+#include "edit/edit_session.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "edit/edit_products.h"
+#include "io/atomic_file.h"
+#include "scene/mesh_ply.h"
+#include "train/config_file.h"
+#include "train/run_folder.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+EditSession::EditSession(const fs::path& run, const EditSessionOptions& options) : run_(run), threads_(options.threads) {
+  const RunFolder paths(run);
+  if (!fs::exists(paths.record())) {
+    throw_bad_input(run, "run.json", "this is no run folder", "give a folder that `aligngs train` or `aligngs run` made");
+  }
+  record_ = read_run_record(paths.record());
+  apply_config_file(paths.config(), config_);
+  const fs::path scene_folder = scene_of_run(run, record_, options.scene);
+  if (!fs::exists(scene_folder)) {
+    throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says", "say where it is now: --scene DIR");
+  }
+  stack_ = read_edits(run / "edits.json");
+  scene_ = open_scene(scene_folder);
+  std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record_.fingerprint);
+  if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");
+  state_ = std::move(*state);
+  pool_ = std::make_unique<ThreadPool>(options.threads);
+
+  original_.labels = scene_.labels;
+  original_.up = scene_.up;
+  original_.gaussians = label_objects(state_.engine.model, scene_.labels, robust_extent(scene_), *pool_);
+  for (uint32_t i = 0; i < original_.gaussians.model.size(); ++i) original_.origins.push_back({i, false});
+  if (fs::exists(run / "mesh" / "mesh.ply")) original_.mesh = read_mesh_ply(run / "mesh" / "mesh.ply");
+  replay();
+}
+
+std::vector<Instance> EditSession::objects() const { return list_instances(room_.gaussians.model, room_.gaussians.labels); }
+
+void EditSession::replay() {
+  room_ = original_;
+  for (size_t i = 0; i < stack_.size(); ++i) {
+    try {
+      apply_edit(room_, stack_[i], *pool_);
+    } catch (const Error& error) {
+      throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", error.details().message,
+                      "remove this entry, or edits.json to forget all edits");
+    }
+  }
+}
+
+EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture) {
+  EditableRoom after = room_;
+  const EditReport report = apply_edit(after, edit, *pool_);
+  if (picture) *picture = compare(room_, after);
+  return report;
+}
+
+EditReport EditSession::push(const EditOperation& edit) {
+  EditOperation canonical = edit;
+  canonical.select = selection_text(parse_selection(edit.select, Vocabulary(room_.labels)), room_.labels);
+  EditableRoom before = room_;
+  const EditReport report = apply_edit(room_, canonical, *pool_);
+  stack_.push_back(canonical);
+  try {
+    write_products(compare(before, room_), &canonical);
+  } catch (...) {
+    stack_.pop_back();
+    room_ = std::move(before);
+    throw;
+  }
+  return report;
+}
+
+EditOperation EditSession::undo() {
+  if (stack_.empty()) throw_usage("there is no edit to undo", "`aligngs edit RUN --list` shows the edits of a run");
+  const EditOperation last = stack_.back();
+  stack_.pop_back();
+  const EditableRoom before = std::move(room_);
+  replay();
+  write_products(compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
+  return last;
+}
+
+void EditSession::write_products(const BeforeAfter& picture, const EditOperation* last) const {
+  const std::string list = edits_text(stack_);
+  const fs::path folder = run_ / "edits";
+  if (stack_.empty()) {
+    write_file_atomically(run_ / "edits.json", list);
+    std::error_code error;
+    fs::remove_all(folder, error);
+    return;
+  }
+  FolderReplacement replacement(folder);
+  write_room(replacement.path(), room_);
+  if (!picture.picture.empty()) write_before_after(replacement.path() / "before_after.png", picture);
+  if (last && last->kind == EditKind::kExtract) write_room(replacement.path() / "object", centred(room_));
+  write_file_atomically(replacement.path() / "edits.json", list);  // says to which stack these files belong
+  replacement.commit();
+  write_file_atomically(run_ / "edits.json", list);
+}
+
+TrainingState EditSession::edited_state(const EditableRoom& room) const {
+  TrainingState state = state_;
+  const size_t rows = state_.engine.model.size();
+  RestructurePlan plan;
+  for (const GaussianOrigin& origin : room.origins) {
+    RowOrigin row;
+    row.source = origin.row;
+    row.kind = origin.filled ? RowOrigin::Kind::kClone : RowOrigin::Kind::kKeep;
+    plan.rows.push_back(row);
+  }
+  for (auto& [name, values] : state.engine.arrays) {
+    if (rows > 0 && !values.empty() && values.size() % rows == 0) restructure_rows(plan, values.size() / rows, values);
+  }
+  state.engine.model = room.gaussians.model;
+  return state;
+}
+
+EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit, const std::string& command_line) {
+  require_new_folder(out);
+  EditableRoom after = room_;
+  const EditReport report = apply_edit(after, edit, *pool_);
+  std::vector<EditOperation> done = stack_;
+  done.push_back(edit);
+
+  FolderReplacement replacement(out);
+  const RunFolder paths(replacement.path());
+  write_file_atomically(paths.config(), read_file(RunFolder(run_).config()));
+  const TrainingState state = edited_state(after);
+  write_checkpoint(paths.checkpoints(), state, record_.fingerprint, 1);
+  write_room(replacement.path(), after);
+  write_run_cameras(paths, after, scene_, config_);
+  write_before_after(replacement.path() / "before_after.png", compare(room_, after));
+  if (edit.kind == EditKind::kExtract) write_room(replacement.path() / "object", centred(after));
+  write_edited_record(paths.record(), record_, command_line, relative_scene_path(out, scene_.folder), run_, done,
+                      after.gaussians.model.size());
+  replacement.commit();
+  return report;
+}
+
+}  // namespace aligngs

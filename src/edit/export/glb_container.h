@@ -1,0 +1,42 @@
+// Building a binary glTF 2.0 file: accessors appended to one buffer, the JSON in front.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+/// One glTF asset under construction. Indices that the functions return are those of the glTF arrays.
+class GlbContainer {
+ public:
+  GlbContainer();
+
+  nlohmann::ordered_json& json() { return json_; }
+  /// An accessor of 32-bit floats; `width` 1 to 4 values per element. `bounds` adds min and max (POSITION needs them).
+  int add_floats(const std::vector<float>& values, int width, bool bounds = false);
+  /// Normalised unsigned bytes, four per element (COLOR_0).
+  int add_colors(const std::vector<uint8_t>& rgba);
+  /// Unsigned shorts as four normalised values per element: linear colours need more than 8 bits.
+  int add_colors16(const std::vector<uint16_t>& rgba);
+  int add_indices(const std::vector<uint32_t>& indices);
+  /// Appends to json()[array] and returns the index.
+  int add(const char* array, nlohmann::ordered_json value);
+
+  /// Atomic. Error{kFailed} above 4 GiB, which the container cannot hold.
+  void write(const std::filesystem::path& path);
+
+ private:
+  int add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type, bool normalized, int target);
+
+  nlohmann::ordered_json json_;
+  std::string buffer_;
+};
+
+/// Linear light of an sRGB value in [0, 1] (IEC 61966-2-1): glTF's COLOR_0 is linear.
+float srgb_to_linear(float v);
+
+}  // namespace aligngs

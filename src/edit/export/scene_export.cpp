@@ -1,0 +1,44 @@
+#include "edit/export/scene_export.h"
+
+#include <algorithm>
+
+#include "core/edit_distance.h"
+#include "core/error.h"
+
+namespace aligngs {
+
+const std::vector<std::string>& export_formats() {
+  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb", "obj", "sog", "spz", "splat"};
+  return formats;
+}
+
+void require_export_format(const std::string& format) {
+  if (std::find(export_formats().begin(), export_formats().end(), format) != export_formats().end()) return;
+  std::string known, near;
+  for (const std::string& f : export_formats()) {
+    known += (known.empty() ? "" : ", ") + f;
+    if (edit_distance(f, format) <= 1) near = f;
+  }
+  throw_usage("there is no export format \"" + format + "\"", (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + known);
+}
+
+ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path, ThreadPool& pool) {
+  const LabelledGaussians& g = room.gaussians;
+  if (format == "ply") {
+    write_gaussian_ply(path, g.model);
+    return {{path}, g.model.size(), 0};
+  }
+  if (format == "labels.ply") {
+    write_labelled_gaussian_ply(path, g.model, g.labels);
+    return {{path}, g.model.size(), list_instances(g.model, g.labels).size()};
+  }
+  if (format == "glb") return write_glb(path, room, pool);
+  if (format == "obj") return write_obj(path, room, pool);
+  if (format == "sog") return write_sog(path, g.model, pool);
+  if (format == "spz") return write_spz(path, g.model);
+  if (format == "splat") return write_splat(path, g.model);
+  require_export_format(format);
+  return {};
+}
+
+}  // namespace aligngs

@@ -1,0 +1,40 @@
+// Files for other programs, made from a room as it stands after its edits.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "edit/apply_edit.h"
+
+namespace aligngs {
+
+/// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat".
+const std::vector<std::string>& export_formats();
+
+/// Error{kUsage} with a suggestion unless the format is one of them.
+void require_export_format(const std::string& format);
+
+struct ExportReport {
+  std::vector<std::filesystem::path> files;
+  size_t gaussians = 0, objects = 0;  ///< objects: nodes or groups, where the format has them
+};
+
+/// Writes one format, atomically file by file. Error{kUsage} for an unknown format (with a suggestion) or a mesh format
+/// without a mesh.
+ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path, ThreadPool& pool);
+
+/// scene.glb: under the node "room" one node per object (extras: class, class_id, instance; linear COLOR_0, a material
+/// that uses it, _FEATURE_ID_0 = object number) and the node "splats" with KHR_gaussian_splatting. y up, metres as the
+/// scene.
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool);
+/// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up.
+ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool);
+/// SPZ version 3 (Niantic): gzip; right-up-back axes; 24-bit fixed-point positions, 8-bit everything else.
+ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& model);
+/// SOG version 2 (PlayCanvas): a zip of lossless WebP images and meta.json.
+ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& model, ThreadPool& pool);
+/// .splat: 32 bytes a Gaussian, colour without direction.
+ExportReport write_splat(const std::filesystem::path& path, const GaussianModel& model);
+
+}  // namespace aligngs

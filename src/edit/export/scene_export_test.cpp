@@ -1,0 +1,164 @@
+#include "edit/export/scene_export.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "edit/export/codebook.h"
+#include "edit/export/glb_container.h"
+#include "edit/export/object_meshes.h"
+#include "edit/export/upright.h"
+#include "edit/small_room_for_tests.h"
+#include "io/atomic_file.h"
+#include "io/byte_reader.h"
+#include "io/zip_archive.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class SceneExport : public testing::Test {
+ protected:
+  SceneExport() : room_(small_room::make(pool_)), folder_(fs::path(testing::TempDir()) / "scene_export") {}
+  fs::path file(const std::string& name) const { return folder_ / name; }
+  ThreadPool pool_{2};
+  EditableRoom room_;
+  fs::path folder_;
+};
+
+nlohmann::json json_of_glb(const fs::path& path) {
+  const std::string bytes = read_file(path);
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(load_number<uint32_t>(bytes.data() + 8, false), bytes.size());
+  return nlohmann::json::parse(bytes.substr(20, load_number<uint32_t>(bytes.data() + 12, false)));
+}
+
+TEST_F(SceneExport, GlbHasANodePerObjectAndTheSplats) {
+  const ExportReport report = export_room(room_, "glb", file("scene.glb"), pool_);
+  EXPECT_EQ(report.objects, 4u);
+  const nlohmann::json glb = json_of_glb(file("scene.glb"));
+  std::vector<std::string> names;
+  for (const auto& node : glb["nodes"]) names.push_back(node["name"]);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("room", "floor.001", "box.001", "pillow.001", "pillow.002", "splats"));
+  for (const auto& node : glb["nodes"]) {
+    if (node["name"] != "pillow.002") continue;
+    EXPECT_EQ(node["extras"]["class"], "pillow");
+    EXPECT_EQ(node["extras"]["class_id"], small_room::kPillow);
+    EXPECT_EQ(node["extras"]["instance"], 2);
+    const auto& attributes = glb["meshes"][node["mesh"].get<size_t>()]["primitives"][0]["attributes"];
+    // The pillow lies 0 to 12 cm above the floor; glTF is y up.
+    const auto& positions = glb["accessors"][attributes["POSITION"].get<size_t>()];
+    EXPECT_NEAR(positions["min"][1].get<double>(), 0, 1e-3);
+    EXPECT_NEAR(positions["max"][1].get<double>(), 0.12, 1e-3);
+    EXPECT_NEAR(positions["min"][0].get<double>(), 0.4, 1e-3) << "x stays";
+  }
+  EXPECT_EQ(glb["extensionsUsed"][0], "KHR_gaussian_splatting");
+}
+
+TEST_F(SceneExport, GlbColoursAreLinear) {
+  EXPECT_NEAR(srgb_to_linear(0.5f), 0.2140f, 1e-4);
+  EXPECT_FLOAT_EQ(srgb_to_linear(0), 0);
+  EXPECT_NEAR(srgb_to_linear(1), 1, 1e-6);
+}
+
+TEST_F(SceneExport, ObjHasOneGroupPerObject) {
+  export_room(room_, "obj", file("scene.obj"), pool_);
+  const std::string text = read_file(file("scene.obj"));
+  for (const char* line : {"o floor.001\ng floor\n", "o box.001\ng box\n", "o pillow.001\ng pillow\n", "o pillow.002\ng pillow\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  }
+}
+
+TEST_F(SceneExport, EveryTriangleBelongsToOneObject) {
+  size_t triangles = 0;
+  for (const ObjectMesh& object : object_meshes(room_, pool_)) triangles += object.mesh.triangles.size();
+  EXPECT_EQ(triangles, room_.mesh.triangles.size());
+}
+
+TEST_F(SceneExport, LabelledPlyCarriesObjects) {
+  export_room(room_, "labels.ply", file("scene.labels.ply"), pool_);
+  EXPECT_NE(read_file(file("scene.labels.ply")).find("property ushort instance"), std::string::npos);
+  EXPECT_EQ(read_gaussian_ply(file("scene.labels.ply")).size(), room_.gaussians.model.size());
+}
+
+TEST_F(SceneExport, SogIsAZipWithAnImagePerAttribute) {
+  export_room(room_, "sog", file("scene.sog"), pool_);
+  const ZipArchive zip(file_source(file("scene.sog")));
+  ASSERT_TRUE(zip.find("meta.json"));
+  const nlohmann::json meta = nlohmann::json::parse(zip.read(*zip.find("meta.json")));
+  EXPECT_EQ(meta["version"], 2);
+  EXPECT_EQ(meta["count"], room_.gaussians.model.size());
+  for (const char* name : {"means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp"}) EXPECT_TRUE(zip.find(name)) << name;
+}
+
+TEST_F(SceneExport, SpzAndSplatAreSmall) {
+  export_room(room_, "splat", file("scene.splat"), pool_);
+  EXPECT_EQ(fs::file_size(file("scene.splat")), 32 * room_.gaussians.model.size());
+  export_room(room_, "spz", file("scene.spz"), pool_);
+  EXPECT_LT(fs::file_size(file("scene.spz")), 20 * room_.gaussians.model.size());
+  EXPECT_EQ(read_file(file("scene.spz")).substr(0, 2), "\x1f\x8b") << "gzip";
+}
+
+TEST_F(SceneExport, TheSameRoomGivesTheSameBytes) {
+  ThreadPool one(1);
+  for (const std::string& format : export_formats()) {
+    export_room(room_, format, file("a." + format), pool_);
+    export_room(room_, format, file("b." + format), one);
+    EXPECT_EQ(read_file(file("a." + format)), read_file(file("b." + format))) << format;
+  }
+}
+
+TEST_F(SceneExport, MistakesAreUsageErrors) {
+  try {
+    export_room(room_, "gltf", file("x"), pool_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    EXPECT_THAT(error.details().remedy, HasSubstr("glb"));
+  }
+  room_.mesh = {};
+  EXPECT_THROW(export_room(room_, "obj", file("x.obj"), pool_), Error);
+  EXPECT_FALSE(fs::exists(file("x.obj")));
+  EXPECT_NO_THROW(export_room(room_, "glb", file("splats_only.glb"), pool_)) << "a GLB of splats alone is fine";
+}
+
+TEST(Upright, HarmonicsTurnWithTheRoom) {
+  GaussianModel model;
+  model.sh_degree = 3;
+  model.resize(1);
+  for (size_t k = 0; k < model.sh.size(); ++k) model.sh[k] = std::sin(3.f * static_cast<float>(k));
+  model.rotations = {1, 0, 0, 0};
+  const Mat3d rotation = rotation_matrix(normalized(Quaterniond{0.9, 0.2, -0.3, 0.4}));
+  const GaussianModel turned = rotated(model, rotation);
+  const auto value = [](const GaussianModel& m, const Vec3d& d) {
+    double basis[kShCoefficients], sum = 0;
+    sh_basis(3, d, basis);
+    for (size_t k = 0; k < kShCoefficients; ++k) sum += basis[k] * m.sh[3 * k];
+    return sum;
+  };
+  for (const Vec3d& d : {Vec3d{1, 0, 0}, Vec3d{0, 0.6, -0.8}, Vec3d{0.48, -0.6, 0.64}}) EXPECT_NEAR(value(turned, rotation * d), value(model, d), 1e-4);
+}
+
+TEST(Upright, UpBecomesY) {
+  for (const Vec3d& up : {Vec3d{0, -1, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0.6, -0.8, 0}}) {
+    const Mat3d r = rotation_to_y_up(up);
+    EXPECT_NEAR((r * up).y, 1, 1e-9);
+    EXPECT_NEAR(determinant(r), 1, 1e-9);
+  }
+}
+
+TEST(Codebook, LevelsCoverTheValues) {
+  std::vector<float> values;
+  for (int i = 0; i < 5000; ++i) values.push_back(std::sin(static_cast<float>(i)));
+  const std::vector<float> levels = scalar_codebook(values);
+  ASSERT_EQ(levels.size(), 256u);
+  for (const float v : values) EXPECT_NEAR(levels[nearest_level(levels, v)], v, 0.02);
+  EXPECT_EQ(scalar_codebook({}).size(), 256u);
+  EXPECT_EQ(nearest_level(scalar_codebook({2, 2, 2}), 2), 0);
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,18 @@
+// Turning a room into the axes of a file format.
+#pragma once
+
+#include <optional>
+
+#include "core/quaternion.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs {
+
+/// The rotation from the scene's world to y up: the shortest one that takes `up` to +y where the scene knows up,
+/// half a turn about x (from OpenCV's y down) where it does not.
+Mat3d rotation_to_y_up(const std::optional<Vec3d>& up);
+
+/// Positions, orientations and spherical harmonics of a model, rotated.
+GaussianModel rotated(const GaussianModel& model, const Mat3d& rotation);
+
+}  // namespace aligngs

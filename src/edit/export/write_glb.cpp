@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "edit/export/glb_container.h"
+#include "edit/export/object_meshes.h"
+#include "edit/export/scene_export.h"
+#include "edit/export/upright.h"
+
+namespace aligngs {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Splats fainter than this are invisible and only cost space (alpha_min of the rasteriser).
+constexpr float kInvisible = 1.0f / 255;
+
+int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotation, int material) {
+  const TriangleMesh& mesh = object.mesh;
+  std::vector<float> positions, normals, feature(mesh.vertices.size(), static_cast<float>(object.instance));
+  std::vector<uint16_t> colors;
+  std::vector<uint32_t> indices;
+  const auto push = [&](std::vector<float>& to, const Vec3f& v) {
+    const Vec3d t = rotation * v.cast<double>();
+    for (int a = 0; a < 3; ++a) to.push_back(static_cast<float>(t[a]));
+  };
+  for (const Vec3f& v : mesh.vertices) push(positions, v);
+  for (const Vec3f& n : mesh.normals) push(normals, dot(n, n) > 0 ? normalized(n) : Vec3f{0, 0, 1});
+  for (const auto& c : mesh.colors) {
+    for (size_t k = 0; k < 3; ++k) colors.push_back(static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(c[k] / 255.f))));
+    colors.push_back(65535);
+  }
+  for (const auto& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
+  Json attributes = {{"POSITION", glb.add_floats(positions, 3, true)}};
+  if (!normals.empty()) attributes["NORMAL"] = glb.add_floats(normals, 3);
+  if (!colors.empty()) attributes["COLOR_0"] = glb.add_colors16(colors);
+  attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
+  const Json primitive = {{"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"material", material}, {"mode", 4}};
+  const int id = glb.add("meshes", {{"name", object.name}, {"primitives", Json::array({primitive})}});
+  Json node = {{"name", object.name}, {"mesh", id}};
+  if (object.label >= 0) node["extras"] = {{"class", object.class_name}, {"class_id", object.label}, {"instance", object.instance}};
+  return glb.add("nodes", node);
+}
+
+/// KHR_gaussian_splatting: rotation x y z w, linear scale, opacity, spherical harmonics per coefficient.
+int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotation, size_t& written) {
+  const GaussianModel model = rotated(room.gaussians.model, rotation);
+  std::vector<uint32_t> rows;
+  for (uint32_t i = 0; i < model.size(); ++i) {
+    if (opacity_of(model, i) >= kInvisible) rows.push_back(i);
+  }
+  written = rows.size();
+  if (rows.empty()) return -1;
+  std::vector<float> positions, rotations, scales, opacities, feature;
+  for (const uint32_t i : rows) {
+    const float* r = &model.rotations[4 * size_t(i)];
+    const Quaternionf q = normalized(Quaternionf{r[0], r[1], r[2], r[3]});
+    for (size_t a = 0; a < 3; ++a) {
+      positions.push_back(model.positions[3 * size_t(i) + a]);
+      scales.push_back(std::exp(model.log_scales[3 * size_t(i) + a]));
+    }
+    rotations.insert(rotations.end(), {q.x, q.y, q.z, q.w});
+    opacities.push_back(opacity_of(model, i));
+    feature.push_back(static_cast<float>(room.gaussians.labels.instance[i]));
+  }
+  Json attributes = {{"POSITION", glb.add_floats(positions, 3, true)},
+                     {"KHR_gaussian_splatting:ROTATION", glb.add_floats(rotations, 4)},
+                     {"KHR_gaussian_splatting:SCALE", glb.add_floats(scales, 3)},
+                     {"KHR_gaussian_splatting:OPACITY", glb.add_floats(opacities, 1)}};
+  std::vector<float> coefficient;
+  for (int degree = 0; degree <= model.sh_degree; ++degree) {
+    for (int k = degree * degree; k < (degree + 1) * (degree + 1); ++k) {
+      coefficient.clear();
+      for (const uint32_t i : rows) {
+        const float* sh = &model.sh[3 * (kShCoefficients * size_t(i) + static_cast<size_t>(k))];
+        coefficient.insert(coefficient.end(), sh, sh + 3);
+      }
+      attributes["KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(k - degree * degree)] =
+          glb.add_floats(coefficient, 3);
+    }
+  }
+  attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
+  const Json primitive = {{"attributes", attributes},
+                          {"mode", 0},
+                          {"extensions",
+                           {{"KHR_gaussian_splatting",
+                             {{"kernel", "ellipse"},
+                              {"colorSpace", "srgb_rec709_display"},
+                              {"sortingMethod", "cameraDistance"},
+                              {"projection", "perspective"}}}}}};
+  const int mesh = glb.add("meshes", {{"name", "splats"}, {"primitives", Json::array({primitive})}});
+  glb.json()["extensionsUsed"] = Json::array({"KHR_gaussian_splatting"});
+  return glb.add("nodes", {{"name", "splats"}, {"mesh", mesh}});
+}
+
+}  // namespace
+
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool) {
+  const Mat3d rotation = rotation_to_y_up(room.up);
+  GlbContainer glb;
+  // The material uses the vertex colours; without one Blender drops them.
+  const int material = glb.add("materials", {{"name", "vertex_color"},
+                                             {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+                                             {"doubleSided", true}});
+  ExportReport report;
+  Json children = Json::array();
+  const int root = glb.add("nodes", {{"name", "room"}});
+  for (const ObjectMesh& object : object_meshes(room, pool)) {
+    children.push_back(add_object(glb, object, rotation, material));
+    ++report.objects;
+  }
+  const int splats = add_splats(glb, room, rotation, report.gaussians);
+  if (splats >= 0) children.push_back(splats);
+  if (!children.empty()) glb.json()["nodes"][static_cast<size_t>(root)]["children"] = children;
+  if (report.objects == 0) glb.json()["materials"] = Json::array();
+  glb.add("scenes", {{"name", "room"}, {"nodes", Json::array({root})}});
+  glb.write(path);
+  report.files.push_back(path);
+  return report;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,45 @@
+// What stands where a deleted object stood: the plane that carried it, continued over the hole.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "edit/selection.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+
+struct SupportOptions {
+  double ring = 0.04;        ///< / extent: Gaussians this near to the selection are its surroundings
+  double tolerance = 0.006;  ///< / extent: distance from the plane within which a Gaussian lies on it (2 cm in a room)
+  double cell_min = 0.002, cell_max = 0.01;  ///< / extent: edge of a cell of the patch
+  int trials = 400;          ///< of the random sample consensus (Fischler and Bolles 1981)
+  uint64_t seed = 1;
+};
+
+/// The plane normal . x = offset; the deleted object lies on the side that the normal points to.
+struct SupportPlane {
+  Vec3d normal;
+  double offset = 0;
+  std::vector<uint32_t> carriers;  ///< rows of the surrounding Gaussians that lie on it
+};
+
+/// A patch for the hole.
+struct SupportPatch {
+  GaussianModel gaussians;          ///< flat, on the plane, coloured and labelled like their surroundings
+  std::vector<uint32_t> sources;    ///< per new Gaussian: the row it takes its class from
+  TriangleMesh mesh;                ///< the same area, one cell wider
+};
+
+/// The plane with most of the surroundings on it and the object on one side; with `up`, planes under the object count
+/// up to twice. Then, if there is one at more than 45 degrees to it, the plane that the object leaned on: a pillow stands
+/// on a bed and before its headboard. Empty when the surroundings have no plane.
+std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
+                                        const std::optional<Vec3d>& up, const SupportOptions& options = {});
+
+/// Covers what the object covered of the plane and nothing else covers. Empty when there is no hole.
+SupportPatch fill_on_plane(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const SupportPlane& plane,
+                           const SupportOptions& options = {});
+
+}  // namespace aligngs
