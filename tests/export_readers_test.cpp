@@ -1,0 +1,144 @@
+// Exports opened by readers that are not ours: the Khronos validator, PlayCanvas' splat-transform, assimp.
+// `npm ci` in tests/node installs the first two, the Debian package assimp-utils the third; tests skip without them.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+#include "edit/export/scene_export.h"
+#include "edit/export/upright.h"
+#include "edit/small_room_for_tests.h"
+#include "support/process.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const fs::path kNodeFolder = fs::path(ALIGNGS_SOURCE_DIR) / "tests" / "node";
+
+bool runs(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
+
+std::string output_of(const std::string& command) {
+  std::string out;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) return out;
+  std::array<char, 4096> buffer;
+  for (size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
+  pclose(pipe);
+  return out;
+}
+
+class ExportReaders : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / "export_readers";
+    fs::create_directories(folder_);
+    room_ = small_room::make(pool_);
+    // A first-degree harmonic, so that the parts of the formats that carry direction are read, too.
+    room_.gaussians.model.sh_degree = 1;
+    for (size_t i = 0; i < room_.gaussians.model.size(); ++i) {
+      for (size_t k = 3; k < 12; ++k) room_.gaussians.model.sh[48 * i + k] = 0.05f * std::sin(static_cast<float>(k));
+    }
+  }
+  std::string exported(const std::string& format) {
+    const fs::path file = folder_ / ("room." + format);
+    export_room(room_, format, file, pool_);
+    return file.string();
+  }
+  void needs_node(const char* package) {
+    if (!runs("node --version") || !fs::exists(kNodeFolder / "node_modules" / package)) {
+      GTEST_SKIP() << "needs node and `npm ci` in tests/node";
+    }
+  }
+  /// A splat file read by splat-transform and written as PLY.
+  GaussianModel converted(const std::string& format) {
+    const fs::path ply = folder_ / ("from_" + format + ".ply");
+    fs::remove(ply);
+    const std::string command = "node '" +
+                                (kNodeFolder / "node_modules/@playcanvas/splat-transform/bin/cli.mjs").string() +
+                                "' -w '" + exported(format) + "' '" + ply.string() + "'";
+    EXPECT_TRUE(runs(command)) << command;
+    return fs::exists(ply) ? read_gaussian_ply(ply) : GaussianModel{};
+  }
+  /// The other reader's Gaussians are ours, whatever their order, within the precision of the format.
+  void expect_same_room(const GaussianModel& read, const GaussianModel& ours, double position, double color,
+                        double opacity) {
+    ASSERT_EQ(read.size(), ours.size());
+    const PointTree tree(positions_of(read));
+    std::vector<PointTree::Neighbour> near;
+    const std::vector<Vec3f> places = positions_of(ours);
+    for (size_t i = 0; i < ours.size(); i += 7) {
+      tree.nearest(places[i], 1, near);
+      ASSERT_LT(near[0].distance, position) << "axes and scale";
+      const size_t j = near[0].index;
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(base_color_of(read, j)[c], base_color_of(ours, i)[c], color);
+      ASSERT_NEAR(opacity_of(read, j), opacity_of(ours, i), opacity);
+      float a[3], b[3];
+      for (size_t k = 0; k < 3; ++k) {
+        a[k] = read.log_scales[3 * j + k];
+        b[k] = ours.log_scales[3 * i + k];
+      }
+      for (size_t k = 0; k < 3; ++k) ASSERT_NEAR(a[k], b[k], 0.05);
+      double aligned = 0;  // |q . q'|: the same orientation
+      for (size_t k = 0; k < 4; ++k)
+        aligned += static_cast<double>(read.rotations[4 * j + k]) * ours.rotations[4 * i + k];
+      ASSERT_GT(std::abs(aligned), 0.995);
+      for (size_t k = 3; k < 12; ++k) ASSERT_NEAR(read.sh[48 * j + k], ours.sh[48 * i + k], 0.05);
+    }
+  }
+  ThreadPool pool_{2};
+  EditableRoom room_;
+  fs::path folder_;
+};
+
+TEST_F(ExportReaders, TheKhronosValidatorAcceptsTheGlb) {
+  needs_node("gltf-validator");
+  if (IsSkipped()) return;
+  const std::string text =
+      output_of("node '" + (kNodeFolder / "validate_glb.mjs").string() + "' '" + exported("glb") + "'");
+  const nlohmann::json report = nlohmann::json::parse(text, nullptr, false);
+  ASSERT_FALSE(report.is_discarded()) << text;
+  EXPECT_TRUE(report["errors"].empty()) << report["errors"].dump(2);
+  EXPECT_TRUE(report["warnings"].empty()) << report["warnings"].dump(2);
+  EXPECT_EQ(report["info"]["drawCallCount"], 5) << "four objects and the splats";
+}
+
+TEST_F(ExportReaders, SplatTransformReadsTheSog) {
+  needs_node("@playcanvas/splat-transform");
+  if (IsSkipped()) return;
+  expect_same_room(converted("sog"), room_.gaussians.model, 0.002, 0.01, 0.01);
+}
+
+TEST_F(ExportReaders, SplatTransformReadsTheSpz) {
+  needs_node("@playcanvas/splat-transform");
+  if (IsSkipped()) return;
+  // SPZ files are right-up-back (their specification); splat-transform hands the numbers on as they are, while PLY is
+  // right-down-front: half a turn about x.
+  const Mat3d half_turn{{1, 0, 0, 0, -1, 0, 0, 0, -1}};
+  expect_same_room(converted("spz"), rotated(room_.gaussians.model, half_turn), 0.002, 0.02, 0.01);
+}
+
+TEST_F(ExportReaders, SplatTransformReadsTheLabelledPly) {
+  needs_node("@playcanvas/splat-transform");
+  if (IsSkipped()) return;
+  expect_same_room(converted("labels.ply"), room_.gaussians.model, 1e-5, 1e-4, 1e-4);
+}
+
+TEST_F(ExportReaders, AssimpReadsTheNodesOfTheGlb) {
+  if (!runs("assimp version")) GTEST_SKIP() << "needs the Debian package assimp-utils";
+  const std::string text = output_of("assimp info '" + exported("glb") + "'");
+  for (const char* name : {"room", "floor.001", "box.001", "pillow.001", "pillow.002", "splats"})
+    EXPECT_THAT(text, HasSubstr(name));
+}
+
+TEST_F(ExportReaders, AssimpReadsTheGroupsOfTheObj) {
+  if (!runs("assimp version")) GTEST_SKIP() << "needs the Debian package assimp-utils";
+  const std::string text = output_of("assimp info '" + exported("obj") + "'");
+  for (const char* name : {"floor.001", "box.001", "pillow.001", "pillow.002"}) EXPECT_THAT(text, HasSubstr(name));
+}
+
+}  // namespace
+}  // namespace aligngs
