@@ -50,8 +50,8 @@ struct SharedRows {
 };
 
 /// Groups of neighbouring tiles are visited in parallel, the tiles of one in order by one thread, whose sums stay in
-/// its cache meanwhile. Then the sums of a Gaussian that lies within the group go to their destination; those of one that
-/// reaches further are kept and added after all groups, in the groups' order. So a target's sum has one order whatever
+/// its cache meanwhile. Then the sums of a Gaussian that lies within the group go to their destination; those of one
+/// that reaches further are kept and added after all groups, in the groups' order. So a target's sum has one order whatever
 /// the threads are, and most rows leave the cache once.
 class RowBatches {
  public:

@@ -15,8 +15,8 @@ constexpr size_t kGroup = 32;                                  ///< rows of a ti
 constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
 constexpr size_t kTilePixels = size_t(kTileBlocks) * kBlockPixels;
 
-/// Order of the sets of blocks: neighbours in a Gray code differ by one block, so that 32 Gaussians of neighbouring sets
-/// reach few blocks together.
+/// Order of the sets of blocks: neighbours in a Gray code differ by one block, so that 32 Gaussians of neighbouring
+/// sets reach few blocks together.
 constexpr size_t kBlockSets = size_t(1) << kTileBlocks;
 struct SetOrder {
   uint8_t place[kBlockSets] = {};
