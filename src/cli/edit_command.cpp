@@ -26,8 +26,10 @@ struct EditOptions {
 };
 
 void print(const CommandContext& context, const Json& json, const std::string& text) {
-  if (context.global.json) std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
-  else std::fputs(text.c_str(), stdout);
+  if (context.global.json)
+    std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  else
+    std::fputs(text.c_str(), stdout);
 }
 
 std::string object_name(const SelectedObject& object, const LabelSet& labels) {
@@ -39,12 +41,19 @@ std::string object_name(const SelectedObject& object, const LabelSet& labels) {
 Json report_json(const EditReport& report, const LabelSet& labels) {
   Json objects = Json::array();
   for (const SelectedObject& object : report.objects) {
-    objects.push_back({{"object", object_name(object, labels)}, {"class_id", object.label}, {"instance", object.instance},
+    objects.push_back({{"object", object_name(object, labels)},
+                       {"class_id", object.label},
+                       {"instance", object.instance},
                        {"gaussians", object.gaussians}});
   }
-  return {{"edit", report.description}, {"objects", objects}, {"selected_gaussians", report.selected},
-          {"gaussians_before", report.before}, {"gaussians_after", report.after}, {"filled_gaussians", report.filled},
-          {"selected_vertices", report.selected_vertices}, {"vertices_before", report.vertices_before},
+  return {{"edit", report.description},
+          {"objects", objects},
+          {"selected_gaussians", report.selected},
+          {"gaussians_before", report.before},
+          {"gaussians_after", report.after},
+          {"filled_gaussians", report.filled},
+          {"selected_vertices", report.selected_vertices},
+          {"vertices_before", report.vertices_before},
           {"vertices_after", report.vertices_after},
           {"threshold", report.threshold > 0 ? Json(report.threshold) : Json(nullptr)}};
 }
@@ -54,8 +63,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   for (const SelectedObject& object : report.objects) {
     text += "  " + object_name(object, labels) + ": " + std::to_string(object.gaussians) + " Gaussians\n";
   }
-  text += "Gaussians    " + std::to_string(report.selected) + " selected, " + std::to_string(report.before) + " before, " +
-          std::to_string(report.after) + " after" +
+  text += "Gaussians    " + std::to_string(report.selected) + " selected, " + std::to_string(report.before) +
+          " before, " + std::to_string(report.after) + " after" +
           (report.filled ? ", " + std::to_string(report.filled) + " of them new on the supporting plane" : "") + "\n";
   if (report.vertices_before) {
     text += "mesh         " + std::to_string(report.selected_vertices) + " vertices selected, " +
@@ -74,8 +83,11 @@ void list_run(const CommandContext& context, const EditSession& session) {
   }
   text += "objects:\n";
   for (const Instance& object : session.objects()) {
-    const std::string name = session.room().labels.classes.at(static_cast<size_t>(object.label)).name + "#" + std::to_string(object.number);
-    objects.push_back({{"object", name}, {"gaussians", object.gaussians}, {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
+    const std::string name =
+        session.room().labels.classes.at(static_cast<size_t>(object.label)).name + "#" + std::to_string(object.number);
+    objects.push_back({{"object", name},
+                       {"gaussians", object.gaussians},
+                       {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
     text += "  " + name + ": " + std::to_string(object.gaussians) + " Gaussians\n";
   }
   print(context, {{"edits", edits}, {"objects", objects}}, text);
@@ -84,7 +96,8 @@ void list_run(const CommandContext& context, const EditSession& session) {
 void measure(const CommandContext& context, EditSession& session, const EditOptions& options) {
   const EditableRoom& room = session.room();
   if (session.scene().truth_mesh.empty()) {
-    throw_bad_input(session.scene().folder / "truth", "mesh.ply", "the scene has no true mesh to measure against", "use a synthetic room, or leave out --measure");
+    throw_bad_input(session.scene().folder / "truth", "mesh.ply", "the scene has no true mesh to measure against",
+                    "use a synthetic room, or leave out --measure");
   }
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
@@ -93,28 +106,41 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());
   std::vector<Camera> cameras;
-  for (const int view : session.scene().train) cameras.push_back(session.scene().evaluation_cameras[static_cast<size_t>(view)]);
-  const SelectionScore s =
-      score_selection(room.mesh, select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent),
-                      read_mesh_ply(session.scene().truth_mesh), query, cameras, session.pool());
+  for (const int view : session.scene().train)
+    cameras.push_back(session.scene().evaluation_cameras[static_cast<size_t>(view)]);
+  const SelectionScore s = score_selection(
+      room.mesh, select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent),
+      read_mesh_ply(session.scene().truth_mesh), query, cameras, session.pool());
   char text[400];
   std::snprintf(text, sizeof text,
                 "selected     %zu Gaussians, %.3f m2 of mesh; visible true surface %.3f m2\n"
                 "labels       IoU %.3f over the reconstructed surface: what the selection answers for\n"
                 "surface      IoU %.3f at 5 cm (precision %.3f, recall %.3f): selection and geometry together\n",
                 selection.count, s.selected_area, s.true_area, s.label_iou, s.iou, s.precision, s.recall);
-  print(context, {{"selection", selection_text(query, room.labels)}, {"gaussians", selection.count}, {"label_iou", s.label_iou},
-                  {"surface_iou", s.iou}, {"precision", s.precision}, {"recall", s.recall},
-                  {"selected_area", s.selected_area}, {"true_area", s.true_area}}, text);
+  print(context,
+        {{"selection", selection_text(query, room.labels)},
+         {"gaussians", selection.count},
+         {"label_iou", s.label_iou},
+         {"surface_iou", s.iou},
+         {"precision", s.precision},
+         {"recall", s.recall},
+         {"selected_area", s.selected_area},
+         {"true_area", s.true_area}},
+        text);
 }
 
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
   const int operations = options.remove + options.extract + !options.recolor.empty() + !options.highlight.empty();
-  if (operations != 1) throw_usage("an edit needs exactly one of --delete, --extract, --recolor, --highlight", "`aligngs edit --help` shows an example");
-  edit.kind = options.remove ? EditKind::kDelete : options.extract ? EditKind::kExtract
-              : !options.recolor.empty() ? EditKind::kRecolor : EditKind::kHighlight;
-  if (options.fill && !options.remove) throw_usage("--fill closes the hole that --delete leaves", "use it with --delete");
+  if (operations != 1)
+    throw_usage("an edit needs exactly one of --delete, --extract, --recolor, --highlight",
+                "`aligngs edit --help` shows an example");
+  edit.kind = options.remove             ? EditKind::kDelete
+              : options.extract          ? EditKind::kExtract
+              : !options.recolor.empty() ? EditKind::kRecolor
+                                         : EditKind::kHighlight;
+  if (options.fill && !options.remove)
+    throw_usage("--fill closes the hole that --delete leaves", "use it with --delete");
   if (edit.kind == EditKind::kRecolor) edit.color = parse_color(options.recolor);
   if (edit.kind == EditKind::kHighlight) edit.color = parse_color(options.highlight);
   edit.fill = options.fill;
@@ -125,8 +151,10 @@ EditOperation operation_of(const EditOptions& options) {
 
 void run_edit(const CommandContext& context, const EditOptions& options) {
   const bool looks = options.undo || options.list;
-  if (options.undo + options.list + options.dry_run + options.measure > 1) throw_usage("--undo, --list, --dry-run and --measure exclude each other");
-  if (!looks && options.select.empty()) throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
+  if (options.undo + options.list + options.dry_run + options.measure > 1)
+    throw_usage("--undo, --list, --dry-run and --measure exclude each other");
+  if (!looks && options.select.empty())
+    throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
   const EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
@@ -147,7 +175,9 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     Json json = report_json(report, labels);
     json["picture"] = file;
     json["view"] = picture.view;
-    return print(context, json, report_text(report, labels) + "picture      " + file + " (view " + picture.view + "); nothing else was written\n");
+    return print(context, json,
+                 report_text(report, labels) + "picture      " + file + " (view " + picture.view +
+                     "); nothing else was written\n");
   }
   if (!options.output.empty()) {
     const EditReport report = session.write_run(options.output, edit, context.command_line);
@@ -170,14 +200,17 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
 void add_edit_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("edit", "Delete, extract, recolour or highlight objects by name");
   command->group("Use");
-  command->footer("Example: aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'\n"
-                  "Without -o the edit goes on the run's stack (edits.json, pictures and files in edits/), which --undo takes back;\n"
-                  "with -o OUT the run is untouched and OUT is a run with the edit. What was trained is never changed.");
+  command->footer(
+      "Example: aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'\n"
+      "Without -o the edit goes on the run's stack (edits.json, pictures and files in edits/), which --undo takes "
+      "back;\n"
+      "with -o OUT the run is untouched and OUT is a run with the edit. What was trained is never changed.");
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
   command->add_option("--select", options->select, "objects: \"pillow, cushion#2\", \"everything but wall, floor\"");
-  command->add_option("--threshold", options->threshold, "argmax, auto, or a probability above 0 and up to 1")->capture_default_str();
+  command->add_option("--threshold", options->threshold, "argmax, auto, or a probability above 0 and up to 1")
+      ->capture_default_str();
   command->add_flag("--delete", options->remove, "remove the selected objects");
   command->add_flag("--fill", options->fill, "with --delete: close the hole on the plane that carried the object");
   command->add_flag("--extract", options->extract, "keep the selected objects only");

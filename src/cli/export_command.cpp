@@ -13,9 +13,10 @@ namespace aligngs {
 void add_export_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("export", "Write the room, with its edits, for other programs");
   command->group("Use");
-  command->footer("Example: aligngs export demo_run -f glb\n"
-                  "Formats: ply, labels.ply (with class, object and confidence), glb (a node per object and the splats),\n"
-                  "obj (groups per object), sog and spz (compressed splats), splat.");
+  command->footer(
+      "Example: aligngs export demo_run -f glb\n"
+      "Formats: ply, labels.ply (with class, object and confidence), glb (a node per object and the splats),\n"
+      "obj (groups per object), sog and spz (compressed splats), splat.");
   struct Options {
     std::string run, scene, format, output;
     bool original = false;
@@ -34,14 +35,21 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     const std::filesystem::path file =
         !options->output.empty() ? std::filesystem::path(options->output)
                                  : session.folder() / ((edited ? "scene.edited." : "scene.") + options->format);
-    const ExportReport report = export_room(options->original ? session.original() : session.room(), options->format, file, session.pool());
+    const ExportReport report =
+        export_room(options->original ? session.original() : session.room(), options->format, file, session.pool());
     const uint64_t bytes = std::filesystem::file_size(report.files.front());
     if (context.global.json) {
-      std::printf("%s\n", nlohmann::json({{"file", file.string()}, {"bytes", bytes}, {"gaussians", report.gaussians}, {"objects", report.objects},
-                                          {"edits", edited ? session.stack().size() : 0}}).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+      std::printf("%s\n", nlohmann::json({{"file", file.string()},
+                                          {"bytes", bytes},
+                                          {"gaussians", report.gaussians},
+                                          {"objects", report.objects},
+                                          {"edits", edited ? session.stack().size() : 0}})
+                              .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+                              .c_str());
     } else {
-      std::printf("%s: %.2f MB, %zu Gaussians, %zu objects%s\n", file.string().c_str(), static_cast<double>(bytes) / 1e6, report.gaussians,
-                  report.objects, edited ? ", with the edits of the run" : "");
+      std::printf("%s: %.2f MB, %zu Gaussians, %zu objects%s\n", file.string().c_str(),
+                  static_cast<double>(bytes) / 1e6, report.gaussians, report.objects,
+                  edited ? ", with the edits of the run" : "");
     }
   });
 }

@@ -16,7 +16,9 @@ template <class T>
 std::vector<T> kept(const std::vector<T>& values, const std::vector<uint8_t>& keep, size_t width) {
   std::vector<T> out;
   for (size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i]) out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width), values.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
+    if (keep[i])
+      out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width),
+                 values.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
   }
   return out;
 }
@@ -62,7 +64,8 @@ void append_mesh(TriangleMesh& mesh, const TriangleMesh& patch) {
   for (const auto& t : patch.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 
-void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::vector<uint8_t>& vertices, uint8_t value) {
+void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::vector<uint8_t>& vertices,
+               uint8_t value) {
   room.gaussians = keep_rows(room.gaussians, keep);
   room.origins = kept(room.origins, keep, 1);
   if (!room.mesh.vertices.empty()) room.mesh = submesh(room.mesh, vertices, value);
@@ -72,9 +75,12 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
                     const std::vector<uint8_t>& vertices, EditReport& report) {
   std::vector<SupportPatch> patches;
   if (edit.fill) {
-    const std::vector<SupportPlane> planes = find_supports(room.gaussians, mask, room.up);
-    for (const SupportPlane& plane : planes) patches.push_back(fill_on_plane(room.gaussians, mask, plane));
-    report.no_support = planes.empty();
+    for (const std::vector<uint8_t>& part : connected_parts(room.gaussians, mask)) {
+      for (const SupportPlane& plane : find_supports(room.gaussians, part, mask, room.up)) {
+        patches.push_back(fill_on_plane(room.gaussians, part, mask, plane));
+      }
+    }
+    report.no_support = patches.empty();
   }
   std::vector<uint8_t> keep = inverted(mask);
   for (const SupportPatch& patch : patches) {
@@ -110,7 +116,8 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   SelectionOptions options;
   // What is left of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
   if (edit.kind == EditKind::kDelete) options.join = 0.5;
-  const GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
+  const GaussianSelection selection =
+      select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
   report.description = describe(edit);
   report.objects = selection.objects;
@@ -121,7 +128,8 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   if (edit.kind == EditKind::kDelete && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
-  const std::vector<uint8_t> vertices = select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent);
+  const std::vector<uint8_t> vertices =
+      select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent);
   report.selected_vertices = static_cast<size_t>(std::count(vertices.begin(), vertices.end(), uint8_t(1)));
   switch (edit.kind) {
     case EditKind::kDelete:

@@ -14,8 +14,8 @@ namespace aligngs {
 
 /// Where a Gaussian of an edited room comes from.
 struct GaussianOrigin {
-  uint32_t row = 0;       ///< row of the trained model
-  bool filled = false;    ///< made by an edit; `row` is the one whose class it has
+  uint32_t row = 0;     ///< row of the trained model
+  bool filled = false;  ///< made by an edit; `row` is the one whose class it has
 };
 
 /// A room with everything that edits change.
@@ -24,7 +24,7 @@ struct EditableRoom {
   std::vector<GaussianOrigin> origins;  ///< per Gaussian
   TriangleMesh mesh;                    ///< empty when the run has none
   LabelSet labels;
-  std::optional<Vec3d> up;              ///< unit, world; when the scene knows it
+  std::optional<Vec3d> up;  ///< unit, world; when the scene knows it
 };
 
 struct EditReport {
@@ -35,7 +35,7 @@ struct EditReport {
   size_t filled = 0;                    ///< new Gaussians on the supporting plane
   bool no_support = false;              ///< fill was asked for and no plane was found
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
-  double threshold = 0;                 ///< that was used; 0 for argmax
+  double threshold = 0;  ///< that was used; 0 for argmax
 };
 
 /// Names and objects mean what they meant in the unedited room, whatever was deleted before. Error{kUsage} for names

@@ -80,12 +80,15 @@ TEST_F(ApplyEdit, FillClosesTheHoleOnTheSupportingPlane) {
   for (float x = -0.78f; x < -0.34f; x += 0.05f) {
     for (float z = -0.18f; z < 0.26f; z += 0.05f) {
       double nearest = 1;
-      for (size_t i = 0; i < m.size(); ++i) nearest = std::min<double>(nearest, std::hypot(m.positions[3 * i] - x, m.positions[3 * i + 1], m.positions[3 * i + 2] - z));
+      for (size_t i = 0; i < m.size(); ++i)
+        nearest = std::min<double>(
+            nearest, std::hypot(m.positions[3 * i] - x, m.positions[3 * i + 1], m.positions[3 * i + 2] - z));
       EXPECT_LT(nearest, small_room::kSpacing) << x << " " << z;
     }
   }
   size_t patch = 0;
-  for (const Vec3f& v : room_.mesh.vertices) patch += v.x > -0.7f && v.x < -0.4f && v.z > -0.1f && v.z < 0.2f && std::abs(v.y) < 0.01f;
+  for (const Vec3f& v : room_.mesh.vertices)
+    patch += v.x > -0.7f && v.x < -0.4f && v.z > -0.1f && v.z < 0.2f && std::abs(v.y) < 0.01f;
   EXPECT_GT(patch, 10u) << "the mesh has a patch, too";
 }
 

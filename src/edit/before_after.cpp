@@ -15,12 +15,15 @@ constexpr int kGap = 4;            ///< pixels between the pictures
 /// Positions of Gaussians that only one of the rooms has, or whose colour differs.
 std::vector<Vec3d> changed_positions(const EditableRoom& before, const EditableRoom& after) {
   constexpr size_t kEnough = 4000;  // points say where to look
-  std::vector<uint8_t> same(1 + [&] {
-    uint32_t most = 0;
-    for (const GaussianOrigin& o : before.origins) most = std::max(most, o.row);
-    for (const GaussianOrigin& o : after.origins) most = std::max(most, o.row);
-    return most;
-  }(), 0);
+  std::vector<uint8_t> same(
+      1 +
+          [&] {
+            uint32_t most = 0;
+            for (const GaussianOrigin& o : before.origins) most = std::max(most, o.row);
+            for (const GaussianOrigin& o : after.origins) most = std::max(most, o.row);
+            return most;
+          }(),
+      0);
   std::vector<uint32_t> after_row(same.size(), 0xffffffffu);
   for (uint32_t i = 0; i < after.origins.size(); ++i) {
     if (!after.origins[i].filled) after_row[after.origins[i].row] = i;
@@ -31,7 +34,8 @@ std::vector<Vec3d> changed_positions(const EditableRoom& before, const EditableR
   for (size_t i = 0; i < before.origins.size(); ++i) {
     if (before.origins[i].filled) continue;
     const uint32_t j = after_row[before.origins[i].row];
-    if (j != 0xffffffffu && std::equal(a.sh.begin() + static_cast<std::ptrdiff_t>(48 * i), a.sh.begin() + static_cast<std::ptrdiff_t>(48 * i + 3),
+    if (j != 0xffffffffu && std::equal(a.sh.begin() + static_cast<std::ptrdiff_t>(48 * i),
+                                       a.sh.begin() + static_cast<std::ptrdiff_t>(48 * i + 3),
                                        b.sh.begin() + static_cast<std::ptrdiff_t>(48 * size_t(j)))) {
       continue;
     }
@@ -96,9 +100,11 @@ BeforeAfter EditSession::compare(const EditableRoom& before, const EditableRoom&
   };
   std::vector<Candidate> candidates;
   for (const std::vector<int>* split : {&scene_.test, &scene_.train}) {
-    for (const int view : *split) candidates.push_back({prominence(working_camera(scene_, config_, view), changed), view});
+    for (const int view : *split)
+      candidates.push_back({prominence(working_camera(scene_, config_, view), changed), view});
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   if (candidates.size() > kCandidates) candidates.resize(kCandidates);
 
   RenderOptions options;

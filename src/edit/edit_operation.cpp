@@ -83,7 +83,8 @@ EditOperation parse_entry(const EntryReader& entry) {
   }
   if (!known) entry.fail("operation", "delete, extract, recolor or highlight is expected");
   edit.select = entry.text("select", kLongestSelection);
-  if (entry.has("threshold")) edit.threshold = entry.parsed("threshold", [](const std::string& t) { return parse_threshold(t); });
+  if (entry.has("threshold"))
+    edit.threshold = entry.parsed("threshold", [](const std::string& t) { return parse_threshold(t); });
   if (takes_color(edit.kind)) edit.color = entry.parsed("color", [](const std::string& t) { return parse_color(t); });
   edit.fill = entry.flag("fill");
   return edit;
@@ -107,22 +108,29 @@ std::array<uint8_t, 3> parse_color(std::string_view text) {
     good = high >= 0 && low >= 0;
     color[c] = static_cast<uint8_t>(16 * high + low);
   }
-  if (!good) throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no colour", "write it as '#rrggbb', for example '#add8e6'");
+  if (!good)
+    throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no colour",
+                "write it as '#rrggbb', for example '#add8e6'");
   return color;
 }
 
-std::string color_text(const std::array<uint8_t, 3>& color) { return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]); }
+std::string color_text(const std::array<uint8_t, 3>& color) {
+  return fmt::format("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
+}
 
 std::string describe(const EditOperation& edit) {
   std::string text = edit_kind_name(edit.kind) + " " + edit.select;
   if (edit.kind == EditKind::kRecolor) text += " to " + color_text(edit.color);
   if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);
-  if (edit.threshold.kind != ThresholdRule::Kind::kArgmax) text += " (threshold " + threshold_text(edit.threshold) + ")";
+  if (edit.threshold.kind != ThresholdRule::Kind::kArgmax)
+    text += " (threshold " + threshold_text(edit.threshold) + ")";
   return edit.fill ? text + ", hole filled" : text;
 }
 
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors) {
-  const auto refuse = [&](const char* field, const char* message) { throw_bad_input(name_for_errors, field, message, kRepair); };
+  const auto refuse = [&](const char* field, const char* message) {
+    throw_bad_input(name_for_errors, field, message, kRepair);
+  };
   // Depth is bounded before parsing: the parser recurses when it destroys what it read.
   constexpr int kDeepest = 16;
   int depth = 0;
@@ -147,7 +155,9 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
 std::string edits_text(const std::vector<EditOperation>& edits) {
   Json list = Json::array();
   for (const EditOperation& edit : edits) {
-    Json entry = {{"operation", edit_kind_name(edit.kind)}, {"select", edit.select}, {"threshold", threshold_text(edit.threshold)}};
+    Json entry = {{"operation", edit_kind_name(edit.kind)},
+                  {"select", edit.select},
+                  {"threshold", threshold_text(edit.threshold)}};
     if (takes_color(edit.kind)) entry["color"] = color_text(edit.color);
     if (edit.kind == EditKind::kDelete) entry["fill"] = edit.fill;
     list.push_back(entry);

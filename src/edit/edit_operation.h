@@ -20,10 +20,10 @@ enum class EditKind {
 
 struct EditOperation {
   EditKind kind = EditKind::kDelete;
-  std::string select;                           ///< selection text (selection_text.h)
+  std::string select;  ///< selection text (selection_text.h)
   ThresholdRule threshold;
-  std::array<uint8_t, 3> color{255, 200, 0};    ///< sRGB, of kRecolor and kHighlight
-  bool fill = false;                            ///< kDelete: close the hole on the supporting plane
+  std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
+  bool fill = false;                          ///< kDelete: close the hole on the supporting plane
 };
 
 std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "recolor", "highlight"

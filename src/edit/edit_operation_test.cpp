@@ -62,7 +62,8 @@ TEST(EditsFile, MalformedFilesAreRefusedByName) {
 
 TEST(EditsFile, TheMessageNamesEntryAndField) {
   try {
-    parse_edits(R"({"schema": 1, "edits": [{"operation": "delete", "select": "a"}, {"operation": "delete"}]})", "edits.json");
+    parse_edits(R"({"schema": 1, "edits": [{"operation": "delete", "select": "a"}, {"operation": "delete"}]})",
+                "edits.json");
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.details().field, "edits[1].select");
@@ -72,7 +73,8 @@ TEST(EditsFile, TheMessageNamesEntryAndField) {
 TEST(EditColor, HexOfThreeOrSixDigits) {
   EXPECT_EQ(color_text(parse_color("#ADD8e6")), "#add8e6");
   EXPECT_EQ(color_text(parse_color("#fa0")), "#ffaa00");
-  for (const char* bad : {"", "#", "red", "#12", "#12345", "#gggggg", "123456", "#1234567"}) EXPECT_THROW(parse_color(bad), Error) << bad;
+  for (const char* bad : {"", "#", "red", "#12", "#12345", "#gggggg", "123456", "#1234567"})
+    EXPECT_THROW(parse_color(bad), Error) << bad;
 }
 
 }  // namespace

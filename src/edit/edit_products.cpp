@@ -61,17 +61,20 @@ void write_before_after(const fs::path& path, const BeforeAfter& picture) {
   if (!picture.picture.empty()) write_png(path, picture.picture);
 }
 
-void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene, const TrainConfig& config) {
+void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene,
+                       const TrainConfig& config) {
   // The same function as after a training, then the labels with objects in place of the plain ones.
   write_run_outputs(folder, room.gaussians.model, scene, config);
   write_labelled_gaussian_ply(folder.labelled_ply(), room.gaussians.model, room.gaussians.labels);
   write_classes_and_objects(folder.classes(), room);
 }
 
-void write_edited_record(const fs::path& path, RunRecord record, const std::string& command_line, const std::string& scene,
-                         const fs::path& original, const std::vector<EditOperation>& edits, size_t gaussians) {
+void write_edited_record(const fs::path& path, RunRecord record, const std::string& command_line,
+                         const std::string& scene, const fs::path& original, const std::vector<EditOperation>& edits,
+                         size_t gaussians) {
   // Fields that the record does not know are kept by its writer.
-  Json extra = {{"edited_from", original.filename().empty() ? original.parent_path().filename().string() : original.filename().string()},
+  Json extra = {{"edited_from", original.filename().empty() ? original.parent_path().filename().string()
+                                                            : original.filename().string()},
                 {"edits", Json::parse(edits_text(edits)).at("edits")}};
   write_json(path, extra);
   record.status = "done";
@@ -88,7 +91,8 @@ void require_new_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error)) return;
   if (!fs::is_directory(folder, error) || !fs::is_empty(folder, error)) {
-    throw Error({ErrorKind::kUsage, "the place for the edited run is taken", folder, "-o", "name a new or empty folder"});
+    throw Error(
+        {ErrorKind::kUsage, "the place for the edited run is taken", folder, "-o", "name a new or empty folder"});
   }
 }
 
@@ -99,7 +103,8 @@ FolderReplacement::FolderReplacement(fs::path target) : target_(std::move(target
   std::error_code error;
   fs::remove_all(temporary_, error);
   fs::create_directories(temporary_, error);
-  if (error) throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
 }
 
 FolderReplacement::~FolderReplacement() {

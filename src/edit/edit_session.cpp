@@ -17,21 +17,26 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
-EditSession::EditSession(const fs::path& run, const EditSessionOptions& options) : run_(run), threads_(options.threads) {
+EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
+    : run_(run), threads_(options.threads) {
   const RunFolder paths(run);
   if (!fs::exists(paths.record())) {
-    throw_bad_input(run, "run.json", "this is no run folder", "give a folder that `aligngs train` or `aligngs run` made");
+    throw_bad_input(run, "run.json", "this is no run folder",
+                    "give a folder that `aligngs train` or `aligngs run` made");
   }
   record_ = read_run_record(paths.record());
   apply_config_file(paths.config(), config_);
   const fs::path scene_folder = scene_of_run(run, record_, options.scene);
   if (!fs::exists(scene_folder)) {
-    throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says", "say where it is now: --scene DIR");
+    throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says",
+                    "say where it is now: --scene DIR");
   }
   stack_ = read_edits(run / "edits.json");
   scene_ = open_scene(scene_folder);
   std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record_.fingerprint);
-  if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");
+  if (!state)
+    throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet",
+                    "run `aligngs train ... --resume` first");
   state_ = std::move(*state);
   pool_ = std::make_unique<ThreadPool>(options.threads);
 
@@ -43,7 +48,9 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   replay();
 }
 
-std::vector<Instance> EditSession::objects() const { return list_instances(room_.gaussians.model, room_.gaussians.labels); }
+std::vector<Instance> EditSession::objects() const {
+  return list_instances(room_.gaussians.model, room_.gaussians.labels);
+}
 
 void EditSession::replay() {
   room_ = original_;

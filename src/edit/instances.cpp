@@ -40,10 +40,12 @@ float median(std::vector<float> values) {
 }
 
 /// Group of each point (the smallest member's index), or kNone for noise.
-std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, const InstanceOptions& options, ThreadPool& pool) {
+std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, const InstanceOptions& options,
+                              ThreadPool& pool) {
   constexpr uint32_t kNone = NeighbourGraph::kNone;
   const size_t n = points.size(), wanted = static_cast<size_t>(std::max(1, options.core_neighbours));
-  constexpr size_t kFan = 4;  // links per point / core_neighbours: bounds the work where points lie on top of each other
+  constexpr size_t kFan =
+      4;  // links per point / core_neighbours: bounds the work where points lie on top of each other
   const PointTree tree(points);
   std::vector<float> spacing(n);
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
@@ -57,7 +59,8 @@ std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, c
   constexpr double kLeastSpacings = 1.2;
   const double typical = median(spacing);
   const double most = std::max(options.link_max * extent, kLeastSpacings * typical);
-  const float link = static_cast<float>(std::clamp(options.link_spacings * typical, std::min(options.link_min * extent, most), most));
+  const float link =
+      static_cast<float>(std::clamp(options.link_spacings * typical, std::min(options.link_min * extent, most), most));
 
   // Neighbour lists of core points only: a border point hangs on its nearest core point.
   std::vector<std::vector<uint32_t>> near(n);
@@ -104,7 +107,9 @@ void number_class(const std::vector<uint32_t>& rows, const std::vector<uint32_t>
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::map<uint32_t, uint16_t> numbers;
   for (const auto& [g, size] : order) {
-    if (size < options.min_gaussians || static_cast<double>(size) < options.min_share * static_cast<double>(order[0].second)) break;
+    if (size < options.min_gaussians ||
+        static_cast<double>(size) < options.min_share * static_cast<double>(order[0].second))
+      break;
     if (numbers.size() == kMostInstances) break;
     numbers.emplace(g, static_cast<uint16_t>(numbers.size() + 1));
   }

@@ -71,7 +71,8 @@ void smooth_flags(const TriangleMesh& mesh, int rounds, std::vector<uint8_t>& fl
 }  // namespace
 
 std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianModel& model,
-                                     const std::vector<uint8_t>& selected, double extent, const MeshSelectionOptions& options) {
+                                     const std::vector<uint8_t>& selected, double extent,
+                                     const MeshSelectionOptions& options) {
   const float floor = static_cast<float>(options.thickness * extent), sigmas = static_cast<float>(options.sigmas);
   std::vector<uint8_t> flags(mesh.vertices.size(), 0);
   std::vector<Ellipsoid> chosen;

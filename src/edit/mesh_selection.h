@@ -10,9 +10,10 @@
 namespace aligngs {
 
 struct MeshSelectionOptions {
-  double sigmas = 3;           ///< reach of a Gaussian
-  double thickness = 0.004;    ///< / extent: least standard deviation across the disc, as fusion moves the surface (1.3 cm)
-  int smoothing_rounds = 3;    ///< majority over adjacent vertices
+  double sigmas = 3;  ///< reach of a Gaussian
+  double thickness =
+      0.004;  ///< / extent: least standard deviation across the disc, as fusion moves the surface (1.3 cm)
+  int smoothing_rounds = 3;  ///< majority over adjacent vertices
 };
 
 /// Each Gaussian votes for the vertices near it with opacity * exp(-m^2 / 2), m the Mahalanobis distance; a vertex is

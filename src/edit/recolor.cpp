@@ -16,7 +16,8 @@ uint8_t to_byte(float v) { return static_cast<uint8_t>(std::lround(255 * std::cl
 
 }  // namespace
 
-void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color) {
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
+                       const std::array<uint8_t, 3>& color) {
   double sum = 0, weight = 0;
   for (size_t i = 0; i < model.size(); ++i) {
     if (!selected[i]) continue;
@@ -62,7 +63,8 @@ void recolor_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, 
   }
 }
 
-void highlight_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color) {
+void highlight_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
+                         const std::array<uint8_t, 3>& color) {
   for (size_t i = 0; i < model.size(); ++i) {
     if (!selected[i]) continue;
     float* sh = &model.sh[size_t(3) * kShCoefficients * i];

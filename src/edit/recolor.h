@@ -18,7 +18,8 @@ void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selecte
 void recolor_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
 
 /// c becomes (1 - kHighlightShare) c + kHighlightShare * colour.
-void highlight_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
+void highlight_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
+                         const std::array<uint8_t, 3>& color);
 void highlight_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
 
 inline constexpr float kHighlightShare = 0.6f;  ///< strong enough to find, weak enough to see what it is

@@ -15,7 +15,8 @@ constexpr float kFaint = 0.01f;  ///< probabilities below say nothing about wher
 /// Answers "which object of this class is Gaussian i part of?" also for Gaussians whose best class is another one.
 class ObjectFinder {
  public:
-  ObjectFinder(const LabelledGaussians& room, int label, double reach) : room_(room), label_(label), reach_(reach), tree_(members()) {}
+  ObjectFinder(const LabelledGaussians& room, int label, double reach)
+      : room_(room), label_(label), reach_(reach), tree_(members()) {}
 
   bool any() const { return !rows_.empty(); }
   /// 0: none within reach. A class without numbered objects has the object 0 everywhere.
@@ -32,7 +33,8 @@ class ObjectFinder {
     for (uint32_t i = 0; i < room_.labels.label.size(); ++i) {
       if (room_.labels.label[i] != label_ || room_.labels.instance[i] == 0) continue;
       rows_.push_back(i);
-      points.push_back({room_.model.positions[3 * i], room_.model.positions[3 * i + 1], room_.model.positions[3 * i + 2]});
+      points.push_back(
+          {room_.model.positions[3 * i], room_.model.positions[3 * i + 1], room_.model.positions[3 * i + 2]});
     }
     return points;
   }
@@ -50,11 +52,13 @@ struct Criterion {
   double threshold = 0;
 };
 
-Criterion criterion_of(const LabelledGaussians& room, int label, const std::vector<SelectionTerm>& terms, const ThresholdRule& rule) {
+Criterion criterion_of(const LabelledGaussians& room, int label, const std::vector<SelectionTerm>& terms,
+                       const ThresholdRule& rule) {
   Criterion out;
   out.value.assign(room.model.size(), 0.f);
   std::vector<int> classes = {label};
-  if (rule.kind == ThresholdRule::Kind::kValue) {  // the named classes together: a pillow that may be a cushion is one of the two
+  if (rule.kind ==
+      ThresholdRule::Kind::kValue) {  // the named classes together: a pillow that may be a cushion is one of the two
     classes.clear();
     for (const SelectionTerm& term : terms) classes.push_back(term.label);
     std::sort(classes.begin(), classes.end());
@@ -85,7 +89,8 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
           const SelectionOptions& options, uint8_t value, GaussianSelection& selection) {
   for (const SelectionTerm& term : terms) {
     const Criterion criterion = criterion_of(room, term.label, terms, rule);
-    if (rule.kind != ThresholdRule::Kind::kArgmax && selection.threshold == 0) selection.threshold = criterion.threshold;
+    if (rule.kind != ThresholdRule::Kind::kArgmax && selection.threshold == 0)
+      selection.threshold = criterion.threshold;
     const ObjectFinder finder(room, term.label, options.reach * room.extent);
     std::vector<PointTree::Neighbour> scratch;
     for (size_t i = 0; i < selection.mask.size(); ++i) {
@@ -98,7 +103,8 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
 }
 
 /// Majority of the neighbours with hysteresis, counted by opacity.
-void clean(const LabelledGaussians& room, const SelectionOptions& options, ThreadPool& pool, std::vector<uint8_t>& mask) {
+void clean(const LabelledGaussians& room, const SelectionOptions& options, ThreadPool& pool,
+           std::vector<uint8_t>& mask) {
   const size_t k = static_cast<size_t>(std::max(0, options.neighbours));
   if (k == 0 || mask.size() <= k) return;
   const NeighbourGraph graph = neighbour_graph(positions_of(room.model), k, pool);
@@ -127,7 +133,8 @@ LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, dou
   LabelledGaussians room;
   room.extent = extent > 0 ? extent : extent_of(model);
   room.soft = soft_labels(model, pool);
-  smooth_labels(room.soft, model, neighbour_graph(positions_of(model), kSmoothingNeighbours, pool), room.extent, {}, pool);
+  smooth_labels(room.soft, model, neighbour_graph(positions_of(model), kSmoothingNeighbours, pool), room.extent, {},
+                pool);
   room.labels = best_labels(room.soft, labels);
   find_instances(model, room.labels, room.extent, {}, pool);
   room.model = std::move(model);
@@ -158,8 +165,9 @@ double otsu_threshold(const std::vector<float>& values) {
   return threshold;
 }
 
-GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query, const ThresholdRule& rule,
-                                   const LabelSet& labels, const SelectionOptions& options, ThreadPool& pool) {
+GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query,
+                                   const ThresholdRule& rule, const LabelSet& labels, const SelectionOptions& options,
+                                   ThreadPool& pool) {
   GaussianSelection selection;
   selection.mask.assign(room.model.size(), query.everything ? 1 : 0);
   mark(room, query.include, rule, options, 1, selection);

@@ -14,7 +14,8 @@ using testing::HasSubstr;
 class SelectionTest : public testing::Test {
  protected:
   GaussianSelection select(const std::string& text, const std::string& threshold = "argmax") {
-    return select_gaussians(room_.gaussians, parse_selection(text, Vocabulary(room_.labels)), parse_threshold(threshold), room_.labels, {}, pool_);
+    return select_gaussians(room_.gaussians, parse_selection(text, Vocabulary(room_.labels)),
+                            parse_threshold(threshold), room_.labels, {}, pool_);
   }
   size_t wrong(const GaussianSelection& s, int label) const {
     size_t n = 0;
@@ -68,7 +69,8 @@ TEST_F(SelectionTest, ALoneSpeckOfAnotherClassIsCleanedAway) {
   model.semantics[150 * middle + small_room::kFloor] = 0;
   model.semantics[150 * middle + small_room::kPillow] = 8;
   const LabelledGaussians speckled = label_objects(model, room_.labels, small_room::kExtent, pool_);
-  const GaussianSelection s = select_gaussians(speckled, parse_selection("pillow", Vocabulary(room_.labels)), {}, room_.labels, {}, pool_);
+  const GaussianSelection s =
+      select_gaussians(speckled, parse_selection("pillow", Vocabulary(room_.labels)), {}, room_.labels, {}, pool_);
   EXPECT_FALSE(s.mask[middle]);
 }
 

@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kLongestText = 4096;  // bytes: hundreds of names
+constexpr size_t kLongestText = 4096;    // bytes: hundreds of names
 constexpr int kLargestInstance = 65535;  // ushort in scene.labels.ply
 constexpr const char* kExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
 
@@ -45,7 +45,8 @@ int parse_instance(std::string_view text, std::string_view item) {
   int n = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
   if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kLargestInstance) {
-    throw_usage("\"" + std::string(item) + "\" has no object number after '#'", "objects are numbered from 1: \"pillow#2\"");
+    throw_usage("\"" + std::string(item) + "\" has no object number after '#'",
+                "objects are numbered from 1: \"pillow#2\"");
   }
   return n;
 }
@@ -64,7 +65,8 @@ bool is_everything(std::string_view item) {
 }
 
 /// One item between commas; "a and b" is two unless a class is called so.
-void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms, bool* everything) {
+void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
+                bool* everything) {
   while (true) {
     item = trimmed(item);
     if (item.empty()) throw_usage("a selection has an empty item", kExample);
@@ -80,7 +82,8 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
   }
 }
 
-void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms, bool* everything) {
+void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms,
+                bool* everything) {
   while (true) {
     const size_t comma = text.find(',');
     parse_item(text.substr(0, comma), vocabulary, terms, everything);
@@ -140,7 +143,8 @@ ThresholdRule parse_threshold(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || !(value > 0 && value <= 1)) {
-    throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no threshold", "give argmax, auto or a probability above 0 and up to 1");
+    throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no threshold",
+                "give argmax, auto or a probability above 0 and up to 1");
   }
   return {ThresholdRule::Kind::kValue, value};
 }

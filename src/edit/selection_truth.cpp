@@ -55,8 +55,8 @@ SurfaceSamples sample(const TriangleMesh& mesh, const SelectionTruthOptions& opt
 }
 
 /// The points that lie in the image of some camera with nothing between.
-std::vector<Vec3f> seen_points(const TriangleMesh& truth, const std::vector<Vec3f>& points, const std::vector<Camera>& cameras,
-                               ThreadPool& pool) {
+std::vector<Vec3f> seen_points(const TriangleMesh& truth, const std::vector<Vec3f>& points,
+                               const std::vector<Camera>& cameras, ThreadPool& pool) {
   constexpr double kTolerance = 0.005;  // metres: the surface a point lies on does not hide it
   constexpr size_t kGrain = 256;        // points per chunk
   const RayScene rays(truth);
@@ -83,7 +83,8 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
                                const SelectionTruthOptions& options) {
   for (const auto* terms : {&query.include, &query.exclude}) {
     for (const SelectionTerm& term : *terms) {
-      if (term.instance) throw_usage("the true mesh knows classes, not single objects", "measure the class without '#'");
+      if (term.instance)
+        throw_usage("the true mesh knows classes, not single objects", "measure the class without '#'");
     }
   }
   if (truth.labels.size() != truth.vertices.size()) {
@@ -93,10 +94,13 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
   const TriangleMesh true_object = submesh(truth, wanted, 1);
   const SurfaceSamples object = sample(true_object, options);
   const std::vector<Vec3f> seen = seen_points(truth, object.positions, cameras, pool);
-  if (seen.empty()) throw_bad_input({}, "--select", "no camera sees a true object of these classes", "measure other classes");
+  if (seen.empty())
+    throw_bad_input({}, "--select", "no camera sees a true object of these classes", "measure other classes");
   const TriangleMesh chosen = submesh(mesh, flags, 1);
   // What else is there matters only near the two.
-  const auto nearby = [&](const TriangleMesh& all) { return near_box(all, {&true_object, &chosen}, 2 * options.threshold); };
+  const auto nearby = [&](const TriangleMesh& all) {
+    return near_box(all, {&true_object, &chosen}, 2 * options.threshold);
+  };
   const SurfaceSamples rest = sample(nearby(submesh(truth, wanted, 0)), options);
   const TriangleMesh other = nearby(submesh(mesh, flags, 0));
   const SurfaceSamples chosen_samples = sample(chosen, options);
@@ -115,7 +119,8 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
   double both = 0, either = 0;
   for (const bool in : {true, false}) {
     const std::vector<Vec3f> points = in ? chosen_samples.positions : sample(other, options).positions;
-    const std::vector<Nearest> to_object = object_index.nearest(points, pool), to_rest = rest_index.nearest(points, pool);
+    const std::vector<Nearest> to_object = object_index.nearest(points, pool),
+                               to_rest = rest_index.nearest(points, pool);
     for (size_t i = 0; i < points.size(); ++i) {
       if (std::min(to_object[i].distance, to_rest[i].distance) > options.threshold) continue;  // no truth here
       const bool is_object = to_object[i].distance <= to_rest[i].distance;

@@ -12,8 +12,8 @@
 namespace aligngs {
 
 struct SelectionTruthOptions {
-  double threshold = 0.05;         ///< metres: surfaces nearer than this are the same (the project's F-score distance)
-  double points_per_area = 1e4;    ///< samples per m^2: 1 per cm^2, thousands on a pillow
+  double threshold = 0.05;       ///< metres: surfaces nearer than this are the same (the project's F-score distance)
+  double points_per_area = 1e4;  ///< samples per m^2: 1 per cm^2, thousands on a pillow
 };
 
 /// The selected part of the mesh against the part of the true surface with the selected classes that the cameras see.

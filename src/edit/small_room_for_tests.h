@@ -12,7 +12,8 @@ inline constexpr float kSpacing = 0.04f;                   ///< metres between G
 inline constexpr double kExtent = 3;                       ///< metres, as of a real room
 
 /// Adds one flat Gaussian that faces `normal`.
-inline void add_gaussian(GaussianModel& model, const Vec3f& position, const Vec3f& normal, const Vec3f& color, int label) {
+inline void add_gaussian(GaussianModel& model, const Vec3f& position, const Vec3f& normal, const Vec3f& color,
+                         int label) {
   const size_t i = model.size();
   model.resize(i + 1);
   for (size_t a = 0; a < 3; ++a) {
@@ -28,8 +29,10 @@ inline void add_gaussian(GaussianModel& model, const Vec3f& position, const Vec3
   if (label >= 0) model.semantics[i * static_cast<size_t>(model.semantic_channels) + static_cast<size_t>(label)] = 8;
 }
 
-/// A box without bottom standing on y = 0, up is -y as in a camera's world; Gaussians on its faces and the same as mesh.
-inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, const Vec3f& high, const Vec3f& color, int label) {
+/// A box without bottom standing on y = 0, up is -y as in a camera's world; Gaussians on its faces and the same as
+/// mesh.
+inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, const Vec3f& high, const Vec3f& color,
+                    int label) {
   struct Face {
     int axis;
     float at, sign;
@@ -39,7 +42,8 @@ inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, 
     const int u = face.axis == 0 ? 1 : 0, v = face.axis == 2 ? 1 : 2;
     Vec3f normal;
     normal[face.axis] = face.sign;
-    const int columns = static_cast<int>(std::lround((high[u] - low[u]) / kSpacing)), rows = static_cast<int>(std::lround((high[v] - low[v]) / kSpacing));
+    const int columns = static_cast<int>(std::lround((high[u] - low[u]) / kSpacing)),
+              rows = static_cast<int>(std::lround((high[v] - low[v]) / kSpacing));
     const auto place = [&](float i, float j) {
       Vec3f p;
       p[face.axis] = face.at;
@@ -52,7 +56,8 @@ inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, 
       for (int i = 0; i <= columns; ++i) {
         mesh.vertices.push_back(place(static_cast<float>(i), static_cast<float>(j)));
         mesh.normals.push_back(normal);
-        mesh.colors.push_back({static_cast<uint8_t>(std::lround(255 * color.x)), static_cast<uint8_t>(std::lround(255 * color.y)),
+        mesh.colors.push_back({static_cast<uint8_t>(std::lround(255 * color.x)),
+                               static_cast<uint8_t>(std::lround(255 * color.y)),
                                static_cast<uint8_t>(std::lround(255 * color.z))});
         mesh.labels.push_back(static_cast<uint16_t>(label));
       }
@@ -60,7 +65,8 @@ inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, 
     for (int j = 0; j < rows; ++j) {
       for (int i = 0; i < columns; ++i) {
         add_gaussian(model, place(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f), normal, color, label);
-        const uint32_t a = base + static_cast<uint32_t>(j * (columns + 1) + i), b = a + 1, c = a + static_cast<uint32_t>(columns) + 1;
+        const uint32_t a = base + static_cast<uint32_t>(j * (columns + 1) + i), b = a + 1,
+                       c = a + static_cast<uint32_t>(columns) + 1;
         mesh.triangles.push_back({a, b, c});
         mesh.triangles.push_back({b, c + 1, c});
       }
@@ -85,14 +91,16 @@ inline EditableRoom make(ThreadPool& pool) {
   for (const Thing& t : things) add_box(model, room.mesh, t.low, t.high, t.color, t.label);
   for (int j = 0; j < 40; ++j) {
     for (int i = 0; i < 60; ++i) {
-      const Vec3f p{-1.2f + (static_cast<float>(i) + 0.5f) * kSpacing, 0, -0.8f + (static_cast<float>(j) + 0.5f) * kSpacing};
+      const Vec3f p{-1.2f + (static_cast<float>(i) + 0.5f) * kSpacing, 0,
+                    -0.8f + (static_cast<float>(j) + 0.5f) * kSpacing};
       bool hidden = false;
       for (const Thing& t : things) hidden |= p.x > t.low.x && p.x < t.high.x && p.z > t.low.z && p.z < t.high.z;
       if (hidden) continue;
       add_gaussian(model, p, {0, -1, 0}, {0.6f, 0.5f, 0.4f}, kFloor);
       const uint32_t base = static_cast<uint32_t>(room.mesh.vertices.size());
       for (int corner = 0; corner < 4; ++corner) {
-        room.mesh.vertices.push_back({p.x + (corner % 2 ? 0.5f : -0.5f) * kSpacing, 0, p.z + (corner / 2 ? 0.5f : -0.5f) * kSpacing});
+        room.mesh.vertices.push_back(
+            {p.x + (corner % 2 ? 0.5f : -0.5f) * kSpacing, 0, p.z + (corner / 2 ? 0.5f : -0.5f) * kSpacing});
         room.mesh.normals.push_back({0, -1, 0});
         room.mesh.colors.push_back({153, 128, 102});
         room.mesh.labels.push_back(kFloor);

@@ -21,9 +21,8 @@ class Tally {
   }
   /// Writes the best classes, divided by `total`, and forgets them.
   void take(double total, uint16_t* label, float* probability) {
-    std::sort(touched_.begin(), touched_.end(), [&](uint16_t a, uint16_t b) {
-      return sum_[a] > sum_[b] || (sum_[a] == sum_[b] && a < b);
-    });
+    std::sort(touched_.begin(), touched_.end(),
+              [&](uint16_t a, uint16_t b) { return sum_[a] > sum_[b] || (sum_[a] == sum_[b] && a < b); });
     for (size_t k = 0; k < SoftLabels::kTop; ++k) {
       const bool has = k < touched_.size() && total > 0 && sum_[touched_[k]] > 0;
       label[k] = has ? touched_[k] : kNoLabel;
@@ -115,7 +114,8 @@ void smooth_labels(SoftLabels& soft, const GaussianModel& model, const Neighbour
           if (!(distance <= reach)) break;
           const size_t j = graph.index[slot];
           const Vec3f difference = colors[i] - colors[j];
-          add(j, opacities[j] * std::exp(distance * distance * distance_scale + dot(difference, difference) * color_scale));
+          add(j, opacities[j] *
+                     std::exp(distance * distance * distance_scale + dot(difference, difference) * color_scale));
         }
         tally.take(total, &next.label[SoftLabels::kTop * i], &next.probability[SoftLabels::kTop * i]);
       }
@@ -130,14 +130,16 @@ GaussianLabels best_labels(const SoftLabels& soft, const LabelSet& labels) {
   out.instance.assign(soft.size(), 0);
   for (size_t i = 0; i < soft.size(); ++i) {
     out.label.push_back(soft.label[SoftLabels::kTop * i]);
-    out.confidence.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(soft.probability[SoftLabels::kTop * i], 0.f, 1.f))));
+    out.confidence.push_back(
+        static_cast<uint8_t>(std::lround(255 * std::clamp(soft.probability[SoftLabels::kTop * i], 0.f, 1.f))));
   }
   return out;
 }
 
 std::vector<Vec3f> positions_of(const GaussianModel& model) {
   std::vector<Vec3f> out(model.size());
-  for (size_t i = 0; i < out.size(); ++i) out[i] = {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
   return out;
 }
 

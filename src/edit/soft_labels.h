@@ -30,10 +30,10 @@ SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool);
 /// This settles Gaussians at object borders and inside of objects, which few pixels taught.
 struct SmoothingOptions {
   int rounds = 3;
-  double color_sigma = 0.12;     ///< sRGB difference (norm over 3 channels) of unlike things
+  double color_sigma = 0.12;       ///< sRGB difference (norm over 3 channels) of unlike things
   double distance_quantile = 0.5;  ///< the bandwidth is the distance of this share of the neighbours
-  double own_weight = 1;         ///< of the Gaussian's own probabilities, next to about k of the neighbours
-  double reach = 0.02;           ///< neighbours farther than this share of the extent say nothing
+  double own_weight = 1;           ///< of the Gaussian's own probabilities, next to about k of the neighbours
+  double reach = 0.02;             ///< neighbours farther than this share of the extent say nothing
 };
 void smooth_labels(SoftLabels& soft, const GaussianModel& model, const NeighbourGraph& graph, double extent,
                    const SmoothingOptions& options, ThreadPool& pool);

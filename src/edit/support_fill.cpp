@@ -4,17 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include "core/random.h"
 
 namespace aligngs {
 namespace {
 
-constexpr float kSolid = 0.3f;       ///< opacity above which a Gaussian is part of a surface
-constexpr size_t kFewest = 12;       ///< Gaussians that make a plane believable
-constexpr double kOneSide = 0.8;     ///< share of the object on the plane's front side
-constexpr size_t kColorSources = 12; ///< surrounding Gaussians that colour a cell
-constexpr int kMostCells = 400;      ///< per side: larger holes have larger cells
+constexpr float kSolid = 0.3f;        ///< opacity above which a Gaussian is part of a surface
+constexpr size_t kFewest = 12;        ///< Gaussians that make a plane believable
+constexpr double kOneSide = 0.8;      ///< share of the object on the plane's front side
+constexpr size_t kColorSources = 12;  ///< surrounding Gaussians that colour a cell
+constexpr int kMostCells = 400;       ///< per side: larger holes have larger cells
 
 Vec3f position(const GaussianModel& model, size_t i) {
   return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
@@ -29,15 +30,16 @@ Vec3d axis_of(const GaussianModel& model, size_t i) {
 }
 
 struct Surroundings {
-  std::vector<uint32_t> rows;   ///< near the selection, solid, not selected
-  std::vector<Vec3d> object;    ///< the selection's solid Gaussians
+  std::vector<uint32_t> rows;  ///< near the selection, solid, not selected
+  std::vector<Vec3d> object;   ///< the selection's solid Gaussians
 };
 
-Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected, double reach) {
+Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<uint8_t>& part,
+                             const std::vector<uint8_t>& selected, double reach) {
   Surroundings out;
   std::vector<Vec3f> points;
   for (size_t i = 0; i < room.model.size(); ++i) {
-    if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
+    if (!part[i] || opacity_of(room.model, i) < kSolid) continue;
     points.push_back(position(room.model, i));
     out.object.push_back(points.back().cast<double>());
   }
@@ -84,6 +86,23 @@ std::vector<uint32_t> carriers_of(const LabelledGaussians& room, const std::vect
   return out;
 }
 
+/// Whether the carriers lie around the object on their plane, in at least three of eight directions. Behind a pillow the
+/// headboard does; the side of a box that happens to stand near by does not, and has no hole.
+bool surrounds(const LabelledGaussians& room, const SupportPlane& plane, const std::vector<Vec3d>& object) {
+  constexpr double kEighthTurn = 0.78539816339744831;  // radians
+  constexpr size_t kLeastDirections = 3;
+  Vec3d centre;
+  for (const Vec3d& p : object) centre += p * (1.0 / static_cast<double>(object.size()));
+  const Vec3d& n = plane.normal;
+  const Vec3d u = normalized(cross(std::fabs(n.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, n)), v = cross(n, u);
+  std::set<int> directions;
+  for (const uint32_t i : plane.carriers) {
+    const Vec3d d = position(room.model, i).cast<double>() - centre;
+    directions.insert(static_cast<int>(std::floor(std::atan2(dot(v, d), dot(u, d)) / kEighthTurn)));
+  }
+  return directions.size() >= kLeastDirections;
+}
+
 /// Cells of a rectangle of the plane.
 struct Grid {
   Vec3d u, v, origin;
@@ -114,7 +133,8 @@ Grid grid_over(const std::vector<Vec3d>& points, const SupportPlane& plane, doub
 }
 
 /// Adds opacity-weighted discs of Gaussians to a grid; `flat` ignores how far they are from the plane.
-void splat(const GaussianModel& model, uint32_t row, const Grid& grid, const Vec3d& normal, bool flat, std::vector<float>& cover) {
+void splat(const GaussianModel& model, uint32_t row, const Grid& grid, const Vec3d& normal, bool flat,
+           std::vector<float>& cover) {
   const Vec3d p = position(model, row).cast<double>() - grid.origin;
   const float* s = &model.log_scales[3 * static_cast<size_t>(row)];
   const double sigma = std::max(std::exp(static_cast<double>(*std::max_element(s, s + 3))) * 0.7, 0.5 * grid.cell);
@@ -136,7 +156,8 @@ std::vector<uint8_t> widened(const std::vector<uint8_t>& cells, const Grid& grid
       for (int dj = -1; dj <= 1; ++dj) {
         for (int di = -1; di <= 1; ++di) {
           const int x = i + di, y = j + dj;
-          if (x >= 0 && y >= 0 && x < grid.columns && y < grid.rows && cells[grid.index(x, y)]) out[grid.index(i, j)] = 1;
+          if (x >= 0 && y >= 0 && x < grid.columns && y < grid.rows && cells[grid.index(x, y)])
+            out[grid.index(i, j)] = 1;
         }
       }
     }
@@ -147,7 +168,8 @@ std::vector<uint8_t> widened(const std::vector<uint8_t>& cells, const Grid& grid
 /// Harmonics of a place on the plane: mean of the nearest carriers, by inverse squared distance.
 class CarrierColors {
  public:
-  CarrierColors(const LabelledGaussians& room, const SupportPlane& plane) : room_(room), rows_(plane.carriers), tree_(points()) {}
+  CarrierColors(const LabelledGaussians& room, const SupportPlane& plane)
+      : room_(room), rows_(plane.carriers), tree_(points()) {}
   uint32_t mix(const Vec3d& place, float* sh) const {
     std::vector<PointTree::Neighbour> near;
     tree_.nearest(place.cast<float>(), kColorSources, near);
@@ -187,7 +209,8 @@ void add_gaussian(const LabelledGaussians& room, const Grid& grid, const Vec3d& 
   const float scales[3] = {wide, wide, flat};
   std::copy_n(scales, 3, &g.log_scales[3 * i]);
   const Quaterniond q = quaternion_from_z_to(normal);
-  const float rotation[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
+  const float rotation[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
+                             static_cast<float>(q.z)};
   std::copy_n(rotation, 4, &g.rotations[4 * i]);
   g.opacity_logits[i] = 3;  // opacity 0.95: with its neighbours' shares nothing shows through
   const size_t channels = static_cast<size_t>(g.semantic_channels);
@@ -195,8 +218,8 @@ void add_gaussian(const LabelledGaussians& room, const Grid& grid, const Vec3d& 
               g.semantics.begin() + static_cast<std::ptrdiff_t>(i * channels));
 }
 
-void add_patch_mesh(const LabelledGaussians& room, const Grid& grid, const Vec3d& normal, const std::vector<uint8_t>& cells,
-                    const CarrierColors& colors, TriangleMesh& mesh) {
+void add_patch_mesh(const LabelledGaussians& room, const Grid& grid, const Vec3d& normal,
+                    const std::vector<uint8_t>& cells, const CarrierColors& colors, TriangleMesh& mesh) {
   constexpr uint32_t kUnused = 0xffffffffu;
   std::vector<uint32_t> corner(static_cast<size_t>(grid.columns + 1) * (grid.rows + 1), kUnused);
   const auto vertex = [&](int i, int j) {
@@ -226,8 +249,9 @@ void add_patch_mesh(const LabelledGaussians& room, const Grid& grid, const Vec3d
   }
 }
 
-std::optional<SupportPlane> best_plane(const LabelledGaussians& room, const Surroundings& around, const std::optional<Vec3d>& up,
-                                       const SupportOptions& options, const std::function<bool(const Vec3d&)>& allowed) {
+std::optional<SupportPlane> best_plane(const LabelledGaussians& room, const Surroundings& around,
+                                       const std::optional<Vec3d>& up, const SupportOptions& options,
+                                       const std::function<bool(const Vec3d&)>& allowed) {
   if (around.rows.size() < kFewest || around.object.empty()) return std::nullopt;
   const double tolerance = options.tolerance * room.extent;
   Random random(options.seed);
@@ -265,28 +289,75 @@ std::optional<SupportPlane> best_plane(const LabelledGaussians& room, const Surr
 
 }  // namespace
 
-std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
-                                        const std::optional<Vec3d>& up, const SupportOptions& options) {
-  constexpr double kOtherDirection = 0.7;  // cosine: 45 degrees
-  const Surroundings around = surroundings_of(room, selected, options.ring * room.extent);
+std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
+                                                  const SupportOptions& options) {
+  constexpr size_t kNeighbours = 12, kSmallest = 20;
+  std::vector<uint32_t> rows;
+  std::vector<Vec3f> points;
+  for (uint32_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
+    rows.push_back(i);
+    points.push_back(position(room.model, i));
+  }
+  const PointTree tree(points);
+  std::vector<std::vector<uint32_t>> links(rows.size());
+  std::vector<PointTree::Neighbour> near;
+  for (uint32_t i = 0; i < rows.size(); ++i) {
+    tree.nearest(points[i], kNeighbours, near);
+    for (const PointTree::Neighbour& n : near) {
+      if (n.distance > options.link * room.extent) continue;
+      links[i].push_back(n.index);
+      links[n.index].push_back(i);
+    }
+  }
+  std::vector<std::vector<uint8_t>> parts;
+  std::vector<uint8_t> seen(rows.size(), 0);
+  for (uint32_t first = 0; first < rows.size(); ++first) {
+    std::vector<uint32_t> members;
+    if (!seen[first]) members.push_back(first);
+    seen[first] = 1;
+    for (size_t k = 0; k < members.size(); ++k) {
+      for (const uint32_t j : links[members[k]]) {
+        if (seen[j]) continue;
+        seen[j] = 1;
+        members.push_back(j);
+      }
+    }
+    if (members.size() < kSmallest) continue;
+    parts.emplace_back(selected.size(), uint8_t(0));
+    for (const uint32_t m : members) parts.back()[rows[m]] = 1;
+  }
+  return parts;
+}
+
+std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std::vector<uint8_t>& part,
+                                        const std::vector<uint8_t>& selected, const std::optional<Vec3d>& up,
+                                        const SupportOptions& options) {
+  constexpr double kOtherDirection = 0.4;  // cosine: 66 degrees
+  constexpr double kLooser = 1.5;          // what stands behind an object is seen at its edges only, and badly
+  const Surroundings around = surroundings_of(room, part, selected, options.ring * room.extent);
   std::vector<SupportPlane> planes;
   const auto best = best_plane(room, around, up, options, [](const Vec3d&) { return true; });
   if (!best) return planes;
   planes.push_back(*best);
-  const auto second = best_plane(room, around, up, options,
+  SupportOptions looser = options;
+  looser.tolerance *= kLooser;
+  const auto second = best_plane(room, around, up, looser,
                                  [&](const Vec3d& n) { return std::fabs(dot(n, best->normal)) < kOtherDirection; });
-  if (second) planes.push_back(*second);
+  if (!second) return planes;
+  if (surrounds(room, *second, around.object)) planes.push_back(*second);
   return planes;
 }
 
-SupportPatch fill_on_plane(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const SupportPlane& plane,
+SupportPatch fill_on_plane(const LabelledGaussians& room, const std::vector<uint8_t>& part,
+                           const std::vector<uint8_t>& selected, const SupportPlane& plane,
                            const SupportOptions& options) {
   SupportPatch patch;
   patch.gaussians.semantic_channels = room.model.semantic_channels;
   patch.gaussians.sh_degree = room.model.sh_degree;
   std::vector<Vec3d> footprint;
   for (size_t i = 0; i < room.model.size(); ++i) {
-    if (selected[i]) footprint.push_back(position(room.model, i).cast<double>());
+    if (part[i]) footprint.push_back(position(room.model, i).cast<double>());
   }
   if (footprint.empty() || plane.carriers.empty()) return patch;
   std::vector<float> spacing;
@@ -301,15 +372,17 @@ SupportPatch fill_on_plane(const LabelledGaussians& room, const std::vector<uint
     }
   }
   std::nth_element(spacing.begin(), spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2), spacing.end());
-  const Grid grid = grid_over(footprint, plane, std::clamp<double>(spacing[spacing.size() / 2], options.cell_min * room.extent,
-                                                                   options.cell_max * room.extent));
+  const Grid grid = grid_over(
+      footprint, plane,
+      std::clamp<double>(spacing[spacing.size() / 2], options.cell_min * room.extent, options.cell_max * room.extent));
   const size_t cells = static_cast<size_t>(grid.columns) * grid.rows;
   std::vector<float> object(cells, 0.f), rest(cells, 0.f);
   const double tolerance = 2 * options.tolerance * room.extent;
   for (uint32_t i = 0; i < room.model.size(); ++i) {
-    if (selected[i]) {
+    if (part[i]) {
       splat(room.model, i, grid, plane.normal, true, object);
-    } else if (std::fabs(dot(plane.normal, position(room.model, i).cast<double>()) - plane.offset) < tolerance) {
+    } else if (!selected[i] &&
+               std::fabs(dot(plane.normal, position(room.model, i).cast<double>()) - plane.offset) < tolerance) {
       splat(room.model, i, grid, plane.normal, false, rest);
     }
   }

@@ -15,12 +15,26 @@ struct EverydayWord {
   const char* word;
   const char* name;
 };
-constexpr EverydayWord kEveryday[] = {
-    {"fridge", "refrigerator"}, {"bin", "ashcan"},           {"picture frame", "painting"}, {"drawers", "chest of drawers"},
-    {"duvet", "blanket"},       {"quilt", "blanket"},        {"bedspread", "blanket"},      {"settee", "sofa"},
-    {"cupboard", "cabinet"},    {"bookshelf", "bookcase"},   {"hob", "stove"},              {"cooker", "stove"},
-    {"heater", "radiator"},     {"potted plant", "plant"},   {"footstool", "ottoman"},      {"armoire", "wardrobe"},
-    {"rubbish bin", "ashcan"},  {"basin", "sink"},           {"washbasin", "sink"},         {"mat", "rug"}};
+constexpr EverydayWord kEveryday[] = {{"fridge", "refrigerator"},
+                                      {"bin", "ashcan"},
+                                      {"picture frame", "painting"},
+                                      {"drawers", "chest of drawers"},
+                                      {"duvet", "blanket"},
+                                      {"quilt", "blanket"},
+                                      {"bedspread", "blanket"},
+                                      {"settee", "sofa"},
+                                      {"cupboard", "cabinet"},
+                                      {"bookshelf", "bookcase"},
+                                      {"hob", "stove"},
+                                      {"cooker", "stove"},
+                                      {"heater", "radiator"},
+                                      {"potted plant", "plant"},
+                                      {"footstool", "ottoman"},
+                                      {"armoire", "wardrobe"},
+                                      {"rubbish bin", "ashcan"},
+                                      {"basin", "sink"},
+                                      {"washbasin", "sink"},
+                                      {"mat", "rug"}};
 
 bool ends_with(const std::string& word, const char* tail) {
   const std::string_view t(tail);
@@ -33,7 +47,9 @@ std::vector<std::string> singular_forms(const std::string& phrase) {
   const size_t of = phrase.find(" of ");
   const std::string head = phrase.substr(0, of), tail = of == std::string::npos ? "" : phrase.substr(of);
   std::vector<std::string> forms;
-  const auto cut = [&](size_t letters, const char* end) { forms.push_back(head.substr(0, head.size() - letters) + end + tail); };
+  const auto cut = [&](size_t letters, const char* end) {
+    forms.push_back(head.substr(0, head.size() - letters) + end + tail);
+  };
   if (ends_with(head, "ss")) {
     forms.push_back(phrase);
     return forms;  // "glass" is no plural
@@ -123,7 +139,8 @@ int Vocabulary::resolve(std::string_view word) const {
   constexpr size_t kShown = 60;  // bytes of the user's word in the message
   const std::string shown(word.substr(0, kShown));
   std::string remedy;
-  for (const std::string& s : suggestions(word)) remedy += (remedy.empty() ? "did you mean " : " or ") + ("\"" + s + "\"");
+  for (const std::string& s : suggestions(word))
+    remedy += (remedy.empty() ? "did you mean " : " or ") + ("\"" + s + "\"");
   if (!remedy.empty()) remedy += "? ";
   throw_usage("there is no class called \"" + shown + "\" in the label set " + labels_.name,
               remedy + "`aligngs edit RUN --list` shows what the room holds");

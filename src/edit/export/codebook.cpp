@@ -15,7 +15,8 @@ std::vector<float> scalar_codebook(const std::vector<float>& values) {
   std::sort(sorted.begin(), sorted.end());
   std::vector<float> levels(kLevels, 0.f);
   if (sorted.empty()) return levels;
-  for (size_t k = 0; k < kLevels; ++k) levels[k] = sorted[std::min(sorted.size() - 1, (2 * k + 1) * sorted.size() / (2 * kLevels))];
+  for (size_t k = 0; k < kLevels; ++k)
+    levels[k] = sorted[std::min(sorted.size() - 1, (2 * k + 1) * sorted.size() / (2 * kLevels))];
   levels.front() = sorted.front();
   levels.back() = sorted.back();
   for (int round = 0; round < kRounds; ++round) {
@@ -24,7 +25,9 @@ std::vector<float> scalar_codebook(const std::vector<float>& values) {
       size_t end = sorted.size();
       if (k + 1 < kLevels) {
         const float border = 0.5f * (levels[k] + levels[k + 1]);
-        end = static_cast<size_t>(std::upper_bound(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end(), border) - sorted.begin());
+        end = static_cast<size_t>(
+            std::upper_bound(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end(), border) -
+            sorted.begin());
       }
       double sum = 0;
       for (size_t i = begin; i < end; ++i) sum += sorted[i];
@@ -81,7 +84,8 @@ Palette make_palette(const std::vector<float>& rows, size_t width, size_t count,
     }
     for (size_t k = 0; k < count; ++k) {
       if (members[k] == 0) continue;
-      for (size_t d = 0; d < width; ++d) palette.entries[k * width + d] = static_cast<float>(sum[k * width + d] / static_cast<double>(members[k]));
+      for (size_t d = 0; d < width; ++d)
+        palette.entries[k * width + d] = static_cast<float>(sum[k * width + d] / static_cast<double>(members[k]));
     }
   }
   return palette;

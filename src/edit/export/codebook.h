@@ -15,9 +15,9 @@ std::vector<float> scalar_codebook(const std::vector<float>& values);
 uint8_t nearest_level(const std::vector<float>& codebook, float value);
 
 struct Palette {
-  size_t width = 0;               ///< values per entry
-  std::vector<float> entries;     ///< [count][width]
-  std::vector<uint16_t> index;    ///< per row: its entry
+  size_t width = 0;             ///< values per entry
+  std::vector<float> entries;   ///< [count][width]
+  std::vector<uint16_t> index;  ///< per row: its entry
   size_t count() const { return width ? entries.size() / width : 0; }
 };
 /// k-means (Lloyd) with `count` entries started from evenly spaced rows; the same for any number of threads.

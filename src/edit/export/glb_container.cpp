@@ -35,19 +35,22 @@ int GlbContainer::add(const char* array, nlohmann::ordered_json value) {
   return static_cast<int>(json_[array].size()) - 1;
 }
 
-int GlbContainer::add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type, bool normalized,
-                               int target) {
+int GlbContainer::add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type,
+                               bool normalized, int target) {
   pad(buffer_, '\0');
-  const int view = add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", bytes}, {"target", target}});
+  const int view =
+      add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", bytes}, {"target", target}});
   buffer_.append(static_cast<const char*>(data), bytes);
-  nlohmann::ordered_json accessor = {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
+  nlohmann::ordered_json accessor = {
+      {"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
   if (normalized) accessor["normalized"] = true;
   return add("accessors", accessor);
 }
 
 int GlbContainer::add_floats(const std::vector<float>& values, int width, bool bounds) {
   const size_t w = static_cast<size_t>(width);
-  const int id = add_accessor(values.data(), values.size() * sizeof(float), values.size() / w, kFloat, kTypes[width], false, kVertices);
+  const int id = add_accessor(values.data(), values.size() * sizeof(float), values.size() / w, kFloat, kTypes[width],
+                              false, kVertices);
   if (bounds) {
     std::vector<float> low(values.begin(), values.begin() + width), high = low;
     for (size_t i = 0; i < values.size(); ++i) {

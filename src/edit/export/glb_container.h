@@ -30,7 +30,8 @@ class GlbContainer {
   void write(const std::filesystem::path& path);
 
  private:
-  int add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type, bool normalized, int target);
+  int add_accessor(const void* data, size_t bytes, size_t count, int component, const char* type, bool normalized,
+                   int target);
 
   nlohmann::ordered_json json_;
   std::string buffer_;

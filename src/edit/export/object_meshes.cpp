@@ -20,7 +20,8 @@ class NearestObject {
     std::map<int, std::vector<Vec3f>> points;
     for (size_t i = 0; i < g.model.size(); ++i) {
       if (g.labels.label[i] == kNoLabel || g.labels.instance[i] == 0) continue;
-      points[g.labels.label[i]].push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
+      points[g.labels.label[i]].push_back(
+          {g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
       instances_[g.labels.label[i]].push_back(g.labels.instance[i]);
     }
     for (auto& [label, p] : points) trees_.emplace(label, PointTree(std::move(p)));

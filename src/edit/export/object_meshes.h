@@ -10,10 +10,10 @@
 namespace aligngs {
 
 struct ObjectMesh {
-  std::string name;       ///< "pillow.002", "wall.001"; "unlabelled" for the rest
-  std::string class_name; ///< empty without a class
-  int label = -1;         ///< class number
-  int instance = 0;       ///< 0: surface of the class that belongs to no numbered object
+  std::string name;        ///< "pillow.002", "wall.001"; "unlabelled" for the rest
+  std::string class_name;  ///< empty without a class
+  int label = -1;          ///< class number
+  int instance = 0;        ///< 0: surface of the class that belongs to no numbered object
   TriangleMesh mesh;
 };
 

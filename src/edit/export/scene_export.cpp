@@ -19,10 +19,12 @@ void require_export_format(const std::string& format) {
     known += (known.empty() ? "" : ", ") + f;
     if (edit_distance(f, format) <= 1) near = f;
   }
-  throw_usage("there is no export format \"" + format + "\"", (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + known);
+  throw_usage("there is no export format \"" + format + "\"",
+              (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + known);
 }
 
-ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path, ThreadPool& pool) {
+ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
+                         ThreadPool& pool) {
   const LabelledGaussians& g = room.gaussians;
   if (format == "ply") {
     write_gaussian_ply(path, g.model);

@@ -22,7 +22,8 @@ struct ExportReport {
 
 /// Writes one format, atomically file by file. Error{kUsage} for an unknown format (with a suggestion) or a mesh format
 /// without a mesh.
-ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path, ThreadPool& pool);
+ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
+                         ThreadPool& pool);
 
 /// scene.glb: under the node "room" one node per object (extras: class, class_id, instance; linear COLOR_0, a material
 /// that uses it, _FEATURE_ID_0 = object number) and the node "splats" with KHR_gaussian_splatting. y up, metres as the

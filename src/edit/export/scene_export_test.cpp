@@ -42,7 +42,8 @@ TEST_F(SceneExport, GlbHasANodePerObjectAndTheSplats) {
   const nlohmann::json glb = json_of_glb(file("scene.glb"));
   std::vector<std::string> names;
   for (const auto& node : glb["nodes"]) names.push_back(node["name"]);
-  EXPECT_THAT(names, testing::UnorderedElementsAre("room", "floor.001", "box.001", "pillow.001", "pillow.002", "splats"));
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("room", "floor.001", "box.001", "pillow.001", "pillow.002", "splats"));
   for (const auto& node : glb["nodes"]) {
     if (node["name"] != "pillow.002") continue;
     EXPECT_EQ(node["extras"]["class"], "pillow");
@@ -67,7 +68,8 @@ TEST_F(SceneExport, GlbColoursAreLinear) {
 TEST_F(SceneExport, ObjHasOneGroupPerObject) {
   export_room(room_, "obj", file("scene.obj"), pool_);
   const std::string text = read_file(file("scene.obj"));
-  for (const char* line : {"o floor.001\ng floor\n", "o box.001\ng box\n", "o pillow.001\ng pillow\n", "o pillow.002\ng pillow\n"}) {
+  for (const char* line :
+       {"o floor.001\ng floor\n", "o box.001\ng box\n", "o pillow.001\ng pillow\n", "o pillow.002\ng pillow\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
   }
 }
@@ -91,7 +93,8 @@ TEST_F(SceneExport, SogIsAZipWithAnImagePerAttribute) {
   const nlohmann::json meta = nlohmann::json::parse(zip.read(*zip.find("meta.json")));
   EXPECT_EQ(meta["version"], 2);
   EXPECT_EQ(meta["count"], room_.gaussians.model.size());
-  for (const char* name : {"means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp"}) EXPECT_TRUE(zip.find(name)) << name;
+  for (const char* name : {"means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp"})
+    EXPECT_TRUE(zip.find(name)) << name;
 }
 
 TEST_F(SceneExport, SpzAndSplatAreSmall) {
@@ -139,7 +142,8 @@ TEST(Upright, HarmonicsTurnWithTheRoom) {
     for (size_t k = 0; k < kShCoefficients; ++k) sum += basis[k] * m.sh[3 * k];
     return sum;
   };
-  for (const Vec3d& d : {Vec3d{1, 0, 0}, Vec3d{0, 0.6, -0.8}, Vec3d{0.48, -0.6, 0.64}}) EXPECT_NEAR(value(turned, rotation * d), value(model, d), 1e-4);
+  for (const Vec3d& d : {Vec3d{1, 0, 0}, Vec3d{0, 0.6, -0.8}, Vec3d{0.48, -0.6, 0.64}})
+    EXPECT_NEAR(value(turned, rotation * d), value(model, d), 1e-4);
 }
 
 TEST(Upright, UpBecomesY) {

@@ -47,7 +47,8 @@ GaussianModel rotated(const GaussianModel& model, const Mat3d& rotation) {
     const float* r = &model.rotations[4 * i];
     const Quaterniond q = quaternion_of(rotation * rotation_matrix(normalized(Quaterniond{r[0], r[1], r[2], r[3]})));
     for (int a = 0; a < 3; ++a) out.positions[3 * i + static_cast<size_t>(a)] = static_cast<float>(p[a]);
-    const float turned[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
+    const float turned[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
+                             static_cast<float>(q.z)};
     std::copy_n(turned, 4, &out.rotations[4 * i]);
     const float* sh = &model.sh[size_t(3) * kShCoefficients * i];
     float* target = &out.sh[size_t(3) * kShCoefficients * i];

@@ -27,7 +27,8 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
   for (const Vec3f& v : mesh.vertices) push(positions, v);
   for (const Vec3f& n : mesh.normals) push(normals, dot(n, n) > 0 ? normalized(n) : Vec3f{0, 0, 1});
   for (const auto& c : mesh.colors) {
-    for (size_t k = 0; k < 3; ++k) colors.push_back(static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(c[k] / 255.f))));
+    for (size_t k = 0; k < 3; ++k)
+      colors.push_back(static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(c[k] / 255.f))));
     colors.push_back(65535);
   }
   for (const auto& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
@@ -35,10 +36,12 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
   if (!normals.empty()) attributes["NORMAL"] = glb.add_floats(normals, 3);
   if (!colors.empty()) attributes["COLOR_0"] = glb.add_colors16(colors);
   attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
-  const Json primitive = {{"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"material", material}, {"mode", 4}};
+  const Json primitive = {
+      {"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"material", material}, {"mode", 4}};
   const int id = glb.add("meshes", {{"name", object.name}, {"primitives", Json::array({primitive})}});
   Json node = {{"name", object.name}, {"mesh", id}};
-  if (object.label >= 0) node["extras"] = {{"class", object.class_name}, {"class_id", object.label}, {"instance", object.instance}};
+  if (object.label >= 0)
+    node["extras"] = {{"class", object.class_name}, {"class_id", object.label}, {"instance", object.instance}};
   return glb.add("nodes", node);
 }
 
@@ -75,8 +78,8 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
         const float* sh = &model.sh[3 * (kShCoefficients * size_t(i) + static_cast<size_t>(k))];
         coefficient.insert(coefficient.end(), sh, sh + 3);
       }
-      attributes["KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(k - degree * degree)] =
-          glb.add_floats(coefficient, 3);
+      attributes["KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" +
+                 std::to_string(k - degree * degree)] = glb.add_floats(coefficient, 3);
     }
   }
   attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
@@ -99,9 +102,11 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
   const Mat3d rotation = rotation_to_y_up(room.up);
   GlbContainer glb;
   // The material uses the vertex colours; without one Blender drops them.
-  const int material = glb.add("materials", {{"name", "vertex_color"},
-                                             {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-                                             {"doubleSided", true}});
+  const int material = glb.add(
+      "materials",
+      {{"name", "vertex_color"},
+       {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+       {"doubleSided", true}});
   ExportReport report;
   Json children = Json::array();
   const int root = glb.add("nodes", {{"name", "room"}});

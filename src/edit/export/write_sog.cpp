@@ -19,8 +19,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kPaletteEntries = 1024;  ///< of the higher harmonics; more cost time and little is gained in a room
 constexpr int kPaletteRounds = 6;
-constexpr size_t kPaletteColumns = 64;    ///< entries per row of the centroid image
-constexpr int kLargestWebp = 16383;       ///< pixels per side, a limit of WebP
+constexpr size_t kPaletteColumns = 64;  ///< entries per row of the centroid image
+constexpr int kLargestWebp = 16383;     ///< pixels per side, a limit of WebP
 
 /// An RGBA image with one pixel per Gaussian.
 struct PixelSheet {
@@ -32,7 +32,8 @@ struct PixelSheet {
 
 PixelSheet sheet_for(size_t count) {
   const size_t width = (static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(count)))) + 3) / 4 * 4;
-  return {std::max<size_t>(4, width), std::max<size_t>(4, ((count + width - 1) / std::max<size_t>(1, width) + 3) / 4 * 4)};
+  return {std::max<size_t>(4, width),
+          std::max<size_t>(4, ((count + width - 1) / std::max<size_t>(1, width) + 3) / 4 * 4)};
 }
 
 std::string encode(const PixelSheet& sheet, const std::filesystem::path& path) {
@@ -41,7 +42,8 @@ std::string encode(const PixelSheet& sheet, const std::filesystem::path& path) {
   }
   WebPConfig config;
   WebPPicture picture;
-  if (!WebPConfigInit(&config) || !WebPPictureInit(&picture)) throw Error({ErrorKind::kFailed, "libwebp does not start", path, {}, {}});
+  if (!WebPConfigInit(&config) || !WebPPictureInit(&picture))
+    throw Error({ErrorKind::kFailed, "libwebp does not start", path, {}, {}});
   config.lossless = 1;
   config.exact = 1;  // colours under transparent pixels are data here
   config.method = 3;
@@ -52,7 +54,8 @@ std::string encode(const PixelSheet& sheet, const std::filesystem::path& path) {
   WebPMemoryWriterInit(&writer);
   picture.writer = WebPMemoryWrite;
   picture.custom_ptr = &writer;
-  const bool good = WebPPictureImportRGBA(&picture, sheet.rgba.data(), 4 * sheet.width) && WebPEncode(&config, &picture);
+  const bool good =
+      WebPPictureImportRGBA(&picture, sheet.rgba.data(), 4 * sheet.width) && WebPEncode(&config, &picture);
   std::string bytes(good ? reinterpret_cast<const char*>(writer.mem) : "", good ? writer.size : 0);
   WebPPictureFree(&picture);
   WebPMemoryWriterClear(&writer);
@@ -83,13 +86,16 @@ Json add_means(const GaussianModel& model, const std::filesystem::path& path, Fi
   }
   files.emplace_back("means_l.webp", encode(lower, path));
   files.emplace_back("means_u.webp", encode(upper, path));
-  return {{"mins", {low[0], low[1], low[2]}}, {"maxs", {high[0], high[1], high[2]}}, {"files", {"means_l.webp", "means_u.webp"}}};
+  return {{"mins", {low[0], low[1], low[2]}},
+          {"maxs", {high[0], high[1], high[2]}},
+          {"files", {"means_l.webp", "means_u.webp"}}};
 }
 
 Json add_scales(const GaussianModel& model, const std::filesystem::path& path, Files& files) {
   const std::vector<float> codebook = scalar_codebook(model.log_scales);
   PixelSheet sheet = sheet_for(model.size());
-  for (size_t i = 0; i < model.log_scales.size(); ++i) sheet.at(i / 3)[i % 3] = nearest_level(codebook, model.log_scales[i]);
+  for (size_t i = 0; i < model.log_scales.size(); ++i)
+    sheet.at(i / 3)[i % 3] = nearest_level(codebook, model.log_scales[i]);
   files.emplace_back("scales.webp", encode(sheet, path));
   return {{"codebook", codebook}, {"files", {"scales.webp"}}};
 }
@@ -109,7 +115,8 @@ Json add_rotations(const GaussianModel& model, const std::filesystem::path& path
     size_t slot = 0;
     for (size_t k = 0; k < 4; ++k) {
       if (k == largest) continue;
-      sheet.at(i)[slot++] = static_cast<uint8_t>(std::clamp(std::lround((sign * v[k] * 1.41421356f * 0.5f + 0.5f) * 255), 0L, 255L));
+      sheet.at(i)[slot++] =
+          static_cast<uint8_t>(std::clamp(std::lround((sign * v[k] * 1.41421356f * 0.5f + 0.5f) * 255), 0L, 255L));
     }
     sheet.at(i)[3] = static_cast<uint8_t>(252 + largest);
   }
@@ -119,11 +126,13 @@ Json add_rotations(const GaussianModel& model, const std::filesystem::path& path
 
 Json add_colors(const GaussianModel& model, const std::filesystem::path& path, Files& files) {
   std::vector<float> dc;
-  for (size_t i = 0; i < model.size(); ++i) dc.insert(dc.end(), &model.sh[3 * kShCoefficients * i], &model.sh[3 * kShCoefficients * i] + 3);
+  for (size_t i = 0; i < model.size(); ++i)
+    dc.insert(dc.end(), &model.sh[3 * kShCoefficients * i], &model.sh[3 * kShCoefficients * i] + 3);
   const std::vector<float> codebook = scalar_codebook(dc);
   PixelSheet sheet = sheet_for(model.size());
   for (size_t i = 0; i < dc.size(); ++i) sheet.at(i / 3)[i % 3] = nearest_level(codebook, dc[i]);
-  for (size_t i = 0; i < model.size(); ++i) sheet.at(i)[3] = static_cast<uint8_t>(std::lround(255 * opacity_of(model, i)));
+  for (size_t i = 0; i < model.size(); ++i)
+    sheet.at(i)[3] = static_cast<uint8_t>(std::lround(255 * opacity_of(model, i)));
   files.emplace_back("sh0.webp", encode(sheet, path));
   return {{"codebook", codebook}, {"files", {"sh0.webp"}}};
 }
@@ -153,13 +162,17 @@ Json add_harmonics(const GaussianModel& model, const std::filesystem::path& path
   }
   files.emplace_back("shN_centroids.webp", encode(centroids, path));
   files.emplace_back("shN_labels.webp", encode(labels, path));
-  return {{"count", palette.count()}, {"bands", model.sh_degree}, {"codebook", codebook}, {"files", {"shN_centroids.webp", "shN_labels.webp"}}};
+  return {{"count", palette.count()},
+          {"bands", model.sh_degree},
+          {"codebook", codebook},
+          {"files", {"shN_centroids.webp", "shN_labels.webp"}}};
 }
 
 }  // namespace
 
 ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& model, ThreadPool& pool) {
-  if (model.size() == 0) throw Error({ErrorKind::kUsage, "there is no Gaussian to write", path, {}, "undo the edit that removed all"});
+  if (model.size() == 0)
+    throw Error({ErrorKind::kUsage, "there is no Gaussian to write", path, {}, "undo the edit that removed all"});
   Files files;
   Json meta = {{"version", 2},
                {"asset", {{"generator", std::string("aligngs ") + ALIGNGS_VERSION}}},

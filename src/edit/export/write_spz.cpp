@@ -1,5 +1,5 @@
-// SPZ version 3: facts from the format's public description (nianticlabs/spz, README). A gzip stream of a 16-byte header
-// and one block per attribute.
+// SPZ version 3: facts from the format's public description (nianticlabs/spz, README). A gzip stream of a 16-byte
+// header and one block per attribute.
 #include <zlib.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
 constexpr uint32_t kSpzVersion = 3;
-constexpr float kColorScale = 0.15f;     // of f_dc in a byte
+constexpr float kColorScale = 0.15f;  // of f_dc in a byte
 
 uint8_t quantized(float v) { return static_cast<uint8_t>(std::clamp(std::lround(v), 0L, 255L)); }
 
@@ -65,12 +65,14 @@ std::string body_of(const GaussianModel& model) {
   append_little(out, static_cast<uint8_t>(bits));
   append_little(out, static_cast<uint16_t>(0));  // flags, reserved
   for (const float p : model.positions) {
-    const int32_t fixed = static_cast<int32_t>(std::lround(std::clamp(p * std::ldexp(1.f, bits), -8388608.f, 8388607.f)));
+    const int32_t fixed =
+        static_cast<int32_t>(std::lround(std::clamp(p * std::ldexp(1.f, bits), -8388608.f, 8388607.f)));
     for (int byte = 0; byte < 3; ++byte) out += static_cast<char>(fixed >> (8 * byte) & 0xff);
   }
   for (size_t i = 0; i < n; ++i) out += static_cast<char>(quantized(255 * opacity_of(model, i)));
   for (size_t i = 0; i < n; ++i) {
-    for (size_t c = 0; c < 3; ++c) out += static_cast<char>(quantized((model.sh[3 * kShCoefficients * i + c] * kColorScale + 0.5f) * 255));
+    for (size_t c = 0; c < 3; ++c)
+      out += static_cast<char>(quantized((model.sh[3 * kShCoefficients * i + c] * kColorScale + 0.5f) * 255));
   }
   for (const float s : model.log_scales) out += static_cast<char>(quantized((s + 10) * 16));
   for (size_t i = 0; i < n; ++i) {
@@ -80,7 +82,8 @@ std::string body_of(const GaussianModel& model) {
   for (size_t i = 0; i < n; ++i) {
     for (int k = 1; k < sh_coefficient_count(model.sh_degree); ++k) {
       for (size_t c = 0; c < 3; ++c) {
-        out += static_cast<char>(packed_harmonic(model.sh[3 * (kShCoefficients * i + static_cast<size_t>(k)) + c], k < 4 ? 5 : 4));
+        out += static_cast<char>(
+            packed_harmonic(model.sh[3 * (kShCoefficients * i + static_cast<size_t>(k)) + c], k < 4 ? 5 : 4));
       }
     }
   }
@@ -117,7 +120,8 @@ std::string gzipped(const std::string& bytes, const std::filesystem::path& path)
 
 ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& model) {
   constexpr size_t kMost = 10'000'000;  // readers refuse more
-  if (model.size() > kMost) throw Error({ErrorKind::kFailed, "SPZ readers take at most 10 million Gaussians", path, {}, "export as PLY"});
+  if (model.size() > kMost)
+    throw Error({ErrorKind::kFailed, "SPZ readers take at most 10 million Gaussians", path, {}, "export as PLY"});
   const Mat3d half_turn{{1, 0, 0, 0, -1, 0, 0, 0, -1}};  // right-down-front to right-up-back
   write_file_atomically(path, gzipped(body_of(rotated(model, half_turn)), path));
   return {{path}, model.size(), 0};

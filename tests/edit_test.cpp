@@ -1,0 +1,155 @@
+// `aligngs edit` and `aligngs export` as a user meets them, on a run trained for a moment.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "edit/edit_operation.h"
+#include "gaussians/gaussian_ply.h"
+#include "io/atomic_file.h"
+#include "support/process.h"
+#include "support/small_scene.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::ProcessResult;
+using testing_support::run_aligngs;
+
+class EditCommand : public testing::Test {
+ protected:
+  static fs::path root() { return fs::path(testing::TempDir()) / "edit_command"; }
+  static ProcessResult aligngs(const std::string& arguments) { return run_aligngs(arguments, root() / "scratch"); }
+  static std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+  static void SetUpTestSuite() {
+    fs::remove_all(root());
+    testing_support::write_small_scene(root() / "scene");
+    const ProcessResult trained =
+        aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q");
+    ASSERT_EQ(trained.status, 0) << trained.err;
+    ASSERT_EQ(aligngs("mesh " + quoted(root() / "trained") + " --set mesh.voxel=0.05 -q").status, 0);
+  }
+  /// Every test has a copy of the run.
+  void SetUp() override {
+    run_ = root() / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(run_);
+    fs::copy(root() / "trained", run_, fs::copy_options::recursive);
+    fs::remove_all(root() / "out");
+  }
+  ProcessResult edit(const std::string& arguments) const {
+    return aligngs("edit " + quoted(run_) + " -q " + arguments);
+  }
+  nlohmann::json edit_json(const std::string& arguments) const {
+    const ProcessResult result = edit("--json " + arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+  fs::path run_;
+};
+
+TEST_F(EditCommand, ListsTheObjectsOfTheRoom) {
+  const nlohmann::json list = edit_json("--list");
+  EXPECT_TRUE(list["edits"].empty());
+  std::vector<std::string> names;
+  for (const auto& object : list["objects"]) names.push_back(object["object"]);
+  EXPECT_THAT(names, testing::IsSupersetOf({"wall#1", "floor#1", "bed#1"}));
+}
+
+TEST_F(EditCommand, AnEditGoesOnTheStackAndUndoTakesItBack) {
+  const std::string before = read_file(run_ / "scene.ply");
+  const nlohmann::json report = edit_json("--select bed --delete");
+  EXPECT_EQ(report["gaussians_after"].get<int>(),
+            report["gaussians_before"].get<int>() - report["selected_gaussians"].get<int>());
+  EXPECT_EQ(read_gaussian_ply(run_ / "edits" / "scene.ply").size(), report["gaussians_after"].get<size_t>());
+  EXPECT_TRUE(fs::exists(run_ / "edits" / "before_after.png"));
+  EXPECT_TRUE(fs::exists(run_ / "edits" / "mesh" / "mesh.ply"));
+  EXPECT_EQ(read_edits(run_ / "edits.json").size(), 1u);
+  edit_json("--select wall --recolor '#add8e6'");
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed", "recolor wall to #add8e6"}));
+  EXPECT_EQ(read_file(run_ / "scene.ply"), before) << "what was trained is never touched";
+  edit_json("--undo");
+  edit_json("--undo");
+  EXPECT_TRUE(edit_json("--list")["edits"].empty());
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+  EXPECT_EQ(edit("--undo").status, 2);
+}
+
+TEST_F(EditCommand, DryRunOnlyDraws) {
+  const fs::path picture = run_.parent_path() / "preview.png";
+  const nlohmann::json report = edit_json("--select bed --delete --fill --dry-run --picture " + quoted(picture));
+  EXPECT_GT(report["selected_gaussians"], 0);
+  EXPECT_TRUE(fs::exists(picture));
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+}
+
+TEST_F(EditCommand, WithOutputTheResultIsARunAgain) {
+  const fs::path out = root() / "out";
+  const nlohmann::json report = edit_json("--select bed --extract -o " + quoted(out));
+  EXPECT_FALSE(fs::exists(run_ / "edits.json")) << "the run is untouched";
+  for (const char* file : {"run.json", "config.toml", "scene.ply", "scene.labels.ply", "classes.json", "cameras.json",
+                           "mesh/mesh.ply", "before_after.png", "object/scene.ply", "renders/test/rgb"}) {
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  }
+  EXPECT_EQ(read_gaussian_ply(out / "scene.ply").size(), report["selected_gaussians"].get<size_t>());
+  EXPECT_EQ(aligngs("render " + quoted(out) + " -q").status, 0);
+  EXPECT_EQ(aligngs("edit " + quoted(out) + " --list -q").status, 0);
+  EXPECT_EQ(aligngs("info " + quoted(out)).status, 0);
+  const ProcessResult taken = edit("--select bed --delete -o " + quoted(out));
+  EXPECT_EQ(taken.status, 2) << "the place is taken";
+}
+
+TEST_F(EditCommand, AnEditTwiceIsTheSameBytes) {
+  edit_json("--select bed --recolor '#ff0000'");
+  const std::string first = read_file(run_ / "edits" / "scene.labels.ply");
+  edit_json("--undo");
+  edit_json("--threads 1 --select bed --recolor '#ff0000'");
+  EXPECT_EQ(read_file(run_ / "edits" / "scene.labels.ply"), first);
+}
+
+TEST_F(EditCommand, MistakesAreClearAndChangeNothing) {
+  const auto expect = [&](const std::string& arguments, int status, const char* words) {
+    const ProcessResult result = edit(arguments);
+    EXPECT_EQ(result.status, status) << arguments << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr(words)) << arguments;
+    EXPECT_THAT(result.err, HasSubstr("remedy")) << arguments;
+  };
+  expect("--select bedd --delete", 2, "did you mean \"bed\"");
+  expect("--select car --delete", 3, "no Gaussian");
+  expect("--select bed", 2, "exactly one of");
+  expect("--select bed --delete --extract", 2, "exactly one of");
+  expect("--delete", 2, "nothing is selected");
+  expect("--select bed --recolor blue", 2, "no colour");
+  expect("--select bed --delete --threshold 7", 2, "no threshold");
+  expect("--select everything --delete", 3, "nothing would be left");
+  expect("--select wall --extract --fill", 2, "--delete");
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
+  write_file_atomically(run_ / "edits.json", "{\"schema\": 1, \"edits\": [{\"operation\": \"explode\"}]}");
+  expect("--list", 3, "edits[0].operation");
+  EXPECT_EQ(aligngs("edit " + quoted(root() / "scene") + " --list").status, 3) << "a scene is no run";
+}
+
+TEST_F(EditCommand, MeasureComparesWithTheTruth) {
+  const nlohmann::json score = edit_json("--select floor --measure");
+  EXPECT_GT(score["label_iou"], 0.4);
+  EXPECT_GT(score["precision"], 0.2);
+}
+
+TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
+  edit_json("--select bed --delete");
+  for (const char* format : {"ply", "labels.ply", "glb", "obj", "sog", "spz", "splat"}) {
+    const fs::path file = root() / (std::string("export.") + format);
+    const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json -f " + format + " -o " + quoted(file));
+    ASSERT_EQ(result.status, 0) << format << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out)["edits"], 1);
+    EXPECT_GT(fs::file_size(file), 100u) << format;
+  }
+  EXPECT_EQ(read_gaussian_ply(root() / "export.ply").size(), read_gaussian_ply(run_ / "edits" / "scene.ply").size());
+  const ProcessResult unknown = aligngs("export " + quoted(run_) + " -f gbl");
+  EXPECT_EQ(unknown.status, 2);
+}
+
+}  // namespace
+}  // namespace aligngs
