@@ -89,8 +89,9 @@ TEST_F(EditCommand, WithOutputTheResultIsARunAgain) {
   const fs::path out = root() / "out";
   const nlohmann::json report = edit_json("--select bed --extract -o " + quoted(out));
   EXPECT_FALSE(fs::exists(run_ / "edits.json")) << "the run is untouched";
-  for (const char* file : {"run.json", "config.toml", "scene.ply", "scene.labels.ply", "classes.json", "cameras.json",
-                           "mesh/mesh.ply", "before_after.png", "object/scene.ply", "renders/test/rgb"}) {
+  for (const char* file :
+       {"run.json", "config.toml", "scene.ply", "scene.labels.ply", "classes.json", "cameras.json", "mesh/mesh.ply",
+        "before_after.png", "object/scene.ply", "object/object.glb", "renders/test/rgb"}) {
     EXPECT_TRUE(fs::exists(out / file)) << file;
   }
   EXPECT_EQ(read_gaussian_ply(out / "scene.ply").size(), report["selected_gaussians"].get<size_t>());

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "scene/mesh_ply.h"
@@ -55,6 +56,11 @@ void write_room(const fs::path& folder, const EditableRoom& room) {
   write_labelled_gaussian_ply(folder / "scene.labels.ply", room.gaussians.model, room.gaussians.labels);
   write_classes_and_objects(folder / "classes.json", room);
   if (!room.mesh.vertices.empty()) write_mesh_ply(folder / "mesh" / "mesh.ply", room.mesh);
+}
+
+void write_object(const fs::path& folder, const EditableRoom& object, ThreadPool& pool) {
+  write_room(folder, object);
+  write_glb(folder / "object.glb", object, pool);
 }
 
 void write_before_after(const fs::path& path, const BeforeAfter& picture) {

@@ -12,6 +12,8 @@ namespace aligngs {
 
 /// Writes scene.ply, scene.labels.ply, classes.json and, when there is a mesh, mesh/mesh.ply into `folder`.
 void write_room(const std::filesystem::path& folder, const EditableRoom& room);
+/// The same for an object on its own, and object.glb.
+void write_object(const std::filesystem::path& folder, const EditableRoom& object, ThreadPool& pool);
 void write_before_after(const std::filesystem::path& path, const BeforeAfter& picture);
 /// cameras.json and the other camera files of a run.
 void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene,

@@ -109,7 +109,7 @@ void EditSession::write_products(const BeforeAfter& picture, const EditOperation
   FolderReplacement replacement(folder);
   write_room(replacement.path(), room_);
   if (!picture.picture.empty()) write_before_after(replacement.path() / "before_after.png", picture);
-  if (last && last->kind == EditKind::kExtract) write_room(replacement.path() / "object", centred(room_));
+  if (last && last->kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(room_), *pool_);
   write_file_atomically(replacement.path() / "edits.json", list);  // says to which stack these files belong
   replacement.commit();
   write_file_atomically(run_ / "edits.json", list);
@@ -147,7 +147,7 @@ EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit
   write_room(replacement.path(), after);
   write_run_cameras(paths, after, scene_, config_);
   write_before_after(replacement.path() / "before_after.png", compare(room_, after));
-  if (edit.kind == EditKind::kExtract) write_room(replacement.path() / "object", centred(after));
+  if (edit.kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(after), *pool_);
   write_edited_record(paths.record(), record_, command_line, relative_scene_path(out, scene_.folder), run_, done,
                       after.gaussians.model.size());
   replacement.commit();
