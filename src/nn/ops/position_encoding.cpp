@@ -1,5 +1,6 @@
 #include "nn/ops/position_encoding.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace aligngs::nn {
@@ -57,10 +58,15 @@ FeatureMap sine_encoding(int64_t height, int64_t width, int64_t features) {
       to[k] = float(k % 2 == 0 ? std::sin(v) : std::cos(v));
     }
   };
+  // y is the same in every column and x in every row.
+  for (int64_t y = 0; y < height; ++y)
+    encode(out.at(y, 0), double(y + 1) / (double(height) + kEps) * kTwoPi);
+  for (int64_t x = 0; x < width; ++x)
+    encode(out.at(0, x) + features, double(x + 1) / (double(width) + kEps) * kTwoPi);
   for (int64_t y = 0; y < height; ++y) {
     for (int64_t x = 0; x < width; ++x) {
-      encode(out.at(y, x), double(y + 1) / (double(height) + kEps) * kTwoPi);
-      encode(out.at(y, x) + features, double(x + 1) / (double(width) + kEps) * kTwoPi);
+      if (x > 0) std::copy_n(out.at(y, 0), features, out.at(y, x));
+      if (y > 0) std::copy_n(out.at(0, x) + features, features, out.at(y, x) + features);
     }
   }
   return out;
