@@ -8,7 +8,7 @@ packages=(
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev
   libturbojpeg0-dev libspng-dev libwebp-dev libexif-dev zlib1g-dev
   libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev
-  libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev libboost-dev
 )
 for option in "$@"; do
   case "$option" in

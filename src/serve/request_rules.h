@@ -1,0 +1,40 @@
+// Which requests the page's server answers: everything that protects a local server from other web sites.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aligngs {
+
+/// The Host header names this machine: localhost, 127.0.0.1 or [::1] with any port (`ssh -L` changes the port), or
+/// one of `allowed` (host names without port). Refusing other names stops DNS rebinding.
+bool host_allowed(std::string_view host, const std::vector<std::string>& allowed);
+
+/// The path of a request target, percent-decoded, without its query. Nothing when it does not start with '/', has a
+/// broken escape, a control character or a backslash, also in encoded form.
+std::optional<std::string> decode_request_path(std::string_view target);
+
+/// Value of `name` in the query of a request target, undecoded; empty when absent.
+std::string_view query_value(std::string_view target, std::string_view name);
+
+/// What a request that changes something must carry.
+struct PostHeaders {
+  std::string_view host, origin, token, content_type;
+};
+/// Origin absent or "http://<Host>", the run's token, a JSON body: another site's page can send none of these.
+bool post_allowed(const PostHeaders& headers, std::string_view token);
+
+/// The regular file that `relative` names below `root` (a canonical folder), or nothing when it does not exist or
+/// lies outside, through "..", an absolute path or a symbolic link.
+std::optional<std::filesystem::path> file_below(const std::filesystem::path& root, std::string_view relative);
+
+/// 32 hexadecimal digits from the system's random source.
+std::string random_token();
+
+/// Content type by the file's extension.
+std::string_view content_type_of(const std::filesystem::path& path);
+
+}  // namespace aligngs

@@ -1,0 +1,85 @@
+#include "serve/request_rules.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace aligngs {
+namespace {
+
+TEST(HostRule, AcceptsThisMachineWithAnyPort) {
+  for (const char* host : {"localhost", "localhost:9000", "127.0.0.1:7860", "[::1]:7860", "[::1]"}) {
+    EXPECT_TRUE(host_allowed(host, {})) << host;
+  }
+}
+
+TEST(HostRule, RefusesNamesThatAnAttackerCanPointHere) {
+  for (const char* host : {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example:80", "[::1", "[::1]x:80", ":80"}) {
+    EXPECT_FALSE(host_allowed(host, {})) << host;
+  }
+  EXPECT_TRUE(host_allowed("lab-7:7860", {"lab-7"}));
+}
+
+TEST(RequestPath, IsDecodedOnceWithoutItsQuery) {
+  EXPECT_EQ(decode_request_path("/files/a%20b.ply?x=1"), "/files/a b.ply");
+  EXPECT_EQ(decode_request_path("/a%252e"), "/a%2e");
+}
+
+TEST(RequestPath, RefusesWhatCutsOrEscapes) {
+  for (const char* target : {"", "files", "http://x/", "/a%00.txt", "/a%zz", "/a%4", "/a%", "/..%5c..", "/a\\b", "/a%0d%0ab", "/a\x7f"}) {
+    EXPECT_FALSE(decode_request_path(target).has_value()) << target;
+  }
+}
+
+TEST(QueryValue, FindsTheNamedItem) {
+  EXPECT_EQ(query_value("/e?a=1&from=25", "from"), "25");
+  EXPECT_EQ(query_value("/e?xfrom=1", "from"), "");
+  EXPECT_EQ(query_value("/e", "from"), "");
+}
+
+TEST(PostRule, NeedsOriginTypeAndToken) {
+  const PostHeaders good{"localhost:9000", "http://localhost:9000", "secret", "application/json; charset=utf-8"};
+  EXPECT_TRUE(post_allowed(good, "secret"));
+  PostHeaders h = good;
+  h.origin = "";  // curl and other programs
+  EXPECT_TRUE(post_allowed(h, "secret"));
+  h.origin = "http://evil.example";
+  EXPECT_FALSE(post_allowed(h, "secret"));
+  h.origin = "null";  // sandboxed frames and file:// pages
+  EXPECT_FALSE(post_allowed(h, "secret"));
+  h = good, h.content_type = "text/plain";  // what a form can send without asking
+  EXPECT_FALSE(post_allowed(h, "secret"));
+  h = good, h.content_type = "application/jsonp";
+  EXPECT_FALSE(post_allowed(h, "secret"));
+  h = good, h.token = "secreT";
+  EXPECT_FALSE(post_allowed(h, "secret"));
+  h = good, h.token = "";
+  EXPECT_FALSE(post_allowed(h, ""));
+}
+
+TEST(FileBelow, FindsFilesOfTheFolderAndNothingElse) {
+  namespace fs = std::filesystem;
+  const fs::path base = fs::path(testing::TempDir()) / "aligngs_file_below";
+  fs::remove_all(base);
+  fs::create_directories(base / "run" / "mesh");
+  std::ofstream(base / "run" / "scene.ply") << "x";
+  std::ofstream(base / "secret.txt") << "s";
+  fs::create_symlink(base / "secret.txt", base / "run" / "link.txt");
+  const fs::path root = fs::canonical(base / "run");
+  EXPECT_TRUE(file_below(root, "scene.ply").has_value());
+  EXPECT_TRUE(file_below(root, "mesh/../scene.ply").has_value());
+  const std::string absolute = (base / "secret.txt").string();
+  for (const std::string& name : std::vector<std::string>{"", ".", "mesh", "../secret.txt", "mesh/../../secret.txt", "link.txt",
+                                                          absolute, "absent.ply"}) {
+    EXPECT_FALSE(file_below(root, name).has_value()) << name;
+  }
+  fs::remove_all(base);
+}
+
+TEST(RandomToken, IsLongAndNew) {
+  EXPECT_EQ(random_token().size(), 32u);
+  EXPECT_NE(random_token(), random_token());
+}
+
+}  // namespace
+}  // namespace aligngs

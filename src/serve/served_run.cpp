@@ -1,0 +1,153 @@
+#include "serve/served_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "serve/request_rules.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr uint64_t kMaxJson = uint64_t(64) << 20;  // bytes of one description file
+constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
+
+Json read_json(const fs::path& path) {
+  try {
+    Json json = Json::parse(read_file(path, kMaxJson), nullptr, false);
+    return json.is_discarded() ? Json() : json;
+  } catch (const Error&) {
+    return nullptr;
+  }
+}
+
+/// Changes whenever the file is replaced.
+std::string version_of(const fs::path& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  if (error) return "";
+  const auto size = fs::file_size(path, error);
+  return error ? "" : fmt::format("{:x}-{:x}", static_cast<uint64_t>(time.time_since_epoch().count()), size);
+}
+
+Json field(const Json& object, const char* name) {
+  return object.is_object() && object.contains(name) ? object.at(name) : Json();
+}
+
+/// Names of views -> {"split": ..., "kinds": [...]} from the folders of renders/.
+Json rendered_views(const fs::path& root) {
+  Json views = Json::object();
+  std::error_code error;
+  for (const char* split : {"test", "train"}) {
+    for (const char* kind : {"gt", "rgb", "depth", "normal", "label", "error"}) {
+      for (fs::directory_iterator i(root / "renders" / split / kind, error), end; !error && i != end; i.increment(error)) {
+        if (i->path().extension() != ".png") continue;
+        Json& view = views[i->path().stem().string()];
+        view["split"] = split;
+        view["kinds"].push_back(kind);
+      }
+      error.clear();
+    }
+  }
+  return views;
+}
+
+}  // namespace
+
+ServedRun::ServedRun(const fs::path& path) {
+  std::error_code error;
+  const fs::path found = fs::canonical(path, error);
+  const auto refuse = [&](const char* what) {
+    throw_bad_input(path, {}, what, "give a run folder (it holds run.json or scene.ply) or a .ply file");
+  };
+  if (error) refuse("there is no such run or file");
+  if (fs::is_directory(found)) {
+    if (!fs::exists(found / "run.json") && !fs::exists(found / "scene.ply")) refuse("the folder is not a run");
+    root_ = found;
+  } else {
+    if (found.extension() != ".ply") refuse("the file is not a .ply file");
+    root_ = found.parent_path();
+    only_ = found.filename().string();
+  }
+}
+
+fs::path ServedRun::scene_folder() const {
+  const Json scene = field(read_json(root_ / "run.json"), "scene");
+  return scene.is_string() ? root_ / scene.get<std::string>() : fs::path();
+}
+
+std::string ServedRun::state() const {
+  Json state = {{"splats", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr}, {"classes", nullptr}, {"cameras", nullptr},
+                {"views", Json::object()}, {"train", nullptr}, {"report", false}, {"status", "file"}, {"stage", nullptr}};
+  if (!only_.empty()) {
+    state["name"] = only_;
+    state["splats"] = only_;
+    state["version"] = version_of(root_ / only_);
+    return state.dump();
+  }
+  state["name"] = root_.filename().string();
+  const Json run = read_json(root_ / "run.json");
+  for (const char* name : {"status", "stage", "train"}) state[name] = field(run, name);
+  for (const char* name : {"scene.labels.ply", "scene.ply"}) {
+    if (!state["splats"].is_null() || !fs::exists(root_ / name)) continue;
+    state["splats"] = name;
+  }
+  if (fs::exists(root_ / "mesh" / "mesh.ply")) state["mesh"] = "mesh/mesh.ply";
+  state["version"] = version_of(root_ / "scene.ply") + version_of(root_ / "mesh" / "mesh.ply");
+  state["classes"] = field(read_json(root_ / "classes.json"), "classes");
+  state["cameras"] = read_json(root_ / "cameras.json");
+  state["views"] = rendered_views(root_);
+  state["report"] = fs::exists(root_ / "report.html");
+  if (const fs::path scene = scene_folder(); !scene.empty()) {
+    const Json description = read_json(scene / "scene.json");
+    state["up"] = field(description, "up");
+    state["units"] = field(description, "units");
+  }
+  return state.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<fs::path> ServedRun::file(std::string_view relative) const {
+  if (!only_.empty() && relative != only_) return {};
+  return file_below(root_, relative);
+}
+
+std::optional<fs::path> ServedRun::photo(std::string_view view) const {
+  if (!only_.empty() || view.find('/') != std::string_view::npos) return {};
+  const fs::path scene = scene_folder();
+  if (scene.empty()) return {};
+  std::error_code error;
+  const fs::path images = fs::canonical(scene / "images", error);
+  if (error) return {};
+  for (const char* ending : {".png", ".jpg", ".jpeg", ".JPG", ".JPEG", ".PNG"}) {
+    if (auto found = file_below(images, std::string(view) + ending)) return found;
+  }
+  return {};
+}
+
+std::string ServedRun::events(uint64_t& offset, size_t limit) const {
+  if (!only_.empty()) return {};
+  std::ifstream in(root_ / "events.ndjson", std::ios::binary | std::ios::ate);
+  if (!in) return {};
+  const uint64_t size = static_cast<uint64_t>(in.tellg());
+  if (offset > size) offset = 0;
+  const size_t wanted = static_cast<size_t>(std::min<uint64_t>(size - offset, std::max(limit, kMaxLine)));
+  std::string text(wanted, '\0');
+  in.seekg(static_cast<std::streamoff>(offset));
+  in.read(text.data(), static_cast<std::streamsize>(wanted));
+  text.resize(static_cast<size_t>(in.gcount()));
+  size_t end = text.rfind('\n', limit == 0 ? 0 : limit - 1);
+  if (end == std::string::npos) end = text.find('\n');  // the first line is longer than the limit
+  text.resize(end == std::string::npos ? 0 : end + 1);
+  offset += text.size();
+  return text;
+}
+
+}  // namespace aligngs

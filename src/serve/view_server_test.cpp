@@ -1,0 +1,226 @@
+// The server as a browser sees it, and as an attacker does. Plain sockets, so that every byte is ours.
+#include "serve/view_server.h"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A small run and a server for it, on its own thread.
+class ViewServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    base_ = fs::path(testing::TempDir()) / ("aligngs_view_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(base_);
+    fs::create_directories(base_ / "run" / "renders" / "test" / "rgb");
+    fs::create_directories(base_ / "run" / "scene" / "images");
+    write("run/run.json", R"({"scene": "scene", "status": "running", "stage": "train"})");
+    write("run/scene.ply", "ply");
+    write("run/classes.json", R"({"schema": 1, "classes": [{"id": 0, "name": "wall", "color": [1, 2, 3]}]})");
+    write("run/events.ndjson", "{\"step\":1}\n{\"step\":2}\n{\"st");
+    write("run/renders/test/rgb/view_003.png", "picture");
+    write("run/scene/scene.json", R"({"units": "metres", "up": [0, -1, 0]})");
+    write("run/scene/images/view_000.png", "photo");
+    write("secret.txt", "secret");
+    fs::create_symlink(base_ / "secret.txt", base_ / "run" / "link.txt");
+    ViewServerOptions options;
+    options.run = base_ / "run";
+    options.post["/api/echo"] = [](const std::string& body) { return body; };
+    options.post["/api/fail"] = [](const std::string&) -> std::string { throw_usage("no such object", "look"); };
+    server_ = std::make_unique<ViewServer>(options);
+    thread_ = std::thread([this] { server_->run([this] { return stop_.load(); }); });
+  }
+
+  void TearDown() override {
+    stop_ = true;
+    thread_.join();
+    server_.reset();
+    fs::remove_all(base_);
+  }
+
+  void write(const std::string& name, const std::string& content) { std::ofstream(base_ / name, std::ios::binary) << content; }
+
+  /// Sends bytes and reads until the server closes, `until` has arrived, or five seconds have passed.
+  std::string raw(const std::string& bytes, const std::string& until = "") const {
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(server_->port());
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    timeval limit{5, 0};
+    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return "no connection";
+    for (size_t sent = 0; sent < bytes.size();) {
+      const ssize_t n = send(fd, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      if (n <= 0) break;
+      sent += static_cast<size_t>(n);
+    }
+    std::string answer;
+    char buffer[4096];
+    while (until.empty() || answer.find(until) == std::string::npos) {
+      const ssize_t n = recv(fd, buffer, sizeof buffer, 0);
+      if (n <= 0) break;
+      answer.append(buffer, static_cast<size_t>(n));
+    }
+    close(fd);
+    return answer;
+  }
+
+  std::string get(const std::string& target, const std::string& host = "localhost:9000") const {
+    return raw("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+  }
+
+  std::string post(const std::string& target, const std::string& headers, const std::string& body) const {
+    return raw("POST " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\nContent-Length: " +
+               std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body);
+  }
+
+  static int status(const std::string& answer) {
+    return answer.compare(0, 9, "HTTP/1.1 ") == 0 ? std::stoi(answer.substr(9, 3)) : 0;
+  }
+  static std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
+
+  fs::path base_;
+  std::unique_ptr<ViewServer> server_;
+  std::thread thread_;
+  std::atomic<bool> stop_{false};
+};
+
+TEST_F(ViewServerTest, SendsThePageWithItsTokenAndAPolicy) {
+  const std::string answer = get("/");
+  EXPECT_EQ(status(answer), 200);
+  EXPECT_NE(answer.find("aligngs=" + server_->token() + "; SameSite=Strict"), std::string::npos);
+  EXPECT_NE(answer.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
+  EXPECT_NE(answer.find("frame-ancestors 'none'"), std::string::npos);
+  EXPECT_NE(answer.find("X-Content-Type-Options: nosniff"), std::string::npos);
+  EXPECT_EQ(answer.find("Access-Control-"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, DescribesTheRun) {
+  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  EXPECT_EQ(state["status"], "running");
+  EXPECT_EQ(state["splats"], "scene.ply");
+  EXPECT_TRUE(state["mesh"].is_null());
+  EXPECT_EQ(state["up"][1], -1);
+  EXPECT_EQ(state["units"], "metres");
+  EXPECT_EQ(state["classes"][0]["name"], "wall");
+  EXPECT_EQ(state["views"]["view_003"]["kinds"][0], "rgb");
+}
+
+TEST_F(ViewServerTest, SendsFilesAndPhotos) {
+  EXPECT_EQ(body(get("/files/scene.ply?v=1")), "ply");
+  EXPECT_EQ(body(get("/files/renders/test/rgb/view_003.png")), "picture");
+  EXPECT_EQ(body(get("/api/photo/view_000")), "photo");
+  EXPECT_EQ(status(get("/files/absent.ply")), 404);
+}
+
+TEST_F(ViewServerTest, StreamsCompleteEventsAndResumesWhereAPageLeftOff) {
+  const std::string all = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
+  EXPECT_NE(all.find("text/event-stream"), std::string::npos);
+  EXPECT_NE(all.find("id: 22\nevent: events\ndata: [{\"step\":1},{\"step\":2}]\n\n"), std::string::npos);
+  const std::string rest = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: 11\r\n\r\n", "event: state");
+  EXPECT_NE(rest.find("data: [{\"step\":2}]"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, TellsPagesOfNewEvents) {
+  std::thread later([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::ofstream(base_ / "run" / "events.ndjson", std::ios::app) << "ep\":3}\n";
+  });
+  const std::string answer = raw("GET /api/events?from=22 HTTP/1.1\r\nHost: localhost\r\n\r\n", "\"step\":3");
+  later.join();
+  EXPECT_NE(answer.find("data: [{\"step\":3}]"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, AnotherSitesNameInTheHostHeaderIsRefused) {
+  EXPECT_EQ(status(get("/api/state", "evil.example")), 403);
+  EXPECT_EQ(status(get("/", "127.0.0.1.evil.example:7860")), 403);
+  EXPECT_EQ(status(raw("GET / HTTP/1.1\r\nConnection: close\r\n\r\n")), 403);
+}
+
+TEST_F(ViewServerTest, NoPathLeavesTheRunFolder) {
+  for (const char* target : {"/files/../secret.txt", "/files/%2e%2e/secret.txt", "/files/..%2fsecret.txt", "/files//etc/passwd",
+                             "/files/link.txt", "/files/renders/../../secret.txt", "/api/photo/..%2f..%2f..%2fsecret", "/../secret.txt"}) {
+    const std::string answer = get(target);
+    EXPECT_EQ(status(answer), 404) << target;
+    EXPECT_EQ(answer.find("secret\n"), std::string::npos) << target;
+  }
+  for (const char* target : {"/files/scene.ply%00.txt", "/files/..%5csecret.txt", "/files/%zz"}) EXPECT_EQ(status(get(target)), 400) << target;
+}
+
+TEST_F(ViewServerTest, PostsNeedTheTokenTheOriginAndJson) {
+  const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\n", json = "Content-Type: application/json\r\n";
+  EXPECT_EQ(body(post("/api/echo", token + json + "Origin: http://localhost:9000\r\n", "{\"a\":1}")), "{\"a\":1}");
+  EXPECT_EQ(status(post("/api/echo", json, "{}")), 403);
+  EXPECT_EQ(status(post("/api/echo", json + "X-AlignGS-Token: 0123\r\n", "{}")), 403);
+  EXPECT_EQ(status(post("/api/echo", token + json + "Origin: http://evil.example\r\n", "{}")), 403);
+  EXPECT_EQ(status(post("/api/echo", token + "Content-Type: text/plain\r\n", "{}")), 403);
+  EXPECT_EQ(status(post("/api/echo", token + json, "{")), 400);
+  EXPECT_EQ(status(post("/api/fail", token + json, "{}")), 400);
+  EXPECT_EQ(status(post("/api/state", token + json, "{}")), 404);
+}
+
+TEST_F(ViewServerTest, OtherMethodsAreRefused) {
+  EXPECT_EQ(status(raw("DELETE /files/scene.ply HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")), 405);
+  EXPECT_TRUE(fs::exists(base_ / "run" / "scene.ply"));
+}
+
+TEST_F(ViewServerTest, OversizedRequestsAndNoiseAreCutOff) {
+  EXPECT_NE(status(raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(40000, 'x') + "\r\n\r\n")), 200);
+  const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\nContent-Type: application/json\r\n";
+  EXPECT_NE(status(post("/api/echo", token, "\"" + std::string(2 << 20, 'x') + "\"")), 200);
+  raw("\x16\x03\x01 this is not HTTP\r\n\r\n");
+  EXPECT_EQ(status(get("/api/state")), 200);  // and it still serves
+}
+
+TEST_F(ViewServerTest, ManyPagesAtOnceAreServedAndThenRefused) {
+  std::vector<std::thread> pages;
+  std::atomic<int> served{0};
+  for (int i = 0; i < 32; ++i) {
+    pages.emplace_back([&] { served += status(raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")) == 200; });
+  }
+  for (std::thread& page : pages) page.join();
+  EXPECT_EQ(served, 32);
+  EXPECT_EQ(status(get("/api/state")), 200);
+}
+
+TEST_F(ViewServerTest, ATakenPortIsAResourceErrorAndTheDefaultMovesOn) {
+  ViewServerOptions options;
+  options.run = base_ / "run";
+  options.port = server_->port();
+  try {
+    ViewServer second(options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kResources);
+  }
+  options.port = 0;
+  EXPECT_NE(ViewServer(options).port(), server_->port());
+}
+
+TEST(ServedRunInput, WhatIsNoRunIsRefused) {
+  ViewServerOptions options;
+  options.run = fs::path(testing::TempDir()) / "aligngs_no_such_run";
+  try {
+    ViewServer server(options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

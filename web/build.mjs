@@ -1,0 +1,20 @@
+// Builds web/dist from web/src. The same sources and versions give the same bytes.
+import { build } from 'esbuild';
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const here = dirname(fileURLToPath(import.meta.url)), out = process.argv[2] ?? join(here, 'dist');
+mkdirSync(out, { recursive: true });
+await build({
+  entryPoints: [join(here, 'src/main.ts')], outfile: join(out, 'app.js'), bundle: true, minify: true, format: 'esm', target: 'es2021',
+  legalComments: 'none', absWorkingDir: here, logLevel: 'warning',
+});
+const styles = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8') + readFileSync(join(here, 'src/app.css'), 'utf8');
+writeFileSync(join(out, 'app.css'), styles);
+for (const name of ['index.html', 'favicon.svg']) copyFileSync(join(here, 'src', name), join(out, name));
+const licences = ['playcanvas', 'uplot'].map((name) => {
+  const { version } = JSON.parse(readFileSync(join(here, 'node_modules', name, 'package.json'), 'utf8'));
+  return `${name} ${version}\n\n${readFileSync(join(here, 'node_modules', name, 'LICENSE'), 'utf8')}`;
+});
+writeFileSync(join(out, 'third_party_licenses.txt'), licences.join('\n\n'));
