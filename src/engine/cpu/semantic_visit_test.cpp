@@ -90,7 +90,7 @@ class HandMadeTile {
     SemanticVisit semantic(pass, tile, rows, scratch);
     soft = hard = 0;
     sums.resize(n);
-    std::memset(static_cast<void*>(sums.data()), 0, n * sizeof(SplatGradient));
+    if (n > 0) std::memset(static_cast<void*>(sums.data()), 0, n * sizeof(SplatGradient));
     for (int b = 0; b < kTileBlocks; ++b) {
       const float* q = semantic.visit_block(b);
       soft += scratch.block.soft;
