@@ -23,38 +23,10 @@ void write_json(const fs::path& path, const Json& json) {
   write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-Json objects_json(const EditableRoom& room, int label) {
-  Json objects = Json::array();
-  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels)) {
-    if (object.label != label) continue;
-    objects.push_back({{"instance", object.number},
-                       {"gaussians", object.gaussians},
-                       {"centre", {object.centre.x, object.centre.y, object.centre.z}},
-                       {"min", {object.low.x, object.low.y, object.low.z}},
-                       {"max", {object.high.x, object.high.y, object.high.z}}});
-  }
-  return objects;
-}
-
-void write_classes_and_objects(const fs::path& path, const EditableRoom& room) {
-  Json classes = Json::array();
-  for (int i = 0; i < room.labels.size(); ++i) {
-    const LabelClass& c = room.labels.classes[static_cast<size_t>(i)];
-    const auto& labels = room.gaussians.labels.label;
-    const auto count = std::count(labels.begin(), labels.end(), static_cast<uint16_t>(i));
-    Json entry = {{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}, {"gaussians", count}};
-    if (count > 0) entry["objects"] = objects_json(room, i);
-    classes.push_back(entry);
-  }
-  write_json(path, {{"schema", 1}, {"label_set", room.labels.name}, {"classes", classes}});
-}
-
 }  // namespace
 
 void write_room(const fs::path& folder, const EditableRoom& room) {
-  write_gaussian_ply(folder / "scene.ply", room.gaussians.model);
-  write_labelled_gaussian_ply(folder / "scene.labels.ply", room.gaussians.model, room.gaussians.labels);
-  write_classes_and_objects(folder / "classes.json", room);
+  write_scene_files(folder, room.gaussians.model, room.labels, room.gaussians.labels);
   if (!room.mesh.vertices.empty()) write_mesh_ply(folder / "mesh" / "mesh.ply", room.mesh);
 }
 
@@ -65,14 +37,6 @@ void write_object(const fs::path& folder, const EditableRoom& object, ThreadPool
 
 void write_before_after(const fs::path& path, const BeforeAfter& picture) {
   if (!picture.picture.empty()) write_png(path, picture.picture);
-}
-
-void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene,
-                       const TrainConfig& config) {
-  // The same function as after a training, then the labels with objects in place of the plain ones.
-  write_run_outputs(folder, room.gaussians.model, scene, config);
-  write_labelled_gaussian_ply(folder.labelled_ply(), room.gaussians.model, room.gaussians.labels);
-  write_classes_and_objects(folder.classes(), room);
 }
 
 void write_edited_record(const fs::path& path, RunRecord record, const std::string& command_line,

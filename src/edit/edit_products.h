@@ -15,9 +15,6 @@ void write_room(const std::filesystem::path& folder, const EditableRoom& room);
 /// The same for an object on its own, and object.glb.
 void write_object(const std::filesystem::path& folder, const EditableRoom& object, ThreadPool& pool);
 void write_before_after(const std::filesystem::path& path, const BeforeAfter& picture);
-/// cameras.json and the other camera files of a run.
-void write_run_cameras(const RunFolder& folder, const EditableRoom& room, const Scene& scene,
-                       const TrainConfig& config);
 /// run.json of an edited run: the original's record, with where it came from and the edits.
 void write_edited_record(const std::filesystem::path& path, RunRecord record, const std::string& command_line,
                          const std::string& scene, const std::filesystem::path& original,

@@ -10,6 +10,7 @@
 #include "edit/edit_products.h"
 #include "io/atomic_file.h"
 #include "scene/mesh_ply.h"
+#include "train/camera_outputs.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
 
@@ -145,7 +146,7 @@ EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit
   const TrainingState state = edited_state(after);
   write_checkpoint(paths.checkpoints(), state, record_.fingerprint, 1);
   write_room(replacement.path(), after);
-  write_run_cameras(paths, after, scene_, config_);
+  write_camera_outputs(paths, scene_, config_);
   write_before_after(replacement.path() / "before_after.png", compare(room_, after));
   if (edit.kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(after), *pool_);
   write_edited_record(paths.record(), record_, command_line, relative_scene_path(out, scene_.folder), run_, done,

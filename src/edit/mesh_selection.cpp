@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/point_tree.h"
-#include "edit/soft_labels.h"
+#include "gaussians/point_tree.h"
+#include "gaussians/soft_labels.h"
 
 namespace aligngs {
 namespace {

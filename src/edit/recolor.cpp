@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "edit/soft_labels.h"
+#include "gaussians/soft_labels.h"
 
 namespace aligngs {
 namespace {

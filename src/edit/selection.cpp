@@ -4,12 +4,12 @@
 #include <map>
 
 #include "core/error.h"
+#include "gaussians/object_labels.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
 
-constexpr size_t kSmoothingNeighbours = 16;
 constexpr float kFaint = 0.01f;  ///< probabilities below say nothing about where a histogram splits
 
 /// Answers "which object of this class is Gaussian i part of?" also for Gaussians whose best class is another one.
@@ -126,17 +126,11 @@ void clean(const LabelledGaussians& room, const SelectionOptions& options, Threa
 }  // namespace
 
 LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, double extent, ThreadPool& pool) {
-  if (model.semantic_channels == 0) {
-    throw_bad_input({}, "semantics", "this scene was trained without semantics, so that no object has a name",
-                    "train a scene that has segmentation_logits/");
-  }
   LabelledGaussians room;
   room.extent = extent > 0 ? extent : extent_of(model);
-  room.soft = soft_labels(model, pool);
-  smooth_labels(room.soft, model, neighbour_graph(positions_of(model), kSmoothingNeighbours, pool), room.extent, {},
-                pool);
-  room.labels = best_labels(room.soft, labels);
-  find_instances(model, room.labels, room.extent, {}, pool);
+  ObjectLabels objects = object_labels(model, labels, room.extent, pool);
+  room.soft = std::move(objects.soft);
+  room.labels = std::move(objects.labels);
   room.model = std::move(model);
   return room;
 }

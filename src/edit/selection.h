@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "edit/instances.h"
+#include "gaussians/instances.h"
 #include "edit/selection_text.h"
-#include "edit/soft_labels.h"
+#include "gaussians/soft_labels.h"
 
 namespace aligngs {
 

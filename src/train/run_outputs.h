@@ -9,11 +9,13 @@
 
 namespace aligngs {
 
-/// Class of each Gaussian: the best of softmax(s), its probability as confidence. Rows that no pixel taught
-/// (all equal) have no label. The model must have semantic channels.
-GaussianLabels label_gaussians(const GaussianModel& model, const LabelSet& labels);
+/// scene.ply, and where `assigned` has labels scene.labels.ply and classes.json (counts and objects of each class), into
+/// `folder`; each atomically.
+void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
+                       const GaussianLabels& assigned);
 
-/// Writes them all (labels and classes only with semantics), each atomically. None holds a time or an absolute path.
-void write_run_outputs(const RunFolder& folder, const GaussianModel& model, const Scene& scene, const TrainConfig& config);
+/// Those and the cameras. None of them holds a time or an absolute path.
+void write_run_outputs(const RunFolder& folder, const GaussianModel& model, const GaussianLabels& assigned,
+                       const Scene& scene, const TrainConfig& config);
 
 }  // namespace aligngs

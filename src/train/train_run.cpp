@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
+#include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
 #include "train/memory_fit.h"
 #include "train/run_outputs.h"
@@ -201,7 +202,9 @@ TrainResult Run::train() {
 
   GaussianModel model;
   engine->store(model);
-  write_run_outputs(folder_, model, scene_, config_);
+  GaussianLabels labels;
+  if (model.semantic_channels > 0) labels = object_labels(model, scene_.labels, robust_extent(scene_), *pool_).labels;
+  write_run_outputs(folder_, model, labels, scene_, config_);
   record_.trained = utc_now();
   record_end("done", "all iterations done");
   TrainResult result;

@@ -5,7 +5,7 @@
 #include <map>
 #include <memory>
 
-#include "edit/point_tree.h"
+#include "gaussians/point_tree.h"
 
 namespace aligngs {
 namespace {

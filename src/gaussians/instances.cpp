@@ -1,11 +1,11 @@
-#include "edit/instances.h"
+#include "gaussians/instances.h"
 
 #include <algorithm>
 #include <map>
 #include <numeric>
 
-#include "edit/point_tree.h"
-#include "edit/soft_labels.h"
+#include "gaussians/point_tree.h"
+#include "gaussians/soft_labels.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {

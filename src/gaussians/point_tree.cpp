@@ -1,4 +1,4 @@
-#include "edit/point_tree.h"
+#include "gaussians/point_tree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "edit/point_tree.h"
+#include "gaussians/point_tree.h"
 #include "gaussians/gaussian_model.h"
 #include "gaussians/gaussian_ply.h"
 #include "scene/label_set.h"

@@ -1,4 +1,4 @@
-#include "edit/soft_labels.h"
+#include "gaussians/soft_labels.h"
 
 #include <algorithm>
 #include <cmath>
