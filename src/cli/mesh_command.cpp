@@ -15,20 +15,25 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->footer("Example: aligngs mesh demo_run --set mesh.voxel=0.01");
   struct Options {
     std::string run, scene, output;
-    bool from_prior = false;
+    bool from_prior = false, from_truth = false;
     std::vector<std::string> sets;
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
   command->add_option("-o,--output", options->output, "PLY file to write (default: mesh/mesh.ply in the run)");
-  command->add_flag("--from-prior", options->from_prior, "fuse the prior depth instead of rendered depth: the yardstick");
+  CLI::Option* prior = command->add_flag("--from-prior", options->from_prior,
+                                         "fuse the prior depth instead of rendered depth: the yardstick");
+  command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras: the ceiling")
+      ->excludes(prior);
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
   command->callback([&context, options] {
     OpenRun run = open_run(options->run, {options->scene, context.global.threads});
     for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);
     MeshStageOptions stage;
-    stage.from_prior = options->from_prior;
+    stage.source = options->from_prior   ? DepthSource::kPrior
+                   : options->from_truth ? DepthSource::kTruth
+                                         : DepthSource::kRendered;
     stage.output = options->output;
     const MeshStageResult result = mesh_run(run, stage);
     const FusionReport& f = result.fusion;

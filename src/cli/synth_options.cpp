@@ -18,6 +18,8 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
   command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")->check(CLI::IsMember({"exact", "simulated"}))->capture_default_str();
   command.add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str();
   command.add_option("--depth", options->depth, "which network pred_depths/ imitates")->check(CLI::IsMember({"feedforward", "mono"}))->capture_default_str();
+  command.add_option("--cloud", options->cloud, "sparse/points3D: dense depth, thinned, or corners triangulated with the same cameras")->check(CLI::IsMember({"feedforward", "sfm"}))->capture_default_str();
+  command.add_option("--labels", options->labels, "segmentation_logits/: the teacher's, the true ones, or a placebo")->check(CLI::IsMember({"teacher", "true", "constant", "shuffled"}))->capture_default_str();
   command.add_flag("--unknown-similarity", synth.unknown_similarity, "the teacher's world has an unknown scale and rotation, as a real network's");
 }
 
@@ -32,6 +34,10 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
   synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
   synth.level = options.level == "low" ? TeacherLevel::kLow : options.level == "high" ? TeacherLevel::kHigh : TeacherLevel::kMedium;
   synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
+  synth.cloud = options.cloud == "sfm" ? CloudTeacher::kSfm : CloudTeacher::kFeedForward;
+  for (const LabelTeacher teacher : {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {
+    if (options.labels == label_teacher_name(teacher)) synth.labels = teacher;
+  }
   return synth;
 }
 

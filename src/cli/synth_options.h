@@ -11,7 +11,7 @@ namespace aligngs {
 
 struct SynthCommandOptions {
   SynthOptions synth;
-  std::string size, teacher = "simulated", level = "medium", depth = "feedforward";
+  std::string size, teacher = "simulated", level = "medium", depth = "feedforward", cloud = "feedforward", labels = "teacher";
 };
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options);

@@ -9,6 +9,7 @@
 #include "io/image_file.h"
 #include "synth/image_degradation.h"
 #include "synth/mesh_builder.h"
+#include "synth/sfm_cloud.h"
 #include "synth/teacher_monodepth.h"
 
 namespace aligngs {
@@ -96,6 +97,16 @@ PointCloud teacher_cloud(const SynthScene& scene, Random random) {
   return cloud;
 }
 
+PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
+  if (scene.options.cloud == CloudTeacher::kFeedForward) return teacher_cloud(scene, random);
+  std::vector<SfmView> views;
+  for (const int i : scene.train) {
+    const SynthView& view = scene.views[static_cast<size_t>(i)];
+    views.push_back({&view.truth, &view.image, view.teacher.camera});
+  }
+  return simulate_sfm_cloud(views, {}, random);
+}
+
 }  // namespace
 
 const ImageF& SynthScene::prior_depth(const SynthView& view) const {
@@ -113,6 +124,8 @@ std::string depth_teacher_name(const SynthOptions& o) {
 }
 
 std::string semantic_teacher_name(const SynthOptions& o) {
+  if (o.labels == LabelTeacher::kTrue) return "exact";
+  if (o.labels != LabelTeacher::kTeacher) return fmt::format("placebo, {} labels", label_teacher_name(o.labels));
   return o.teacher == TeacherKind::kExact ? "exact" : fmt::format("simulated Mask2Former ({})", teacher_level_name(o.level));
 }
 
@@ -165,9 +178,11 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   scene.teacher_world = geometry.world;
   report(0.85, "running the semantic teacher");
   std::vector<ScoreMap> scores =
-      exact ? exact_semantic_teacher(rendered, options.semantic_scale, pool)
+      exact || options.labels == LabelTeacher::kTrue
+          ? exact_semantic_teacher(rendered, options.semantic_scale, pool)
             : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
                                         options.semantic_scale, teacher_base.fork(2), pool);
+  apply_label_control(options.labels, scores, teacher_base.fork(5));
 
   report(0.95, "developing the pictures");
   scene.views.resize(plan.size());
@@ -189,7 +204,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   for (size_t i = 0; i < scene.views.size(); ++i) {
     (scene.views[i].role == ViewRole::kTraining ? scene.train : scene.test).push_back(static_cast<int>(i));
   }
-  scene.cloud = teacher_cloud(scene, teacher_base.fork(4));
+  scene.cloud = sparse_cloud(scene, teacher_base.fork(4));
   report(1, "done");
   return scene;
 }

@@ -10,6 +10,7 @@
 #include "core/thread_pool.h"
 #include "scene/point_cloud.h"
 #include "scene/triangle_mesh.h"
+#include "synth/label_controls.h"
 #include "synth/rooms.h"
 #include "synth/shading.h"
 #include "synth/teacher_geometry.h"
@@ -19,6 +20,7 @@
 namespace aligngs {
 
 enum class TeacherKind { kExact, kSimulated };
+enum class CloudTeacher { kFeedForward, kSfm };  ///< where sparse/points3D comes from
 enum class DepthTeacher { kFeedForward, kMono };  ///< which simulated network fills pred_depths/
 
 struct SynthOptions {
@@ -31,6 +33,8 @@ struct SynthOptions {
   TeacherKind teacher = TeacherKind::kSimulated;
   TeacherLevel level = TeacherLevel::kMedium;
   DepthTeacher depth_teacher = DepthTeacher::kFeedForward;
+  CloudTeacher cloud = CloudTeacher::kFeedForward;
+  LabelTeacher labels = LabelTeacher::kTeacher;
   bool unknown_similarity = false; ///< teacher's world with unknown scale and rotation, as a real network's
   bool degrade_images = true;      ///< noise, blur, exposure, white balance, JPEG
   bool glossy = true;              ///< polished floor and table tops
@@ -57,7 +61,7 @@ struct SynthScene {
   std::vector<SynthView> views;
   std::vector<int> train, test;
   TriangleMesh mesh;         ///< the room's surface with labels and colours
-  PointCloud cloud;          ///< sparse/points3D: confident pixels of the teacher's depth
+  PointCloud cloud;          ///< sparse/points3D: confident pixels of the teacher's depth, or corners triangulated with its cameras
   Similarity teacher_world;  ///< true world -> teacher's world; identity unless unknown_similarity
   double bare_share = 0;     ///< of the surface area: near-white without texture
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "core/error.h"
@@ -13,6 +14,7 @@
 #include "metrics/image_metrics.h"
 #include "metrics/mesh_protocols.h"
 #include "metrics/semantic_metrics.h"
+#include "metrics/view_novelty.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
 
@@ -23,15 +25,18 @@ using Json = nlohmann::json;
 
 namespace {
 
+constexpr double kMetresPerExtent = 3;  // extent of a room of 4 to 5 m, for scenes without metres
+
 /// NaN and infinity have no JSON form: null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-/// Mean of the finite values of one key over the views; null without any.
-Json mean_of(const Json& views, const char* key) {
+/// Mean of the finite values of one key over the views, or over those that extrapolate or do not; null without any.
+Json mean_of(const Json& views, const char* key, std::optional<bool> extrapolating = {}) {
   double sum = 0;
   int count = 0;
   for (const Json& view : views) {
     if (!view.contains(key) || !view[key].is_number()) continue;
+    if (extrapolating && view.value("extrapolates", false) != *extrapolating) continue;
     sum += view[key].get<double>();
     ++count;
   }
@@ -47,10 +52,19 @@ struct ViewMetrics {
   Json nvs, semantics = nullptr;
 };
 
+/// Where the photos were taken is a fact about the scene, so the true cameras decide when there are any.
+std::vector<Camera> true_training_cameras(const Scene& scene) {
+  std::vector<Camera> cameras;
+  for (const int view : scene.train) cameras.push_back(scene.evaluation_cameras[static_cast<size_t>(view)]);
+  return cameras;
+}
+
 ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
   ViewMetrics result;
   ConfusionMatrix confusion(run.scene.labels.size());
   bool labelled = false;
+  const std::vector<Camera> training = true_training_cameras(run.scene);
+  const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
   Progress progress(style, "evaluate views", run.scene.test.size());
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
@@ -59,6 +73,8 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
     Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
                   {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
+    const ViewNovelty novelty = view_novelty(run.scene.evaluation_cameras[static_cast<size_t>(index)], training);
+    entry["extrapolates"] = extrapolates(novelty, metres_per_unit);
     if (run.has_labels() && !view.truth_labels.empty()) {
       const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
       confusion.add(truth, rendering.label);
@@ -74,6 +90,13 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
                 {"views", result.per_view.size()}, {"pose_refined", nullptr},
                 {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
                                      {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
+  for (const bool extrapolating : {false, true}) {
+    result.nvs[extrapolating ? "extrapolating" : "interpolating"] = {
+        {"psnr", mean_of(result.per_view, "psnr", extrapolating)},
+        {"ssim", mean_of(result.per_view, "ssim", extrapolating)},
+        {"views", std::count_if(result.per_view.begin(), result.per_view.end(),
+                                [&](const Json& v) { return v["extrapolates"] == extrapolating; })}};
+  }
   if (labelled) result.semantics = semantic_json(confusion.scores());
   return result;
 }

@@ -60,6 +60,20 @@ FusionFrame prior_frame(const OpenRun& run, int view) {
   return frame;
 }
 
+FusionFrame truth_frame(const OpenRun& run, int view) {
+  const View& v = run.scene.views[static_cast<size_t>(view)];
+  if (v.truth_depth.empty()) {
+    throw_bad_input(run.scene.folder / "truth" / "depth", v.name, "this view has no true depth", "fuse rendered depth instead (without --from-truth)");
+  }
+  FusionFrame frame;
+  frame.name = v.name;
+  const ViewData data = load_view(run.scene, view, run.load_options());
+  frame.camera = v.truth_camera ? v.truth_camera->resized(data.camera.width, data.camera.height) : data.camera;
+  frame.depth = load_truth_depth(run.scene, view, frame.camera);
+  frame.color = data.color;
+  return frame;
+}
+
 /// A camera half-way between two: mean centre, mean rotation, the first one's intrinsics.
 Camera between(const Camera& a, const Camera& b) {
   const Quaterniond p = quaternion_of(a.world_to_camera.rotation), q0 = quaternion_of(b.world_to_camera.rotation);
@@ -88,8 +102,8 @@ void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
   for (const int view : run.scene.train) {
-    if (options.from_prior) {
-      frames.push_back(prior_frame(run, view));
+    if (options.source != DepthSource::kRendered) {
+      frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, view) : truth_frame(run, view));
       continue;
     }
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
@@ -97,7 +111,8 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
     render.raster.near_plane = near_plane_of_view(run.scene, run.config, view);
     frames.push_back(rendered_frame(run, run.working_camera(view), run.scene.views[view].name, render));
   }
-  if (!options.from_prior && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
+  const bool rendered = options.source == DepthSource::kRendered;
+  if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
   FusionResult fused = fuse_depth(frames, fusion_options(run), *run.pool);
   if (fused.mesh.empty()) {
@@ -105,7 +120,7 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   }
   MeshStageResult result;
   result.fusion = fused.report;
-  if (run.has_labels() && !options.from_prior) result.labels = label_mesh(fused.mesh, frames, *run.pool);
+  if (run.has_labels() && rendered) result.labels = label_mesh(fused.mesh, frames, *run.pool);
   result.file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
   write_mesh_ply(result.file, fused.mesh);
   log_info("{}", fused.report.text());

@@ -9,10 +9,15 @@
 
 namespace aligngs {
 
+/// What is fused over the training views.
+enum class DepthSource {
+  kRendered,  ///< depth of the Gaussians
+  kPrior,     ///< pred_depths/ with the run's cameras: the yardstick that a method must beat to have added anything
+  kTruth      ///< truth/depth with the true cameras: the ceiling of what these views can show
+};
+
 struct MeshStageOptions {
-  /// Fuses pred_depths/ of the training views with the run's cameras instead of rendered depth: the yardstick that a
-  /// method must beat to have added anything.
-  bool from_prior = false;
+  DepthSource source = DepthSource::kRendered;
   std::filesystem::path output;  ///< empty: mesh/mesh.ply of the run
 };
 

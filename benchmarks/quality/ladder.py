@@ -1,0 +1,234 @@
+#!/usr/bin/env python3
+"""The paper's ladder, its controls and yardsticks, on synthetic rooms with simulated teachers.
+
+    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...]
+
+Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
+Finished runs in OUTPUT are not repeated: the command can be stopped and started again. It writes
+
+    results.csv    a line per row, room and seed
+    table.md       means, and paired differences with 95 % intervals (percentile bootstrap over the pairs)
+    ROOM_SEED.html pictures of all rows side by side (`aligngs compare`)
+    acceptance/    what the simulated teachers of each scene measure
+
+The development rooms are those on which defaults are chosen; the test rooms have other furniture, textures and seeds and
+are run to report, never to tune. ALIGNGS names the program (default build/aligngs)."""
+import argparse
+import csv
+import json
+import math
+import os
+import random
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+PROGRAM = os.environ.get("ALIGNGS", str(Path(__file__).resolve().parents[2] / "build" / "aligngs"))
+ROOMS = {
+    "development": [("bedroom", 1), ("living", 1), ("kitchen", 1), ("office", 1)],
+    "test": [("bedroom", 101), ("living", 102), ("kitchen", 103), ("office", 104)],
+}
+NO_SEMANTICS = "data.semantics=false"
+PHOTOMETRIC = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0", "data.prior_depth=none"]
+NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
+
+
+class Row:
+    """One way to train: which cloud and labels the scene has, and the settings."""
+
+    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", compare_with=None):
+        self.name, self.preset, self.settings = name, preset, list(settings)
+        self.cloud, self.labels, self.compare_with = cloud, labels, compare_with
+
+    @property
+    def folder(self):
+        return "".join(c if c.isalnum() else "_" for c in self.name)
+
+
+# The paper's Table III cumulatively, with the release's and the placebo variants of its semantic row.
+ROWS = [
+    Row("base (sparse start)", "paper", PHOTOMETRIC + [NO_SEMANTICS], cloud="sfm"),
+    Row("+ feed-forward start", "paper", PHOTOMETRIC + [NO_SEMANTICS], compare_with="base (sparse start)"),
+    Row("+ L_sem, uncoupled", "paper", NO_GEOMETRY + ["semantic.coupling_strength=0"], compare_with="+ feed-forward start"),
+    Row("+ L_sem, coupled", "paper", NO_GEOMETRY, compare_with="+ L_sem, uncoupled"),
+    Row("+ L_d", "paper", ["loss.normal_consistency=0", "loss.normal_boundary=0"], compare_with="+ L_sem, coupled"),
+    Row("+ L_ng + L_nb (paper)", "paper", compare_with="+ L_d"),
+    Row("release-faithful", "paper", ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
+    Row("3dgs", "paper", PHOTOMETRIC + [NO_SEMANTICS, "loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"],
+        compare_with="base (sparse start)"),
+    Row("default, no semantics", "default", [NO_SEMANTICS], compare_with="+ feed-forward start"),
+    Row("default, uncoupled", "default", ["semantic.coupling_strength=0"], compare_with="default, no semantics"),
+    Row("default", "default", compare_with="default, uncoupled"),
+    Row("default, placebo constant", "default", labels="constant", compare_with="default, uncoupled"),
+    Row("default, placebo shuffled", "default", labels="shuffled", compare_with="default, uncoupled"),
+    Row("default, true labels", "default", labels="true", compare_with="default, uncoupled"),
+]
+YARDSTICKS = [("TSDF of the prior depth", "--from-prior"), ("TSDF of the true depth (ceiling)", "--from-truth")]
+YARDSTICK_ROW = "default"  # only its scene and fusion settings matter
+COLUMNS = [
+    ("psnr", "PSNR", 2, "nvs.psnr"), ("between", "between", 2, "nvs.interpolating.psnr"),
+    ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
+    ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
+    ("precision", "Prec", 3, "geometry.precision"), ("recall", "Recall", 3, "geometry.recall"),
+    ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("seconds", "seconds", 0, "train.seconds"),
+]
+GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore")
+
+
+def run(*arguments):
+    """The program's standard output; ends this script with its message when it fails."""
+    done = subprocess.run([PROGRAM, *map(str, arguments), "-q"], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{PROGRAM} {' '.join(map(str, arguments))}\n{done.stderr}")
+    return done.stdout
+
+
+def value_at(document, path):
+    for part in path.split("."):
+        document = document.get(part) if isinstance(document, dict) else None
+    return float(document) if isinstance(document, (int, float)) else math.nan
+
+
+def scores(metrics, only=None):
+    return {key: value_at(metrics, path) if only is None or key in only else math.nan for key, _, _, path in COLUMNS}
+
+
+def make_scene(output, room, room_seed, seed, row):
+    """The scene of a row; variants differ in the cloud or the labels alone."""
+    folder = output / "scenes" / f"{room}_{room_seed}_{seed}_{row.cloud}_{row.labels}"
+    if not (folder / "scene.json").exists():
+        text = run("synth", folder, "--room", room, "--room-seed", room_seed, "--teacher-seed", seed, "--cloud", row.cloud,
+                   "--labels", row.labels, "--overwrite")
+        if row.cloud == "feedforward" and row.labels == "teacher":
+            (output / "acceptance").mkdir(exist_ok=True)
+            (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text)
+    return folder
+
+
+def train(output, room, room_seed, seed, row, iterations):
+    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+    if not (folder / "metrics.json").exists():
+        scene = make_scene(output, room, room_seed, seed, row)
+        settings = [text for s in row.settings for text in ("--set", s)]
+        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", *settings)
+        shutil.rmtree(folder / "checkpoints", ignore_errors=True)
+    return scores(json.loads((folder / "metrics.json").read_text()))
+
+
+def yardstick(output, room, room_seed, seed, name, option):
+    base = output / "runs" / f"{room}_{room_seed}_{seed}"
+    source = base / next(r for r in ROWS if r.name == YARDSTICK_ROW).folder
+    result = base / f"yardstick{option}.json"
+    if not result.exists():
+        mesh = base / f"yardstick{option}.ply"
+        run("mesh", source, option, "-o", mesh)
+        partial = result.with_suffix(".partial")
+        partial.write_text(run("eval", source, "--mesh", mesh, "--json"))
+        partial.rename(result)
+        mesh.unlink()
+    return scores(json.loads(result.read_text()), GEOMETRY)
+
+
+def interval(differences, draws=10000):
+    """Mean and 95 % interval of paired differences: percentile bootstrap with a fixed seed."""
+    values = [d for d in differences if math.isfinite(d)]
+    if not values:
+        return math.nan, math.nan, math.nan, 0
+    generator = random.Random(1)
+    means = sorted(sum(generator.choices(values, k=len(values))) / len(values) for _ in range(draws))
+    return sum(values) / len(values), means[int(0.025 * draws)], means[int(0.975 * draws) - 1], len(values)
+
+
+def number(value, digits):
+    return f"{value:.{digits}f}" if math.isfinite(value) else "–"
+
+
+def mean(values):
+    finite = [v for v in values if math.isfinite(v)]
+    return sum(finite) / len(finite) if finite else math.nan
+
+
+def difference_cell(results, row, base, key, digits):
+    pairs = [results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]]
+    middle, low, high, count = interval(pairs)
+    if count == 0:
+        return "–"
+    noise = " (noise)" if count < 3 or low <= 0 <= high else ""
+    return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
+
+
+def write_tables(output, results, rows, arguments):
+    with open(output / "results.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["row", "room", "room_seed", "seed"] + [key for key, *_ in COLUMNS])
+        for name, by_pair in results.items():
+            for (room, room_seed, seed), values in by_pair.items():
+                writer.writerow([name, room, room_seed, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
+    lines = [f"{arguments.rooms} rooms, seeds {' '.join(map(str, arguments.seeds))}, {arguments.iterations} iterations, "
+             "320x240, 20 training and 8 test views, **simulated** teachers of the medium level. Means over room and seed.", "",
+             "| row | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    for name, by_pair in results.items():
+        lines.append(f"| {name} | " + " | ".join(number(mean([v[key] for v in by_pair.values()]), digits)
+                                                 for key, _, digits, _ in COLUMNS) + " |")
+    lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
+              "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
+    for row in rows:
+        if row.compare_with in results and row.name in results:
+            cells = [difference_cell(results, row.name, row.compare_with, *column) for column in (("psnr", 2), ("fscore", 3), ("miou", 3))]
+            lines.append(f"| {row.name} | {row.compare_with} | " + " | ".join(cells) + " |")
+    lines += gap_lines(results)
+    (output / "table.md").write_text("\n".join(lines) + "\n")
+
+
+def gap_lines(results):
+    """Which share of the way from the prior's own surface to the ceiling the default preset goes."""
+    prior, ceiling = (results.get(name, {}) for name, _ in YARDSTICKS)
+    shares = [(results["default"][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
+              for k in results.get("default", {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
+    if not shares:
+        return []
+    middle, low, high, count = interval(shares)
+    return ["", f"(F - F_prior) / (F_ceiling - F_prior) of `default`: {middle:.2f} [{low:.2f}, {high:.2f}], "
+            f"smallest {min(shares):.2f}, over {count} pairs."]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--rooms", choices=sorted(ROOMS), default="development")
+    parser.add_argument("--kinds", nargs="+", default=None, help="only rooms of these kinds, e.g. bedroom")
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
+    parser.add_argument("--iterations", type=int, default=2000)
+    parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
+    parser.add_argument("--keep-scenes", action="store_true", help="keep the scenes (some 100 MB each) after their last row")
+    arguments = parser.parse_args()
+    rows = [r for r in ROWS if arguments.rows is None or r.name in arguments.rows]
+    if not rows:
+        parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
+    output = arguments.output
+    output.mkdir(parents=True, exist_ok=True)
+    results = {}
+    for room, room_seed in ROOMS[arguments.rooms]:
+        if arguments.kinds and room not in arguments.kinds:
+            continue
+        for seed in arguments.seeds:
+            key = (room, room_seed, seed)
+            for row in rows:
+                print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
+                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations)
+            if any(r.name == YARDSTICK_ROW for r in rows):
+                for name, option in YARDSTICKS:
+                    results.setdefault(name, {})[key] = yardstick(output, room, room_seed, seed, name, option)
+            folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in rows]
+            if len(folders) > 1:
+                run("compare", *folders, "--html", output / f"{room}_{room_seed}_{seed}.html")
+            if not arguments.keep_scenes:
+                for scene in (output / "scenes").glob(f"{room}_{room_seed}_{seed}_*"):
+                    shutil.rmtree(scene)
+            write_tables(output, results, rows, arguments)
+    print((output / "table.md").read_text())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+// `aligngs compare RUN RUN...`: figures side by side, with the noise they carry.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/report/comparison.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+namespace {
+
+struct CompareOptions {
+  std::vector<std::string> runs;
+  std::string csv, html;
+};
+
+nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const RunScores& run : runs) {
+    nlohmann::ordered_json row = {{"run", run.name}, {"folder", run.folder.string()}};
+    for (size_t c = 0; c < kScoreCount; ++c) {
+      row[score_columns()[c].csv_name] = std::isfinite(run.score[c]) ? nlohmann::ordered_json(run.score[c]) : nlohmann::ordered_json(nullptr);
+    }
+    if (&run != &runs[0]) {
+      const PairedDifference d = view_difference(runs[0], run);
+      if (d.pairs > 0) {
+        row["psnr_difference"] = {{"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
+      }
+    }
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+void compare(const CommandContext& context, const CompareOptions& options) {
+  std::vector<RunScores> runs;
+  for (const std::string& folder : options.runs) runs.push_back(read_run_scores(folder));
+  name_apart(runs);
+  for (const std::string& warning : comparison_warnings(runs)) log_warning("{}", warning);
+  if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
+  if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
+  if (context.global.json) {
+    const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+    std::printf("%s\n", comparison_json(runs).dump(2, ' ', false, replace).c_str());
+  } else {
+    std::fputs(comparison_text(runs).c_str(), stdout);
+  }
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("compare", "Put the figures and pictures of runs side by side");
+  command->group("Measure");
+  command->footer("Differences are taken from the first run.\n"
+                  "Example: aligngs compare base_run other_run --html compare.html --csv compare.csv");
+  auto options = std::make_shared<CompareOptions>();
+  command->add_option("runs", options->runs, "run folders that were measured, the one to compare with first")
+      ->required()->expected(2, 1000);
+  command->add_option("--csv", options->csv, "write the table as CSV");
+  command->add_option("--html", options->html, "write a page with the table and the test views side by side");
+  command->callback([&context, options] { compare(context, *options); });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,124 @@
+// Two runs side by side: what is equal, what differs, and what makes them hard to compare.
+#include "cli/report/comparison.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class ComparisonTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::remove_all(root()); }
+  static fs::path root() {
+    return fs::path(testing::TempDir()) / (std::string("comparison_") +
+                                           testing::UnitTest::GetInstance()->current_test_info()->name());
+  }
+  static fs::path write_run(const std::string& name, double first_psnr, const std::string& priors = "exact") {
+    const fs::path run = root() / name;
+    fs::create_directories(run);
+    std::string views;
+    for (int i = 0; i < 4; ++i) {
+      views += std::string(i ? "," : "") + R"({"name": "v)" + std::to_string(i) + R"(", "psnr": )" +
+               std::to_string(first_psnr + i) + R"(, "ssim": 0.5})";
+    }
+    write_file_atomically(run / "metrics.json",
+                          R"({"nvs": {"psnr": )" + std::to_string(first_psnr + 1.5) +
+                              R"(, "ssim": 0.5, "lpips": null}, "geometry": {"fscore": 0.8, "protocol": "area"},
+                              "semantics": null, "priors": ")" + priors + R"(", "per_view": [)" + views + "]}");
+    return run;
+  }
+  static std::vector<RunScores> read(const std::vector<fs::path>& folders) {
+    std::vector<RunScores> runs;
+    for (const fs::path& f : folders) runs.push_back(read_run_scores(f));
+    name_apart(runs);
+    return runs;
+  }
+};
+
+TEST_F(ComparisonTest, ReadsTheFiguresAndKnowsWhatIsMissing) {
+  const RunScores run = read_run_scores(write_run("a", 20));
+  EXPECT_EQ(run.name, "a");
+  EXPECT_DOUBLE_EQ(run[Score::kPsnr], 21.5);
+  EXPECT_DOUBLE_EQ(run[Score::kFscore], 0.8);
+  EXPECT_TRUE(std::isnan(run[Score::kLpips]));
+  EXPECT_TRUE(std::isnan(run[Score::kMiou]));
+  EXPECT_EQ(run.views.size(), 4u);
+}
+
+TEST_F(ComparisonTest, ARunThatWasNotMeasuredSaysWhatToDo) {
+  fs::create_directories(root() / "empty");
+  try {
+    read_run_scores(root() / "empty");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("aligngs eval"));
+  }
+}
+
+TEST_F(ComparisonTest, AFileThatIsNotJsonIsBadInput) {
+  write_file_atomically(root() / "bad" / "metrics.json", "{\"nvs\": ");
+  EXPECT_THROW(read_run_scores(root() / "bad"), Error);
+}
+
+TEST_F(ComparisonTest, TextHasARowPerRunAndTheDifferenceOverSharedViews) {
+  const std::string text = comparison_text(read({write_run("a", 20), write_run("b", 20.5)}));
+  EXPECT_THAT(text, HasSubstr("21.50"));
+  EXPECT_THAT(text, HasSubstr("22.00"));
+  EXPECT_THAT(text, HasSubstr("b against a: PSNR +0.50 dB, 95 % interval +0.50 to +0.50 over 4 shared test views\n"));
+  EXPECT_THAT(text, Not(HasSubstr("LPIPS"))) << "no run has it";
+}
+
+TEST_F(ComparisonTest, CsvKeepsEveryColumnAndLeavesHolesEmpty) {
+  const std::string csv = comparison_csv(read({write_run("a, b", 20)}));
+  EXPECT_THAT(csv, HasSubstr("run,psnr,psnr_fitted,psnr_interpolating,psnr_extrapolating,ssim,lpips,"));
+  EXPECT_THAT(csv, HasSubstr("\"a, b\",21.5,,,,0.5,,"));
+}
+
+TEST_F(ComparisonTest, EqualNamesAreToldApartByTheirPath) {
+  const auto runs = read({write_run("x/run", 20), write_run("y/run", 21)});
+  EXPECT_THAT(runs[0].name, HasSubstr("x/run"));
+  EXPECT_THAT(runs[1].name, HasSubstr("y/run"));
+}
+
+TEST_F(ComparisonTest, WarnsOfOtherViewsAndSimulatedPriors) {
+  auto runs = read({write_run("a", 20), write_run("b", 21)});
+  EXPECT_THAT(comparison_warnings(runs), IsEmpty());
+  runs[1].views.pop_back();
+  runs[1].protocol = "vertices";
+  runs[1].priors = "simulated teacher";
+  EXPECT_THAT(comparison_warnings(runs), ElementsAre(HasSubstr("different test views"), HasSubstr("vertices"),
+                                                     HasSubstr("simulated in: b")));
+}
+
+TEST_F(ComparisonTest, PageShowsPhotoAndRendersAndMarksTheBest) {
+  const fs::path a = write_run("a", 20), b = write_run("<b>", 21);
+  Image<uint8_t> picture(8, 6, 3);
+  for (const fs::path& run : {a, b}) {
+    for (const char* kind : {"gt", "rgb"}) {
+      fs::create_directories(run / "renders" / "test" / kind);
+      write_png(run / "renders" / "test" / kind / "v0.png", picture);
+    }
+  }
+  const std::string page = comparison_page(read({a, b}));
+  EXPECT_THAT(page, HasSubstr("&lt;b&gt;"));
+  EXPECT_THAT(page, Not(HasSubstr("<b>")));
+  EXPECT_THAT(page, HasSubstr("<td class=\"best\">22.50</td>"));
+  size_t images = 0;
+  for (size_t at = page.find("<img"); at != std::string::npos; at = page.find("<img", at + 1)) ++images;
+  EXPECT_EQ(images, 3u) << "one photo, two renders";
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,81 @@
+#include "cli/report/run_scores.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+
+namespace aligngs {
+
+using Json = nlohmann::json;
+
+namespace {
+
+double number_at(const Json& root, const std::string& dotted) {
+  const Json* node = &root;
+  std::istringstream parts(dotted);
+  for (std::string part; std::getline(parts, part, '.');) {
+    if (!node->is_object() || !node->contains(part)) return std::numeric_limits<double>::quiet_NaN();
+    node = &(*node)[part];
+  }
+  return node->is_number() ? node->get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string text_at(const Json& node, const char* key) {
+  return node.is_object() && node.contains(key) && node[key].is_string() ? node[key].get<std::string>() : std::string();
+}
+
+}  // namespace
+
+const std::array<ScoreColumn, kScoreCount>& score_columns() {
+  static constexpr std::array<ScoreColumn, kScoreCount> kColumns = {{
+      {"PSNR (dB)", "psnr", "nvs.psnr", 2},
+      {"after colour fit", "psnr_fitted", "nvs.exposure_fitted.psnr", 2},
+      {"between", "psnr_interpolating", "nvs.interpolating.psnr", 2},
+      {"beyond", "psnr_extrapolating", "nvs.extrapolating.psnr", 2},
+      {"SSIM", "ssim", "nvs.ssim", 3},
+      {"LPIPS", "lpips", "nvs.lpips", 3},
+      {"Acc (m)", "accuracy", "geometry.accuracy", 4},
+      {"Comp (m)", "completeness", "geometry.completeness", 4},
+      {"Prec", "precision", "geometry.precision", 3},
+      {"Recall", "recall", "geometry.recall", 3},
+      {"F", "fscore", "geometry.fscore", 3},
+      {"mIoU", "miou", "semantics.miou", 3},
+      {"seconds", "seconds", "train.seconds", 0},
+      {"Gaussians", "gaussians", "train.gaussians", 0},
+  }};
+  return kColumns;
+}
+
+RunScores read_run_scores(const std::filesystem::path& run) {
+  const std::filesystem::path file = run / "metrics.json";
+  if (!std::filesystem::exists(file)) {
+    throw_bad_input(file, "metrics.json", "this run has not been measured", "run `aligngs eval " + run.string() + "` first");
+  }
+  const Json metrics = Json::parse(read_file(file), nullptr, false);
+  if (!metrics.is_object()) throw_bad_input(file, "metrics.json", "is not JSON", "measure again with `aligngs eval`");
+  RunScores out;
+  out.folder = run;
+  out.name = std::filesystem::absolute(run).lexically_normal().filename().string();
+  if (out.name.empty()) out.name = std::filesystem::absolute(run).lexically_normal().parent_path().filename().string();
+  for (size_t i = 0; i < kScoreCount; ++i) out.score[i] = number_at(metrics, score_columns()[i].field);
+  if (metrics.contains("per_view") && metrics["per_view"].is_array()) {
+    for (const Json& view : metrics["per_view"]) {
+      out.views.push_back({text_at(view, "name"), number_at(view, "psnr"), number_at(view, "ssim")});
+    }
+  }
+  if (metrics.contains("geometry")) out.protocol = text_at(metrics["geometry"], "protocol");
+  out.priors = text_at(metrics, "priors");
+  return out;
+}
+
+std::string score_text(size_t column, double value) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, score_columns()[column].digits) : "–";
+}
+
+}  // namespace aligngs

@@ -1,0 +1,48 @@
+// The figures of a finished run, as rows that can be put under each other.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+/// Columns of a comparison, in the order in which they are printed; "between" and "beyond" are the PSNR (dB) of test views
+/// that interpolate and extrapolate the training views (metrics/view_novelty.h).
+enum class Score {
+  kPsnr, kPsnrFitted, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore, kMiou, kSeconds, kGaussians
+};
+inline constexpr size_t kScoreCount = 14;
+
+struct ScoreColumn {
+  const char* name;      ///< heading, with unit
+  const char* csv_name;  ///< column of the CSV
+  const char* field;     ///< dotted path in metrics.json
+  int digits;            ///< after the decimal point
+};
+const std::array<ScoreColumn, kScoreCount>& score_columns();
+
+struct ViewScore {
+  std::string view;
+  double psnr = 0, ssim = 0;
+};
+
+struct RunScores {
+  std::string name;  ///< last part of the folder's path
+  std::filesystem::path folder;
+  std::array<double, kScoreCount> score{};  ///< NaN where the run has no such figure
+  std::vector<ViewScore> views;             ///< test views
+  std::string protocol;                     ///< of the geometry figures
+  std::string priors;                       ///< "simulated ..." where they are
+
+  double operator[](Score s) const { return score[static_cast<size_t>(s)]; }
+};
+
+/// Error{kBadInput} without metrics.json, or with one that is not JSON.
+RunScores read_run_scores(const std::filesystem::path& run);
+
+/// The figure in its column's digits, "–" for NaN.
+std::string score_text(size_t column, double value);
+
+}  // namespace aligngs

@@ -1,0 +1,151 @@
+#include "synth/sfm_cloud.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/image.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kReferencePixels = 320.0 * 240;
+constexpr int kWindow = 2;  // pixels to each side that a corner's gradients are summed over
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+struct Corner {
+  float strength = 0;
+  int x = 0, y = 0;
+};
+
+float grey(const Image<uint8_t>& photo, int x, int y) {
+  const uint8_t* c = photo.pixel(x, y);
+  return (0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2]) / 255;
+}
+
+/// Smaller eigenvalue of the structure tensor.
+float corner_strength(const Image<uint8_t>& photo, int x, int y) {
+  float xx = 0, xy = 0, yy = 0;
+  for (int v = y - kWindow; v <= y + kWindow; ++v) {
+    for (int u = x - kWindow; u <= x + kWindow; ++u) {
+      const float gx = grey(photo, u + 1, v) - grey(photo, u - 1, v), gy = grey(photo, u, v + 1) - grey(photo, u, v - 1);
+      xx += gx * gx;
+      xy += gx * gy;
+      yy += gy * gy;
+    }
+  }
+  return 0.5f * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy));
+}
+
+std::vector<Corner> find_corners(const Image<uint8_t>& photo, const SfmSettings& settings) {
+  std::vector<Corner> all;
+  constexpr int kBorder = kWindow + 1;
+  float strongest = 0;
+  for (int y = kBorder; y < photo.height - kBorder; ++y) {
+    for (int x = kBorder; x < photo.width - kBorder; ++x) {
+      all.push_back({corner_strength(photo, x, y), x, y});
+      strongest = std::max(strongest, all.back().strength);
+    }
+  }
+  const float least = static_cast<float>(settings.corner_quality) * strongest;
+  all.erase(std::remove_if(all.begin(), all.end(), [least](const Corner& c) { return !(c.strength > least); }), all.end());
+  std::sort(all.begin(), all.end(), [](const Corner& a, const Corner& b) {
+    return a.strength != b.strength ? a.strength > b.strength : a.y != b.y ? a.y < b.y : a.x < b.x;
+  });
+  const double scale = static_cast<double>(photo.width) * photo.height / kReferencePixels;
+  const size_t most = static_cast<size_t>(settings.corners_per_view * std::max(scale, 1e-3));
+  const int spacing = std::max(1, static_cast<int>(settings.corner_spacing));
+  Image<uint8_t> taken(photo.width, photo.height, 1);
+  std::vector<Corner> kept;
+  for (const Corner& c : all) {
+    if (kept.size() >= most) break;
+    if (taken.at(c.x, c.y)) continue;
+    kept.push_back(c);
+    for (int y = std::max(0, c.y - spacing); y <= std::min(photo.height - 1, c.y + spacing); ++y) {
+      for (int x = std::max(0, c.x - spacing); x <= std::min(photo.width - 1, c.x + spacing); ++x) taken.at(x, y) = 1;
+    }
+  }
+  return kept;
+}
+
+struct Observation {
+  size_t view;
+  Vec2d pixel;
+};
+
+Vec3d world_ray(const Camera& camera, const Vec2d& pixel) {
+  const Vec3d ray = camera.world_to_camera.inverse().rotation * camera.ray(pixel.x, pixel.y);
+  return ray * (1 / std::sqrt(dot(ray, ray)));
+}
+
+/// The point nearest to all rays, if it fits them.
+bool triangulate(const std::vector<SfmView>& views, const std::vector<Observation>& track, const SfmSettings& settings,
+                 Vec3d& point) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double smallest_cosine = 1;
+  std::vector<Vec3d> rays;
+  for (const Observation& o : track) {
+    const Vec3d d = world_ray(views[o.view].camera, o.pixel), c = views[o.view].camera.centre();
+    for (const Vec3d& other : rays) smallest_cosine = std::min(smallest_cosine, dot(d, other));
+    rays.push_back(d);
+    const Eigen::Vector3d direction(d.x, d.y, d.z);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - direction * direction.transpose();
+    normal += across;
+    right += across * Eigen::Vector3d(c.x, c.y, c.z);
+  }
+  if (smallest_cosine > std::cos(settings.smallest_parallax * kDegree)) return false;
+  const Eigen::Vector3d x = normal.ldlt().solve(right);
+  if (!x.allFinite()) return false;
+  point = {x[0], x[1], x[2]};
+  for (const Observation& o : track) {
+    const Camera& camera = views[o.view].camera;
+    const Vec3d p = camera.world_to_camera * point;
+    if (p.z <= 0) return false;
+    const Vec2d at = camera.project(p);
+    if (std::hypot(at.x - o.pixel.x, at.y - o.pixel.y) > settings.largest_residual) return false;
+  }
+  return true;
+}
+
+/// The photos that see the surface point behind a corner and match it.
+std::vector<Observation> track_of(const std::vector<SfmView>& views, size_t first, const Vec3d& world,
+                                  const SfmSettings& settings, Random& random) {
+  std::vector<Observation> track;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const Camera& camera = views[v].truth->camera;
+    const Vec3d p = camera.world_to_camera * world;
+    if (p.z <= 0) continue;
+    const Vec2d at = camera.project(p);
+    if (!camera.contains(at)) continue;
+    const double depth = views[v].truth->depth.at(static_cast<int>(at.x), static_cast<int>(at.y));
+    if (!(depth > 0) || std::abs(depth - p.z) > settings.same_depth * p.z) continue;
+    if (v != first && !random.chance(settings.found)) continue;
+    track.push_back({v, {at.x + settings.pixel_noise * random.normal(), at.y + settings.pixel_noise * random.normal()}});
+  }
+  return track;
+}
+
+}  // namespace
+
+PointCloud simulate_sfm_cloud(const std::vector<SfmView>& views, const SfmSettings& settings, Random random) {
+  PointCloud cloud;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const RenderedView& truth = *views[v].truth;
+    for (const Corner& corner : find_corners(*views[v].photo, settings)) {
+      const double depth = truth.depth.at(corner.x, corner.y);
+      if (!(depth > 0)) continue;
+      const Vec3d world = truth.camera.unproject(corner.x + 0.5, corner.y + 0.5, depth);
+      const std::vector<Observation> track = track_of(views, v, world, settings, random);
+      Vec3d point;
+      // A point that several photos have as a corner is kept by the first of its track only.
+      if (track.size() < 2 || track.front().view != v || !triangulate(views, track, settings, point)) continue;
+      cloud.positions.push_back(point.cast<float>());
+      const uint8_t* c = views[v].photo->pixel(corner.x, corner.y);
+      cloud.colors.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
+    }
+  }
+  return cloud;
+}
+
+}  // namespace aligngs
