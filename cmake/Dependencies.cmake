@@ -37,3 +37,13 @@ if(ALIGNGS_WITH_ONEDNN AND NOT ALIGNGS_SCALAR_ONLY)
     set(ALIGNGS_ONEDNN aligngs_onednn)
   endif()
 endif()
+
+# Optional: `aligngs models download`; without it the command says so.
+set(ALIGNGS_CURL "")
+find_package(CURL 7.61 QUIET)
+if(CURL_FOUND)
+  add_library(aligngs_curl INTERFACE)
+  target_link_libraries(aligngs_curl INTERFACE CURL::libcurl)
+  target_compile_definitions(aligngs_curl INTERFACE ALIGNGS_WITH_CURL)
+  set(ALIGNGS_CURL aligngs_curl)
+endif()

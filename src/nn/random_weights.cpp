@@ -19,6 +19,8 @@ struct Distribution {
 };
 
 Distribution distribution_of(const std::string& name, const std::vector<int64_t>& shape) {
+  // Small steps from the bias below: cameras that photographs could have.
+  if (ends_with(name, "pose_branch.fc2.weight")) return {0, 0.002};
   if (ends_with(name, "running_var") || (ends_with(name, ".weight") && shape.size() == 1))
     return {1, 0.1};
   if (name.find("gamma") != std::string::npos) return {0.1, 0.02};
@@ -27,6 +29,14 @@ Distribution distribution_of(const std::string& name, const std::vector<int64_t>
   for (size_t i = 1; i < shape.size(); ++i) inputs *= double(shape[i]);
   // Variance 1 / inputs.
   return {0, std::sqrt(3 / std::max(inputs, 1.0))};
+}
+
+/// The four iterations of VGGT's camera head each add a quarter of the pose encoding: the identity,
+/// fields of view of 1 and 1.2 rad.
+void set_pose_bias(const SafetensorsStream::Entry& tensor, std::vector<float>& values) {
+  const std::vector<float> quarter = {0, 0, 0, 0, 0, 0, 0.25f, 0.25f, 0.3f};
+  if (!ends_with(tensor.name, "pose_branch.fc2.bias") || values.size() != quarter.size()) return;
+  for (size_t i = 0; i < quarter.size(); ++i) values[i] = quarter[i] + 0.1f * values[i];
 }
 
 class Names {
@@ -226,6 +236,40 @@ TensorList dpt_head_tensors(const VitSize& size, int64_t features) {
   return names.list;
 }
 
+TensorList bn_head_tensors(int64_t inputs, int64_t classes) {
+  Names names("decode_head.");
+  names.batch_norm("bn", inputs);
+  names.convolution("conv_seg", classes, inputs, 1);
+  return names.list;
+}
+
+TensorList linear_depth_tensors(int64_t inputs, int64_t bins) {
+  Names names("decode_head.");
+  names.convolution("conv_depth", bins, inputs, 1);
+  return names.list;
+}
+
+TensorList vgg16_tensors(const std::vector<int64_t>& widths) {
+  Names names("");
+  const std::vector<std::vector<int>> stages = {
+      {0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
+  int64_t inputs = 3;
+  for (size_t s = 0; s < stages.size(); ++s) {
+    for (const int index : stages[s]) {
+      names.convolution("features." + std::to_string(index), widths[s], inputs, 3);
+      inputs = widths[s];
+    }
+  }
+  return names.list;
+}
+
+TensorList lpips_tensors(const std::vector<int64_t>& widths) {
+  Names names("");
+  for (size_t s = 0; s < widths.size(); ++s)
+    names.add("lin" + std::to_string(s) + ".model.1.weight", {1, widths[s], 1, 1});
+  return names.list;
+}
+
 TensorList vggt_tensors(const VggtSize& size) {
   Names names("");
   const int64_t c = size.encoder.channels, heads = std::max<int64_t>(c / 64, 1);
@@ -319,6 +363,7 @@ void write_random_weights(const std::filesystem::path& path, const TensorList& t
       constexpr uint64_t kBatch = uint64_t(1) << 20;  // values in memory at a time
       values.resize(size_t(std::min(left, kBatch)));
       for (float& v : values) v = float(random.uniform(d.mean - d.spread, d.mean + d.spread));
+      set_pose_bias(tensor, values);
       out.append(values.data(), values.size());
       left -= values.size();
     }

@@ -38,11 +38,19 @@ struct Mask2FormerSize {
 /// Names and shapes as published. `prefix` stands before every name.
 TensorList dinov2_tensors(const VitSize& size, const std::string& prefix = "");
 TensorList dpt_head_tensors(const VitSize& size, int64_t features = 256);
+/// Segmentation heads on `inputs` features (linear: the channels of the backbone; ms: four times).
+TensorList bn_head_tensors(int64_t inputs, int64_t classes = 150);
+/// Linear depth heads; `inputs`: twice the channels, times the layers.
+TensorList linear_depth_tensors(int64_t inputs, int64_t bins = 256);
+/// LPIPS: VGG16's convolutions, and the weights of its five stages.
+TensorList vgg16_tensors(const std::vector<int64_t>& widths = {64, 128, 256, 512, 512});
+TensorList lpips_tensors(const std::vector<int64_t>& widths = {64, 128, 256, 512, 512});
 TensorList vggt_tensors(const VggtSize& size);  ///< without the tracker
 TensorList mask2former_tensors(const Mask2FormerSize& size);
 
 /// Writes them to a safetensors file in half precision, one after the other. Values are such that
-/// activations stay of the order of one; equal seeds give equal files.
+/// activations stay of the order of one, and VGGT's cameras are ones that photographs could have;
+/// equal seeds give equal files.
 void write_random_weights(const std::filesystem::path& path, const TensorList& tensors,
                           uint64_t seed);
 

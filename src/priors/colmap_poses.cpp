@@ -1,0 +1,209 @@
+#include "priors/colmap_poses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "priors/child_process.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Matches that agree with one relative pose, below which a pair is not used (COLMAP's own default).
+constexpr int kFewestVerified = 15;
+/// A photo with fewer features can hardly share enough of them with another one.
+constexpr int kFewFeatures = 200;
+
+using Arguments = std::vector<std::string>;
+
+struct Attempt {
+  const char* name;
+  bool sensitive;
+};
+
+class ColmapRun {
+ public:
+  ColmapRun(fs::path work, const ColmapPosesOptions& options)
+      : work_(std::move(work)), options_(options) {}
+
+  void step(const Attempt& attempt, const std::string& name, uint64_t total,
+            const std::string& mark, Arguments more, bool may_fail = false) const {
+    Arguments arguments = {"colmap", name};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Progress progress(options_.progress, fmt::format("colmap {} ({})", name, attempt.name), total);
+    uint64_t done = 0;
+    const ChildResult result =
+        run_child(arguments, work_ / "colmap.log", [&](const std::string& line) {
+          if (line.find(mark) != std::string::npos)
+            progress.update(std::min(++done, std::max<uint64_t>(total, 1) - 1));
+        });
+    if (result.status == 0 || (may_fail && result.status < 128)) {
+      progress.update(total);
+      return;
+    }
+    throw Error({ErrorKind::kFailed,
+                 fmt::format("`colmap {}` ended with status {}:\n{}", name, result.status,
+                             result.last_lines),
+                 work_ / "colmap.log", "", "see the end of this file"});
+  }
+
+  fs::path work() const { return work_; }
+  std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
+
+ private:
+  fs::path work_;
+  const ColmapPosesOptions& options_;
+};
+
+struct AttemptResult {
+  std::vector<fs::path> models;  ///< folders
+  ColmapModel largest;
+  fs::path database;
+};
+
+AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t photos,
+                          bool one_camera) {
+  const fs::path database = run.work() / (std::string(attempt.name) + ".db");
+  const fs::path sparse = run.work() / attempt.name;
+  fs::remove(database);
+  fs::remove_all(sparse);
+  fs::create_directories(sparse);
+  const std::string images = (run.work() / "images").string();
+  Arguments extract = {"--database_path", database.string(), "--image_path", images,
+                       "--ImageReader.camera_model", "SIMPLE_RADIAL",
+                       "--ImageReader.single_camera", one_camera ? "1" : "0",
+                       "--SiftExtraction.use_gpu", "0",
+                       "--SiftExtraction.num_threads", run.threads(),
+                       "--SiftExtraction.max_num_features", "8192"};
+  if (attempt.sensitive) {
+    // Affine shape and domain-size pooling match views that differ much; weak corners count, since
+    // walls and furniture have few strong ones.
+    for (const char* const a : {"--SiftExtraction.estimate_affine_shape", "1",
+                                "--SiftExtraction.domain_size_pooling", "1",
+                                "--SiftExtraction.peak_threshold", "0.004"}) {
+      extract.push_back(a);
+    }
+  }
+  run.step(attempt, "feature_extractor", photos, "Processed file", extract);
+  run.step(attempt, "exhaustive_matcher", 1, "Matching block",
+           {"--database_path", database.string(), "--SiftMatching.use_gpu", "0",
+            "--SiftMatching.num_threads", run.threads(), "--SiftMatching.guided_matching", "1"});
+  // Few photos have little to begin with: smaller angles, fewer shared points than for collections.
+  const auto choose = [&](const char* quick, const char* sensitive) {
+    return std::string(attempt.sensitive ? sensitive : quick);
+  };
+  const Arguments map = {"--database_path", database.string(),
+                         "--image_path", images,
+                         "--output_path", sparse.string(),
+                         "--Mapper.num_threads", run.threads(),
+                         "--Mapper.min_model_size", "3",
+                         "--Mapper.init_min_tri_angle", choose("8", "4"),  // degrees; default 16
+                         "--Mapper.init_min_num_inliers", choose("60", "40"),  // default 100
+                         "--Mapper.abs_pose_min_num_inliers", choose("20", "15")};  // default 30
+  run.step(attempt, "mapper", photos, "Registering image", map, true);
+  AttemptResult result;
+  result.database = database;
+  for (const auto& entry : fs::directory_iterator(sparse)) {
+    if (!fs::exists(entry.path() / "images.bin")) continue;
+    result.models.push_back(entry.path());
+    ColmapModel model = read_colmap_model(entry.path());
+    if (model.images.size() > result.largest.images.size()) result.largest = std::move(model);
+  }
+  return result;
+}
+
+double mean_error(const ColmapModel& model) {
+  double sum = 0;
+  for (const ColmapPoint& point : model.points) sum += point.error;
+  return model.points.empty() ? 0 : sum / double(model.points.size());
+}
+
+}  // namespace
+
+std::string why_unplaced(const ColmapDatabase& database, const std::string& photo,
+                         const std::vector<std::string>& placed) {
+  const ColmapDatabase::Photo* self = nullptr;
+  std::map<uint32_t, std::string> names;
+  for (const ColmapDatabase::Photo& p : database.photos) {
+    names[p.id] = p.name;
+    if (p.name == photo) self = &p;
+  }
+  if (!self) return "COLMAP could not read it";
+  if (self->features < kFewFeatures) {
+    return fmt::format("only {} features were found in it: too dark, too blurred or without texture",
+                       self->features);
+  }
+  // The strongest connection with a placed photo, and with any.
+  int64_t best = 0, best_placed = 0;
+  std::string with, with_placed;
+  for (const ColmapDatabase::Pair& pair : database.pairs) {
+    if (pair.first != self->id && pair.second != self->id) continue;
+    const std::string& other = names[pair.first == self->id ? pair.second : pair.first];
+    if (pair.verified > best) best = pair.verified, with = other;
+    const bool other_placed = std::find(placed.begin(), placed.end(), other) != placed.end();
+    if (other_placed && pair.verified > best_placed) best_placed = pair.verified, with_placed = other;
+  }
+  if (best == 0) {
+    return fmt::format("it shares nothing with any other photo ({} features, none agree): "
+                       "no overlap", self->features);
+  }
+  if (best < kFewestVerified) {
+    return fmt::format("its best partner {} shares only {} points with it ({} are needed): too "
+                       "little overlap", with, best, kFewestVerified);
+  }
+  if (placed.empty()) {
+    return fmt::format("it shares {} points with {}, too few for a first pair of cameras", best,
+                       with);
+  }
+  if (best_placed >= kFewestVerified) {
+    return fmt::format("it shares {} points with {}, but its position could not be told from them",
+                       best_placed, with_placed);
+  }
+  return fmt::format("it overlaps with {} ({} points), which is not connected with the others",
+                     with, best);
+}
+
+ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,
+                                   const ColmapPosesOptions& options) {
+  if (find_program("colmap").empty()) {
+    throw Error({ErrorKind::kFailed, "the program colmap is not in PATH", {}, "--method colmap",
+                 "apt-get install colmap, or use --method vggt"});
+  }
+  setenv("QT_QPA_PLATFORM", "offscreen", 0);  // it links to Qt, and there may be no screen
+  bool one_camera = options.shared_camera;
+  for (const Photo& photo : photos) {
+    one_camera = one_camera && photo.width == photos[0].width && photo.height == photos[0].height;
+  }
+  const ColmapRun run(work, options);
+  AttemptResult best = run_attempt(run, {"quick", false}, photos.size(), one_camera);
+  if (best.largest.images.size() < photos.size()) {
+    log_info("{} of {} photos placed; trying again with more sensitive features",
+             best.largest.images.size(), photos.size());
+    AttemptResult second = run_attempt(run, {"thorough", true}, photos.size(), one_camera);
+    if (second.largest.images.size() >= best.largest.images.size()) best = std::move(second);
+  }
+  ColmapPoses poses;
+  std::vector<std::string> placed;
+  for (const ColmapImage& image : best.largest.images) placed.push_back(image.name);
+  if (placed.size() < photos.size()) {
+    const ColmapDatabase database = read_colmap_database(best.database);
+    for (const Photo& photo : photos) {
+      const std::string name = photo.file.filename().string();
+      if (std::find(placed.begin(), placed.end(), name) == placed.end())
+        poses.unplaced.push_back({photo.name, why_unplaced(database, name, placed)});
+    }
+  }
+  poses.other_models = std::max(0, int(best.models.size()) - 1);
+  poses.reprojection_error = mean_error(best.largest);
+  poses.model = std::move(best.largest);
+  return poses;
+}
+
+}  // namespace aligngs

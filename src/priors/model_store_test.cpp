@@ -1,0 +1,280 @@
+#include "priors/model_store.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
+#include "io/safetensors.h"
+#include "priors/http_download.h"
+#include "priors/loopback_server_for_tests.h"
+#include "priors/model_download.h"
+#include "scene/sha256.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class Models : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) /
+             ("models_" +
+              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    set_log_level(LogLevel::kSilent);
+    options.folder = folder / "own";
+    options.huggingface = {folder / "hub"};
+    options.torch = {folder / "checkpoints"};
+    model.name = "toy";
+    model.licence = {"MIT", "https://example.org/licence", "", false};
+    model.files = {{"toy.safetensors", "http://127.0.0.1:1/toy.safetensors", "acme/toy",
+                    {"model.pt"}, 1000, false, "", "wanted"}};
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  void put(const fs::path& path, const std::string& tensor = "wanted") const {
+    TensorFile file;
+    file.tensors[tensor] = tensor_of({1, 2, 3});
+    fs::create_directories(path.parent_path());
+    write_safetensors(path, file);
+  }
+  std::string bytes_of_a_good_file() const {
+    put(folder / "good.safetensors");
+    return read_file(folder / "good.safetensors");
+  }
+  const ModelFile& file() const { return model.files[0]; }
+  ModelStore store() const { return ModelStore(options); }
+
+  template <class F>
+  static std::string error_of(ErrorKind kind, F work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), kind) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+
+  fs::path folder;
+  ModelStoreOptions options;
+  PublishedModel model;
+};
+
+TEST_F(Models, NamesAreUniqueAndWhatTheyNeedExists) {
+  for (const PublishedModel& m : published_models()) {
+    int same = 0;
+    for (const PublishedModel& other : published_models()) same += other.name == m.name;
+    EXPECT_EQ(same, 1) << m.name;
+    EXPECT_NO_THROW(with_needs(m)) << m.name;
+    EXPECT_FALSE(m.files.empty()) << m.name;
+    EXPECT_GT(download_bytes(m), 0u) << m.name;
+    for (const ModelFile& f : m.files) EXPECT_EQ(f.url.rfind("https://", 0), 0u) << f.url;
+  }
+}
+
+TEST_F(Models, AHeadComesAfterItsBackbone) {
+  const auto parts = with_needs(published_model("ade20k-linear-b"));
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0]->name, "dinov2-b");
+}
+
+TEST_F(Models, AMistypedNameGetsASuggestion) {
+  EXPECT_THAT(error_of(ErrorKind::kUsage, [] { published_model("vgt-1b"); }), HasSubstr("vggt-1b"));
+}
+
+TEST_F(Models, OwnFolderWins) {
+  put(options.folder / "toy" / "toy.safetensors");
+  put(options.huggingface[0] / "models--acme--toy" / "snapshots" / "r1" / "model.pt");
+  EXPECT_EQ(store().find(model, file())->place, ModelPlace::kOurs);
+}
+
+TEST_F(Models, HuggingFaceCacheIsReadAtTheRevisionOfMain) {
+  const fs::path repository = options.huggingface[0] / "models--acme--toy";
+  put(repository / "snapshots" / "aaaa" / "toy.safetensors");
+  put(repository / "snapshots" / "bbbb" / "toy.safetensors");
+  fs::create_directories(repository / "refs");
+  std::ofstream(repository / "refs" / "main") << "bbbb";
+  const auto located = store().find(model, file());
+  ASSERT_TRUE(located);
+  EXPECT_EQ(located->path.parent_path().filename(), "bbbb");
+}
+
+TEST_F(Models, ABlobOfHuggingFaceNamesItsDigest) {
+  const fs::path repository = options.huggingface[0] / "models--acme--toy";
+  const std::string digest(64, 'a');
+  put(repository / "blobs" / digest);
+  fs::create_directories(repository / "snapshots" / "r1");
+  fs::create_symlink("../../blobs/" + digest, repository / "snapshots" / "r1" / "toy.safetensors");
+  EXPECT_EQ(store().digest(model, file(), *store().find(model, file())), digest);
+}
+
+TEST_F(Models, TorchCacheIsReadForFilesThatTorchFetches) {
+  model.files[0].huggingface.clear();
+  put(options.torch[0] / "toy.safetensors");
+  EXPECT_EQ(store().find(model, file())->place, ModelPlace::kTorch);
+}
+
+TEST_F(Models, FirstUseRecordsTheDigest) {
+  model.files[0].huggingface.clear();
+  put(options.torch[0] / "toy.safetensors");
+  const auto located = *store().find(model, file());
+  const std::string digest = store().digest(model, file(), located);
+  EXPECT_EQ(digest, sha256_of_file(located.path));
+  ASSERT_TRUE(store().record(model, file()));
+  EXPECT_EQ(store().record(model, file())->sha256, digest);
+}
+
+TEST_F(Models, AMissingModelSaysWhatToDownloadHowLargeAndWhereItWasLookedFor) {
+  const std::string text = error_of(ErrorKind::kWeights, [&] { store().require(model); });
+  EXPECT_THAT(text, HasSubstr("aligngs models download toy"));
+  EXPECT_THAT(text, HasSubstr("1.0 kB"));
+  EXPECT_THAT(text, HasSubstr((options.folder / "toy" / "toy.safetensors").string()));
+  EXPECT_THAT(text, HasSubstr("models--acme--toy"));
+}
+
+TEST_F(Models, EnvironmentChoosesTheFolders) {
+  setenv("ALIGNGS_MODELS", "/a", 1);
+  setenv("HF_HOME", "/b", 1);
+  setenv("HF_HUB_OFFLINE", "1", 1);
+  unsetenv("HF_HUB_CACHE");
+  const ModelStoreOptions o = ModelStoreOptions::from_environment(false);
+  unsetenv("ALIGNGS_MODELS");
+  unsetenv("HF_HOME");
+  unsetenv("HF_HUB_OFFLINE");
+  EXPECT_EQ(o.folder, "/a");
+  EXPECT_EQ(o.huggingface[0], "/b/hub");
+  EXPECT_TRUE(o.offline);
+}
+
+TEST_F(Models, ImportPutsAFileInPlace) {
+  put(folder / "anything.bin");
+  EXPECT_EQ(import_model_file(store(), model, folder / "anything.bin"),
+            store().own_path(model, file()));
+  EXPECT_TRUE(store().installed(model));
+}
+
+TEST_F(Models, ImportRefusesOtherWeights) {
+  put(folder / "other.safetensors", "unwanted");
+  EXPECT_THAT(error_of(ErrorKind::kWeights,
+                       [&] { import_model_file(store(), model, folder / "other.safetensors"); }),
+              HasSubstr("wanted"));
+  EXPECT_FALSE(store().installed(model));
+}
+
+TEST_F(Models, ImportRefusesAFileThatIsNotThePublishedOne) {
+  model.files[0].sha256 = "0000";
+  put(folder / "file.safetensors");
+  error_of(ErrorKind::kWeights,
+           [&] { import_model_file(store(), model, folder / "file.safetensors"); });
+  EXPECT_FALSE(store().installed(model));
+}
+
+TEST_F(Models, VerifyAcceptsWhatCameUnchanged) {
+  put(folder / "file.safetensors");
+  import_model_file(store(), model, folder / "file.safetensors");
+  const auto states = verify_model(store(), model);
+  ASSERT_EQ(states.size(), 1u);
+  EXPECT_TRUE(states[0].good) << states[0].problem;
+  EXPECT_EQ(states[0].compared_with, "recorded");
+}
+
+TEST_F(Models, VerifyFindsAChangedByte) {
+  put(folder / "file.safetensors");
+  const fs::path path = import_model_file(store(), model, folder / "file.safetensors");
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(-1, std::ios::end).put('x');
+  EXPECT_FALSE(verify_model(store(), model)[0].good);
+}
+
+class ModelsFromAServer : public Models {
+ protected:
+  void SetUp() override {
+    Models::SetUp();
+    if (!can_download()) GTEST_SKIP() << "built without libcurl";
+  }
+  ModelDownloadOptions from(const LoopbackServer& server) const {
+    ModelDownloadOptions o;
+    o.mirror = server.url();
+    o.first_pause = 0.001;
+    o.attempts = 2;
+    o.progress.enabled = false;
+    return o;
+  }
+};
+
+TEST_F(ModelsFromAServer, DownloadChecksAndRecords) {
+  const std::string body = bytes_of_a_good_file();
+  Sha256 sha;
+  sha.update(body);
+  const std::string digest = sha.finish();
+  model.files[0].sha256 = digest.substr(0, 8);
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{body}; });
+  download_model(store(), model, from(server));
+  EXPECT_EQ(read_file(store().own_path(model, file())), body);
+  EXPECT_EQ(store().record(model, file())->sha256, digest);
+  EXPECT_EQ(store().record(model, file())->licence, "MIT");
+  EXPECT_FALSE(fs::exists(part_of(store().own_path(model, file()))));
+}
+
+TEST_F(ModelsFromAServer, WhatIsThereIsNotAskedFor) {
+  put(options.folder / "toy" / "toy.safetensors");
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"never"}; });
+  download_model(store(), model, from(server));
+  EXPECT_TRUE(server.requests().empty());
+}
+
+TEST_F(ModelsFromAServer, AWrongDigestIsRefusedAndRemoved) {
+  const std::string body = bytes_of_a_good_file();
+  model.files[0].sha256 = "00000000";
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{body}; });
+  EXPECT_THAT(
+      error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
+      HasSubstr("SHA-256"));
+  EXPECT_FALSE(store().installed(model));
+  EXPECT_FALSE(fs::exists(part_of(store().own_path(model, file()))));
+}
+
+TEST_F(ModelsFromAServer, AWebPageInPlaceOfWeightsIsRefused) {
+  LoopbackServer server(
+      [&](const std::string&, int) { return LoopbackAnswer{"<html>please log in</html>"}; });
+  error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); });
+  EXPECT_FALSE(store().installed(model));
+}
+
+TEST_F(ModelsFromAServer, ATruncatedFileStaysForTheNextTime) {
+  const std::string body = bytes_of_a_good_file();
+  LoopbackServer broken([&](const std::string&, int) {
+    return LoopbackAnswer{body, "\"1\"", 200, false, body.size() / 2};
+  });
+  error_of(ErrorKind::kFailed, [&] { download_model(store(), model, from(broken)); });
+  EXPECT_FALSE(store().installed(model));
+  LoopbackServer whole([&](const std::string&, int) { return LoopbackAnswer{body}; });
+  download_model(store(), model, from(whole));
+  EXPECT_TRUE(store().installed(model));
+}
+
+TEST_F(ModelsFromAServer, OfflineNeverAsks) {
+  options.offline = true;
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"never"}; });
+  EXPECT_THAT(
+      error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
+      HasSubstr("offline"));
+  EXPECT_TRUE(server.requests().empty());
+}
+
+TEST_F(ModelsFromAServer, AModelLargerThanTheDiskIsRefusedBeforeAnyByte) {
+  model.files[0].bytes = uint64_t(1) << 60;
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"never"}; });
+  error_of(ErrorKind::kResources, [&] { download_model(store(), model, from(server)); });
+  EXPECT_TRUE(server.requests().empty());
+}
+
+}  // namespace
+}  // namespace aligngs

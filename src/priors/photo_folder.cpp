@@ -1,0 +1,114 @@
+#include "priors/photo_folder.h"
+
+#include <algorithm>
+#include <map>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "io/jpeg_codec.h"
+#include "io/png_codec.h"
+#include "io/resample.h"
+#include "scene/import/capture_text.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::vector<std::string> kRead = {".jpg", ".jpeg", ".png"};
+const std::vector<std::string> kKnown = {".heic", ".heif", ".webp", ".tif", ".tiff",
+                                         ".avif", ".dng",  ".cr2",  ".nef", ".arw"};
+
+fs::path folder_with_photos(const fs::path& folder) {
+  if (!list_files(folder, kRead).empty()) return folder;
+  const fs::path inner = folder / "images";
+  return fs::is_directory(inner) && !list_files(inner, kRead).empty() ? inner : folder;
+}
+
+int stored_orientation(const std::string& bytes, const fs::path& file) {
+  if (is_jpeg(bytes)) return parse_jpeg_header(bytes, file).orientation;
+  if (is_png(bytes)) return parse_png_header(bytes, file, false).orientation;
+  return 1;
+}
+
+Image<uint8_t> shrunk(const Image<uint8_t>& image, int max_side) {
+  const double scale = double(max_side) / std::max(image.width, image.height);
+  const auto side = [&](int pixels) { return std::max(1, int(pixels * scale + 0.5)); };
+  const ImageF small = resize_area(to_float(image), side(image.width), side(image.height));
+  Image<uint8_t> bytes(small.width, small.height, small.channels);
+  std::transform(small.data.begin(), small.data.end(), bytes.data.begin(), [](float v) {
+    return uint8_t(std::clamp(v, 0.f, 1.f) * 255 + 0.5f);
+  });
+  return bytes;
+}
+
+Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
+  Photo out = photo;
+  const std::string bytes = read_file(photo.file);
+  const bool jpeg = is_jpeg(bytes);
+  const bool large = std::max(photo.width, photo.height) > max_side;
+  out.file = folder / (photo.name + (jpeg ? ".jpg" : ".png"));
+  if (!large && stored_orientation(bytes, photo.file) == 1) {
+    write_file_atomically(out.file, bytes);
+    return out;
+  }
+  Image<uint8_t> image = decode_image(bytes, photo.file);
+  if (large) image = shrunk(image, max_side);
+  out.width = image.width;
+  out.height = image.height;
+  constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
+  if (jpeg) write_jpeg(out.file, image, kQuality);
+  else write_png(out.file, image);
+  return out;
+}
+
+}  // namespace
+
+bool has_photos(const fs::path& folder) {
+  return fs::is_directory(folder) && !list_files(folder_with_photos(folder), kRead).empty();
+}
+
+std::vector<Photo> list_photos(const fs::path& given) {
+  if (!fs::is_directory(given))
+    throw_bad_input(given, "", "there is no such folder", "give the folder that holds the photos");
+  const fs::path folder = folder_with_photos(given);
+  std::string unread;
+  for (const fs::path& file : list_files(folder, kKnown)) unread += " " + file.filename().string();
+  const std::vector<fs::path> files = list_files(folder, kRead);
+  constexpr size_t kFewest = 2;  // one photo has no parallax
+  if (files.size() < kFewest) {
+    throw_bad_input(folder, "",
+                    files.empty() ? "there is no JPEG or PNG here" : "one photo is not enough",
+                    unread.empty() ? "give the folder that holds the photos of the room"
+                                   : "convert these to JPEG first:" + unread);
+  }
+  if (!unread.empty()) log_warning("left out, as neither JPEG nor PNG:{}", unread);
+  std::vector<Photo> photos;
+  std::map<std::string, fs::path> names;
+  for (const fs::path& file : files) {
+    const ImageInfo info = read_image_info(file);
+    Photo photo{file.stem().string(), file, info.width, info.height};
+    const auto [other, fresh] = names.emplace(photo.name, file);
+    if (!fresh) {
+      throw_bad_input(file, "name", "another photo has the same name: " + other->second.string(),
+                      "rename or remove one of them");
+    }
+    photos.push_back(std::move(photo));
+  }
+  return photos;
+}
+
+std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder,
+                                  int max_side, ThreadPool& pool) {
+  fs::create_directories(folder);
+  std::vector<Photo> prepared(photos.size());
+  pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
+    prepared[i] = prepare(photos[i], folder, max_side);
+  });
+  return prepared;
+}
+
+}  // namespace aligngs

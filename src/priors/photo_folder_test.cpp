@@ -1,0 +1,127 @@
+#include "priors/photo_folder.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PhotoFolder : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) /
+             ("photos_" +
+              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  static Image<uint8_t> picture(int width, int height, int channels = 3) {
+    Image<uint8_t> image(width, height, channels, 90);
+    image.at(0, 0) = 255;
+    return image;
+  }
+  std::string error_of_list() const {
+    try {
+      list_photos(folder);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      return error.what();
+    }
+    return "";
+  }
+  /// A JPEG whose EXIF says that the camera was held on its side (orientation 6).
+  void write_turned(const fs::path& file, int width, int height) const {
+    const std::vector<uint8_t> jpeg = encode_jpeg(picture(width, height));
+    const std::string exif("\xff\xe1\x00\x22"
+                           "Exif\0\0"
+                           "MM\0*\0\0\0\x08"
+                           "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 36);
+    std::string bytes(jpeg.begin(), jpeg.end());
+    write_file_atomically(file, bytes.substr(0, 2) + exif + bytes.substr(2));
+  }
+
+  fs::path folder;
+};
+
+TEST_F(PhotoFolder, PhotosComeInTheOrderOfPeople) {
+  for (const char* name : {"10.jpg", "2.jpg", "1.JPG"}) write_jpeg(folder / name, picture(20, 16));
+  const std::vector<Photo> photos = list_photos(folder);
+  ASSERT_EQ(photos.size(), 3u);
+  EXPECT_EQ(photos[0].name, "1");
+  EXPECT_EQ(photos[1].name, "2");
+  EXPECT_EQ(photos[2].name, "10");
+}
+
+TEST_F(PhotoFolder, AFolderNamedImagesIsFound) {
+  fs::create_directories(folder / "images");
+  for (const char* name : {"a.png", "b.png"}) write_png(folder / "images" / name, picture(20, 16));
+  EXPECT_EQ(list_photos(folder).size(), 2u);
+  EXPECT_TRUE(has_photos(folder));
+}
+
+TEST_F(PhotoFolder, PhotosOfATelephoneInAnotherFormatAreNamed) {
+  std::ofstream(folder / "IMG_1.HEIC") << "x";
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("IMG_1.HEIC"));
+}
+
+TEST_F(PhotoFolder, TwoPhotosOfOneNameAreRefused) {
+  write_jpeg(folder / "a.jpg", picture(20, 16));
+  write_png(folder / "a.png", picture(20, 16));
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("same name"));
+}
+
+TEST_F(PhotoFolder, AnEmptyFolderAndOnePhotoAreRefused) {
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("no JPEG or PNG"));
+  write_jpeg(folder / "a.jpg", picture(20, 16));
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("one photo"));
+}
+
+TEST_F(PhotoFolder, APictureThatIsNoneIsNamed) {
+  write_jpeg(folder / "a.jpg", picture(20, 16));
+  std::ofstream(folder / "b.jpg") << "not a picture";
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("b.jpg"));
+}
+
+TEST_F(PhotoFolder, UprightPhotosAreCopiedAsTheyAre) {
+  write_jpeg(folder / "a.jpg", picture(20, 16));
+  write_png(folder / "b.png", picture(20, 16, 4));
+  ThreadPool pool(2);
+  const auto prepared = prepare_photos(list_photos(folder), folder / "work", 1600, pool);
+  EXPECT_EQ(read_file(prepared[0].file), read_file(folder / "a.jpg"));
+  EXPECT_EQ(read_file(prepared[1].file), read_file(folder / "b.png"));
+}
+
+TEST_F(PhotoFolder, TurnedPhotosAreMadeUpright) {
+  write_turned(folder / "a.jpg", 40, 24);
+  write_jpeg(folder / "b.jpg", picture(40, 24));
+  ThreadPool pool(2);
+  const std::vector<Photo> photos = list_photos(folder);
+  EXPECT_EQ(photos[0].width, 24);
+  EXPECT_EQ(photos[0].height, 40);
+  const auto prepared = prepare_photos(photos, folder / "work", 1600, pool);
+  const Image<uint8_t> image = read_image(prepared[0].file);
+  EXPECT_EQ(image.width, 24);
+  EXPECT_NE(read_file(prepared[0].file), read_file(folder / "a.jpg"));
+}
+
+TEST_F(PhotoFolder, LargePhotosAreShrunkToTheLongerSide) {
+  write_jpeg(folder / "a.jpg", picture(200, 100));
+  write_png(folder / "b.png", picture(100, 200, 4));
+  ThreadPool pool(1);
+  const auto prepared = prepare_photos(list_photos(folder), folder / "work", 50, pool);
+  EXPECT_EQ(prepared[0].width, 50);
+  EXPECT_EQ(prepared[0].height, 25);
+  const Image<uint8_t> second = read_image(prepared[1].file);
+  EXPECT_EQ(second.width, 25);
+  EXPECT_EQ(second.channels, 4);
+}
+
+}  // namespace
+}  // namespace aligngs

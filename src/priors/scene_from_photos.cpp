@@ -1,0 +1,254 @@
+#include "priors/scene_from_photos.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/half.h"
+#include "core/log.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "io/resample.h"
+#include "nn/preprocess/pillow_resize.h"
+#include "nn/weights.h"
+#include "priors/vggt_prediction.h"
+#include "scene/depth_cloud.h"
+#include "scene/import/import_capture.h"
+#include "scene/scene_writer.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t kFewestPlaced = 3;  // two views leave most of a room unseen twice
+
+/// A folder beside the scene for what is needed on the way; removed unless the program COLMAP
+/// failed, whose messages it holds.
+class WorkFolder {
+ public:
+  explicit WorkFolder(const fs::path& scene) {
+    fs::path beside = fs::absolute(scene).lexically_normal();
+    if (!beside.has_filename()) beside = beside.parent_path();  // "scene/"
+    path_ = beside.string() + ".work-" + std::to_string(getpid());
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) throw_resources(path_, error.message(), "choose a folder that you may write to");
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    if (!keep) fs::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const fs::path& path() const { return path_; }
+  bool keep = false;
+
+ private:
+  fs::path path_;
+};
+
+void require_free(const fs::path& scene, bool overwrite) {
+  if (fs::exists(scene) && !overwrite && !(fs::is_directory(scene) && fs::is_empty(scene)))
+    throw_usage(scene.string() + " exists", "give another folder, or --overwrite");
+}
+
+bool is_test(size_t index, int test_every) {
+  return test_every > 0 && index % size_t(test_every) == 0;
+}
+
+/// The photos that have cameras must be enough to train on.
+void require_enough(const fs::path& photos, size_t all, size_t placed,
+                    const std::vector<UnplacedPhoto>& unplaced) {
+  if (placed >= kFewestPlaced && 2 * placed >= all) return;
+  std::string reasons;
+  for (const UnplacedPhoto& photo : unplaced) reasons += "\n    " + photo.name + ": " + photo.reason;
+  throw_bad_input(photos, "poses",
+                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons),
+                  "neighbouring photos should share about 60 % of what they show and be taken from "
+                  "different places, sharp and evenly lit; or try --method vggt, which needs less "
+                  "overlap");
+}
+
+PointCloud good_points(const ColmapModel& model) {
+  constexpr double kMaxError = 2;  // pixels; what 3DGS' readers keep
+  PointCloud cloud;
+  for (const ColmapPoint& point : model.points) {
+    if (point.error > kMaxError) continue;
+    cloud.positions.push_back(point.position.cast<float>());
+    cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
+  }
+  return cloud;
+}
+
+void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, WorkFolder& work,
+                     const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
+                     ScenePhotosReport& report) {
+  ColmapPosesOptions colmap;
+  colmap.shared_camera = options.shared_camera;
+  colmap.threads = options.threads;
+  colmap.progress = options.progress;
+  ColmapPoses poses;
+  try {
+    poses = find_poses_with_colmap(photos, work.path(), colmap);
+  } catch (const Error& error) {
+    work.keep = error.kind() == ErrorKind::kFailed && fs::exists(work.path() / "colmap.log");
+    throw;
+  }
+  report.unplaced = poses.unplaced;
+  report.placed = poses.model.images.size();
+  report.reprojection_error = poses.reprojection_error;
+  require_enough(source, photos.size(), report.placed, poses.unplaced);
+  write_colmap_binary(work.path() / "sparse", poses.model);
+  Capture capture = read_colmap_capture(work.path());
+  capture.layout = "photos, cameras by COLMAP";
+  capture.cloud = good_points(poses.model);
+  ImportOptions import;
+  import.depth_prior = false;
+  import.overwrite = options.overwrite;
+  import.progress = options.progress;
+  import.test_views = 0;
+  for (size_t i = 0; i < capture.frames.size(); ++i) {
+    (is_test(i, options.test_every) ? import.test_names : import.train_names)
+        .push_back(capture.frames[i].name);
+  }
+  const ImportReport imported = import_capture(capture, scene, import, pool);
+  report.points = imported.points;
+  report.train = imported.train;
+  report.test = imported.test;
+}
+
+/// Depth of low confidence is no value, for the cloud and as a prior.
+void drop_unsure_depth(std::vector<VggtView>& views, double percent) {
+  if (percent <= 0) return;
+  const float least = confidence_at(views, percent);
+  for (VggtView& view : views) {
+    for (size_t i = 0; i < view.depth.data.size(); ++i) {
+      if (!(view.confidence.data[i] >= least)) view.depth.data[i] = 0;
+    }
+  }
+}
+
+PointCloud cloud_of(const std::vector<VggtView>& views, const std::vector<Photo>& photos,
+                    size_t max_points, ThreadPool& pool) {
+  // Confidence has no upper limit: relative to what the better half of the pixels reach.
+  const float reference = std::max(confidence_at(views, 75), 1e-6f);
+  std::vector<ImageF> colors(views.size()), weights(views.size());
+  std::vector<DepthCloudView> cloud_views;
+  pool.parallel_for(views.size(), 1, [&](size_t i, size_t, int) {
+    const VggtView& view = views[i];
+    Image<uint8_t> bytes = nn::pillow_rgb_on_white(read_image(photos[i].file));
+    colors[i] = resize_area(to_float(bytes), view.depth.width, view.depth.height);
+    weights[i] = ImageF(view.depth.width, view.depth.height, 1);
+    for (size_t k = 0; k < weights[i].data.size(); ++k)
+      weights[i].data[k] = std::clamp(view.confidence.data[k] / reference, 0.f, 1.f);
+  });
+  for (size_t i = 0; i < views.size(); ++i) {
+    const VggtView& view = views[i];
+    cloud_views.push_back({view.camera.resized(view.depth.width, view.depth.height), &view.depth,
+                           &colors[i], &weights[i]});
+  }
+  DepthCloudOptions options;
+  options.min_confidence = 0;  // what is unsure is left out already
+  options.max_points = max_points;
+  return fuse_depth_cloud(cloud_views, options, pool).cloud;
+}
+
+void write_confidence(const fs::path& file, const ImageF& confidence) {
+  std::vector<uint16_t> half(confidence.data.size());
+  std::transform(confidence.data.begin(), confidence.data.end(), half.begin(), float_to_half);
+  fs::create_directories(file.parent_path());
+  write_npy_float16(file, {confidence.height, confidence.width}, half.data());
+}
+
+void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
+                   const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
+  const PublishedModel& model = published_model(options.model);
+  const fs::path file = store.require(model).at(0);
+  const nn::Weights weights = nn::Weights::open(file);
+  VggtInputs inputs = vggt_inputs(photos, pool);
+  MemoryBudget budget(options.memory_limit);
+  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
+                  inputs.images[0].height);
+  log_info("memory for VGGT on {} photos:\n{}", photos.size(), budget.table());
+  budget.require("VGGT", "use fewer photos, or --method colmap");
+  std::vector<VggtView> views;
+  {
+    nn::Compute compute(pool, {options.precision, true, true});
+    const nn::Vggt network(compute, weights);
+    views = predict_vggt_views(compute, network, photos, std::move(inputs),
+                               {options.shared_focal, options.progress});
+  }
+  drop_unsure_depth(views, options.drop_percent);
+
+  SceneWriter writer(scene, options.overwrite);
+  SceneParts parts;
+  parts.split.train.emplace();
+  parts.split.test.emplace();
+  for (size_t i = 0; i < views.size(); ++i) {
+    SceneViewParts view;
+    view.name = photos[i].name;
+    view.camera = views[i].camera;
+    view.image_file = photos[i].file;
+    view.prior_depth = views[i].depth;
+    view.half_depth = true;
+    writer.add_view(view);
+    (is_test(i, options.test_every) ? *parts.split.test : *parts.split.train).push_back(view.name);
+  }
+  parts.cloud = cloud_of(views, photos, options.max_points, pool);
+  if (parts.cloud.size() == 0) {
+    throw Error({ErrorKind::kFailed, "no point is left of the network's depth", scene, "",
+                 "use a lower --drop-percent, or --method colmap"});
+  }
+  parts.description.source = "photos, cameras and depth by " + model.name;
+  const LocatedModelFile located = *store.find(model, model.files[0]);
+  parts.priors.depth =
+      PriorJson{model.name, store.digest(model, model.files[0], located),
+                {{"drop_percent", fmt::format("{:g}", options.drop_percent)},
+                 {"shared_focal", options.shared_focal ? "yes" : "no"},
+                 {"confidence", "depth_confidence/"}}};
+  writer.finish(parts);
+  for (size_t i = 0; i < views.size(); ++i)
+    write_confidence(scene / "depth_confidence" / (photos[i].name + ".npy"), views[i].confidence);
+  report.placed = views.size();
+  report.points = parts.cloud.size();
+  report.train = parts.split.train->size();
+  report.test = parts.split.test->size();
+}
+
+}  // namespace
+
+ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene,
+                                         const ModelStore& store,
+                                         const ScenePhotosOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<Photo> listed = list_photos(source);
+  require_free(scene, options.overwrite);
+  if (options.method == PosesMethod::kVggt) store.require(published_model(options.model));
+  if (options.method == PosesMethod::kColmap && listed.size() < kFewestPlaced) {
+    throw_bad_input(source, "", fmt::format("{} photos are too few", listed.size()),
+                    fmt::format("take at least {}, or use --method vggt", kFewestPlaced));
+  }
+  ThreadPool pool(options.threads);
+  WorkFolder work(scene);
+  const std::vector<Photo> photos =
+      prepare_photos(listed, work.path() / "images", options.max_side, pool);
+  ScenePhotosReport report;
+  report.photos = photos.size();
+  if (options.method == PosesMethod::kVggt) {
+    report.method = options.model;
+    scene_by_vggt(photos, scene, store, options, pool, report);
+  } else {
+    report.method = "colmap";
+    scene_by_colmap(source, photos, work, scene, options, pool, report);
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace aligngs

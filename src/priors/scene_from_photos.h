@@ -1,0 +1,55 @@
+// Photos in, a scene folder out: cameras and a cloud found by VGGT or COLMAP.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "core/thread_pool.h"
+#include "nn/compute.h"
+#include "priors/colmap_poses.h"
+#include "priors/model_store.h"
+
+namespace aligngs {
+
+enum class PosesMethod { kVggt, kColmap };
+
+struct ScenePhotosOptions {
+  PosesMethod method = PosesMethod::kVggt;
+  int max_side = 1600;  ///< pixels; larger photos are shrunk, as 3DGS' tools do
+  int test_every = 0;   ///< every n-th photo is kept for testing; 0: all train
+  bool overwrite = false;
+
+  // VGGT.
+  std::string model = "vggt-1b";   ///< name of the weights
+  double drop_percent = 20;        ///< depth of the lowest confidence that is not used, percent of all
+  bool shared_focal = false;
+  size_t max_points = 250000;      ///< of the cloud
+  nn::Precision precision = nn::Precision::kBfloat16;
+  uint64_t memory_limit = 0;       ///< bytes; 0: 80 % of what is free
+
+  // COLMAP.
+  bool shared_camera = true;
+
+  int threads = 0;
+  ProgressStyle progress;
+};
+
+struct ScenePhotosReport {
+  std::string method;  ///< "vggt-1b", "colmap"
+  size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
+  std::vector<UnplacedPhoto> unplaced;
+  double reprojection_error = 0;  ///< pixels; COLMAP
+  double seconds = 0;
+};
+
+/// Error{kUsage} when the scene exists; Error{kWeights} when VGGT's weights are missing;
+/// Error{kResources} when memory will not do; Error{kBadInput} with a reason per photo when fewer
+/// than three photos, or fewer than half of them, could be placed.
+ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,
+                                         const std::filesystem::path& scene,
+                                         const ModelStore& store,
+                                         const ScenePhotosOptions& options);
+
+}  // namespace aligngs

@@ -1,0 +1,265 @@
+#include "priors/scene_from_photos.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "io/safetensors.h"
+#include "nn/random_weights.h"
+#include "priors/scene_priors.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// Networks of the published structure and tiny sizes with random weights.
+class FromPhotos : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(testing::TempDir()) /
+             ("from_photos_" +
+              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    fs::create_directories(folder / "photos");
+    store_options.folder = folder / "models";
+    options.precision = nn::Precision::kFloat32;
+    options.progress.enabled = false;
+    fill.precision = nn::Precision::kFloat32;
+    fill.progress.enabled = false;
+    set_log_level(LogLevel::kSilent);
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  void write_photo(const std::string& name, int width, int height) const {
+    Image<uint8_t> image(width, height, 3);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        image.at(x, y, 0) = uint8_t(x * 255 / width);
+        image.at(x, y, 1) = uint8_t(y * 255 / height);
+        image.at(x, y, 2) = uint8_t(name.size() * 20);
+      }
+    }
+    write_jpeg(folder / "photos" / name, image);
+  }
+  fs::path weights_of(const char* model, size_t file = 0) const {
+    const PublishedModel& m = published_model(model);
+    return ModelStore(store_options).own_path(m, m.files[file]);
+  }
+  void install_vggt() const {
+    nn::VggtSize size;
+    size.encoder = {64, 2, false, 4, 5};
+    size.depth = 8;
+    size.camera_depth = 1;
+    size.features = 16;
+    size.levels = {16, 16, 16, 16};
+    nn::write_random_weights(weights_of("vggt-1b"), nn::vggt_tensors(size), 1);
+  }
+  void install_linear() const {
+    const nn::VitSize size{64, 4, false, 0, 5};
+    nn::write_random_weights(weights_of("dinov2-s"), nn::dinov2_tensors(size), 1);
+    nn::write_random_weights(weights_of("ade20k-linear-s"), nn::bn_head_tensors(size.channels), 2);
+    nn::write_random_weights(weights_of("ade20k-ms-s"), nn::bn_head_tensors(4 * size.channels), 2);
+    nn::write_random_weights(weights_of("nyu-linear4-s"),
+                             nn::linear_depth_tensors(4 * 2 * size.channels), 3);
+  }
+  ScenePhotosReport make() const {
+    return make_scene_from_photos(folder / "photos", folder / "scene", ModelStore(store_options),
+                                  options);
+  }
+  template <class F>
+  static std::string error_of(ErrorKind kind, F work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), kind) << error.what();
+      return error.what();
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+  void three_photos() const {
+    for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) write_photo(name, 120, 90);
+  }
+
+  fs::path folder;
+  ModelStoreOptions store_options;
+  ScenePhotosOptions options;
+  ScenePriorsOptions fill;
+};
+
+TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
+  three_photos();
+  install_vggt();
+  const ScenePhotosReport report = make();
+  EXPECT_EQ(report.placed, 3u);
+  EXPECT_GT(report.points, 0u);
+  const Scene scene = open_scene(folder / "scene");
+  ASSERT_EQ(scene.views.size(), 3u);
+  EXPECT_TRUE(scene.has_prior_depth());
+  EXPECT_TRUE(scene.cloud.has_normals());
+  EXPECT_EQ(scene.prior_source, "vggt-1b");
+  for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
+  const Rigidd& first = scene.views[0].camera.world_to_camera;
+  EXPECT_NEAR(norm(first.translation), 0, 1e-9);
+  EXPECT_TRUE(fs::exists(folder / "scene" / "depth_confidence" / "a.npy"));
+}
+
+TEST_F(FromPhotos, PhotosOfAnySizeAndOrientationGoTogether) {
+  write_photo("a.jpg", 120, 90);
+  write_photo("b.jpg", 90, 120);
+  write_photo("c.jpg", 64, 64);
+  install_vggt();
+  make();
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_EQ(scene.views[1].camera.height, 120);
+  EXPECT_NEAR(scene.views[1].camera.cx, 45, 1);
+}
+
+TEST_F(FromPhotos, UnsureDepthIsLeftOut) {
+  three_photos();
+  install_vggt();
+  options.drop_percent = 40;
+  make();
+  size_t none = 0, all = 0;
+  for (const char* name : {"a", "b", "c"}) {
+    for (const float z : read_npy(folder / "scene" / "pred_depths" / (std::string(name) + ".npy")).data) {
+      none += z == 0;
+      ++all;
+    }
+  }
+  EXPECT_NEAR(double(none) / double(all), 0.4, 0.02);
+}
+
+TEST_F(FromPhotos, OneFocalLengthForAllWhenAskedFor) {
+  three_photos();
+  install_vggt();
+  options.shared_focal = true;
+  make();
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_DOUBLE_EQ(scene.views[0].camera.fx, scene.views[2].camera.fx);
+  EXPECT_DOUBLE_EQ(scene.views[0].camera.fx, scene.views[0].camera.fy);
+}
+
+TEST_F(FromPhotos, EveryNthPhotoIsKeptForTesting) {
+  for (const char* name : {"1.jpg", "2.jpg", "3.jpg", "4.jpg"}) write_photo(name, 120, 90);
+  install_vggt();
+  options.test_every = 2;
+  EXPECT_EQ(make().test, 2u);
+  EXPECT_EQ(open_scene(folder / "scene").test.size(), 2u);
+}
+
+TEST_F(FromPhotos, WithoutWeightsNothingIsWritten) {
+  three_photos();
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { make(); }),
+              HasSubstr("aligngs models download vggt-1b"));
+  EXPECT_FALSE(fs::exists(folder / "scene"));
+}
+
+TEST_F(FromPhotos, MemoryIsPredictedFirst) {
+  three_photos();
+  install_vggt();
+  options.memory_limit = 1 << 20;
+  EXPECT_THAT(error_of(ErrorKind::kResources, [&] { make(); }), HasSubstr("weights of the network"));
+}
+
+TEST_F(FromPhotos, AnImpossibleCameraIsRefused) {
+  three_photos();
+  // Without its bias the head predicts fields of view of nearly nothing.
+  install_vggt();
+  TensorFile file = read_safetensors(weights_of("vggt-1b"));
+  TensorBytes& bias = file.tensors.at("camera_head.pose_branch.fc2.bias");
+  bias.bytes.assign(bias.bytes.size(), 0);
+  write_safetensors(weights_of("vggt-1b"), file);
+  EXPECT_THAT(error_of(ErrorKind::kFailed, [&] { make(); }), HasSubstr("impossible camera"));
+  EXPECT_FALSE(fs::exists(folder / "scene"));
+}
+
+TEST_F(FromPhotos, ASceneThatExistsIsKept) {
+  three_photos();
+  install_vggt();
+  make();
+  error_of(ErrorKind::kUsage, [&] { make(); });
+  options.overwrite = true;
+  EXPECT_NO_THROW(make());
+}
+
+TEST_F(FromPhotos, LinearSemanticsAreLogitsThatTheSceneLoads) {
+  three_photos();
+  install_vggt();
+  install_linear();
+  make();
+  const ModelStore store(store_options);
+  const ScenePriorsReport report =
+      fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill);
+  EXPECT_EQ(report.written, 3u);
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_TRUE(scene.has_semantics());
+  EXPECT_TRUE(scene.semantic_kind_stated);
+  EXPECT_EQ(scene.semantic_kind, SemanticKind::kLogits);
+  EXPECT_EQ(scene.semantic_source, "ade20k-linear-s");
+  const ViewData data = load_view(scene, 0);
+  EXPECT_EQ(data.semantics.channels, 150);
+  EXPECT_EQ(data.semantics.height, 64);  // short side 512, one value per 8 pixels
+}
+
+TEST_F(FromPhotos, MapsOfTheSameNetworkAreKept) {
+  three_photos();
+  install_vggt();
+  install_linear();
+  make();
+  const ModelStore store(store_options);
+  fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill);
+  EXPECT_TRUE(fill_semantics(folder / "scene", store, semantic_model("linear"), fill).was_there);
+  error_of(ErrorKind::kUsage,
+           [&] { fill_semantics(folder / "scene", store, semantic_model("ms-s"), fill); });
+}
+
+TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
+  three_photos();
+  install_vggt();
+  install_linear();
+  make();
+  const ModelStore store(store_options);
+  const PublishedModel& depther = depth_model("linear-s");
+  error_of(ErrorKind::kUsage, [&] { fill_depth(folder / "scene", store, depther, fill); });
+  fill.overwrite = true;
+  EXPECT_EQ(fill_depth(folder / "scene", store, depther, fill).written, 3u);
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_EQ(scene.prior_source, "nyu-linear4-s");
+  const ViewData data = load_view(scene, 0);
+  for (const float z : data.prior_depth.data) EXPECT_TRUE(z > 0 && z <= 10);
+}
+
+TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
+  three_photos();
+  install_vggt();
+  make();
+  fill.overwrite = true;
+  const ScenePriorsReport report =
+      fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
+  EXPECT_EQ(report.written, 3u);
+}
+
+TEST_F(FromPhotos, AnUnknownNetworkIsAUsageError) {
+  for (const char* name : {"linear-x", "m3f", "ms-", ""})
+    EXPECT_THROW(semantic_model(name), Error) << name;
+  EXPECT_THROW(depth_model("dpt-xl"), Error);
+  EXPECT_EQ(semantic_model("ms-l").name, "ade20k-ms-l");
+}
+
+TEST_F(FromPhotos, TheBestInstalledTeacherIsChosen) {
+  const ModelStore store(store_options);
+  EXPECT_EQ(installed_semantic_model(store), nullptr);
+  install_linear();
+  EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-linear-s");
+}
+
+}  // namespace
+}  // namespace aligngs

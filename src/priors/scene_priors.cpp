@@ -1,0 +1,277 @@
+#include "priors/scene_priors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/half.h"
+#include "core/log.h"
+#include "core/stop_signal.h"
+#include "io/image_file.h"
+#include "io/npy.h"
+#include "nn/depther.h"
+#include "nn/huggingface.h"
+#include "nn/preprocess/pillow_resize.h"
+#include "priors/semantic_teacher.h"
+#include "priors/vggt_prediction.h"
+#include "scene/prior_maps.h"
+#include "scene/scene_json.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kSizes = "gbls";
+
+/// "linear-b" -> ("linear", 'b'); a missing size is 's' for semantics.
+const PublishedModel& sized_model(const std::string& choice, const std::string& kind,
+                                  const std::string& family) {
+  if (choice == kind) return published_model(family + "-s");
+  if (choice.size() == kind.size() + 2 && choice.compare(0, kind.size() + 1, kind + "-") == 0 &&
+      std::string(kSizes).find(choice.back()) != std::string::npos)
+    return published_model(family + choice.substr(kind.size()));
+  throw_usage("\"" + choice + "\" is no network that aligngs knows",
+              "see `aligngs priors --help` for the names");
+}
+
+bool begins(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+std::string digest_of(const ModelStore& store, const PublishedModel& model) {
+  std::string all;
+  for (const PublishedModel* part : with_needs(model)) {
+    for (const ModelFile& file : part->files) {
+      const auto located = store.find(*part, file);
+      if (located) all += (all.empty() ? "" : "+") + store.digest(*part, file, *located);
+    }
+  }
+  return all;
+}
+
+void stop_if_asked() {
+  if (!stop_requested()) return;
+  throw Error({ErrorKind::kInterrupted, "stopped between two views", {}, "",
+               "run the same command again; what was written before is replaced"});
+}
+
+/// What a prior that stands in the folder means for filling it.
+enum class Standing { kAbsent, kKeep, kReplace };
+
+Standing standing(const Scene& scene, const std::string& what, fs::path View::*map, bool overwrite,
+                  const std::string& model, const std::optional<PriorJson>& noted) {
+  size_t there = 0;
+  for (const int i : scene.train) there += !(scene.views[size_t(i)].*map).empty();
+  if (overwrite) return Standing::kReplace;
+  if (there == 0) return Standing::kAbsent;
+  if (noted && noted->model == model)
+    return there == scene.train.size() ? Standing::kKeep : Standing::kReplace;
+  throw_usage(fmt::format("{} has {} already (by {})", scene.folder.string(), what,
+                          noted && !noted->model.empty() ? noted->model : "files of unknown origin"),
+              "--overwrite replaces it");
+}
+
+/// Old maps go first, and the note of the new ones comes before them: a fill that is interrupted
+/// leaves a prior that is seen to be incomplete, never a mixture.
+void begin_fill(const Scene& scene, fs::path View::*map, const PriorsJson& notes) {
+  for (const View& view : scene.views) {
+    if (!(view.*map).empty()) fs::remove(view.*map);
+  }
+  write_priors_json(scene.folder / "priors.json", notes);
+}
+
+void write_half_map(const fs::path& file, const std::vector<int64_t>& shape,
+                    const std::vector<uint16_t>& half) {
+  fs::create_directories(file.parent_path());
+  write_npy_float16(file, shape, half.data());
+}
+
+void write_depth(const Scene& scene, const View& view, const ImageF& depth) {
+  std::vector<uint16_t> half(depth.data.size());
+  std::transform(depth.data.begin(), depth.data.end(), half.begin(), float_to_half);
+  write_half_map(scene.folder / "pred_depths" / (view.name + ".npy"), {depth.height, depth.width},
+                 half);
+}
+
+Image<uint8_t> rgb_of(const View& view) {
+  return nn::pillow_rgb_on_white(read_image(view.image));
+}
+
+std::vector<Photo> photos_of(const Scene& scene) {
+  std::vector<Photo> photos;
+  for (const int i : scene.train) {
+    const View& view = scene.views[size_t(i)];
+    photos.push_back({view.name, view.image, view.camera.width, view.camera.height});
+  }
+  return photos;
+}
+
+void fill_with_vggt(const Scene& scene, const fs::path& file, const PriorsJson& notes,
+                    const ScenePriorsOptions& options, ThreadPool& pool,
+                    ScenePriorsReport& report) {
+  const std::vector<Photo> photos = photos_of(scene);
+  const nn::Weights weights = nn::Weights::open(file);
+  VggtInputs inputs = vggt_inputs(photos, pool);
+  MemoryBudget budget(options.memory_limit);
+  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
+                  inputs.images[0].height);
+  budget.require("VGGT", "use fewer views, or --depth dpt-s");
+  nn::Compute compute(pool, {options.precision, true, true});
+  const nn::Vggt network(compute, weights);
+  const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
+                                                         std::move(inputs), {false, options.progress});
+  const float least = options.drop_percent > 0 ? confidence_at(views, options.drop_percent) : 0;
+  begin_fill(scene, &View::prior_depth, notes);
+  for (size_t i = 0; i < views.size(); ++i) {
+    ImageF depth = views[i].depth;
+    for (size_t k = 0; k < depth.data.size(); ++k) {
+      if (!(views[i].confidence.data[k] >= least)) depth.data[k] = 0;
+    }
+    write_depth(scene, scene.views[size_t(scene.train[i])], depth);
+    report.width = depth.width;
+    report.height = depth.height;
+    ++report.written;
+  }
+}
+
+std::unique_ptr<nn::DepthNetwork> load_depther(const nn::Compute& compute, const ModelStore& store,
+                                               const PublishedModel& model) {
+  const auto located = store.find(model, model.files[0]);
+  if (located) {
+    const std::shared_ptr<const WeightFile> file = WeightFile::open(located->path);
+    if (nn::is_huggingface_dpt(*file)) {
+      return nn::make_depth_network(compute, nn::dinov2_from_huggingface(file, "backbone."),
+                                    nn::dpt_head_from_huggingface(file));
+    }
+  }
+  const fs::path head = store.require(model).at(0);
+  const fs::path backbone = store.require(published_model(model.needs.at(0))).at(0);
+  return nn::make_depth_network(compute, nn::Weights::open(backbone), nn::Weights::open(head));
+}
+
+/// Depth at 1/2 of the photo's size: the heads decide at 1/14 to 1/4, the rest is interpolation.
+ImageF halved(const nn::FeatureMap& depth) {
+  const int w = std::max(1, int(depth.width / 2)), h = std::max(1, int(depth.height / 2));
+  ImageF out(w, h, 1);
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const auto sy = int64_t((y + 0.5) * double(depth.height) / h);
+      const auto sx = int64_t((x + 0.5) * double(depth.width) / w);
+      out.at(x, y) = depth.at(sy, sx)[0];
+    }
+  }
+  return out;
+}
+
+void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model,
+                       const PriorsJson& notes, const ScenePriorsOptions& options,
+                       ThreadPool& pool, ScenePriorsReport& report) {
+  nn::Compute compute(pool, {options.precision, true, true});
+  const std::unique_ptr<nn::DepthNetwork> network = load_depther(compute, store, model);
+  begin_fill(scene, &View::prior_depth, notes);
+  Progress progress(options.progress, "depth", scene.train.size());
+  for (const int i : scene.train) {
+    stop_if_asked();
+    const View& view = scene.views[size_t(i)];
+    const ImageF depth = halved((*network)(compute, nn::normalised_image(rgb_of(view))));
+    write_depth(scene, view, depth);
+    report.width = depth.width;
+    report.height = depth.height;
+    progress.update(++report.written);
+  }
+}
+
+}  // namespace
+
+const PublishedModel& semantic_model(const std::string& choice) {
+  if (choice == "m2f") return published_model("ade20k-m2f");
+  if (begins(choice, "ms")) return sized_model(choice, "ms", "ade20k-ms");
+  return sized_model(choice, "linear", "ade20k-linear");
+}
+
+const PublishedModel& depth_model(const std::string& choice) {
+  if (choice == "vggt") return published_model("vggt-1b");
+  if (choice == "vggt-commercial") return published_model("vggt-1b-commercial");
+  if (begins(choice, "dpt")) return sized_model(choice, "dpt", "nyu-dpt");
+  return sized_model(choice, "linear", "nyu-linear4");
+}
+
+const PublishedModel* installed_semantic_model(const ModelStore& store) {
+  for (const char* const name : {"ade20k-m2f", "ade20k-linear-g", "ade20k-linear-l",
+                                 "ade20k-linear-b", "ade20k-linear-s"}) {
+    const PublishedModel& model = published_model(name);
+    if (store.installed(model)) return &model;
+  }
+  return nullptr;
+}
+
+ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
+                             const PublishedModel& model, const ScenePriorsOptions& options) {
+  const Scene scene = open_scene(folder);
+  PriorsJson notes = read_priors_json(folder / "priors.json");
+  ScenePriorsReport report;
+  report.model = model.name;
+  if (standing(scene, "depth", &View::prior_depth, options.overwrite, model.name, notes.depth) ==
+      Standing::kKeep) {
+    report.was_there = true;
+    return report;
+  }
+  ThreadPool pool(options.threads);
+  const bool vggt = begins(model.name, "vggt");
+  notes.depth = PriorJson{model.name, digest_of(store, model), {}};
+  if (vggt) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
+  notes.depth->settings["units"] = vggt ? "arbitrary" : "metres";
+  if (vggt) fill_with_vggt(scene, store.require(model).at(0), notes, options, pool, report);
+  else fill_with_depther(scene, store, model, notes, options, pool, report);
+  return report;
+}
+
+ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store,
+                                 const PublishedModel& model, const ScenePriorsOptions& options) {
+  const Scene scene = open_scene(folder);
+  PriorsJson notes = read_priors_json(folder / "priors.json");
+  ScenePriorsReport report;
+  report.model = model.name;
+  if (standing(scene, "semantics", &View::semantics, options.overwrite, model.name,
+               notes.semantics) == Standing::kKeep) {
+    report.was_there = true;
+    return report;
+  }
+  ThreadPool pool(options.threads);
+  nn::Compute compute(pool, {options.precision, true, true});
+  const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment);
+  const int64_t classes = teacher.network->classes();
+  if (scene.labels.size() != int(classes)) {
+    throw_bad_input(folder / "labels.csv", "classes",
+                    fmt::format("the scene has {} classes, the network knows {}",
+                                scene.labels.size(), classes),
+                    "remove labels.csv: without it the classes are ADE20K's 150");
+  }
+  notes.semantics = PriorJson{model.name, digest_of(store, model), {}};
+  if (options.augment) notes.semantics->settings["augmented"] = "yes";
+  notes.kind = teacher.kind;
+  begin_fill(scene, &View::semantics, notes);
+  Progress progress(options.progress, "semantics", scene.train.size());
+  for (const int i : scene.train) {
+    stop_if_asked();
+    const View& view = scene.views[size_t(i)];
+    const TeacherMapSize size = teacher_map_size(teacher, view.camera.width, view.camera.height);
+    const nn::FeatureMap map = teacher_map(compute, teacher, rgb_of(view), size.width, size.height);
+    std::vector<uint16_t> half(map.data.size());  // [classes][height][width]
+    const int64_t places = map.places();
+    for (int64_t p = 0; p < places; ++p) {
+      for (int64_t c = 0; c < classes; ++c)
+        half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
+    }
+    write_half_map(folder / "segmentation_logits" / (view.name + ".npy"),
+                   {classes, map.height, map.width}, half);
+    report.width = size.width;
+    report.height = size.height;
+    progress.update(++report.written);
+  }
+  return report;
+}
+
+}  // namespace aligngs

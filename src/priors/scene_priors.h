@@ -1,0 +1,53 @@
+// Depth and class priors of a scene's training views by networks, written into the scene folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "nn/compute.h"
+#include "priors/model_store.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+struct ScenePriorsOptions {
+  nn::Precision precision = nn::Precision::kBfloat16;
+  bool overwrite = false;     ///< replace priors that are there
+  bool augment = false;       ///< multi-scale head: five sizes, mirrored as well (ten passes)
+  double drop_percent = 20;   ///< VGGT: depth of the lowest confidence that is left out
+  uint64_t memory_limit = 0;  ///< bytes; 0: 80 % of what is free
+  int threads = 0;
+  ProgressStyle progress;
+};
+
+struct ScenePriorsReport {
+  std::string model;
+  size_t written = 0;  ///< views
+  bool was_there = false;  ///< every training view had it already, and it was kept
+  int width = 0, height = 0;  ///< of the last map
+};
+
+/// Names of weights for `aligngs priors`: what a person says, and which model that is.
+/// semantics: "m2f", "linear-s" .. "linear-g", "ms-s" .. "ms-g"; depth: "vggt",
+/// "vggt-commercial", "dpt-s" .. "dpt-g", "linear-s" .. "linear-g". Error{kUsage} otherwise.
+const PublishedModel& semantic_model(const std::string& choice);
+const PublishedModel& depth_model(const std::string& choice);
+
+/// The best of those that are installed: m2f, then linear heads from large to small; null: none.
+const PublishedModel* installed_semantic_model(const ModelStore& store);
+
+/// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
+/// scale, which training aligns per view; that of the others is in metres.
+/// Error{kUsage} when other priors are there and overwrite is not set.
+ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store,
+                             const PublishedModel& model, const ScenePriorsOptions& options);
+
+/// Writes segmentation_logits/<view>.npy (float16 [150, h, w], one value per 8 pixels of the
+/// network's input) and priors.json with the kind: logits of the linear heads, scores of
+/// Mask2Former. Error{kBadInput} when the scene has other classes than ADE20K's.
+ScenePriorsReport fill_semantics(const std::filesystem::path& scene, const ModelStore& store,
+                                 const PublishedModel& model, const ScenePriorsOptions& options);
+
+}  // namespace aligngs

@@ -1,0 +1,35 @@
+// Segmentation networks as teachers: which network a model is, and its map of a photo.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "nn/segmentation.h"
+#include "priors/model_store.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+struct SemanticTeacher {
+  std::unique_ptr<nn::SegmentationNetwork> network;
+  nn::SegmentationPlan plan;
+  SemanticKind kind = SemanticKind::kLogits;
+};
+
+/// Loads the network from the store. Error{kWeights} when its weights are missing.
+SemanticTeacher load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
+                                      const PublishedModel& model, bool augment);
+
+/// Values [height, width, classes] of a photo (RGB): logits, scores, or with several ratios or
+/// mirrored the logarithm of the averaged probabilities (which softmax turns back into them).
+nn::FeatureMap teacher_map(nn::Compute& compute, const SemanticTeacher& teacher,
+                           const Image<uint8_t>& rgb, int width, int height);
+
+/// Size of the stored map: one value per 8 pixels of what the network is shown; linear heads see
+/// patches of 14, Mask2Former decides at 1/4.
+struct TeacherMapSize {
+  int width = 0, height = 0;
+};
+TeacherMapSize teacher_map_size(const SemanticTeacher& teacher, int photo_width, int photo_height);
+
+}  // namespace aligngs
