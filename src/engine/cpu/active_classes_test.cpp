@@ -148,6 +148,8 @@ TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
         r.losses.semantic_blend = blend;
         r.losses.coupling = coupling;
         CpuEngine all(2), few(2);
+        all.keep_features(true);
+        few.keep_features(true);
         prepare(all, 0, model, view);
         prepare(few, 2, model, view);
         const StepReport a = all.step(r), b = few.step(r);

@@ -37,19 +37,19 @@ struct AlphaLanes {
   FloatMask taken;
 };
 
-/// alpha_at of engine/formulas/blending.h; fdx is fxx (pixel_x - x). `t` is the transmittance before and after; it is
-/// negative where a pixel takes no more: then T (1 - alpha) < transmittance_min for any alpha.
+/// Before it is known whether the pixel still takes anything.
+struct RawAlpha {
+  FloatVec alpha, slope;
+  FloatMask wanted;  ///< alpha >= alpha_min
+};
 template <bool kSmooth>
-HWY_INLINE AlphaLanes alpha_lanes(const Splat& g, FloatVec fdx, FloatVec pixel_y, const AlphaConstants& k,
-                                  FloatVec& t) {
+HWY_INLINE RawAlpha raw_alpha(const Splat& g, FloatVec fdx, FloatVec pixel_y, const AlphaConstants& k) {
   const FloatTag d;
-  const FloatVec one = hn::Set(d, 1.0f), sign = hn::Set(d, -0.0f);
+  const FloatVec one = hn::Set(d, 1.0f);
   const FloatVec dy = hn::Sub(pixel_y, hn::Set(d, g.y));
   const FloatVec p = hn::MulAdd(hn::Set(d, g.fxy), dy, fdx), r = hn::Mul(hn::Set(d, g.fyy), dy);
   const FloatVec raw = hn::Mul(hn::Set(d, g.opacity), fast_exp2(d, hn::NegMulSub(p, p, hn::Mul(r, r))));
-  AlphaLanes out;
-  out.alpha = hn::Min(raw, k.alpha_max);
-  out.slope = raw;
+  RawAlpha out{hn::Min(raw, k.alpha_max), raw, hn::Ge(raw, k.alpha_min)};
   if constexpr (kSmooth) {
     const FloatVec ramp_t = hn::Sub(hn::Div(raw, k.alpha_min), one);
     const auto on_ramp = hn::Lt(ramp_t, one);
@@ -60,11 +60,36 @@ HWY_INLINE AlphaLanes alpha_lanes(const Splat& g, FloatVec fdx, FloatVec pixel_y
     out.slope = hn::IfThenElse(on_ramp, hn::Mul(raw, hn::Add(ramp, steep)), out.slope);
     out.slope = hn::IfThenElseZero(hn::Le(raw, k.alpha_max), out.slope);
   }
-  const FloatVec next = hn::NegMulAdd(out.alpha, t, t);
-  const auto wanted = hn::Ge(raw, k.alpha_min);
-  out.taken = hn::And(wanted, hn::Ge(next, k.transmittance_min));
-  out.alpha = hn::IfThenElseZero(out.taken, out.alpha);
-  t = hn::IfThenElse(out.taken, next, hn::IfThenElse(wanted, hn::Or(t, sign), t));
+  return out;
+}
+
+/// alpha_at of engine/formulas/blending.h; fdx is fxx (pixel_x - x). `t` is the transmittance before and after; it is
+/// negative where a pixel takes no more: then T (1 - alpha) < transmittance_min for any alpha.
+template <bool kSmooth>
+HWY_INLINE AlphaLanes alpha_lanes(const Splat& g, FloatVec fdx, FloatVec pixel_y, const AlphaConstants& k,
+                                  FloatVec& t) {
+  const FloatTag d;
+  const FloatVec sign = hn::Set(d, -0.0f);
+  const RawAlpha raw = raw_alpha<kSmooth>(g, fdx, pixel_y, k);
+  const FloatVec next = hn::NegMulAdd(raw.alpha, t, t);
+  AlphaLanes out;
+  out.slope = raw.slope;
+  out.taken = hn::And(raw.wanted, hn::Ge(next, k.transmittance_min));
+  out.alpha = hn::IfThenElseZero(out.taken, raw.alpha);
+  t = hn::IfThenElse(out.taken, next, hn::IfThenElse(raw.wanted, hn::Or(t, sign), t));
+  return out;
+}
+
+/// The same bits when it is known which pixels are still open (BlendRecord::last).
+template <bool kSmooth>
+HWY_INLINE AlphaLanes alpha_lanes_within(const Splat& g, FloatVec fdx, FloatVec pixel_y, const AlphaConstants& k,
+                                         FloatMask open, FloatVec& t) {
+  const RawAlpha raw = raw_alpha<kSmooth>(g, fdx, pixel_y, k);
+  AlphaLanes out;
+  out.slope = raw.slope;
+  out.taken = hn::And(raw.wanted, open);
+  out.alpha = hn::IfThenElseZero(out.taken, raw.alpha);
+  t = hn::NegMulAdd(out.alpha, t, t);
   return out;
 }
 

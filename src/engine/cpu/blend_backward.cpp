@@ -5,6 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/cpu/blend_backward.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -34,112 +35,182 @@ HWY_INLINE void add_moments(FloatVec g, FloatVec p, FloatVec r, Moments& m) {
   m.rr = hn::MulAdd(gr, r, m.rr);
 }
 
-/// First pixel of the lowest strip in a set of strips.
-HWY_INLINE size_t first_strip(uint32_t strips) {
-  return hwy::Num0BitsBelowLS1Bit_Nonzero32(strips) * static_cast<size_t>(kStripPixels);
-}
-
-/// Rays of a block's pixels.
-struct BlockRays {
-  HWY_ALIGN float x[kBlockPixels];
-  HWY_ALIGN float y[kBlockPixels];
-  HWY_ALIGN float grazing[kBlockPixels];
+/// Rays and centres of a tile's pixels.
+struct TileRays {
+  HWY_ALIGN float x[kTilePixels], y[kTilePixels];                              ///< pixels
+  HWY_ALIGN float ray_x[kTilePixels], ray_y[kTilePixels], grazing[kTilePixels];  ///< with density only
 };
-void block_rays(const BlockWeights& block, const ProjectionCamera<float>& camera, BlockRays& rays) {
+void tile_rays(const TileWeights& tile, const ProjectionCamera<float>& camera, bool density, TileRays& out) {
   const FloatTag d;
-  for (size_t at = 0; at < kBlockPixels; at += kLanes) {
-    const RayLanes ray = ray_lanes(camera, pixel_centres_x(block.x, at), pixel_centres_y(block.y, at));
-    hn::Store(ray.x, d, rays.x + at);
-    hn::Store(ray.y, d, rays.y + at);
-    hn::Store(ray.grazing, d, rays.grazing + at);
+  for (size_t at = 0; at < kTilePixels; at += kLanes) {
+    const BlockWeights& block = tile.blocks[at / kBlockPixels];
+    const FloatVec x = pixel_centres_x(block.x, at % kBlockPixels), y = pixel_centres_y(block.y, at % kBlockPixels);
+    hn::Store(x, d, out.x + at);
+    hn::Store(y, d, out.y + at);
+    if (!density) continue;
+    const RayLanes ray = ray_lanes(camera, x, y);
+    hn::Store(ray.x, d, out.ray_x + at);
+    hn::Store(ray.y, d, out.ray_y + at);
+    hn::Store(ray.grazing, d, out.grazing + at);
   }
 }
 
 /// What stands behind the Gaussian at hand, per pixel.
 struct Behind {
-  HWY_ALIGN float color[kBlockPixels];
-  HWY_ALIGN float all[kBlockPixels];
-  HWY_ALIGN float semantic[kBlockPixels];
+  HWY_ALIGN float color[kTilePixels];
+  HWY_ALIGN float all[kTilePixels];
+  HWY_ALIGN float semantic[kTilePixels];
 };
-
-template <bool kGeometry, bool kDensity, bool kCoupling, bool kSmooth>
-void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& rays, const RasterSettings& raster,
-           const BlockGradients& in, const float* coupling, SplatGradient* sums) {
+void start_behind(const RasterSettings& raster, const TileGradients& in, Behind& behind) {
   const FloatTag d;
-  const FloatVec zero = hn::Zero(d), alpha_max = hn::Set(d, raster.alpha_max);
-  HWY_ALIGN float pixel_x[kBlockPixels], pixel_y[kBlockPixels];
-  for (int i = 0; i < kBlockPixels; ++i) {
-    pixel_x[i] = block.x + (i % kBlockSize) + 0.5f;
-    pixel_y[i] = block.y + (i / kBlockSize) + 0.5f;
-  }
-  Behind behind;
-  for (size_t s = 0; s < kBlockPixels; s += kLanes) {
+  for (size_t s = 0; s < kTilePixels; s += kLanes) {
     FloatVec b = hn::Mul(hn::Set(d, raster.background[0]), hn::Load(d, in.color[0] + s));
     b = hn::MulAdd(hn::Set(d, raster.background[1]), hn::Load(d, in.color[1] + s), b);
     b = hn::MulAdd(hn::Set(d, raster.background[2]), hn::Load(d, in.color[2] + s), b);
     hn::Store(b, d, behind.color + s);
     hn::Store(b, d, behind.all + s);
-    hn::Store(zero, d, behind.semantic + s);
+    hn::Store(hn::Zero(d), d, behind.semantic + s);
   }
-  for (size_t e = block.count; e-- > 0;) {
-    const Splat& g = tile.splats[block.entry[e]];
-    float* HWY_RESTRICT out = reinterpret_cast<float*>(sums + block.entry[e]);
-    const float* HWY_RESTRICT weight = block.weight.data() + e * kBlockPixels;
-    const float* HWY_RESTRICT alpha = block.alpha.data() + e * kBlockPixels;
-    const float* HWY_RESTRICT gain = kSmooth ? block.gain.data() + e * kBlockPixels : nullptr;
-    const uint32_t strips = block.strips[e];
+}
+
+/// A strip in which a Gaussian has weights.
+struct StripWeights {
+  size_t at;  ///< its first pixel, as a number of the tile
+  const float *weight, *alpha, *gain, *coupling;  ///< of its pixels
+};
+
+/// Lists the strips of Gaussian `index`; cursor[b] is the number of block b's entries that are not behind it.
+template <bool kSmooth>
+HWY_INLINE size_t list_strips_of(const TileWeights& tile, uint32_t index, const float* const* coupling, size_t* cursor,
+                                 StripWeights* out) {
+  size_t n = 0;
+  for (size_t b = 0; b < kTileBlocks; ++b) {
+    const BlockWeights& block = tile.blocks[b];
+    if (cursor[b] == 0 || block.entry[cursor[b] - 1] != index) continue;
+    const size_t e = --cursor[b];
+    for (uint32_t left = block.strips[e]; left != 0; left &= left - 1) {
+      const size_t first = hwy::Num0BitsBelowLS1Bit_Nonzero32(left) * static_cast<size_t>(kStripPixels);
+      const size_t from = e * kBlockPixels + first;
+      out[n++] = {b * kBlockPixels + first, block.weight.data() + from, block.alpha.data() + from,
+                  kSmooth ? block.gain.data() + from : nullptr, coupling[b] != nullptr ? coupling[b] + from : nullptr};
+    }
+  }
+  return n;
+}
+
+/// The Gaussian's place in the image, in every lane.
+struct SplatLanes {
+  FloatVec x, y, fxx, fxy, fyy;
+  explicit SplatLanes(const Splat& g)
+      : x(hn::Set(FloatTag(), g.x)),
+        y(hn::Set(FloatTag(), g.y)),
+        fxx(hn::Set(FloatTag(), g.fxx)),
+        fxy(hn::Set(FloatTag(), g.fxy)),
+        fyy(hn::Set(FloatTag(), g.fyy)) {}
+  /// The whitened offset of the pixels from number `at` on.
+  HWY_INLINE void offset(const TileRays& rays, size_t at, FloatVec& p, FloatVec& r) const {
+    const FloatTag d;
+    const FloatVec dx = hn::Sub(hn::Load(d, rays.x + at), x), dy = hn::Sub(hn::Load(d, rays.y + at), y);
+    p = hn::MulAdd(fxy, dy, hn::Mul(fxx, dx));
+    r = hn::Mul(fyy, dy);
+  }
+};
+
+/// T d alpha / d power.
+template <bool kSmooth>
+HWY_INLINE FloatVec slope_at(const StripWeights& strip, size_t s, FloatVec weight, FloatVec alpha, FloatVec alpha_max) {
+  const FloatTag d;
+  if constexpr (kSmooth) return hn::Load(d, strip.gain + s);
+  return hn::IfThenElseZero(hn::Lt(alpha, alpha_max), weight);
+}
+
+/// The moments of the semantic coupling; a loop of their own, because the registers hold no more sums.
+template <bool kSmooth>
+HWY_INLINE Moments coupling_moments(const SplatLanes& g, const TileRays& rays, const StripWeights* strips,
+                                    size_t count, FloatVec alpha_max, Behind& behind) {
+  const FloatTag d;
+  Moments sums = zero_moments();
+  for (size_t k = 0; k < count; ++k) {
+    const StripWeights& strip = strips[k];
+    if (strip.coupling == nullptr) continue;
+    for (size_t s = 0; s < kStripPixels; s += kLanes) {
+      const size_t at = strip.at + s;
+      const FloatVec a = hn::Load(d, strip.alpha + s);
+      const FloatVec slope = slope_at<kSmooth>(strip, s, hn::Load(d, strip.weight + s), a, alpha_max);
+      FloatVec p, r;
+      g.offset(rays, at, p, r);
+      const FloatVec back = hn::Load(d, behind.semantic + at);
+      const FloatVec step = hn::Sub(hn::Load(d, strip.coupling + s), back);
+      hn::Store(hn::MulAdd(a, step, back), d, behind.semantic + at);
+      add_moments(hn::Mul(slope, step), p, r, sums);
+    }
+  }
+  return sums;
+}
+
+template <bool kGeometry, bool kDensity, bool kCoupling, bool kSmooth>
+void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& raster, const TileGradients& in,
+           const float* const* coupling, const TileSlots& out) {
+  const FloatTag d;
+  const FloatVec zero = hn::Zero(d), alpha_max = hn::Set(d, raster.alpha_max);
+  Behind behind;
+  start_behind(raster, in, behind);
+  size_t cursor[kTileBlocks];
+  for (size_t b = 0; b < kTileBlocks; ++b) cursor[b] = tile.blocks[b].count;
+  StripWeights strips[kTileStrips];
+  HWY_ALIGN float sums[kSplatGradientFloats];
+  for (size_t i = tile.count; i-- > 0;) {
+    const Splat& g = tile.splats[i];
+    const size_t count = list_strips_of<kSmooth>(tile, static_cast<uint32_t>(i), coupling, cursor, strips);
     FloatVec c0 = zero, c1 = zero, c2 = zero, w_sum = zero, n0 = zero, n1 = zero, n2 = zero, dist = zero;
     FloatVec residual = zero, unsupported = zero;
     Moments all = zero_moments();
     FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
-    const FloatVec gx = hn::Set(d, g.x), gy = hn::Set(d, g.y), fxx = hn::Set(d, g.fxx), fxy = hn::Set(d, g.fxy),
-                   fyy = hn::Set(d, g.fyy);
-    FloatVec fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x), gx));  // the same for all vectors of whole rows
-    for (uint32_t left = strips; left != 0; left &= left - 1) {
-      const size_t first = first_strip(left);
-      for (size_t s = first; s < first + kStripPixels; s += kLanes) {
-        const FloatVec w = hn::Load(d, weight + s);
-        c0 = hn::MulAdd(w, hn::Load(d, in.color[0] + s), c0);
-        c1 = hn::MulAdd(w, hn::Load(d, in.color[1] + s), c1);
-        c2 = hn::MulAdd(w, hn::Load(d, in.color[2] + s), c2);
+    const SplatLanes lanes(g);
+    for (size_t k = 0; k < count; ++k) {
+      const StripWeights& strip = strips[k];
+      for (size_t s = 0; s < kStripPixels; s += kLanes) {
+        const size_t at = strip.at + s;
+        const FloatVec w = hn::Load(d, strip.weight + s);
+        c0 = hn::MulAdd(w, hn::Load(d, in.color[0] + at), c0);
+        c1 = hn::MulAdd(w, hn::Load(d, in.color[1] + at), c1);
+        c2 = hn::MulAdd(w, hn::Load(d, in.color[2] + at), c2);
         w_sum = hn::Add(w_sum, w);
         if constexpr (kGeometry) {
-          n0 = hn::MulAdd(w, hn::Load(d, in.normal[0] + s), n0);
-          n1 = hn::MulAdd(w, hn::Load(d, in.normal[1] + s), n1);
-          n2 = hn::MulAdd(w, hn::Load(d, in.normal[2] + s), n2);
-          dist = hn::MulAdd(w, hn::Load(d, in.distance + s), dist);
+          n0 = hn::MulAdd(w, hn::Load(d, in.normal[0] + at), n0);
+          n1 = hn::MulAdd(w, hn::Load(d, in.normal[1] + at), n1);
+          n2 = hn::MulAdd(w, hn::Load(d, in.normal[2] + at), n2);
+          dist = hn::MulAdd(w, hn::Load(d, in.distance + at), dist);
         }
         if constexpr (kDensity) {
-          residual = hn::MulAdd(w, hn::Load(d, in.residual + s), residual);
-          const FloatVec z =
-              intersection(d, g, hn::Load(d, rays.x + s), hn::Load(d, rays.y + s), hn::Load(d, rays.grazing + s));
-          const FloatVec prior = hn::Load(d, in.prior + s);
+          residual = hn::MulAdd(w, hn::Load(d, in.residual + at), residual);
+          const FloatVec z = intersection(d, g, hn::Load(d, rays.ray_x + at), hn::Load(d, rays.ray_y + at),
+                                          hn::Load(d, rays.grazing + at));
+          const FloatVec prior = hn::Load(d, in.prior + at);
           const FloatVec allowed = hn::Mul(hn::Set(d, float(kPriorSupport)), prior);
           const auto supported = hn::And(hn::Le(hn::Abs(hn::Sub(z, prior)), allowed), hn::Gt(prior, zero));
           unsupported = hn::Add(unsupported, hn::IfThenZeroElse(supported, w));
         }
-        const FloatVec a = hn::Load(d, alpha + s);
-        const FloatVec slope =
-            kSmooth ? hn::Load(d, gain + s) : hn::IfThenElseZero(hn::Lt(a, alpha_max), w);
-        if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s), gx));
-        const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
-        const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
-        FloatVec v = hn::Mul(hn::Set(d, g.color[0]), hn::Load(d, in.color[0] + s));
-        v = hn::MulAdd(hn::Set(d, g.color[1]), hn::Load(d, in.color[1] + s), v);
-        v = hn::MulAdd(hn::Set(d, g.color[2]), hn::Load(d, in.color[2] + s), v);
-        const FloatVec behind_color = hn::Load(d, behind.color + s);
+        const FloatVec a = hn::Load(d, strip.alpha + s);
+        const FloatVec slope = slope_at<kSmooth>(strip, s, w, a, alpha_max);
+        FloatVec p, r;
+        lanes.offset(rays, at, p, r);
+        FloatVec v = hn::Mul(hn::Set(d, g.color[0]), hn::Load(d, in.color[0] + at));
+        v = hn::MulAdd(hn::Set(d, g.color[1]), hn::Load(d, in.color[1] + at), v);
+        v = hn::MulAdd(hn::Set(d, g.color[2]), hn::Load(d, in.color[2] + at), v);
+        const FloatVec behind_color = hn::Load(d, behind.color + at);
         const FloatVec step_color = hn::Sub(v, behind_color);
-        hn::Store(hn::MulAdd(a, step_color, behind_color), d, behind.color + s);
+        hn::Store(hn::MulAdd(a, step_color, behind_color), d, behind.color + at);
         const FloatVec g_color = hn::Mul(slope, step_color);
         FloatVec g_all = g_color;
         if constexpr (kGeometry) {
-          v = hn::MulAdd(hn::Set(d, g.normal[0]), hn::Load(d, in.normal[0] + s), v);
-          v = hn::MulAdd(hn::Set(d, g.normal[1]), hn::Load(d, in.normal[1] + s), v);
-          v = hn::MulAdd(hn::Set(d, g.normal[2]), hn::Load(d, in.normal[2] + s), v);
-          v = hn::Add(hn::MulAdd(hn::Set(d, g.distance), hn::Load(d, in.distance + s), v), hn::Load(d, in.alpha + s));
-          const FloatVec behind_all = hn::Load(d, behind.all + s);
+          v = hn::MulAdd(hn::Set(d, g.normal[0]), hn::Load(d, in.normal[0] + at), v);
+          v = hn::MulAdd(hn::Set(d, g.normal[1]), hn::Load(d, in.normal[1] + at), v);
+          v = hn::MulAdd(hn::Set(d, g.normal[2]), hn::Load(d, in.normal[2] + at), v);
+          v = hn::Add(hn::MulAdd(hn::Set(d, g.distance), hn::Load(d, in.distance + at), v), hn::Load(d, in.alpha + at));
+          const FloatVec behind_all = hn::Load(d, behind.all + at);
           const FloatVec step = hn::Sub(v, behind_all);
-          hn::Store(hn::MulAdd(a, step, behind_all), d, behind.all + s);
+          hn::Store(hn::MulAdd(a, step, behind_all), d, behind.all + at);
           g_all = hn::Mul(slope, step);
         }
         add_moments(g_all, p, r, all);
@@ -149,69 +220,58 @@ void sweep(const TileWeights& tile, const BlockWeights& block, const BlockRays& 
         }
         if constexpr (kDensity) {
           abs_p = hn::Add(abs_p, hn::Abs(hn::Mul(g_color, p)));
-          abs_y = hn::Add(abs_y, hn::Abs(hn::Mul(g_color, hn::MulAdd(fxy, p, hn::Mul(fyy, r)))));
+          abs_y = hn::Add(abs_y, hn::Abs(hn::Mul(g_color, hn::MulAdd(lanes.fxy, p, hn::Mul(lanes.fyy, r)))));
         }
       }
     }
-    add_lane_sums(d, c0, c1, c2, w_sum, out);
-    if constexpr (kGeometry) add_lane_sums(d, n0, n1, n2, dist, out + 4);
-    add_lane_sums(d, all.p, all.r, all.one, all.pp, out + 8);
-    add_lane_sums(d, all.pr, all.rr, residual, unsupported, out + 12);
+    {
+      const FloatVec first[16] = {c0, c1, c2, w_sum, n0, n1, n2, dist, all.p, all.r, all.one, all.pp,
+                                  all.pr, all.rr, residual, unsupported};
+      store_lane_sums(first, sums);
+    }
     if constexpr (!kGeometry) {
       photo_p = all.p;
       photo_r = all.r;
     }
-    add_lane_sums(d, photo_p, photo_r, abs_p, abs_y, out + 16);
-    if constexpr (kCoupling) {
-      // A loop of its own, because the registers hold no more sums.
-      Moments semantic = zero_moments();
-      for (uint32_t left = strips; left != 0; left &= left - 1) {
-        const size_t first = first_strip(left);
-        for (size_t s = first; s < first + kStripPixels; s += kLanes) {
-          const FloatVec a = hn::Load(d, alpha + s);
-          const FloatVec slope = kSmooth ? hn::Load(d, gain + s)
-                                         : hn::IfThenElseZero(hn::Lt(a, alpha_max), hn::Load(d, weight + s));
-          if (kLanes < kBlockSize) fdx = hn::Mul(fxx, hn::Sub(hn::Load(d, pixel_x + s), gx));
-          const FloatVec dy = hn::Sub(hn::Load(d, pixel_y + s), gy);
-          const FloatVec p = hn::MulAdd(fxy, dy, fdx), r = hn::Mul(fyy, dy);
-          const FloatVec q = hn::Load(d, coupling + e * kBlockPixels + s);
-          const FloatVec behind_semantic = hn::Load(d, behind.semantic + s);
-          const FloatVec step = hn::Sub(q, behind_semantic);
-          hn::Store(hn::MulAdd(a, step, behind_semantic), d, behind.semantic + s);
-          add_moments(hn::Mul(slope, step), p, r, semantic);
-        }
-      }
-      add_lane_sums(d, semantic.p, semantic.r, semantic.one, semantic.pp, out + 20);
-      add_lane_sums(d, semantic.pr, semantic.rr, zero, zero, out + 24);
-    }
+    Moments semantic = zero_moments();
+    if constexpr (kCoupling) semantic = coupling_moments<kSmooth>(lanes, rays, strips, count, alpha_max, behind);
+    const FloatVec second[16] = {photo_p, photo_r, abs_p, abs_y, semantic.p, semantic.r, semantic.one, semantic.pp,
+                                 semantic.pr, semantic.rr, zero, zero, zero, zero, zero, zero};
+    store_lane_sums(second, sums + 16);
+    // Whole cache lines that nobody reads before the sweep ends: past the caches.
+    float* to = reinterpret_cast<float*>(
+        out.slots + static_cast<size_t>(g.slot_origin + int64_t(out.tile_y) * g.slot_stride + out.tile_x));
+    for (size_t k = 0; k < kSplatGradientFloats; k += kLanes) hn::Stream(hn::Load(d, sums + k), d, to + k);
   }
+  hwy::FlushStream();
 }
 
 template <bool kGeometry, bool kDensity, bool kSmooth = false>
-void sweep_with(const TileWeights& tile, const BlockWeights& block, const BlockRays& rays, const RasterSettings& raster,
-                const BlockGradients& in, const float* coupling, SplatGradient* sums) {
-  if (coupling != nullptr) {
-    sweep<kGeometry, kDensity, true, kSmooth>(tile, block, rays, raster, in, coupling, sums);
+void sweep_with(const TileWeights& tile, const TileRays& rays, const RasterSettings& raster, const TileGradients& in,
+                const float* const* coupling, const TileSlots& out) {
+  bool any = false;
+  for (int b = 0; b < kTileBlocks; ++b) any |= coupling[b] != nullptr;
+  if (any) {
+    sweep<kGeometry, kDensity, true, kSmooth>(tile, rays, raster, in, coupling, out);
   } else {
-    sweep<kGeometry, kDensity, false, kSmooth>(tile, block, rays, raster, in, coupling, sums);
+    sweep<kGeometry, kDensity, false, kSmooth>(tile, rays, raster, in, coupling, out);
   }
 }
 
-void BlendBlockBackward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                        const RasterSettings& raster, const BlockGradients& in, const BackwardOptions& options,
-                        SplatGradient* sums) {
-  BlockRays rays;
-  if (options.density || raster.smooth_cutoff) block_rays(block, camera, rays);
+void BlendTileBackward(const TileWeights& tile, const ProjectionCamera<float>& camera, const RasterSettings& raster,
+                       const TileGradients& in, const BackwardOptions& options, const TileSlots& out) {
+  TileRays rays;
+  tile_rays(tile, camera, options.density || raster.smooth_cutoff, rays);
   if (raster.smooth_cutoff) {  // for tests: one version that computes everything
-    sweep_with<true, true, true>(tile, block, rays, raster, in, options.coupling, sums);
+    sweep_with<true, true, true>(tile, rays, raster, in, options.coupling, out);
   } else if (options.geometry && options.density) {
-    sweep_with<true, true>(tile, block, rays, raster, in, options.coupling, sums);
+    sweep_with<true, true>(tile, rays, raster, in, options.coupling, out);
   } else if (options.geometry) {
-    sweep_with<true, false>(tile, block, rays, raster, in, options.coupling, sums);
+    sweep_with<true, false>(tile, rays, raster, in, options.coupling, out);
   } else if (options.density) {
-    sweep_with<false, true>(tile, block, rays, raster, in, options.coupling, sums);
+    sweep_with<false, true>(tile, rays, raster, in, options.coupling, out);
   } else {
-    sweep_with<false, false>(tile, block, rays, raster, in, options.coupling, sums);
+    sweep_with<false, false>(tile, rays, raster, in, options.coupling, out);
   }
 }
 
@@ -223,12 +283,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace aligngs::cpu {
 
-HWY_EXPORT(BlendBlockBackward);
+HWY_EXPORT(BlendTileBackward);
 
-void blend_block_backward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                          const RasterSettings& raster, const BlockGradients& gradients, const BackwardOptions& options,
-                          SplatGradient* sums) {
-  HWY_DYNAMIC_DISPATCH(BlendBlockBackward)(tile, block, camera, raster, gradients, options, sums);
+void blend_tile_backward(const TileWeights& tile, const ProjectionCamera<float>& camera, const RasterSettings& raster,
+                         const TileGradients& gradients, const BackwardOptions& options, const TileSlots& out) {
+  HWY_DYNAMIC_DISPATCH(BlendTileBackward)(tile, camera, raster, gradients, options, out);
 }
 
 }  // namespace aligngs::cpu

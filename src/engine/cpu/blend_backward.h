@@ -1,4 +1,4 @@
-// From gradients of a block's maps to sums per Gaussian.
+// From gradients of a tile's maps to sums per Gaussian.
 #pragma once
 
 #include "engine/cpu/tile_weights.h"
@@ -26,30 +26,37 @@ struct alignas(64) SplatGradient {
 inline constexpr size_t kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
 static_assert(kSplatGradientFloats == 32, "two cache lines of their own: they are written to any place in memory");
 
-/// dL / d maps of a block and what density statistics need of its pixels. Zero outside the image.
-struct BlockGradients {
-  alignas(64) float color[3][kBlockPixels];
-  alignas(64) float normal[3][kBlockPixels];
-  alignas(64) float distance[kBlockPixels];
-  alignas(64) float alpha[kBlockPixels];
-  alignas(64) float residual[kBlockPixels];  ///< mean absolute colour difference
-  alignas(64) float prior[kBlockPixels];     ///< prior depth, 0 = none
+/// dL / d maps of a tile, block after block, and what density statistics need of its pixels. Zero outside the image.
+struct TileGradients {
+  alignas(64) float color[3][kTilePixels];
+  alignas(64) float normal[3][kTilePixels];
+  alignas(64) float distance[kTilePixels];
+  alignas(64) float alpha[kTilePixels];
+  alignas(64) float residual[kTilePixels];  ///< mean absolute colour difference
+  alignas(64) float prior[kTilePixels];     ///< prior depth, 0 = none
 };
 
 struct BackwardOptions {
-  bool geometry = false;            ///< some loss reached normal, distance or alpha
-  bool density = false;             ///< collect weight, residual, unsupported and the absolute sums
-  const float* coupling = nullptr;  ///< [count][64] q_k of the semantic coupling; nullptr: none
+  bool geometry = false;  ///< some loss reached normal, distance or alpha
+  bool density = false;   ///< collect weight, residual, unsupported and the absolute sums
+  /// Per block [count][64] q_k of the semantic coupling; nullptr: none.
+  const float* coupling[kTileBlocks] = {};
 };
 
-/// Adds the block's share to sums[tile.count].
+/// Where the sums of the tile's Gaussians go: slots[slot of the instance], see Splat.
+struct TileSlots {
+  SplatGradient* slots;
+  int tile_x, tile_y;
+};
+
+/// Writes the sums of all Gaussians of the tile.
 ///
 /// Sweeps from the back: with v_k what Gaussian k shows (dL/dmaps . its values) and B_k what stands behind it,
 ///   B_{k-1} = alpha_k v_k + (1 - alpha_k) B_k,   dL/dalpha_k = T_k (v_k - B_k),
 /// starting with the background. Unlike total-minus-prefix this neither divides by 1 - alpha nor cancels where T is
-/// small; the weights are at hand (tile_weights.h), so the order of the sweep is free.
-void blend_block_backward(const TileWeights& tile, const BlockWeights& block, const ProjectionCamera<float>& camera,
-                          const RasterSettings& raster, const BlockGradients& gradients, const BackwardOptions& options,
-                          SplatGradient* sums);
+/// small; the weights are at hand (tile_weights.h), so the order of the sweep is free. A Gaussian's sums stay in
+/// registers over all its strips of the tile.
+void blend_tile_backward(const TileWeights& tile, const ProjectionCamera<float>& camera, const RasterSettings& raster,
+                         const TileGradients& gradients, const BackwardOptions& options, const TileSlots& out);
 
 }  // namespace aligngs::cpu

@@ -24,7 +24,6 @@ namespace HWY_NAMESPACE {
 constexpr size_t kGather = 256;
 /// How far ahead the gather asks for a splat: a miss of the last-level cache lasts about this many copies.
 constexpr size_t kPrefetch = 12;
-constexpr int kBlockStrips = kBlockPixels / kStripPixels;
 constexpr int kStripRows = kStripPixels / kBlockSize;
 /// A list may be written a whole vector beyond its last entry.
 constexpr size_t kListLength = kGather + kLanes;
@@ -38,7 +37,7 @@ void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, 
     const OverlapLanes lanes = overlap_lanes(splats + first, n);
     const auto indices = hn::Iota(du, static_cast<uint32_t>(first));
     const auto real = hn::FirstN(d, n);
-    for (int strip = 0; strip < kTileBlocks * kBlockStrips; ++strip) {
+    for (int strip = 0; strip < kTileStrips; ++strip) {
       const int block = strip / kBlockStrips;
       const float left = tile_x + static_cast<float>((block & 1) * kBlockSize);
       const float top = tile_y + static_cast<float>((block >> 1) * kBlockSize + strip % kBlockStrips * kStripRows);
@@ -50,14 +49,16 @@ void list_strips(const Splat* splats, size_t count, float tile_x, float tile_y, 
 }
 
 /// The sums of a vector of pixels.
+using PlaceTag = hn::RebindToSigned<FloatTag>;
 struct PixelSums {
   FloatVec color[3], alpha, normal[3], distance, expected, median;
+  hn::Vec<PlaceTag> last;
 };
 template <bool kGeometry>
 HWY_INLINE PixelSums load_sums(const BlockMaps& maps, size_t at) {
   const FloatTag d;
   const FloatVec zero = hn::Zero(d);
-  PixelSums s{{zero, zero, zero}, zero, {zero, zero, zero}, zero, zero, zero};
+  PixelSums s{{zero, zero, zero}, zero, {zero, zero, zero}, zero, zero, zero, hn::Load(PlaceTag(), maps.last + at)};
   for (int k = 0; k < 3; ++k) s.color[k] = hn::Load(d, maps.color[k] + at);
   s.alpha = hn::Load(d, maps.alpha + at);
   if constexpr (kGeometry) {
@@ -73,6 +74,7 @@ HWY_INLINE void store_sums(const PixelSums& s, BlockMaps& maps, size_t at) {
   const FloatTag d;
   for (int k = 0; k < 3; ++k) hn::Store(s.color[k], d, maps.color[k] + at);
   hn::Store(s.alpha, d, maps.alpha + at);
+  hn::Store(s.last, PlaceTag(), maps.last + at);
   if constexpr (kGeometry) {
     for (int k = 0; k < 3; ++k) hn::Store(s.normal[k], d, maps.normal[k] + at);
     hn::Store(s.distance, d, maps.distance + at);
@@ -81,12 +83,20 @@ HWY_INLINE void store_sums(const PixelSums& s, BlockMaps& maps, size_t at) {
   }
 }
 
-/// Blends a list of Gaussians into the pixels of one vector, whose first is number `at` of the block at (x, y).
-/// Returns false when all of them are closed.
+/// The Gaussians taken from the tile's list at a time.
+struct GatheredSplats {
+  const Splat* splats;
+  uint16_t* strips;  ///< of TileForward
+  int32_t place;     ///< of the first in the tile's list, plus one
+};
+
+/// Blends a list of a batch's Gaussians into the pixels of one vector, whose first is number `at` of the block at
+/// (x, y); `strip` is the bit of their strip. Returns false when all of them are closed.
 template <bool kGeometry, bool kSmooth>
-bool blend_pixels(const Splat* splats, const uint32_t* list, size_t count, const AlphaConstants& constants,
-                  const ProjectionCamera<float>& camera, int x, int y, size_t at, BlockMaps& maps) {
+bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t count, const AlphaConstants& constants,
+                  const ProjectionCamera<float>& camera, int x, int y, size_t at, unsigned strip, BlockMaps& maps) {
   const FloatTag d;
+  const PlaceTag di;
   const FloatVec zero = hn::Zero(d), half = hn::Set(d, float(kMedianTransmittance));
   const FloatVec pixel_x = pixel_centres_x(x, at), pixel_y = pixel_centres_y(y, at);
   RayLanes ray{zero, zero, zero};
@@ -95,13 +105,16 @@ bool blend_pixels(const Splat* splats, const uint32_t* list, size_t count, const
   FloatVec t = hn::Load(d, maps.transmittance + at);
   bool open = true;
   for (size_t i = 0; i < count && open; ++i) {
-    const Splat& g = splats[list[i]];
+    const Splat& g = batch.splats[list[i]];
     const FloatVec before = t;
     const FloatVec fdx = hn::Mul(hn::Set(d, g.fxx), hn::Sub(pixel_x, hn::Set(d, g.x)));
     const AlphaLanes a = alpha_lanes<kSmooth>(g, fdx, pixel_y, constants, t);
     const FloatVec w = hn::Mul(a.alpha, before);
     for (int k = 0; k < 3; ++k) sums.color[k] = hn::MulAdd(w, hn::Set(d, g.color[k]), sums.color[k]);
     sums.alpha = hn::Add(sums.alpha, w);
+    const auto place = hn::Set(di, batch.place + static_cast<int32_t>(list[i]));
+    sums.last = hn::IfThenElse(hn::RebindMask(di, a.taken), place, sums.last);
+    batch.strips[list[i]] |= static_cast<uint16_t>(hn::AllFalse(d, a.taken) ? 0u : strip);
     if constexpr (kGeometry) {
       for (int k = 0; k < 3; ++k) sums.normal[k] = hn::MulAdd(w, hn::Set(d, g.normal[k]), sums.normal[k]);
       sums.distance = hn::MulAdd(w, hn::Set(d, g.distance), sums.distance);
@@ -119,8 +132,8 @@ bool blend_pixels(const Splat* splats, const uint32_t* list, size_t count, const
 
 template <bool kGeometry, bool kSmooth>
 void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y, const RasterSettings& raster,
-                TileForward& out) {
-  constexpr int kStrips = kTileBlocks * kBlockStrips;
+                uint8_t* seen, TileForward& out) {
+  constexpr int kStrips = kTileStrips;
   const size_t tile = size_t(tile_y) * view.tiles_x + tile_x;
   const uint32_t* list = lists.gaussians.data() + lists.tile_begin[tile];
   const size_t length = static_cast<size_t>(lists.tile_begin[tile + 1] - lists.tile_begin[tile]);
@@ -128,6 +141,8 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
   const AlphaConstants constants(raster);
   out.splats.resize(kGather);
   out.lists.resize(kStrips * kListLength);
+  out.strips.resize(length);
+  if (length > 0) std::memset(out.strips.data(), 0, length * sizeof(uint16_t));
   bool open[kStrips] = {};
   for (int b = 0; b < kTileBlocks; ++b) {
     BlockMaps& maps = out.blocks[b];
@@ -153,6 +168,7 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
     }
     size_t counts[kStrips] = {};
     list_strips(out.splats.data(), n, static_cast<float>(left), static_cast<float>(top), out.lists.data(), counts);
+    const GatheredSplats batch{out.splats.data(), out.strips.data() + first, static_cast<int32_t>(first) + 1};
     any = false;
     for (int strip = 0; strip < kStrips; ++strip) {
       if (!open[strip]) continue;
@@ -161,11 +177,16 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
       const size_t begin = static_cast<size_t>(strip % kBlockStrips * kStripPixels);
       bool still = false;
       for (size_t at = begin; at < begin + kStripPixels; at += kLanes) {
-        still |= blend_pixels<kGeometry, kSmooth>(out.splats.data(), out.lists.data() + strip * kListLength,
-                                                  counts[strip], constants, view.camera, x, y, at, out.blocks[b]);
+        still |= blend_pixels<kGeometry, kSmooth>(batch, out.lists.data() + strip * kListLength, counts[strip],
+                                                  constants, view.camera, x, y, at, 1u << strip, out.blocks[b]);
       }
       open[strip] = still;
       any |= still;
+    }
+    if (seen == nullptr) continue;
+    for (size_t i = 0; i < n; ++i) {
+      const Splat& g = out.splats[i];
+      if (batch.strips[i] != 0) seen[g.slot_origin + int64_t(tile_y) * g.slot_stride + tile_x] = 1;
     }
   }
   const FloatTag d;
@@ -182,13 +203,13 @@ void blend_tile(const ProjectedView& view, const TileLists& lists, int tile_x, i
 }
 
 void BlendTileForward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                      const RasterSettings& raster, bool geometry, TileForward& out) {
+                      const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out) {
   if (raster.smooth_cutoff) {  // for tests: one version that computes everything
-    blend_tile<true, true>(view, lists, tile_x, tile_y, raster, out);
+    blend_tile<true, true>(view, lists, tile_x, tile_y, raster, seen, out);
   } else if (geometry) {
-    blend_tile<true, false>(view, lists, tile_x, tile_y, raster, out);
+    blend_tile<true, false>(view, lists, tile_x, tile_y, raster, seen, out);
   } else {
-    blend_tile<false, false>(view, lists, tile_x, tile_y, raster, out);
+    blend_tile<false, false>(view, lists, tile_x, tile_y, raster, seen, out);
   }
 }
 
@@ -203,8 +224,8 @@ namespace aligngs::cpu {
 HWY_EXPORT(BlendTileForward);
 
 void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                        const RasterSettings& raster, bool geometry, TileForward& out) {
-  HWY_DYNAMIC_DISPATCH(BlendTileForward)(view, lists, tile_x, tile_y, raster, geometry, out);
+                        const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out) {
+  HWY_DYNAMIC_DISPATCH(BlendTileForward)(view, lists, tile_x, tile_y, raster, geometry, seen, out);
 }
 
 }  // namespace aligngs::cpu

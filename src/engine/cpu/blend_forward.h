@@ -3,6 +3,7 @@
 
 #include "engine/cpu/aligned_array.h"
 #include "engine/cpu/binning.h"
+#include "engine/cpu/blend_record.h"
 #include "engine/cpu/splats.h"
 #include "engine/settings.h"
 
@@ -17,19 +18,22 @@ struct BlockMaps {
   alignas(64) float expected[kBlockPixels];
   alignas(64) float median[kBlockPixels];
   alignas(64) float transmittance[kBlockPixels];  ///< what is left behind the last Gaussian
+  alignas(64) int32_t last[kBlockPixels];         ///< as in BlendRecord
 };
 
 /// Scratch of one thread.
 struct TileForward {
   AlignedArray<Splat> splats;     ///< the next Gaussians of the tile
   AlignedArray<uint32_t> lists;   ///< [strips of the tile][kGather] which of them each strip may see
+  AlignedArray<uint16_t> strips;  ///< [length of the tile's list] out: as in BlendRecord
   BlockMaps blocks[kTileBlocks];  ///< out, in the order of TileWeights::blocks
 };
 
 /// Blends tile (tile_x, tile_y) of the view into out.blocks. Takes the same alphas, bit for bit, as
 /// compute_tile_weights, but keeps none of them: each strip of 8 x 2 pixels sums its maps in registers over the
-/// Gaussians that can reach it, and ends when its own pixels are closed.
+/// Gaussians that can reach it, and ends when its own pixels are closed. `seen` [slots], unless nullptr, receives a 1
+/// for every Gaussian that some pixel took.
 void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
-                        const RasterSettings& raster, bool geometry, TileForward& out);
+                        const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out);
 
 }  // namespace aligngs::cpu

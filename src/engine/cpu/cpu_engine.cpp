@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <utility>
 
@@ -98,31 +99,31 @@ void CpuEngine::prepare_frame(const Camera& camera, const RasterSettings& raster
   build_tile_lists(frame_.view, *pool_, frame_.lists);
 }
 
-void CpuEngine::prepare_features(SemanticBlend blend, bool rounded) const {
+void CpuEngine::prepare_features(SemanticBlend blend, Features kind, const uint8_t* touched) const {
   const size_t channels = static_cast<size_t>(model_.semantic_channels);
   const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
-  frame_.features.resize(frame_.lists.visible.size() * padded);
+  const bool exact = kind != Features::kRounded, rounded = kind != Features::kExact;
+  if (exact) frame_.features.resize(frame_.lists.visible.size() * padded);
   if (rounded) frame_.rounded.resize(frame_.lists.visible.size() * depth);
   pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
     AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
     scratch.resize(padded);
     for (size_t i = begin; i < end; ++i) {
-      if (frame_.view.rects[i].area() == 0) continue;
+      if (touched != nullptr ? touched[i] == 0 : frame_.view.rects[i].area() == 0) continue;
       const float* in = model_.semantics.data() + i * channels;
-      float* out = frame_.features.data() + size_t(frame_.lists.rank[i]) * padded;
-      float* row = rounded ? scratch.data() : out;
+      const size_t rank = frame_.lists.rank[i];
+      float* row = rounded ? scratch.data() : frame_.features.data() + rank * padded;
       if (blend == SemanticBlend::kProbabilities) {
-        softmax_row(in, channels, padded, counts_.log_count[channels - 1], row);
+        softmax_row(in, channels, padded, counts_.last_log_count(), row);
       } else {
         copy_row(in, channels, padded, row);
       }
       if (!rounded) continue;
-      stream_row(row, padded, out);  // the tiles read the rounded ones; these wait for the optimiser
+      if (exact) std::memcpy(frame_.features.data() + rank * padded, row, padded * sizeof(float));
       // A softmax of blended logits does not see a shift of a row, but the rounding does.
       const float shift = blend == SemanticBlend::kLogits ? row_mean(row, channels, padded) : 0.0f;
-      round_row(row, channels, padded, depth, shift, frame_.rounded.data() + size_t(frame_.lists.rank[i]) * depth);
+      round_row(row, channels, padded, depth, shift, frame_.rounded.data() + rank * depth);
     }
-    if (rounded) finish_streams();
   });
 }
 
@@ -179,12 +180,16 @@ StepReport CpuEngine::step(const StepRequest& request) {
   const bool semantics = semantics_active(request);
   const bool probabilities = request.losses.semantic_blend == SemanticBlend::kProbabilities;
   const bool rounded = semantics && products_ != SemanticProducts::kFloat32 && matrix_tiles_available();
-  if (semantics) prepare_features(request.losses.semantic_blend, rounded);
-  watch.lap("semantic_rows");
 
   const ViewTiles tiles{frame_.view, frame_.lists, request.raster};
-  forward_pass(tiles, geometry, *pool_, scratch_, frame_.maps);
+  forward_pass(tiles, geometry, *pool_, scratch_, frame_.maps, &frame_.record);
+  report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_);
   watch.lap("forward");
+  if (semantics) {
+    const Features kind = !rounded ? Features::kExact : keep_features_ ? Features::kBoth : Features::kRounded;
+    prepare_features(request.losses.semantic_blend, kind, gradients_.touched.data());
+  }
+  watch.lap("semantic_rows");
   const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_};
   clear_gradients(frame_.maps.pixels(), *pool_, map_gradients_);
   map_losses(inputs, report.losses, map_gradients_);
@@ -211,7 +216,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   }
   for (TileScratch& s : scratch_) s.semantic_seconds = 0;
   const bool prior = !view.data.prior_depth.empty();
-  backward_pass(tiles,
+  backward_pass(tiles, frame_.record,
                 {map_gradients_, residual_.data(), prior ? view.data.prior_depth.data.data() : nullptr,
                  request.losses.prior_depth_scale},
                 geometry, density, semantics ? &pass : nullptr, *pool_, scratch_, batches_, slots_);
@@ -230,12 +235,11 @@ StepReport CpuEngine::step(const StepRequest& request) {
   last_semantics_ = semantics;
   last_probabilities_ = probabilities;
 
-  const SlotTotals totals = sum_slots(frame_.view, frame_.lists, *pool_, slots_, gradients_);
-  report.visible = totals.visible;
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  const ReduceInputs reduce{
-      model_, frame_.view, frame_.lists, slots_, request, totals, static_cast<float>(report.coupling_scale)};
-  const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, gradients_);
+  const ReduceInputs reduce{model_, frame_.view, frame_.lists,    frame_.record,
+                            slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
+  ReduceTotals totals;
+  const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, totals, gradients_);
   watch.lap("reduce");
   if (const char* term = bad_loss(report.losses)) {
     report.non_finite = locate({true, -1, term});
@@ -245,7 +249,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
     report.non_finite = locate({true, bad.row, bad.term});
     return report;
   }
-  if (semantics) {
+  if (semantics && !pass.harmless) {
     const int64_t row = first_bad_feature_gradient();
     if (row >= 0) {
       report.non_finite = locate({true, row, "semantics"});
@@ -255,12 +259,12 @@ StepReport CpuEngine::step(const StepRequest& request) {
 
   SemanticGradients semantic_gradients;
   if (semantics) {
-    semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(),
-                          probabilities ? frame_.features.data() : nullptr};
+    semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(), probabilities,
+                          probabilities && !rounded ? frame_.features.data() : nullptr, counts_.last_log_count()};
   }
   model_.sh_degree = request.sh_degree;
   optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_);
-  if (density) add_density_statistics(reduce, gradients_.touched, *pool_, statistics_);
+  if (density) add_density_statistics(reduce, gradients_, *pool_, statistics_);
   if (semantics && bounded && strength != 0) {
     update_coupling_balance(totals.photometric_rms, totals.coupling_rms, balance_);
   }

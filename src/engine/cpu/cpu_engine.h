@@ -19,7 +19,8 @@ struct Frame {
   ProjectedView view;
   TileLists lists;
   RenderMaps<float> maps;
-  AlignedArray<float> features;  ///< [visible][padded] semantic rows as they are blended
+  BlendRecord record;
+  AlignedArray<float> features;    ///< [visible][padded] semantic rows as they are blended
   AlignedArray<uint16_t> rounded;  ///< the same in bfloat16, where the products use it
 };
 
@@ -60,8 +61,10 @@ class CpuEngine final : public Engine {
   void set_semantic_products(SemanticProducts products);
 
   /// Gradients of the last step, for tests: rows that the step did not touch are zero. Semantic rows have the model's
-  /// channels (ActiveClasses).
+  /// channels (ActiveClasses). Needs keep_features(true) before the step.
   GaussianModel last_gradients() const;
+  /// Steps that round the blended rows keep the exact ones, too, which only last_gradients reads.
+  void keep_features(bool keep) { keep_features_ = keep; }
   const RenderMaps<float>& last_maps() const { return frame_.maps; }
   const CouplingBalance& coupling_balance() const { return balance_; }
   /// For tests that compare one step's gradients: starts from a given balance.
@@ -69,7 +72,10 @@ class CpuEngine final : public Engine {
 
  private:
   void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
-  void prepare_features(SemanticBlend blend, bool rounded) const;
+  /// How blended rows are kept.
+  enum class Features { kExact, kRounded, kBoth };
+  /// Rows of Gaussians in view, or only those with touched[row] == 1.
+  void prepare_features(SemanticBlend blend, Features kind, const uint8_t* touched) const;
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
   void adopt(const GaussianModel& model, const Moments* moments);
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
@@ -103,6 +109,7 @@ class CpuEngine final : public Engine {
   ParameterGradients gradients_;
   AlignedArray<float> feature_gradients_;  ///< [visible][padded] dL/dfeatures, rows with feature_written_ only
   std::vector<uint8_t> feature_written_;
+  bool keep_features_ = false;
   bool last_semantics_ = false, last_probabilities_ = false;
 };
 

@@ -86,6 +86,7 @@ TEST(CpuEngine, LossFallsOverSomeSteps) {
 TEST(CpuEngine, AdamFollowsTheFormula) {
   const SceneOptions o;
   CpuEngine engine(2);
+  engine.keep_features(true);
   const GaussianModel before = make_model(o);
   engine.load(before);
   engine.set_training_views({make_view(o)});

@@ -38,6 +38,59 @@ HWY_INLINE FloatVec gather(const float* values, Index row_offsets, int column) {
   return hn::GatherIndex(FloatTag(), values + column, row_offsets);
 }
 
+#if HWY_TARGET != HWY_SCALAR
+using Quad = HWY_CAPPED(float, 4);
+using QuadVec = hn::Vec<Quad>;
+/// out[k][i] = r[i][k].
+HWY_INLINE void transpose_4x4(const QuadVec* r, QuadVec* out) {
+  const Quad d;
+  const hn::Repartition<double, Quad> dd;
+  const auto a = hn::BitCast(dd, hn::InterleaveLower(d, r[0], r[1])), b = hn::BitCast(dd, hn::InterleaveLower(d, r[2], r[3]));
+  const auto c = hn::BitCast(dd, hn::InterleaveUpper(d, r[0], r[1])), e = hn::BitCast(dd, hn::InterleaveUpper(d, r[2], r[3]));
+  out[0] = hn::BitCast(d, hn::InterleaveLower(dd, a, b));
+  out[1] = hn::BitCast(d, hn::InterleaveUpper(dd, a, b));
+  out[2] = hn::BitCast(d, hn::InterleaveLower(dd, c, e));
+  out[3] = hn::BitCast(d, hn::InterleaveUpper(dd, c, e));
+}
+#endif
+
+/// out[j][lane] = rows[lane][j] for j < width, a multiple of 4.
+HWY_INLINE void rows_to_lanes(const float* const* rows, size_t width, float (*out)[kLanes]) {
+#if HWY_TARGET == HWY_SCALAR
+  for (size_t j = 0; j < width; ++j) out[j][0] = rows[0][j];
+#else
+  const Quad d;
+  for (size_t lane = 0; lane < kLanes; lane += 4) {
+    for (size_t j = 0; j < width; j += 4) {
+      QuadVec in[4], turned[4];
+      for (size_t i = 0; i < 4; ++i) in[i] = hn::LoadU(d, rows[lane + i] + j);
+      transpose_4x4(in, turned);
+      for (size_t i = 0; i < 4; ++i) hn::Store(turned[i], d, out[j + i] + lane);
+    }
+  }
+#endif
+}
+
+/// rows[lane][j] = in[j][lane] for j < width, a multiple of 4, and the first `count` lanes.
+HWY_INLINE void lanes_to_rows(const float (*in)[kLanes], size_t width, size_t count, float* const* rows) {
+#if HWY_TARGET == HWY_SCALAR
+  for (size_t j = 0; j < width && count > 0; ++j) rows[0][j] = in[j][0];
+#else
+  const Quad d;
+  for (size_t lane = 0; lane < count; lane += 4) {
+    for (size_t j = 0; j < width; j += 4) {
+      QuadVec from[4], turned[4];
+      for (size_t i = 0; i < 4; ++i) from[i] = hn::Load(d, in[j + i] + lane);
+      transpose_4x4(from, turned);
+      for (size_t i = 0; i < 4 && lane + i < count; ++i) hn::StoreU(turned[i], d, rows[lane + i] + j);
+    }
+  }
+#endif
+}
+
+/// Rounded up to whole quads.
+constexpr size_t whole_quads(size_t width) { return (width + 3) / 4 * 4; }
+
 /// Parameters of the rows at hand; the camera's constants.
 struct LaneShape {
   Lanes3 position, log_scale;

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "engine/cpu/adam.h"
+#include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/shape_terms.h"
 
@@ -81,11 +82,19 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
   if (channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
     const AdamStep<float> step = step_of(rates.semantic);
     pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+      thread_local AlignedArray<float> probabilities;
+      probabilities.resize(padded);
       for (size_t i = begin; i < end; ++i) {
         const float *g = nullptr, *pi = nullptr;
         if (semantics.gradients != nullptr && view.rects[i].area() > 0 && semantics.written[semantics.rank[i]] != 0) {
           g = semantics.gradients + semantics.rank[i] * padded;
-          if (semantics.softmax != nullptr) pi = semantics.softmax + semantics.rank[i] * padded;
+          if (semantics.softmax != nullptr) {
+            pi = semantics.softmax + semantics.rank[i] * padded;
+          } else if (semantics.probabilities) {
+            softmax_row(model.semantics.data() + i * channels, channels, padded, semantics.last_shift,
+                        probabilities.data());
+            pi = probabilities.data();
+          }
         } else if (request.adam.skip_invisible_semantics) {
           continue;
         }

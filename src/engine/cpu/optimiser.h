@@ -26,7 +26,10 @@ struct SemanticGradients {
   const uint32_t* rank = nullptr;    ///< [N] row in the arrays below of a Gaussian in view
   const uint8_t* written = nullptr;  ///< [visible]
   const float* gradients = nullptr;  ///< [visible][padded] dL/dfeatures
-  const float* softmax = nullptr;    ///< [visible][padded] pi for kProbabilities, nullptr for kLogits
+  bool probabilities = false;        ///< features are pi = softmax(s), else s
+  const float* softmax = nullptr;    ///< [visible][padded] pi; nullptr: to be computed again, which costs less than
+                                     ///< taking it through memory
+  float last_shift = 0;              ///< of that softmax (semantic_rows.h)
 };
 
 /// Throws Error{kUsage} when a rate, a beta or epsilon is outside what adam.h allows.

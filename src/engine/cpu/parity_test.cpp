@@ -46,6 +46,7 @@ void expect_close(const A& a, const B& b, double tolerance, const std::string& w
 void compare_products(SemanticProducts products, const GaussianModel& model, const TrainingView& view,
                       const StepRequest& request, const Tolerance& tolerance, const CouplingBalance& balance) {
   CpuEngine engine(2);
+  engine.keep_features(true);
   engine.set_semantic_products(products);
   engine.load(model);
   engine.set_training_views({view});

@@ -121,11 +121,15 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   ray = scaled(ray, hn::IfThenElseZero(hn::Gt(length, zero), hn::Div(one, length)));
   FloatVec basis[kShCoefficients];
   lane_sh_basis(sh_degree, ray, basis);
-  const auto row48 = hn::ShiftLeft<4>(row3);
-  const float* sh = model.sh.data() + 3 * kShCoefficients * first;
+  const float* sh_rows[kLanes];
+  for (size_t k = 0; k < kLanes; ++k) {
+    sh_rows[k] = model.sh.data() + 3 * kShCoefficients * (first + static_cast<size_t>(rows[k]));
+  }
+  HWY_ALIGN float sh[3 * kShCoefficients][kLanes];
+  rows_to_lanes(sh_rows, whole_quads(static_cast<size_t>(3 * sh_coefficient_count(sh_degree))), sh);
   FloatVec color[3] = {constant(0.5f), constant(0.5f), constant(0.5f)};
   for (int k = 0; k < sh_coefficient_count(sh_degree); ++k) {
-    for (int ch = 0; ch < 3; ++ch) color[ch] = hn::MulAdd(gather(sh, row48, 3 * k + ch), basis[k], color[ch]);
+    for (int ch = 0; ch < 3; ++ch) color[ch] = hn::MulAdd(hn::Load(d, sh[3 * k + ch]), basis[k], color[ch]);
   }
   const auto bad_color = hn::Not(finite(hn::Add(color[0], hn::Add(color[1], color[2]))));
   hn::Store(hn::IfThenElse(hn::Or(hn::Not(good), hn::And(visible, bad_color)), one, zero), d, out.suspect);

@@ -17,47 +17,42 @@ namespace cpu {
 namespace HWY_NAMESPACE {
 
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
-constexpr size_t kRowFloats = 3 + 3 + 4 + 1 + 3 * kShCoefficients;
 
-/// Places in SplatGradient: the sums of the map losses end at rr, those of the coupling begin at coupling_p.
-constexpr size_t kMapSums = offsetof(SplatGradient, rr) / sizeof(float) + 1;
-constexpr size_t kCouplingSums = offsetof(SplatGradient, coupling_p) / sizeof(float);
+/// Places in Splat, as numbers.
+constexpr size_t kSplatFactor = offsetof(Splat, fxx) / sizeof(float), kSplatOpacity = offsetof(Splat, opacity) / sizeof(float);
+constexpr size_t kSplatColor = offsetof(Splat, color) / sizeof(float), kSplatNormal = offsetof(Splat, normal) / sizeof(float);
+constexpr size_t kSplatFields = 16;  ///< a multiple of 4 that holds those above
+static_assert(kSplatNormal + 3 <= kSplatFields);
 
 /// Inputs of a batch, one row per lane.
 struct LaneInputs {
-  HWY_ALIGN float parameters[kRowFloats][kLanes];      ///< position, log-scale, rotation, logit, sh
+  HWY_ALIGN float position[3][kLanes], log_scale[3][kLanes], rotation[4][kLanes];
+  HWY_ALIGN float sh[3 * kShCoefficients][kLanes];
   HWY_ALIGN float sums[kSplatGradientFloats][kLanes];  ///< SplatGradient
-  HWY_ALIGN float fxx[kLanes], fxy[kLanes], fyy[kLanes], opacity[kLanes], normal[3][kLanes], color[3][kLanes];
+  HWY_ALIGN float splat[kSplatFields][kLanes];         ///< Splat
 };
 struct LaneOutputs {
   HWY_ALIGN float row[11][kLanes];  ///< in the order of RowGradient
   HWY_ALIGN float sh[3 * kShCoefficients][kLanes];
 };
 
-void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* const* sums, size_t count,
+void load_lanes(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums, size_t count,
                 LaneInputs& out) {
-  const size_t sh_used = static_cast<size_t>(3 * sh_coefficient_count(in.sh_degree));
+  const GaussianModel& m = in.model;
+  const float *sh[kLanes], *sum[kLanes], *splats[kLanes], *rotations[kLanes];
   for (size_t lane = 0; lane < kLanes; ++lane) {
     const size_t k = HWY_MIN(lane, count - 1), row = rows[k];
-    const GaussianModel& m = in.model;
-    for (size_t j = 0; j < 3; ++j) out.parameters[j][lane] = m.positions[3 * row + j];
-    for (size_t j = 0; j < 3; ++j) out.parameters[3 + j][lane] = m.log_scales[3 * row + j];
-    for (size_t j = 0; j < 4; ++j) out.parameters[6 + j][lane] = m.rotations[4 * row + j];
-    out.parameters[10][lane] = m.opacity_logits[row];
-    for (size_t j = 0; j < sh_used; ++j) out.parameters[11 + j][lane] = m.sh[3 * kShCoefficients * row + j];
-    const float* sum = reinterpret_cast<const float*>(sums[k]);
-    for (size_t j = 0; j < kMapSums; ++j) out.sums[j][lane] = sum[j];
-    if (in.coupling_scale != 0) {
-      for (size_t j = kCouplingSums; j < kCouplingSums + 6; ++j) out.sums[j][lane] = sum[j];
-    }
-    const Splat& s = in.view.splats[row];
-    out.fxx[lane] = s.fxx;
-    out.fxy[lane] = s.fxy;
-    out.fyy[lane] = s.fyy;
-    out.opacity[lane] = s.opacity;
-    for (size_t j = 0; j < 3; ++j) out.normal[j][lane] = s.normal[j];
-    for (size_t j = 0; j < 3; ++j) out.color[j][lane] = s.color[j];
+    for (size_t j = 0; j < 3; ++j) out.position[j][lane] = m.positions[3 * row + j];
+    for (size_t j = 0; j < 3; ++j) out.log_scale[j][lane] = m.log_scales[3 * row + j];
+    rotations[lane] = &m.rotations[4 * row];
+    sh[lane] = &m.sh[3 * kShCoefficients * row];
+    sum[lane] = reinterpret_cast<const float*>(sums + k);
+    splats[lane] = reinterpret_cast<const float*>(&in.view.splats[row]);
   }
+  rows_to_lanes(rotations, 4, out.rotation);
+  rows_to_lanes(sh, whole_quads(static_cast<size_t>(3 * sh_coefficient_count(in.sh_degree))), out.sh);
+  rows_to_lanes(sum, kSplatGradientFloats, out.sums);
+  rows_to_lanes(splats, kSplatFields, out.splat);
 }
 
 /// The vector twin of rotation_backward: dL/dR to the stored quaternion.
@@ -84,9 +79,9 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   const FloatTag d;
   const auto load = [&](const float* p) HWY_ATTR { return hn::Load(d, p); };
   LaneShape g;
-  g.position = {load(l.parameters[0]), load(l.parameters[1]), load(l.parameters[2])};
-  g.log_scale = {load(l.parameters[3]), load(l.parameters[4]), load(l.parameters[5])};
-  for (int k = 0; k < 4; ++k) g.rotation[k] = load(l.parameters[6 + k]);
+  g.position = {load(l.position[0]), load(l.position[1]), load(l.position[2])};
+  g.log_scale = {load(l.log_scale[0]), load(l.log_scale[1]), load(l.log_scale[2])};
+  for (int k = 0; k < 4; ++k) g.rotation[k] = load(l.rotation[k]);
   const ProjectionCamera<float>& camera = in.view.camera;
   const LaneCamera c(camera);
   const Lanes3 centre = c.to_camera(g.position);
@@ -105,14 +100,15 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
     pr = hn::MulAdd(s, load(l.sums[24]), pr);
     rr = hn::MulAdd(s, load(l.sums[25]), rr);
   }
-  const FloatVec fxx = load(l.fxx), fxy = load(l.fxy), fyy = load(l.fyy), k2 = constant(kTwoLn2);
+  const FloatVec fxx = load(l.splat[kSplatFactor]), fxy = load(l.splat[kSplatFactor + 1]),
+                 fyy = load(l.splat[kSplatFactor + 2]), k2 = constant(kTwoLn2);
   const FloatVec dmean_x = hn::Mul(k2, hn::Mul(fxx, p)), dmean_y = hn::Mul(k2, hn::MulAdd(fxy, p, hn::Mul(fyy, r)));
   const FloatVec half = constant(0.5f * kTwoLn2 * kTwoLn2), two = constant(2.0f), one = constant(1.0f);
   const FloatVec row_p = hn::MulAdd(fxy, pp, hn::Mul(fyy, pr)), row_r = hn::MulAdd(fxy, pr, hn::Mul(fyy, rr));
   const FloatVec dxx = hn::Mul(half, hn::Mul(hn::Mul(fxx, fxx), pp));
   const FloatVec dxy = hn::Mul(hn::Mul(two, half), hn::Mul(fxx, row_p));
   const FloatVec dyy = hn::Mul(half, hn::MulAdd(fxy, row_p, hn::Mul(fyy, row_r)));
-  hn::Store(hn::Mul(sum, hn::Sub(one, load(l.opacity))), d, out.row[10]);  // dL/dopacity = sum / opacity
+  hn::Store(hn::Mul(sum, hn::Sub(one, load(l.splat[kSplatOpacity]))), d, out.row[10]);  // dL/dopacity = sum / opacity
 
   const FloatVec zero = hn::Zero(d), zoom_x = hn::Mul(c.fx, f.inverse_z), zoom_y = hn::Mul(c.fy, f.inverse_z);
   FloatVec daxes[9];
@@ -136,7 +132,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   dcentre.z = hn::NegMulAdd(hn::MulAdd(gx, f.raw_slope_x, hn::Mul(gy, f.raw_slope_y)), f.inverse_z, dcentre.z);
 
   // Plane: d = -n . p_c, n = +-V(:, axis).
-  const Lanes3 normal{load(l.normal[0]), load(l.normal[1]), load(l.normal[2])};
+  const Lanes3 normal{load(l.splat[kSplatNormal]), load(l.splat[kSplatNormal + 1]), load(l.splat[kSplatNormal + 2])};
   const FloatVec ddistance = load(l.sums[7]);
   const Lanes3 dnormal{hn::NegMulAdd(ddistance, centre.x, load(l.sums[4])),
                        hn::NegMulAdd(ddistance, centre.y, load(l.sums[5])),
@@ -172,13 +168,13 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   FloatVec basis[kShCoefficients], weight[kShCoefficients], dcolor[3];
   lane_sh_basis(in.sh_degree, ray, basis);
   for (int ch = 0; ch < 3; ++ch) {
-    dcolor[ch] = hn::IfThenElseZero(hn::Gt(load(l.color[ch]), zero), load(l.sums[ch]));
+    dcolor[ch] = hn::IfThenElseZero(hn::Gt(load(l.splat[kSplatColor + static_cast<size_t>(ch)]), zero), load(l.sums[ch]));
   }
   for (int k = 0; k < sh_coefficient_count(in.sh_degree); ++k) {
     weight[k] = zero;
     for (int ch = 0; ch < 3; ++ch) {
       hn::Store(hn::Mul(dcolor[ch], basis[k]), d, out.sh[3 * k + ch]);
-      weight[k] = hn::MulAdd(dcolor[ch], load(l.parameters[11 + 3 * k + ch]), weight[k]);
+      weight[k] = hn::MulAdd(dcolor[ch], load(l.sh[3 * k + ch]), weight[k]);
     }
   }
   const Lanes3 ddirection = lane_sh_basis_gradient(in.sh_degree, ray, weight);
@@ -192,7 +188,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   hn::Store(position(2, ddirection.z, ray.z), d, out.row[2]);
 }
 
-void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* const* sums,
+void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,
                          size_t count, RowGradient* gradients, float* sh_gradients) {
   static_assert(sizeof(RowGradient) == 11 * sizeof(float));
   LaneInputs inputs;
@@ -202,13 +198,14 @@ void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, 
     const size_t n = HWY_MIN(kLanes, count - first);
     load_lanes(in, rows + first, sums + first, n, inputs);
     backward_lanes(in, inputs, outputs);
+    float* sh[kLanes] = {};
     for (size_t lane = 0; lane < n; ++lane) {
       float* to = reinterpret_cast<float*>(gradients + first + lane);
       for (size_t j = 0; j < 11; ++j) to[j] = outputs.row[j][lane];
-      float* sh = sh_gradients + size_t(rows[first + lane]) * 3 * kShCoefficients;
-      for (size_t j = 0; j < used; ++j) sh[j] = outputs.sh[j][lane];
-      for (size_t j = used; j < 3 * kShCoefficients; ++j) sh[j] = 0;
+      sh[lane] = sh_gradients + size_t(rows[first + lane]) * 3 * kShCoefficients;
     }
+    for (size_t j = used; j < 3 * kShCoefficients; ++j) hn::Store(hn::Zero(FloatTag()), FloatTag(), outputs.sh[j]);
+    lanes_to_rows(outputs.sh, 3 * kShCoefficients, n, sh);
   }
 }
 
@@ -222,7 +219,7 @@ namespace aligngs::cpu {
 
 HWY_EXPORT(ProjectBackwardRows);
 
-void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* const* sums,
+void project_backward_rows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,
                            size_t count, RowGradient* gradients, float* sh_gradients) {
   HWY_DYNAMIC_DISPATCH(ProjectBackwardRows)(in, rows, sums, count, gradients, sh_gradients);
 }

@@ -1,7 +1,9 @@
 #include "engine/cpu/reduce.h"
 
 #include <cmath>
+#include <numeric>
 
+#include "engine/cpu/activations.h"
 #include "engine/cpu/adam.h"
 #include "engine/cpu/project_backward.h"
 #include "engine/formulas/shape_terms.h"
@@ -18,30 +20,54 @@ Vec2<float> mean_gradient(const Splat& s, float p, float r) {
 
 float length(float x, float y) { return std::sqrt(x * x + y * y); }
 
-/// Sums of one chunk of rows.
-struct ShapeSums {
+/// Sums of one chunk of rows: values of the shape terms, and squares of gradients of the mean.
+struct ChunkSums {
   double flatten = 0, opacity = 0, scale = 0;
+  double photometric = 0, coupling = 0;
 };
 
-/// Adds the shape terms of row i to its gradient and their values to `sums`.
-void add_shape_terms(const ReduceInputs& in, size_t i, bool touched, RowGradient& g, ShapeSums& sums) {
+/// What the shape terms need of a chunk of rows, beginning with row `first`; empty where no term asks for it.
+struct ShapeValues {
+  size_t first = 0;
+  AlignedArray<float> scales;     ///< [rows][3]
+  AlignedArray<float> opacities;  ///< [rows]
+};
+
+void shape_values(const ReduceInputs& in, size_t begin, size_t end, ShapeValues& out) {
   const LossSettings& set = in.request.losses;
-  const float extent = in.request.extent, rows = static_cast<float>(in.model.size());
-  const float* s = &in.model.log_scales[3 * i];
-  if (set.flatten_weight != 0 && touched) {
-    const Vec3<float> log_scale{s[0], s[1], s[2]};
-    const float value = flatten_value(log_scale, extent);
-    sums.flatten += static_cast<double>(value);
-    g.log_scale[smallest_axis(log_scale)] += set.flatten_weight * value / static_cast<float>(in.totals.visible);
+  const size_t n = end - begin;
+  out.first = begin;
+  if (set.flatten_weight != 0 || set.scale_l1_weight != 0) {
+    out.scales.resize(3 * n);
+    exp_range(&in.model.log_scales[3 * begin], 3 * n, out.scales.data());
   }
   if (set.opacity_l1_weight != 0) {
-    float derivative;
-    sums.opacity += static_cast<double>(opacity_of_logit(in.model.opacity_logits[i], derivative));
-    g.opacity_logit += set.opacity_l1_weight * derivative / rows;
+    out.opacities.resize(n);
+    sigmoid_range(&in.model.opacity_logits[begin], n, out.opacities.data());
+  }
+}
+
+/// Adds the shape terms of row i (formulas/shape_terms.h) to its gradient and their values to `sums`.
+void add_shape_terms(const ReduceInputs& in, const ShapeValues& values, size_t i, bool touched, RowGradient& g,
+                     ChunkSums& sums) {
+  const LossSettings& set = in.request.losses;
+  const float inverse_extent = 1.0f / in.request.extent, rows = static_cast<float>(in.model.size());
+  const float* s = values.scales.empty() ? nullptr : values.scales.data() + 3 * (i - values.first);
+  if (set.flatten_weight != 0 && touched) {
+    const float* log_scale = &in.model.log_scales[3 * i];
+    const int axis = smallest_axis(Vec3<float>{log_scale[0], log_scale[1], log_scale[2]});
+    const float value = s[axis] * inverse_extent;
+    sums.flatten += static_cast<double>(value);
+    g.log_scale[axis] += set.flatten_weight * value / static_cast<float>(in.visible);
+  }
+  if (set.opacity_l1_weight != 0) {
+    const float o = values.opacities[i - values.first];
+    sums.opacity += static_cast<double>(o);
+    g.opacity_logit += set.opacity_l1_weight * o * (1.0f - o) / rows;
   }
   if (set.scale_l1_weight != 0) {
     for (int k = 0; k < 3; ++k) {
-      const float value = scale_value(s[k], extent);
+      const float value = s[k] * inverse_extent;
       if (!is_finite(value)) continue;  // a row so large that projection culls it
       sums.scale += static_cast<double>(value);
       g.log_scale[k] += set.scale_l1_weight * value / (3 * rows);
@@ -67,6 +93,29 @@ const char* bad_term(const ParameterGradients& g, size_t i) {
   return nullptr;
 }
 
+/// The sums of row i over the tiles that took it.
+void sum_slots(const ReduceInputs& in, size_t i, SplatGradient& sum) {
+  sum = {};
+  float* to = reinterpret_cast<float*>(&sum);
+  for (uint64_t slot = in.lists.slot_begin[i]; slot < in.lists.slot_begin[i + 1]; ++slot) {
+    if (in.record.seen[static_cast<size_t>(slot)] == 0) continue;
+    const float* from = reinterpret_cast<const float*>(&in.slots[static_cast<size_t>(slot)]);
+    for (size_t k = 0; k < kSplatGradientFloats; ++k) to[k] += from[k];
+  }
+}
+
+void add_squares(const Splat& s, const SplatGradient& sum, ChunkSums& out) {
+  const Vec2<float> photometric = mean_gradient(s, sum.photometric_p, sum.photometric_r);
+  const Vec2<float> coupling = mean_gradient(s, sum.coupling_p, sum.coupling_r);
+  out.photometric += static_cast<double>(photometric.x * photometric.x + photometric.y * photometric.y);
+  out.coupling += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
+}
+
+DensitySums density_sums(const SplatGradient& s) {
+  return {s.photometric_p, s.photometric_r, s.photometric_abs_p, s.photometric_abs_y,
+          s.weight,        s.residual,      s.unsupported};
+}
+
 /// The first of rows [begin, end) with an unusable gradient. Looks at whole ranges first.
 BadGradient first_bad_row(const ParameterGradients& g, size_t begin, size_t end) {
   const size_t n = end - begin;
@@ -86,53 +135,25 @@ BadGradient first_bad_row(const ParameterGradients& g, size_t begin, size_t end)
 
 }  // namespace
 
-SlotTotals sum_slots(const ProjectedView& view, const TileLists& lists, ThreadPool& pool, SlotGradients& slots,
-                     ParameterGradients& gradients) {
-  const size_t n = view.size();
+size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool,
+                    ParameterGradients& gradients) {
+  const size_t n = lists.rank.size();
   gradients.touched.resize(n);
-  struct ChunkTotals {
-    size_t visible = 0;
-    double photometric = 0, coupling = 0;
-  };
-  std::vector<ChunkTotals> chunks((n + kGrain - 1) / kGrain);
+  std::vector<size_t> chunks((n + kGrain - 1) / kGrain, 0);
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
-    ChunkTotals& total = chunks[begin / kGrain];
     for (size_t i = begin; i < end; ++i) {
-      SplatGradient sum{};
-      float* to = reinterpret_cast<float*>(&sum);
-      bool touched = false;
+      uint8_t any = 0;
       for (uint64_t slot = lists.slot_begin[i]; slot < lists.slot_begin[i + 1]; ++slot) {
-        if (slots.used[static_cast<size_t>(slot)] == 0) continue;
-        const float* from = reinterpret_cast<const float*>(&slots.slots[static_cast<size_t>(slot)]);
-        for (size_t k = 0; k < kSplatGradientFloats; ++k) to[k] += from[k];
-        touched = true;
+        any |= record.seen[static_cast<size_t>(slot)];
       }
-      gradients.touched[i] = touched ? 1 : 0;
-      if (!touched) continue;
-      slots.slots[static_cast<size_t>(lists.slot_begin[i])] = sum;
-      ++total.visible;
-      const Splat& s = view.splats[i];
-      const Vec2<float> photometric = mean_gradient(s, sum.photometric_p, sum.photometric_r);
-      const Vec2<float> coupling = mean_gradient(s, sum.coupling_p, sum.coupling_r);
-      total.photometric += static_cast<double>(photometric.x * photometric.x + photometric.y * photometric.y);
-      total.coupling += static_cast<double>(coupling.x * coupling.x + coupling.y * coupling.y);
+      gradients.touched[i] = any;
+      chunks[begin / kGrain] += any;
     }
   });
-  SlotTotals totals;
-  double photometric = 0, coupling = 0;
-  for (const ChunkTotals& c : chunks) {
-    totals.visible += c.visible;
-    photometric += c.photometric;
-    coupling += c.coupling;
-  }
-  if (totals.visible > 0) {
-    totals.photometric_rms = std::sqrt(photometric / static_cast<double>(totals.visible));
-    totals.coupling_rms = std::sqrt(coupling / static_cast<double>(totals.visible));
-  }
-  return totals;
+  return std::accumulate(chunks.begin(), chunks.end(), size_t(0));
 }
 
-BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms,
+BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms, ReduceTotals& totals,
                                 ParameterGradients& gradients) {
   const size_t n = in.model.size();
   gradients.positions.resize(3 * n);
@@ -140,43 +161,55 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   gradients.rotations.resize(4 * n);
   gradients.opacity_logits.resize(n);
   gradients.sh.resize(3 * kShCoefficients * n);
+  if (in.request.collect_density) gradients.density.resize(n);
   const size_t chunk_count = (n + kGrain - 1) / kGrain;
-  std::vector<ShapeSums> sums(chunk_count);
+  std::vector<ChunkSums> sums(chunk_count);
   std::vector<BadGradient> bad(chunk_count);
   const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale};
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
     const size_t chunk = begin / kGrain;
     uint32_t rows[kMaxBackwardRows];
-    const SplatGradient* row_sums[kMaxBackwardRows];
+    SplatGradient row_sums[kMaxBackwardRows];
     RowGradient row[kMaxBackwardRows];
     size_t count = 0;
+    thread_local ShapeValues values;
+    shape_values(in, begin, end, values);
     for (size_t i = begin; i < end; ++i) {
       if (gradients.touched[i] == 0) {
         RowGradient zero{};
-        add_shape_terms(in, i, false, zero, sums[chunk]);
+        add_shape_terms(in, values, i, false, zero, sums[chunk]);
         store_row(zero, i, gradients);
       } else {
         rows[count] = static_cast<uint32_t>(i);
-        row_sums[count++] = &in.slots.slots[static_cast<size_t>(in.lists.slot_begin[i])];
+        sum_slots(in, i, row_sums[count]);
+        add_squares(in.view.splats[i], row_sums[count], sums[chunk]);
+        if (in.request.collect_density) gradients.density[i] = density_sums(row_sums[count]);
+        ++count;
       }
       if (count < kMaxBackwardRows && (i + 1 < end || count == 0)) continue;
       project_backward_rows(backward, rows, row_sums, count, row, gradients.sh.data());
       for (size_t k = 0; k < count; ++k) {
-        add_shape_terms(in, rows[k], true, row[k], sums[chunk]);
+        add_shape_terms(in, values, rows[k], true, row[k], sums[chunk]);
         store_row(row[k], rows[k], gradients);
       }
       count = 0;
     }
     bad[chunk] = first_bad_row(gradients, begin, end);
   });
-  ShapeSums total;
-  for (const ShapeSums& s : sums) {
+  ChunkSums total;
+  for (const ChunkSums& s : sums) {
+    total.photometric += s.photometric;
+    total.coupling += s.coupling;
     total.flatten += s.flatten;
     total.opacity += s.opacity;
     total.scale += s.scale;
   }
   const LossSettings& set = in.request.losses;
-  if (in.totals.visible > 0) total.flatten /= static_cast<double>(in.totals.visible);
+  if (in.visible > 0) {
+    totals.photometric_rms = std::sqrt(total.photometric / static_cast<double>(in.visible));
+    totals.coupling_rms = std::sqrt(total.coupling / static_cast<double>(in.visible));
+    total.flatten /= static_cast<double>(in.visible);
+  }
   if (n > 0) total.opacity /= static_cast<double>(n);
   if (n > 0) total.scale /= static_cast<double>(3 * n);
   terms.flatten += total.flatten;
@@ -190,13 +223,13 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   return {};
 }
 
-void add_density_statistics(const ReduceInputs& in, const std::vector<uint8_t>& touched, ThreadPool& pool,
+void add_density_statistics(const ReduceInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics) {
   const float to_ndc_x = 0.5f * in.view.width, to_ndc_y = 0.5f * in.view.height;
   pool.parallel_for(in.model.size(), kGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      if (touched[i] == 0) continue;
-      const SplatGradient& d = in.slots.slots[static_cast<size_t>(in.lists.slot_begin[i])];
+      if (gradients.touched[i] == 0) continue;
+      const DensitySums& d = gradients.density[i];
       const Splat& s = in.view.splats[i];
       const Vec2<float> mean = mean_gradient(s, d.photometric_p, d.photometric_r);
       const Vec2<float> absolute{kTwoLn2 * s.fxx * d.photometric_abs_p, kTwoLn2 * d.photometric_abs_y};

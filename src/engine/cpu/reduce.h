@@ -13,31 +13,38 @@
 
 namespace aligngs::cpu {
 
+/// What density control needs of a row's sums; see SplatGradient.
+struct DensitySums {
+  float photometric_p, photometric_r, photometric_abs_p, photometric_abs_y, weight, residual, unsupported;
+};
+
 /// Gradients of all parameters but the semantic rows.
 struct ParameterGradients {
   AlignedArray<float> positions, log_scales, rotations, opacity_logits;  ///< as in the model, every row
   AlignedArray<float> sh;                                                ///< [N][48], rows with touched only
+  AlignedArray<DensitySums> density;                                     ///< [N], rows with touched only
   std::vector<uint8_t> touched;                                          ///< [N] 1: blended in at least one pixel
 };
 
-struct SlotTotals {
-  size_t visible = 0;          ///< touched rows
-  double photometric_rms = 0;  ///< of d colour losses / d mean2D over touched rows, pixels^-1
-  double coupling_rms = 0;     ///< the same of the semantic coupling before its factor
-};
-
-/// Adds up the slots of each Gaussian into its first one (valid where touched).
-SlotTotals sum_slots(const ProjectedView& view, const TileLists& lists, ThreadPool& pool, SlotGradients& slots,
-                     ParameterGradients& gradients);
+/// Fills gradients.touched from what the forward pass saw; returns the number of touched rows.
+size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool,
+                    ParameterGradients& gradients);
 
 struct ReduceInputs {
   const GaussianModel& model;
   const ProjectedView& view;
   const TileLists& lists;
-  const SlotGradients& slots;  ///< after sum_slots
+  const BlendRecord& record;
+  const SlotGradients& slots;
   const StepRequest& request;
-  SlotTotals totals;
+  size_t visible = 0;        ///< touched rows
   float coupling_scale = 0;  ///< factor on the coupling moments; 0: they are not read
+};
+
+/// Root mean squares over touched rows.
+struct ReduceTotals {
+  double photometric_rms = 0;  ///< of d colour losses / d mean2D, pixels^-1
+  double coupling_rms = 0;     ///< the same of the semantic coupling before its factor
 };
 
 /// Where a gradient is not usable: the first row, and the parameter in `term`.
@@ -46,13 +53,14 @@ struct BadGradient {
   const char* term = nullptr;
 };
 
-/// Writes the parameters' gradients, the shape terms included (formulas/shape_terms.h), adds the values of these terms
-/// to `terms`, and returns the first row with a gradient beyond kGradientLimit of adam.h.
-BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms,
+/// Adds up the slots of each touched row and writes the parameters' gradients, the shape terms included
+/// (formulas/shape_terms.h). Adds the values of these terms to `terms` and returns the first row with a gradient beyond
+/// kGradientLimit of adam.h.
+BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTerms& terms, ReduceTotals& totals,
                                 ParameterGradients& gradients);
 
 /// Adds this view's share to the statistics of density control.
-void add_density_statistics(const ReduceInputs& in, const std::vector<uint8_t>& touched, ThreadPool& pool,
+void add_density_statistics(const ReduceInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics);
 
 }  // namespace aligngs::cpu

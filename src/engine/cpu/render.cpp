@@ -40,7 +40,7 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
   prepare_frame(camera, options.raster, model_.sh_degree);
   const ProjectedView& view = frame_.view;
   const ViewTiles tiles{view, frame_.lists, options.raster};
-  forward_pass(tiles, options.geometry, *pool_, scratch_, frame_.maps);
+  forward_pass(tiles, options.geometry, *pool_, scratch_, frame_.maps, nullptr);
   const RenderMaps<float>& m = frame_.maps;
   const int w = m.width, h = m.height;
   const size_t n = m.pixels();
@@ -73,7 +73,7 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
   const int channels = model_.semantic_channels;
   if (!options.labels || channels == 0) return r;
 
-  prepare_features(options.semantic_blend, false);
+  prepare_features(options.semantic_blend, Features::kExact, nullptr);
   r.label = Image<uint16_t>(w, h, 1, kNoLabel);
   r.label_probability = ImageF(w, h, 1);
   const size_t padded = padded_channels(channels);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/cpu/adam.h"
 #include "engine/cpu/semantic_rows.h"
 
 namespace aligngs::cpu {
@@ -65,7 +66,7 @@ uint64_t RowBatches::bytes() const {
   return bytes;
 }
 
-void RowBatches::run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
                      const Visit& visit) {
   const Grid grid(view.tiles_x, view.tiles_y, group_size(view.tiles_x, view.tiles_y));
   const auto entries_of = [&](size_t tile) {
@@ -81,6 +82,7 @@ void RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
   };
   own_.resize(static_cast<size_t>(pool.size()));
   for (GroupSums& own : own_) own.index.resize(std::max(own.index.size(), view.size()));
+  std::vector<uint8_t> harmless(grid.count(), 0);
   for (size_t first = 0; first < grid.count();) {
     size_t last = first;
     for (uint64_t entries = 0; last < grid.count(); ++last) {
@@ -99,15 +101,16 @@ void RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
             visit(tile, worker, rows);
           }
         }
-        finish_group(view, group, sums, own, shared_[g]);
+        harmless[first + g] = finish_group(view, group, sums, own, shared_[g]) ? 1 : 0;
       }
     });
     add_shared(sums, last - first, pool);
     first = last;
   }
+  return std::all_of(harmless.begin(), harmless.end(), [](uint8_t good) { return good != 0; });
 }
 
-void RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums,
+bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums,
                               const GroupSums& own, SharedRows& shared) {
   const auto inside = [&](const TileRect& r) {
     return r.x0 >= group.x0 && r.y0 >= group.y0 && r.x1 <= group.x1 && r.y1 <= group.y1;
@@ -115,12 +118,14 @@ void RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
   const size_t padded = sums.padded;
   size_t reaching_out = 0;
   for (const uint32_t gaussian : own.gaussians) reaching_out += inside(view.rects[gaussian]) ? 0 : 1;
+  bool harmless = true;
   shared.targets.clear();
   shared.rows.resize(std::max(shared.rows.size(), reaching_out * padded));
   for (size_t i = 0; i < own.gaussians.size(); ++i) {
     const uint32_t gaussian = own.gaussians[i];
     const uint32_t target = sums.target_of_row != nullptr ? sums.target_of_row[gaussian] : gaussian;
     const float* row = own.rows.data() + i * padded;
+    harmless = harmless && all_within(row, padded, kHarmless);
     if (!inside(view.rects[gaussian])) {
       stream_row(row, padded, shared.rows.data() + shared.targets.size() * padded);
       shared.targets.push_back(target);
@@ -132,6 +137,7 @@ void RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
     }
   }
   finish_streams();
+  return harmless;
 }
 
 void RowBatches::add_shared(const RowSums& sums, size_t groups, ThreadPool& pool) {

@@ -57,8 +57,9 @@ class RowBatches {
  public:
   using Visit = std::function<void(size_t tile, int worker, TileRows& rows)>;
 
-  /// Calls visit for every tile. It may ask for the rows of Gaussians of that tile's list only.
-  void run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
+  /// Calls visit for every tile. It may ask for the rows of Gaussians of that tile's list only. Returns false when some
+  /// group's sum was not a number or beyond kHarmless: then the sums over all groups are to be looked at.
+  bool run(const ProjectedView& view, const TileLists& lists, const RowSums& sums, ThreadPool& pool,
            const Visit& visit);
 
   uint64_t bytes() const;
@@ -67,7 +68,10 @@ class RowBatches {
   static int group_size(int tiles_x, int tiles_y);
 
  private:
-  void finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, const GroupSums& own,
+  /// Few enough that the sums of a billion groups stay within kGradientLimit (adam.h).
+  static constexpr float kHarmless = 1e8f;
+
+  bool finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, const GroupSums& own,
                     SharedRows& shared);
   void add_shared(const RowSums& sums, size_t groups, ThreadPool& pool);
 

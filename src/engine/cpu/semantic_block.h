@@ -19,6 +19,8 @@ struct ClassCounts {
   AlignedArray<float> log_count; ///< [padded] its logarithm, 0 beyond the channels
   AlignedArray<float> floor;     ///< [padded] smallest Q inside the logarithm, 1 beyond the channels
 
+  /// What softmax_row adds to the last logit.
+  float last_log_count() const { return log_count[static_cast<size_t>(channels - 1)]; }
   /// Classes that may be an arg-max: all but the remainder.
   int classes() const { return channels - (remainder > 0 ? 1 : 0); }
   /// Classes of the whole label set.

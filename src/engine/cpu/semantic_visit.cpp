@@ -13,7 +13,6 @@ namespace {
 
 constexpr size_t kGroup = 32;                                  ///< rows of a tile product
 constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
-constexpr size_t kTilePixels = size_t(kTileBlocks) * kBlockPixels;
 
 /// Order of the sets of blocks: neighbours in a Gray code differ by one block, so that 32 Gaussians of neighbouring
 /// sets reach few blocks together.
@@ -57,6 +56,9 @@ SemanticVisit::SemanticVisit(const SemanticPass& pass, const TileWeights& tile, 
     s_.tile_rows.assign(tile.count, nullptr);
     return;
   }
+  const size_t depth = padded_depth(pass.step.padded);
+  s_.tile_rounded.resize(tile.count);
+  for (size_t i = 0; i < tile.count; ++i) s_.tile_rounded[i] = pass.rounded + size_t(pass.rank[tile.rows[i]]) * depth;
   order_by_blocks();
 }
 
@@ -109,7 +111,7 @@ const float* SemanticVisit::visit_block(int index) {
   s_.block.soft = s_.block.hard = 0;
   if (!has_teacher_[index]) return nullptr;
   const BlockWeights& block = tile_.blocks[index];
-  return pass_.rounded != nullptr ? visit_tiles(block, index) : visit_float(block);
+  return pass_.rounded != nullptr ? visit_tiles(block, index) : visit_float(block, index);
 }
 
 const float* SemanticVisit::coupling_direction() const {
@@ -117,7 +119,7 @@ const float* SemanticVisit::coupling_direction() const {
   return bounded ? s_.block.direction.data() : s_.block.blended.data();
 }
 
-const float* SemanticVisit::visit_float(const BlockWeights& block) {
+const float* SemanticVisit::visit_float(const BlockWeights& block, int index) {
   const size_t padded = pass_.step.padded;
   s_.rows.resize(block.count);
   for (size_t e = 0; e < block.count; ++e) {
@@ -132,18 +134,17 @@ const float* SemanticVisit::visit_float(const BlockWeights& block) {
   if (!pass_.step.couple) return nullptr;
   s_.block.transposed.resize(kBlockPixels * padded);
   block_transpose(coupling_direction(), padded, s_.block.transposed.data());
-  s_.q.resize(block.count * kBlockPixels);
-  block_coupling(block, s_.strips, s_.rows.data(), padded, s_.block.transposed.data(), s_.block.offset, s_.q.data());
-  return s_.q.data();
+  AlignedArray<float>& q = s_.q[index];
+  q.resize(block.count * kBlockPixels);
+  block_coupling(block, s_.strips, s_.rows.data(), padded, s_.block.transposed.data(), s_.block.offset, q.data());
+  return q.data();
 }
 
 const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   const size_t padded = pass_.step.padded, depth = padded_depth(padded), entries = padded_entries(block.count);
   const MatrixTilesInUse tiles;
   s_.rounded.resize(block.count);
-  for (size_t e = 0; e < block.count; ++e) {
-    s_.rounded[e] = pass_.rounded + size_t(pass_.rank[tile_.rows[block.entry[e]]]) * depth;
-  }
+  for (size_t e = 0; e < block.count; ++e) s_.rounded[e] = s_.tile_rounded[block.entry[e]];
   s_.weights_by_pixel.resize(entries * kBlockPixels);
   s_.row_pairs.resize(entries * padded);
   pack_weights_by_entry(block, s_.row_of.data(), kTilePixels, s_.weights_by_entry.data() + index * kBlockPixels);
@@ -173,7 +174,8 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   s_.rows_of_group.resize(kGroup * depth);
   s_.direction_pairs.resize(kBlockPixels * depth);
   pack_pixels_transposed(coupling_direction(), padded, s_.direction_pairs.data());
-  s_.q.resize(entries * kBlockPixels);
+  AlignedArray<float>& q = s_.q[index];
+  q.resize(entries * kBlockPixels);
   for (float& offset : s_.block.offset) offset = -offset;
   coupling.a_row = depth;
   coupling.a_step = kTileDepth;
@@ -186,10 +188,10 @@ const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
   for (size_t e = 0; e < entries; e += kGroup) {
     copy_rows(s_.rounded.data() + e, std::min(kGroup, block.count - e), depth, s_.rows_of_group.data());
     coupling.a = s_.rows_of_group.data();
-    coupling.c = s_.q.data() + e * kBlockPixels;
+    coupling.c = q.data() + e * kBlockPixels;
     tile_product_columns(coupling, kBlockPixels);
   }
-  return s_.q.data();
+  return q.data();
 }
 
 /// Sums of rows [first, first + 32) of the tile's product: dS = W dP over the blocks that some of them reach.

@@ -28,18 +28,20 @@ struct SemanticPass {
   std::vector<uint8_t>* written = nullptr;  ///< [visible]
   size_t visible = 0;
   double soft = 0, hard = 0;  ///< out: means over valid pixels
+  bool harmless = true;       ///< out: see RowBatches::run
 };
 
 /// Scratch of one thread.
 struct SemanticScratch {
   SemanticBlock block;
-  AlignedArray<float> q;              ///< [entries, padded to 32][64]
+  AlignedArray<float> q[kTileBlocks];  ///< [entries, padded to 32][64]
   std::vector<const float*> rows;     ///< [entries] float rows
   std::vector<float*> row_gradients;  ///< [entries]
   StripOrder strips;
   std::vector<float*> tile_rows;      ///< [gathered splats] their sums, nullptr = not asked for yet in this tile
 
-  std::vector<const uint16_t*> rounded;  ///< [entries] bfloat16 rows
+  std::vector<const uint16_t*> tile_rounded;  ///< [gathered splats] bfloat16 rows
+  std::vector<const uint16_t*> rounded;       ///< [entries] the same
   std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
   std::vector<uint8_t> group_set;        ///< of 32 rows of the tile's product: blocks that some of them reach
   std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's product and back
@@ -54,13 +56,13 @@ class SemanticVisit {
   SemanticVisit(const SemanticPass& pass, const TileWeights& tile, TileRows& rows, SemanticScratch& scratch);
 
   /// Visits a block; scratch.block.soft and hard are its terms. Returns q of the coupling, [entries][64], valid until
-  /// the next block, or nullptr when there is none (also for a block without a teacher, whose terms are zero).
+  /// the next tile, or nullptr when there is none (also for a block without a teacher, whose terms are zero).
   const float* visit_block(int block);
   /// After the last block: the tile's row gradients are in their sums.
   void finish();
 
  private:
-  const float* visit_float(const BlockWeights& block);
+  const float* visit_float(const BlockWeights& block, int index);
   const float* visit_tiles(const BlockWeights& block, int index);
   void order_by_blocks();
   const float* coupling_direction() const;

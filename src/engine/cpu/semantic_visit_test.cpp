@@ -5,6 +5,7 @@
 #include "engine/cpu/simd_targets.h"
 
 #include <gtest/gtest.h>
+#include <memory>
 #include <hwy/targets.h>
 
 #include <algorithm>
@@ -90,21 +91,18 @@ class HandMadeTile {
     SemanticVisit semantic(pass, tile, rows, scratch);
     soft = hard = 0;
     sums.resize(n);
-    if (n > 0) std::memset(static_cast<void*>(sums.data()), 0, n * sizeof(SplatGradient));
+    BackwardOptions backward;
     for (int b = 0; b < kTileBlocks; ++b) {
       const float* q = semantic.visit_block(b);
       soft += scratch.block.soft;
       hard += scratch.block.hard;
       coupling[b].assign(tile.blocks[b].count * kBlockPixels, 0.0f);
       if (q != nullptr) std::copy(q, q + coupling[b].size(), coupling[b].data());
-      if (tile.blocks[b].count == 0) continue;
-      BlockGradients none;
-      std::memset(static_cast<void*>(&none), 0, sizeof none);
-      BackwardOptions backward;
-      backward.coupling = coupling[b].data();
-      const ProjectionCamera<float> camera{};
-      blend_block_backward(tile, tile.blocks[b], camera, RasterSettings{}, none, backward, sums.data());
+      backward.coupling[b] = q;
     }
+    auto none = std::make_unique<TileGradients>();
+    std::memset(static_cast<void*>(none.get()), 0, sizeof *none);
+    blend_tile_backward(tile, ProjectionCamera<float>{}, RasterSettings{}, *none, backward, {sums.data(), 0, 0});
     semantic.finish();
     row_gradients.assign(n * channels, 0.0f);
     for (size_t r = 0; r < own.gaussians.size(); ++r) {
@@ -163,7 +161,7 @@ class HandMadeTile {
   double soft = 0, hard = 0;
   AlignedArray<float> coupling[kTileBlocks];
   std::vector<float> row_gradients;
-  std::vector<SplatGradient> sums;
+  AlignedArray<SplatGradient> sums;
   std::vector<double> want_alpha;  ///< [gaussians] sum over pixels of w (q - what stands behind)
 
  private:
@@ -174,6 +172,7 @@ class HandMadeTile {
     tile.rows.resize(n);
     for (size_t i = 0; i < n; ++i) {
       tile.splats[i] = Splat{};
+      tile.splats[i].slot_origin = static_cast<int64_t>(i);
       tile.rows[i] = static_cast<uint32_t>(i);
     }
     for (int b = 0; b < kTileBlocks; ++b) {

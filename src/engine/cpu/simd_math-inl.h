@@ -92,33 +92,42 @@ HWY_INLINE V fast_log(D d, V x) {
   return hn::MulAdd(ef, hn::Set(d, 0.693359375f), hn::Add(m, y));
 }
 
-/// Adds the lane sums of a, b, c, e to out[0..3].
+#if HWY_TARGET != HWY_SCALAR
+/// In each block of four lanes: what the block adds to the lane sums of [a, b, c, e].
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void add_lane_sums(D d, V a, V b, V c, V e, float* HWY_RESTRICT out) {
-#if HWY_TARGET == HWY_SCALAR
-  out[0] += hn::GetLane(a);
-  out[1] += hn::GetLane(b);
-  out[2] += hn::GetLane(c);
-  out[3] += hn::GetLane(e);
-#else
-  // Within each block of four lanes: [a0+a2, b0+b2, a1+a3, b1+b3], then [a, b, c, e].
+HWY_INLINE V block_sums(D d, V a, V b, V c, V e) {
   const V ab = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
   const V ce = hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e));
   const hn::Repartition<double, D> dd;
   const auto lower = hn::InterleaveLower(dd, hn::BitCast(dd, ab), hn::BitCast(dd, ce));
   const auto upper = hn::InterleaveUpper(dd, hn::BitCast(dd, ab), hn::BitCast(dd, ce));
-  const V sums = hn::Add(hn::BitCast(d, lower), hn::BitCast(d, upper));
-  const HWY_CAPPED(float, 4) d4;
-#if HWY_MAX_BYTES >= 64
-  const HWY_CAPPED(float, 8) d8;
-  const auto half = hn::Add(hn::LowerHalf(d8, sums), hn::UpperHalf(d8, sums));
-  const auto block = hn::Add(hn::LowerHalf(d4, half), hn::UpperHalf(d4, half));
-#elif HWY_MAX_BYTES >= 32
-  const auto block = hn::Add(hn::LowerHalf(d4, sums), hn::UpperHalf(d4, sums));
-#else
-  const auto block = sums;
+  return hn::Add(hn::BitCast(d, lower), hn::BitCast(d, upper));
+}
 #endif
-  hn::StoreU(hn::Add(hn::LoadU(d4, out), block), d4, out);
+
+/// out[0..16) = lane sums of v[0..16); `out` on a cache line.
+HWY_INLINE void store_lane_sums(const FloatVec* v, float* HWY_RESTRICT out) {
+  const FloatTag d;
+#if HWY_TARGET == HWY_SCALAR
+  for (int i = 0; i < 16; ++i) out[i] = hn::GetLane(v[i]);
+#else
+  const FloatVec s0 = block_sums(d, v[0], v[1], v[2], v[3]), s1 = block_sums(d, v[4], v[5], v[6], v[7]);
+  const FloatVec s2 = block_sums(d, v[8], v[9], v[10], v[11]), s3 = block_sums(d, v[12], v[13], v[14], v[15]);
+#if HWY_MAX_BYTES >= 64
+  // Blocks of x: [A0 B0 A2 B2], of y: [A1 B1 A3 B3]; wanted: [A0 + B0, A1 + B1, A2 + B2, A3 + B3].
+  const FloatVec x = hn::Add(hn::ConcatLowerLower(d, s2, s0), hn::ConcatUpperUpper(d, s2, s0));
+  const FloatVec y = hn::Add(hn::ConcatLowerLower(d, s3, s1), hn::ConcatUpperUpper(d, s3, s1));
+  const FloatVec straight = hn::OddEvenBlocks(y, x), crossed = hn::SwapAdjacentBlocks(hn::OddEvenBlocks(x, y));
+  hn::Store(hn::Add(straight, crossed), d, out);
+#elif HWY_MAX_BYTES >= 32
+  hn::Store(hn::Add(hn::ConcatLowerLower(d, s1, s0), hn::ConcatUpperUpper(d, s1, s0)), d, out);
+  hn::Store(hn::Add(hn::ConcatLowerLower(d, s3, s2), hn::ConcatUpperUpper(d, s3, s2)), d, out + 8);
+#else
+  hn::Store(s0, d, out);
+  hn::Store(s1, d, out + 4);
+  hn::Store(s2, d, out + 8);
+  hn::Store(s3, d, out + 12);
+#endif
 #endif
 }
 

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "core/error.h"
 #include "core/memory_budget.h"
@@ -47,6 +46,15 @@ void read_block(const float* plane, const BlockClip& c, int stride, float* block
   }
 }
 
+/// Asks for the tile's part of a plane before it is needed.
+template <int kWrite>
+void prefetch_tile(const float* plane, const ProjectedView& view, int tile_x, int tile_y) {
+  const int end = std::min((tile_y + 1) * kTileSize, view.height);
+  for (int y = tile_y * kTileSize; y < end; ++y) {
+    __builtin_prefetch(plane + size_t(y) * view.width + tile_x * kTileSize, kWrite);
+  }
+}
+
 void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
   const size_t n = size_t(width) * height;
   maps.width = width;
@@ -65,26 +73,29 @@ void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
   }
 }
 
-void load_gradients(const BlockWeights& block, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
-                    bool density, BlockGradients& out) {
-  const BlockClip c = clip(block.x, block.y, view.width, view.height);
+void load_gradients(const TileWeights& tile, const ProjectedView& view, const BackwardMaps& maps, bool geometry,
+                    bool density, TileGradients& out) {
+  const BlockWeights& corner = tile.blocks[0];
+  const bool whole = corner.x + kTileSize <= view.width && corner.y + kTileSize <= view.height;
   // Beyond the image, and where a map is not given, everything is zero.
-  const bool whole = c.width == kBlockSize && c.height == kBlockSize;
   if (!whole || !geometry || !density || maps.prior == nullptr) std::memset(static_cast<void*>(&out), 0, sizeof out);
   const size_t n = size_t(view.width) * view.height;
-  for (int k = 0; k < 3; ++k) read_block(maps.gradients.color.data() + k * n, c, view.width, out.color[k]);
-  if (geometry) {
-    for (int k = 0; k < 3; ++k) read_block(maps.gradients.normal.data() + k * n, c, view.width, out.normal[k]);
-    read_block(maps.gradients.distance.data(), c, view.width, out.distance);
-    read_block(maps.gradients.alpha.data(), c, view.width, out.alpha);
-  }
-  if (density) {
-    read_block(maps.residual, c, view.width, out.residual);
-    if (maps.prior != nullptr) {
-      read_block(maps.prior, c, view.width, out.prior);
-      for (float& z : out.prior) z = is_finite(z) ? z * maps.prior_scale : 0.0f;
+  for (int b = 0; b < kTileBlocks; ++b) {
+    const BlockClip c = clip(tile.blocks[b].x, tile.blocks[b].y, view.width, view.height);
+    const auto read = [&](const float* plane, float* to) { read_block(plane, c, view.width, to + b * kBlockPixels); };
+    for (int k = 0; k < 3; ++k) read(maps.gradients.color.data() + k * n, out.color[k]);
+    if (geometry) {
+      for (int k = 0; k < 3; ++k) read(maps.gradients.normal.data() + k * n, out.normal[k]);
+      read(maps.gradients.distance.data(), out.distance);
+      read(maps.gradients.alpha.data(), out.alpha);
+    }
+    if (density) {
+      read(maps.residual, out.residual);
+      if (maps.prior != nullptr) read(maps.prior, out.prior);
     }
   }
+  if (!density || maps.prior == nullptr) return;
+  for (float& z : out.prior) z = is_finite(z) ? z * maps.prior_scale : 0.0f;
 }
 
 /// Adds the time it lives to the thread's semantic seconds.
@@ -100,52 +111,53 @@ class SemanticTimer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Leaves the tile's sums at the slots of its Gaussians. One that was blended has a positive weight.
-void store_slots(int tile_x, int tile_y, const TileScratch& s, SlotGradients& out) {
-  constexpr size_t kAhead = 8;  ///< slots lie anywhere in memory: each is asked for while this many are written
-  const auto slot_of = [&](size_t i) {
-    const Splat& splat = s.weights.splats[i];
-    return static_cast<size_t>(splat.slot_origin + int64_t(tile_y) * splat.slot_stride + tile_x);
-  };
-  for (size_t i = 0; i < s.weights.count; ++i) {
-    if (i + kAhead < s.weights.count) {
-      const char* next = reinterpret_cast<const char*>(out.slots.data() + slot_of(i + kAhead));
-      __builtin_prefetch(next, 1);
-      __builtin_prefetch(next + 64, 1);
-    }
-    if (!(s.sums[i].weight > 0)) continue;
-    const size_t slot = slot_of(i);
-    out.used[slot] = 1;
-    out.slots[slot] = s.sums[i];
+/// Copies what the forward pass noted of a tile whose list begins at `begin`.
+void keep_record(const TileForward& s, size_t tile, size_t begin, BlendRecord& out) {
+  if (s.strips.size() > 0) {
+    std::memcpy(out.strips.data() + begin, s.strips.data(), s.strips.size() * sizeof(uint16_t));
+  }
+  for (int b = 0; b < kTileBlocks; ++b) {
+    std::memcpy(out.last.data() + tile * kTilePixels + b * kBlockPixels, s.blocks[b].last, sizeof s.blocks[b].last);
   }
 }
 
 /// Slots of a view whose Gaussians grew without bound may not fit: an error that says so rather than a killed process.
 void size_slots(size_t instances, SlotGradients& out) {
   constexpr uint64_t kWorthAsking = uint64_t(1) << 30;  // bytes; smaller growth is not worth reading the system's state
-  const uint64_t bytes = uint64_t(instances) * (sizeof(SplatGradient) + 1);
-  if (instances > out.slots.size() && bytes > kWorthAsking + out.slots.capacity_bytes() &&
+  const uint64_t bytes = uint64_t(instances) * sizeof(SplatGradient);
+  if (instances > out.size() && bytes > kWorthAsking + out.capacity_bytes() &&
       bytes > available_memory_bytes()) {
     throw_resources({}, std::to_string(instances) + " (Gaussian, tile) pairs in one view need " +
                             std::to_string(bytes >> 20) + " MB",
                     "limit the size of the Gaussians (scale limit) or their number");
   }
-  out.slots.resize(instances);
-  out.used.assign(instances, 0);
+  out.resize(instances);
 }
 
 }  // namespace
 
 void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
-                  RenderMaps<float>& maps) {
+                  RenderMaps<float>& maps, BlendRecord* record) {
   const ProjectedView& view = tiles.view;
   size_maps(view.width, view.height, geometry, maps);
+  if (record != nullptr) {
+    record->strips.resize(tiles.lists.instances());
+    record->seen.assign(tiles.lists.instances(), 0);
+    record->last.resize(view.tiles() * kTilePixels);
+  }
   const size_t n = maps.pixels();
   pool.parallel_for(view.tiles(), kTilesPerTask, [&](size_t begin, size_t end, int worker) {
     TileForward& s = scratch[static_cast<size_t>(worker)].forward;
     for (size_t tile = begin; tile < end; ++tile) {
       const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
-      blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, geometry, s);
+      for (const std::vector<float>* map : {&maps.color, &maps.alpha, &maps.normal, &maps.distance, &maps.expected,
+                                            &maps.median}) {
+        if (!geometry && map != &maps.color && map != &maps.alpha) continue;
+        for (size_t plane = 0; plane < map->size(); plane += n) prefetch_tile<1>(map->data() + plane, view, tile_x, tile_y);
+      }
+      blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, geometry,
+                         record != nullptr ? record->seen.data() : nullptr, s);
+      if (record != nullptr) keep_record(s, tile, static_cast<size_t>(tiles.lists.tile_begin[tile]), *record);
       for (int b = 0; b < kTileBlocks; ++b) {
         const BlockClip c = clip(tile_x * kTileSize + (b & 1) * kBlockSize, tile_y * kTileSize + (b >> 1) * kBlockSize,
                                  view.width, view.height);
@@ -163,43 +175,38 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
   });
 }
 
-void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geometry, bool density,
-                   SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch, RowBatches& batches,
-                   SlotGradients& out) {
+void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const BackwardMaps& maps, bool geometry,
+                   bool density, SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch,
+                   RowBatches& batches, SlotGradients& out) {
   const ProjectedView& view = tiles.view;
   size_slots(tiles.lists.instances(), out);
   std::vector<double> soft(semantics != nullptr ? view.tiles() : 0), hard(soft.size());
   const auto visit = [&](size_t tile, int worker, TileRows* rows) {
     TileScratch& s = scratch[static_cast<size_t>(worker)];
     const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
-    compute_tile_weights(view, tiles.lists, tile_x, tile_y, tiles.raster, s.weights);
-    s.sums.resize(s.weights.count);
-    if (s.weights.count > 0) {
-      std::memset(static_cast<void*>(s.sums.data()), 0, s.weights.count * sizeof(SplatGradient));
+    const size_t n = size_t(view.width) * view.height;
+    for (const std::vector<float>* map : {&maps.gradients.color, &maps.gradients.normal, &maps.gradients.distance,
+                                          &maps.gradients.alpha}) {
+      if (!geometry && map != &maps.gradients.color) continue;
+      for (size_t plane = 0; plane < map->size(); plane += n) prefetch_tile<0>(map->data() + plane, view, tile_x, tile_y);
     }
-    std::optional<SemanticVisit> semantic;
+    recompute_tile_weights(view, tiles.lists, tile_x, tile_y, tiles.raster, record, s.weights);
+    BackwardOptions options;
+    options.geometry = geometry;
+    options.density = density;
     if (semantics != nullptr) {
       const SemanticTimer timer(s);
-      semantic.emplace(*semantics, s.weights, *rows, s.semantic);
-    }
-    for (int b = 0; b < kTileBlocks; ++b) {
-      const BlockWeights& block = s.weights.blocks[b];
-      BackwardOptions options{geometry, density, nullptr};
-      if (semantic) {
-        const SemanticTimer timer(s);
-        options.coupling = semantic->visit_block(b);
+      SemanticVisit semantic(*semantics, s.weights, *rows, s.semantic);
+      for (int b = 0; b < kTileBlocks; ++b) {
+        options.coupling[b] = semantic.visit_block(b);
         soft[tile] += s.semantic.block.soft;
         hard[tile] += s.semantic.block.hard;
       }
-      if (block.count == 0) continue;
-      load_gradients(block, view, maps, geometry, density, s.gradients);
-      blend_block_backward(s.weights, block, view.camera, tiles.raster, s.gradients, options, s.sums.data());
+      semantic.finish();
     }
-    if (semantic) {
-      const SemanticTimer timer(s);
-      semantic->finish();
-    }
-    store_slots(tile_x, tile_y, s, out);
+    if (s.weights.count == 0) return;
+    load_gradients(s.weights, view, maps, geometry, density, s.gradients);
+    blend_tile_backward(s.weights, view.camera, tiles.raster, s.gradients, options, {out.data(), tile_x, tile_y});
   };
   if (semantics == nullptr) {
     pool.parallel_for(view.tiles(), 1, [&](size_t begin, size_t end, int worker) {
@@ -210,8 +217,9 @@ void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geomet
   semantics->written->assign(semantics->visible, 0);
   const RowSums sums{semantics->step.padded, semantics->rank, semantics->visible, semantics->gradients,
                      semantics->written};
-  batches.run(view, tiles.lists, sums, pool,
-              [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); });
+  semantics->harmless = batches.run(view, tiles.lists, sums, pool, [&](size_t tile, int worker, TileRows& rows) {
+    visit(tile, worker, &rows);
+  });
   semantics->soft = semantics->hard = 0;
   for (size_t tile = 0; tile < soft.size(); ++tile) {
     semantics->soft += soft[tile];

@@ -16,8 +16,7 @@ namespace aligngs::cpu {
 struct TileScratch {
   TileWeights weights;
   TileForward forward;
-  BlockGradients gradients;
-  AlignedArray<SplatGradient> sums;  ///< [gathered splats]
+  TileGradients gradients;
   SemanticScratch semantic;
   double semantic_seconds = 0;        ///< time spent in the semantic products and losses
 };
@@ -29,9 +28,9 @@ struct ViewTiles {
   const RasterSettings& raster;
 };
 
-/// Blends all maps, or only colour and alpha (the others are then zero).
+/// Blends all maps, or only colour and alpha (the others are then zero). `record` may be nullptr.
 void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
-                  RenderMaps<float>& maps);
+                  RenderMaps<float>& maps, BlendRecord* record);
 
 /// What the backward pass needs of the maps, planar as in engine/maps.h.
 struct BackwardMaps {
@@ -41,16 +40,13 @@ struct BackwardMaps {
   float prior_scale = 1;            ///< the prior depth is multiplied by it (LossSettings::prior_depth_scale)
 };
 
-/// Sums per (Gaussian, tile) at the slots of `lists`; entries of `slots` are valid where used[slot] is 1.
-struct SlotGradients {
-  AlignedArray<SplatGradient> slots;
-  AlignedArray<uint8_t> used;
-};
+/// Sums per (Gaussian, tile) at the slots of the lists; valid where BlendRecord::seen[slot] is 1.
+using SlotGradients = AlignedArray<SplatGradient>;
 
-/// `semantics` may be nullptr.
-void backward_pass(const ViewTiles& tiles, const BackwardMaps& maps, bool geometry, bool density,
-                   SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch, RowBatches& batches,
-                   SlotGradients& out);
+/// `record` is that of the forward pass; `semantics` may be nullptr.
+void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const BackwardMaps& maps, bool geometry,
+                   bool density, SemanticPass* semantics, ThreadPool& pool, std::vector<TileScratch>& scratch,
+                   RowBatches& batches, SlotGradients& out);
 
 /// Adds to sums[row of the model][padded] the teacher's probabilities times the blending weights of this view.
 /// sums starts anywhere; rows are valid where written[row] is 1.

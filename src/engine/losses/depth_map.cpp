@@ -1,5 +1,8 @@
 #include "engine/losses/depth_map.h"
 
+#include <algorithm>
+
+#include "engine/losses/plane_depth_row.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
@@ -12,18 +15,29 @@ Vec3<T> normal_at(const RenderMaps<T>& maps, size_t pixel) {
 }
 
 template <class T>
-PlaneDepth<T> depth_at(const MapLossInputs<T>& in, size_t pixel, const Vec3<T>& ray) {
-  const Vec3<T> normal = normal_at(in.maps, pixel);
-  return in.settings.paper_normals ? plane_depth_paper(normal, in.maps.distance[pixel], ray)
-                                   : plane_depth(normal, in.maps.distance[pixel], in.maps.alpha[pixel], ray);
-}
-
-template <class T>
 DepthValidity validity_of(T z, T alpha, T expected) {
   if (plane_depth_valid(z, alpha, expected, T(kPlaneAlphaLoss))) return kDepthTight;
   if (!(alpha > T(kPlaneAlphaLoss)) || !(z > T(0))) return kDepthInvalid;
   const T mean = expected / alpha;
   return z > T(0.5) * mean && z < T(2) * mean ? kDepthLoose : kDepthInvalid;
+}
+
+template <class T>
+PlaneDepthRow<T> row_of(const RenderMaps<T>& maps, const PixelRays<T>& rays, int y) {
+  const size_t begin = static_cast<size_t>(y) * maps.width, n = maps.pixels();
+  const T* normal = maps.normal.data() + begin;
+  PlaneDepthRow<T> row;
+  row.width = maps.width;
+  row.first_x = rays.first_x;
+  row.step_x = rays.step_x;
+  row.ray_y = rays(0, y).y;
+  row.n_x = normal;
+  row.n_y = normal + n;
+  row.n_z = normal + 2 * n;
+  row.distance = maps.distance.data() + begin;
+  row.alpha = maps.alpha.data() + begin;
+  row.expected = maps.expected.data() + begin;
+  return row;
 }
 
 }  // namespace
@@ -33,16 +47,25 @@ void compute_depth_map(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspac
   const RenderMaps<T>& maps = in.maps;
   workspace.depth.resize(maps.pixels());
   workspace.validity.resize(maps.pixels());
-  workspace.depth_gradient.assign(maps.pixels(), T(0));
+  workspace.depth_gradient.resize(maps.pixels());
   const PixelRays<T> rays(in.view.data.camera);
   for_each_row(in.pool, maps.height, [&](int y) {
-    for (int x = 0; x < maps.width; ++x) {
-      const size_t i = static_cast<size_t>(y) * maps.width + x;
-      const T z = depth_at(in, i, rays(x, y)).z;
-      const DepthValidity validity =
-          pixel_counts(in.view, i) ? validity_of(z, maps.alpha[i], maps.expected[i]) : kDepthInvalid;
-      workspace.validity[i] = validity;
-      workspace.depth[i] = validity == kDepthInvalid ? T(0) : z;
+    const size_t begin = static_cast<size_t>(y) * maps.width, end = begin + maps.width;
+    std::fill(workspace.depth_gradient.begin() + begin, workspace.depth_gradient.begin() + end, T(0));
+    if (!in.settings.paper_normals) {
+      compute_plane_depth_row(row_of(maps, rays, y), workspace.depth.data() + begin,
+                              workspace.validity.data() + begin);
+    }
+    for (size_t i = begin; i < end; ++i) {
+      if (in.settings.paper_normals) {
+        const Vec3<T> ray = rays(static_cast<int>(i - begin), y);
+        const T z = plane_depth_paper(normal_at(maps, i), maps.distance[i], ray).z;
+        workspace.validity[i] = validity_of(z, maps.alpha[i], maps.expected[i]);
+        workspace.depth[i] = workspace.validity[i] == kDepthInvalid ? T(0) : z;
+      }
+      if (pixel_counts(in.view, i)) continue;
+      workspace.validity[i] = kDepthInvalid;
+      workspace.depth[i] = T(0);
     }
   });
 }
@@ -53,11 +76,18 @@ void chain_depth_map(const MapLossInputs<T>& in, const MapLossWorkspace<T>& work
   const size_t pixels = maps.pixels();
   const PixelRays<T> rays(in.view.data.camera);
   for_each_row(in.pool, maps.height, [&](int y) {
-    for (int x = 0; x < maps.width; ++x) {
-      const size_t i = static_cast<size_t>(y) * maps.width + x;
+    const size_t begin = static_cast<size_t>(y) * maps.width, end = begin + maps.width;
+    T* normal = gradients.normal.data() + begin;
+    if (!in.settings.paper_normals) {
+      chain_plane_depth_row(row_of(maps, rays, y), workspace.depth_gradient.data() + begin, normal, normal + pixels,
+                            normal + 2 * pixels, gradients.distance.data() + begin);
+      return;
+    }
+    for (size_t i = begin; i < end; ++i) {
       const T g = workspace.depth_gradient[i];
       if (g == T(0)) continue;
-      const PlaneDepth<T> d = depth_at(in, i, rays(x, y));
+      const Vec3<T> ray = rays(static_cast<int>(i - begin), y);
+      const PlaneDepth<T> d = plane_depth_paper(normal_at(maps, i), maps.distance[i], ray);
       gradients.distance[i] += g * d.dz_ddistance;
       gradients.normal[i] += g * d.dz_dnormal.x;
       gradients.normal[pixels + i] += g * d.dz_dnormal.y;

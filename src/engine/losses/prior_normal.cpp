@@ -1,9 +1,78 @@
 #include "engine/losses/prior_normal.h"
 
+#include <vector>
+
+#include "engine/losses/function_versions.h"
+#include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/unit_normal.h"
 
 namespace aligngs {
+namespace {
+
+// One row; pixel x has its prior at prior[3 x].
+template <class T>
+struct PriorNormalRow {
+  int width = 0;
+  const float* prior = nullptr;
+  const T *n_x = nullptr, *n_y = nullptr, *n_z = nullptr, *inverse_length = nullptr;
+};
+
+// Weights, 0 where a pixel takes no part, and weights times 1 - n . n_prior.
+template <class T>
+ALIGNGS_ALWAYS_INLINE void terms_of_row(const PriorNormalRow<T>& row, const float* __restrict confidence,
+                                        T* __restrict weight, T* __restrict term) {
+  const float* __restrict prior = row.prior;
+  const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
+  const T* __restrict inverse_length = row.inverse_length;
+  for (int x = 0; x < row.width; ++x) {
+    const float p_x = prior[3 * x], p_y = prior[3 * x + 1], p_z = prior[3 * x + 2], c = confidence[x];
+    const float square = p_x * p_x + p_y * p_y + p_z * p_z;
+    const bool unit = (square > 0.9f) & (square < 1.1f), trusted = (c > 0) & (c <= 1);  // as in the headers
+    const bool used = unit & trusted & (inverse_length[x] > T(0));
+    const T cosine = n_x[x] * static_cast<T>(p_x) + n_y[x] * static_cast<T>(p_y) + n_z[x] * static_cast<T>(p_z);
+    weight[x] = used ? static_cast<T>(c) : T(0);
+    term[x] = used ? static_cast<T>(c) * (T(1) - cosine) : T(0);
+  }
+}
+
+// Adds step * weight * dL / dN for L = -n . n_prior.
+template <class T>
+ALIGNGS_ALWAYS_INLINE void gradients_of_row(const PriorNormalRow<T>& row, const T* __restrict weight, T step,
+                                            T* __restrict d_x, T* __restrict d_y, T* __restrict d_z) {
+  const float* __restrict prior = row.prior;
+  const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
+  const T* __restrict inverse_length = row.inverse_length;
+  for (int x = 0; x < row.width; ++x) {
+    const bool used = weight[x] > T(0);
+    const T factor = used ? step * weight[x] * inverse_length[x] : T(0);
+    const T p_x = used ? static_cast<T>(prior[3 * x]) : T(0), p_y = used ? static_cast<T>(prior[3 * x + 1]) : T(0),
+            p_z = used ? static_cast<T>(prior[3 * x + 2]) : T(0);
+    const T along = n_x[x] * p_x + n_y[x] * p_y + n_z[x] * p_z;
+    d_x[x] += (p_x - n_x[x] * along) * factor;
+    d_y[x] += (p_y - n_y[x] * along) * factor;
+    d_z[x] += (p_z - n_z[x] * along) * factor;
+  }
+}
+
+ALIGNGS_FUNCTION_VERSIONS
+void row_terms(const PriorNormalRow<float>& row, const float* confidence, float* weight, float* term) {
+  terms_of_row<float>(row, confidence, weight, term);
+}
+void row_terms(const PriorNormalRow<double>& row, const float* confidence, double* weight, double* term) {
+  terms_of_row<double>(row, confidence, weight, term);
+}
+ALIGNGS_FUNCTION_VERSIONS
+void row_gradients(const PriorNormalRow<float>& row, const float* weight, float step, float* d_x, float* d_y,
+                   float* d_z) {
+  gradients_of_row<float>(row, weight, step, d_x, d_y, d_z);
+}
+void row_gradients(const PriorNormalRow<double>& row, const double* weight, double step, double* d_x, double* d_y,
+                   double* d_z) {
+  gradients_of_row<double>(row, weight, step, d_x, d_y, d_z);
+}
+
+}  // namespace
 
 template <class T>
 double prior_normal_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
@@ -11,33 +80,37 @@ double prior_normal_loss(const MapLossInputs<T>& in, double weight, MapLossWorks
   if (in.view.prior_normal.empty()) return 0;
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
-  // Calls use(pixel, weight, blended, prior) for every pixel of row y that takes part.
-  const auto for_each_used = [&](int y, const auto& use) {
+  const std::vector<float> ones(in.view.depth_weight.empty() ? static_cast<size_t>(width) : 0, 1.0f);
+  // Fills weights and terms of row y and returns the row.
+  const auto prepare = [&](int y, std::vector<T>& weights, std::vector<T>& terms) {
     const size_t begin = static_cast<size_t>(y) * width;
-    for (size_t i = begin; i < begin + width; ++i) {
-      const float w = depth_weight_at(in.view, i);
-      if (!(w > 0)) continue;
-      const Vec3<T> prior = prior_normal_at<T>(in.view, i);
-      if (dot(prior, prior) == T(0)) continue;
-      const UnitNormal<T> blended = unit_normal_at(workspace, i);
-      if (blended.valid()) use(i, static_cast<double>(w), blended, prior);
-    }
+    PriorNormalRow<T> row;
+    row.width = width;
+    row.prior = in.view.prior_normal.data.data() + 3 * begin;
+    row.n_x = workspace.direction.data() + begin;
+    row.n_y = row.n_x + pixels;
+    row.n_z = row.n_y + pixels;
+    row.inverse_length = workspace.inverse_length.data() + begin;
+    weights.resize(static_cast<size_t>(width));
+    terms.resize(static_cast<size_t>(width));
+    row_terms(row, ones.empty() ? in.view.depth_weight.data.data() + begin : ones.data(), weights.data(), terms.data());
+    return row;
   };
   const auto sums = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
-    std::array<double, 3> s{};
-    for_each_used(y, [&](size_t, double w, const UnitNormal<T>& blended, const Vec3<T>& prior) {
-      s[0] += 1;
-      s[1] += w;
-      s[2] += w * (1 - static_cast<double>(dot(blended.direction, prior)));
-    });
-    return s;
+    thread_local std::vector<T> weights, terms;
+    prepare(y, weights, terms);
+    int used = 0;
+    for (const T w : weights) used += w > T(0) ? 1 : 0;
+    return std::array<double, 3>{static_cast<double>(used), ordered_sum(weights.data(), width),
+                                 ordered_sum(terms.data(), width)};
   });
   if (sums[0] < 1 || sums[0] < kMinimumValidShare * static_cast<double>(pixels)) return 0;
-  const double step = -weight / sums[1];
+  const T step = static_cast<T>(-weight / sums[1]);
   for_each_row(in.pool, height, [&](int y) {
-    for_each_used(y, [&](size_t i, double w, const UnitNormal<T>& blended, const Vec3<T>& prior) {
-      add_normal_gradient(blended, prior * static_cast<T>(step * w), i, pixels, gradients);
-    });
+    thread_local std::vector<T> weights, terms;
+    const PriorNormalRow<T> row = prepare(y, weights, terms);
+    T* d = gradients.normal.data() + static_cast<size_t>(y) * width;
+    row_gradients(row, weights.data(), step, d, d + pixels, d + 2 * pixels);
   });
   return sums[2] / sums[1];
 }

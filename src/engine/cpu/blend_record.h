@@ -1,0 +1,28 @@
+// What the forward pass remembers of its blending, so that the backward pass computes again only what counted.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/cpu/aligned_array.h"
+#include "engine/cpu/splats.h"
+
+namespace aligngs::cpu {
+
+inline constexpr int kBlockStrips = kBlockPixels / kStripPixels;
+inline constexpr int kTileStrips = kTileBlocks * kBlockStrips;  ///< strip s of block b is number 4 b + s of the tile
+inline constexpr int kTilePixels = kTileBlocks * kBlockPixels;  ///< pixel i of block b is number 64 b + i of the tile
+
+/// A pixel takes every Gaussian with alpha >= alpha_min until one would close it, so the last one taken tells all of
+/// them, and no transmittance has to be tested again. 2 bytes per (Gaussian, tile) pair and 4 per pixel; keeping the
+/// weights themselves would take a hundred times as much.
+struct BlendRecord {
+  /// [instances, in the order of TileLists::gaussians] bit k: some pixel of strip k took it.
+  AlignedArray<uint16_t> strips;
+  /// [tiles][256] place in the tile's list, plus one, of the last Gaussian that the pixel took; 0: none.
+  AlignedArray<int32_t> last;
+  /// [instances, by slot] 1: some pixel of the tile took it.
+  AlignedArray<uint8_t> seen;
+};
+static_assert(kTileStrips <= 16, "one bit each");
+
+}  // namespace aligngs::cpu
