@@ -42,9 +42,10 @@ HWY_INLINE void update(const Constants& k, FloatVec step_size, FloatVec g, float
   hn::StoreU(hn::Sub(hn::LoadU(d, p), change), d, p);
 }
 
-/// The last n < kLanes numbers, through buffers so that no neighbour is touched.
+/// The last n < kLanes numbers, so that no neighbour is touched.
 HWY_INLINE void update_tail(const Constants& k, FloatVec step_size, FloatVec g, size_t n, float* p, float* m,
                             float* v) {
+#if HWY_MEM_OPS_MIGHT_FAULT
   float tail[3][kLanes] = {};
   const size_t bytes = n * sizeof(float);
   std::memcpy(tail[0], p, bytes);
@@ -54,6 +55,16 @@ HWY_INLINE void update_tail(const Constants& k, FloatVec step_size, FloatVec g, 
   std::memcpy(p, tail[0], bytes);
   std::memcpy(m, tail[1], bytes);
   std::memcpy(v, tail[2], bytes);
+#else
+  const FloatTag d;
+  const auto here = hn::FirstN(d, n);
+  const FloatVec first = hn::MulAdd(k.beta1, hn::MaskedLoad(here, d, m), hn::Mul(k.keep1, g));
+  const FloatVec second = hn::MulAdd(k.beta2, hn::MaskedLoad(here, d, v), hn::Mul(hn::Mul(k.keep2, g), g));
+  const FloatVec change = hn::Div(hn::Mul(step_size, first), hn::MulAdd(hn::Sqrt(second), k.correction, k.epsilon));
+  hn::BlendedStore(first, here, d, m);
+  hn::BlendedStore(second, here, d, v);
+  hn::BlendedStore(hn::Sub(hn::MaskedLoad(here, d, p), change), here, d, p);
+#endif
 }
 
 bool AllWithin(const float* values, size_t count, float limit) {

@@ -38,10 +38,14 @@ HWY_INLINE void add_moments(FloatVec g, FloatVec p, FloatVec r, Moments& m) {
 /// Rays and centres of a tile's pixels.
 struct TileRays {
   HWY_ALIGN float x[kTilePixels], y[kTilePixels];                              ///< pixels
-  HWY_ALIGN float ray_x[kTilePixels], ray_y[kTilePixels], grazing[kTilePixels];  ///< with density only
+  // With density only; the range of depths that the prior supports is empty where there is none.
+  HWY_ALIGN float ray_x[kTilePixels], ray_y[kTilePixels], grazing[kTilePixels];
+  HWY_ALIGN float supported_from[kTilePixels], supported_to[kTilePixels];
 };
-void tile_rays(const TileWeights& tile, const ProjectionCamera<float>& camera, bool density, TileRays& out) {
+void tile_rays(const TileWeights& tile, const ProjectionCamera<float>& camera, bool density, const TileGradients& in,
+               TileRays& out) {
   const FloatTag d;
+  const FloatVec zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   for (size_t at = 0; at < kTilePixels; at += kLanes) {
     const BlockWeights& block = tile.blocks[at / kBlockPixels];
     const FloatVec x = pixel_centres_x(block.x, at % kBlockPixels), y = pixel_centres_y(block.y, at % kBlockPixels);
@@ -52,6 +56,12 @@ void tile_rays(const TileWeights& tile, const ProjectionCamera<float>& camera, b
     hn::Store(ray.x, d, out.ray_x + at);
     hn::Store(ray.y, d, out.ray_y + at);
     hn::Store(ray.grazing, d, out.grazing + at);
+    const FloatVec prior = hn::Load(d, in.prior + at);
+    const auto known = hn::Gt(prior, zero);
+    hn::Store(hn::IfThenElse(known, hn::Mul(prior, hn::Set(d, float(1 - kPriorSupport))), one), d,
+              out.supported_from + at);
+    hn::Store(hn::IfThenElseZero(known, hn::Mul(prior, hn::Set(d, float(1 + kPriorSupport)))), d,
+              out.supported_to + at);
   }
 }
 
@@ -186,9 +196,8 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
           residual = hn::MulAdd(w, hn::Load(d, in.residual + at), residual);
           const FloatVec z = intersection(d, g, hn::Load(d, rays.ray_x + at), hn::Load(d, rays.ray_y + at),
                                           hn::Load(d, rays.grazing + at));
-          const FloatVec prior = hn::Load(d, in.prior + at);
-          const FloatVec allowed = hn::Mul(hn::Set(d, float(kPriorSupport)), prior);
-          const auto supported = hn::And(hn::Le(hn::Abs(hn::Sub(z, prior)), allowed), hn::Gt(prior, zero));
+          const auto supported = hn::And(hn::Ge(z, hn::Load(d, rays.supported_from + at)),
+                                         hn::Le(z, hn::Load(d, rays.supported_to + at)));
           unsupported = hn::Add(unsupported, hn::IfThenZeroElse(supported, w));
         }
         const FloatVec a = hn::Load(d, strip.alpha + s);
@@ -261,7 +270,7 @@ void sweep_with(const TileWeights& tile, const TileRays& rays, const RasterSetti
 void BlendTileBackward(const TileWeights& tile, const ProjectionCamera<float>& camera, const RasterSettings& raster,
                        const TileGradients& in, const BackwardOptions& options, const TileSlots& out) {
   TileRays rays;
-  tile_rays(tile, camera, options.density || raster.smooth_cutoff, rays);
+  tile_rays(tile, camera, options.density || raster.smooth_cutoff, in, rays);
   if (raster.smooth_cutoff) {  // for tests: one version that computes everything
     sweep_with<true, true, true>(tile, rays, raster, in, options.coupling, out);
   } else if (options.geometry && options.density) {

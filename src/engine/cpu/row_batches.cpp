@@ -29,26 +29,28 @@ struct Grid {
 
 }  // namespace
 
+void GroupSums::reset() {
+  if (count > 0) rows.fill(0.0f);
+  count = 0;
+}
+
 TileRows::TileRows(GroupSums& sums, size_t padded, size_t entries) : sums_(sums), padded_(padded) {
-  const size_t most = (sums.gaussians.size() + entries) * padded;
-  if (most > sums.rows.size()) sums.rows.resize(most);
-}
-
-float* TileRows::sums_of(uint32_t gaussian, bool& fresh) {
-  uint32_t& at = sums_.index[gaussian];
-  fresh = at >= sums_.gaussians.size() || sums_.gaussians[at] != gaussian;
-  if (fresh) {
-    at = static_cast<uint32_t>(sums_.gaussians.size());
-    sums_.gaussians.push_back(gaussian);
+  const size_t most = sums.count + entries, zeroed = sums.rows.size();
+  if (most * padded > zeroed) {
+    sums.rows.resize(most * padded);
+    std::memset(sums.rows.data() + zeroed, 0, (most * padded - zeroed) * sizeof(float));
   }
-  return sums_.rows.data() + size_t(at) * padded_;
+  if (most + 1 > sums.gaussians.size()) sums.gaussians.resize(most + 1);
 }
 
-float* TileRows::zeroed_sums_of(uint32_t gaussian) {
-  bool fresh;
-  float* row = sums_of(gaussian, fresh);
-  if (fresh) std::memset(row, 0, padded_ * sizeof(float));
-  return row;
+float* TileRows::sums_of(uint32_t gaussian) {
+  const uint32_t count = static_cast<uint32_t>(sums_.count), at = sums_.index[gaussian];
+  const bool known = (at < count) & (sums_.gaussians[std::min(at, count)] == gaussian);
+  const uint32_t place = known ? at : count;
+  sums_.index[gaussian] = place;
+  sums_.gaussians[place] = gaussian;
+  sums_.count += known ? 0 : 1;
+  return sums_.rows.data() + size_t(place) * padded_;
 }
 
 int RowBatches::group_size(int tiles_x, int tiles_y) {
@@ -93,7 +95,7 @@ bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
     pool.parallel_for(last - first, 1, [&](size_t begin, size_t end, int worker) {
       for (size_t g = begin; g < end; ++g) {
         GroupSums& own = own_[static_cast<size_t>(worker)];
-        own.gaussians.clear();
+        own.reset();
         const TileRect group = grid.rect(first + g, view);
         for (size_t y = group.y0; y < group.y1; ++y) {
           for (size_t tile = y * view.tiles_x + group.x0; tile < y * view.tiles_x + group.x1; ++tile) {
@@ -111,20 +113,20 @@ bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
 }
 
 bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums,
-                              const GroupSums& own, SharedRows& shared) {
+                              GroupSums& own, SharedRows& shared) {
   const auto inside = [&](const TileRect& r) {
     return r.x0 >= group.x0 && r.y0 >= group.y0 && r.x1 <= group.x1 && r.y1 <= group.y1;
   };
   const size_t padded = sums.padded;
   size_t reaching_out = 0;
-  for (const uint32_t gaussian : own.gaussians) reaching_out += inside(view.rects[gaussian]) ? 0 : 1;
+  for (size_t i = 0; i < own.count; ++i) reaching_out += inside(view.rects[own.gaussians[i]]) ? 0 : 1;
   bool harmless = true;
   shared.targets.clear();
   shared.rows.resize(std::max(shared.rows.size(), reaching_out * padded));
-  for (size_t i = 0; i < own.gaussians.size(); ++i) {
+  for (size_t i = 0; i < own.count; ++i) {
     const uint32_t gaussian = own.gaussians[i];
     const uint32_t target = sums.target_of_row != nullptr ? sums.target_of_row[gaussian] : gaussian;
-    const float* row = own.rows.data() + i * padded;
+    float* row = own.rows.data() + i * padded;
     harmless = harmless && all_within(row, padded, kHarmless);
     if (!inside(view.rects[gaussian])) {
       stream_row(row, padded, shared.rows.data() + shared.targets.size() * padded);
@@ -135,7 +137,9 @@ bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
       stream_row(row, padded, sums.destination + size_t(target) * padded);
       (*sums.written)[target] = 1;
     }
+    std::memset(row, 0, padded * sizeof(float));
   }
+  own.count = 0;
   finish_streams();
   return harmless;
 }

@@ -22,9 +22,12 @@ struct RowSums {
 
 /// Sums of the Gaussians of one group of tiles, in a thread's cache.
 struct GroupSums {
-  AlignedArray<float> rows;         ///< [count][padded]
-  std::vector<uint32_t> gaussians;  ///< [count]
+  size_t count = 0;
+  AlignedArray<float> rows;         ///< [count][padded]; everything behind is zero
+  std::vector<uint32_t> gaussians;  ///< [count], and room for one more
   std::vector<uint32_t> index;      ///< [N] any value: right only if that row says so
+
+  void reset();  ///< no Gaussians, whatever happened before
 };
 
 /// What a tile adds to. Valid for one tile.
@@ -33,10 +36,9 @@ class TileRows {
   /// Room for `entries` more rows, so that pointers stay valid while the tile is visited.
   TileRows(GroupSums& sums, size_t padded, size_t entries);
 
-  /// The sums of a Gaussian within this group. A fresh row holds anything and is to be set, not added to.
-  float* sums_of(uint32_t gaussian, bool& fresh);
-  /// The same, zeros when fresh.
-  float* zeroed_sums_of(uint32_t gaussian);
+  /// The sums of a Gaussian within this group, zeros at first. Without branches: half of the Gaussians of a tile are
+  /// new, in no order that a processor could foresee.
+  float* sums_of(uint32_t gaussian);
 
  private:
   GroupSums& sums_;
@@ -71,7 +73,7 @@ class RowBatches {
   /// Few enough that the sums of a billion groups stay within kGradientLimit (adam.h).
   static constexpr float kHarmless = 1e8f;
 
-  bool finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, const GroupSums& own,
+  bool finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, GroupSums& own,
                     SharedRows& shared);
   void add_shared(const RowSums& sums, size_t groups, ThreadPool& pool);
 

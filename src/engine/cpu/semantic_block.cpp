@@ -54,6 +54,20 @@ void add_tap(const uint16_t* row, float weight, size_t channels, float* HWY_REST
   if (kFirst) std::memset(out + c, 0, (padded_channels(static_cast<int>(channels)) - c) * sizeof(float));
 }
 
+/// out[0 .. padded) = row[0 .. channels) as float, zero-padded.
+void load_half_row(const uint16_t* row, size_t channels, size_t padded, float* HWY_RESTRICT out) {
+  const FloatTag d;
+  size_t c = 0;
+  for (; c + kLanes <= channels; c += kLanes) hn::Store(load_half(row + c), d, out + c);
+  if (c < channels) {  // the tail is copied so that nothing behind the map is read
+    uint16_t tail[kLanes] = {};
+    std::memcpy(tail, row + c, (channels - c) * sizeof(uint16_t));
+    hn::Store(load_half(tail), d, out + c);
+    c += kLanes;
+  }
+  for (; c < padded; c += kLanes) hn::Store(hn::Zero(d), d, out + c);
+}
+
 void SampleTeacher(const SemanticTarget& target, const TeacherTaps& taps, float* teacher) {
   const size_t channels = static_cast<size_t>(target.channels);
   bool first = true;
@@ -261,16 +275,32 @@ TeacherWindow teacher_window(const SemanticTarget& target, int x, int y, int wid
   return w;
 }
 
-/// Blends the window's rows for pixel row j into columns[column][padded].
-void blend_teacher_rows(const SemanticTarget& target, const TeacherWindow& w, int j, size_t padded,
-                        float* HWY_RESTRICT columns) {
+/// The window as float, [row][column][padded], from row0[0] on.
+void load_teacher_window(const SemanticTarget& target, const TeacherWindow& w, size_t padded,
+                         AlignedArray<float>& out) {
   const size_t channels = static_cast<size_t>(target.channels);
-  for (int c = 0; c < w.columns; ++c, columns += padded) {
-    const auto row = [&](int r) {
-      return &target.probabilities[(size_t(r) * target.width + w.first_column + c) * channels];
-    };
-    add_tap<true>(row(w.row0[j]), 1 - w.row_share[j], channels, columns);
-    if (w.row_share[j] != 0) add_tap<false>(row(w.row1[j]), w.row_share[j], channels, columns);
+  const int rows = w.row1[kBlockSize - 1] + 1 - w.row0[0];
+  out.resize(static_cast<size_t>(rows) * w.columns * padded);
+  float* to = out.data();
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c < w.columns; ++c, to += padded) {
+      load_half_row(&target.probabilities[(size_t(w.row0[0] + r) * target.width + w.first_column + c) * channels],
+                    channels, padded, to);
+    }
+  }
+}
+
+/// Blends the window's rows for pixel row j into columns[column][padded].
+void blend_teacher_rows(const float* window, const TeacherWindow& w, int j, size_t padded,
+                        float* HWY_RESTRICT columns) {
+  const FloatTag d;
+  const size_t row_length = static_cast<size_t>(w.columns) * padded;
+  const float* HWY_RESTRICT first = window + static_cast<size_t>(w.row0[j] - w.row0[0]) * row_length;
+  const float* HWY_RESTRICT second = window + static_cast<size_t>(w.row1[j] - w.row0[0]) * row_length;
+  const FloatVec first_share = hn::Set(d, 1 - w.row_share[j]), second_share = hn::Set(d, w.row_share[j]);
+  for (size_t i = 0; i < row_length; i += kLanes) {
+    const FloatVec low = hn::Mul(first_share, hn::Load(d, first + i));
+    hn::Store(hn::MulAdd(second_share, hn::Load(d, second + i), low), d, columns + i);
   }
 }
 
@@ -288,6 +318,7 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
   scratch.teacher.resize(step.padded);
   scratch.student.resize(step.padded);
   scratch.columns.resize(window.separable ? static_cast<size_t>(window.columns) * step.padded : step.padded);
+  if (window.separable) load_teacher_window(target, window, step.padded, scratch.window);
   scratch.soft = scratch.hard = 0;
   for (int i = 0; i < kBlockPixels; ++i) {
     const int column = i % kBlockSize, row = i / kBlockSize, x = block.x + column, y = block.y + row;
@@ -295,7 +326,7 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
     float* direction = bounded ? scratch.direction.data() + i * step.padded : nullptr;
     scratch.offset[i] = 0;
     if (column == 0 && window.separable && y < height) {
-      blend_teacher_rows(target, window, row, step.padded, scratch.columns.data());
+      blend_teacher_rows(scratch.window.data(), window, row, step.padded, scratch.columns.data());
     }
     const bool inside = x < width && y < height;
     const size_t u = size_t(y) * width + x;

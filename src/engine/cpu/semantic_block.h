@@ -45,6 +45,7 @@ struct SemanticBlock {
   AlignedArray<float> direction;   ///< [64][padded] coupling direction h
   AlignedArray<float> transposed;  ///< [padded][64] the same
   AlignedArray<float> teacher;     ///< [padded] of one pixel
+  AlignedArray<float> window;      ///< [teacher's rows][its columns under the block][padded]
   AlignedArray<float> columns;     ///< [teacher's columns under the block][padded] its rows blended for one pixel row
   AlignedArray<float> student;     ///< [padded] of one pixel
   alignas(64) float offset[kBlockPixels];  ///< h_0

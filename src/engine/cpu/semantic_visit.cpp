@@ -42,7 +42,7 @@ void collect_row_gradients(const BlockWeights& block, const TileWeights& tile, T
   s.row_gradients.resize(block.count);
   for (size_t e = 0; e < block.count; ++e) {
     float*& row = s.tile_rows[block.entry[e]];
-    if (row == nullptr) row = rows.zeroed_sums_of(tile.rows[block.entry[e]]);
+    if (row == nullptr) row = rows.sums_of(tile.rows[block.entry[e]]);
     s.row_gradients[e] = row;
   }
 }
@@ -223,18 +223,10 @@ void SemanticVisit::finish() {
   s_.group_sums.resize(kGroup * padded);
   for (size_t first = 0; first < count; first += kGroup) {
     float* rows[kGroup];
-    bool fresh[kGroup];
     const size_t n = std::min(kGroup, count - first);
-    for (size_t i = 0; i < n; ++i) rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]], fresh[i]);
+    for (size_t i = 0; i < n; ++i) rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]]);
     row_gradients_of_group(first, s_.group_sums.data(), padded);
-    for (size_t i = 0; i < n; ++i) {
-      const float* sum = s_.group_sums.data() + i * padded;
-      if (fresh[i]) {
-        std::memcpy(rows[i], sum, padded * sizeof(float));
-      } else {
-        add_row(sum, padded, rows[i]);
-      }
-    }
+    for (size_t i = 0; i < n; ++i) add_row(s_.group_sums.data() + i * padded, padded, rows[i]);
   }
 }
 

@@ -105,7 +105,7 @@ class HandMadeTile {
     blend_tile_backward(tile, ProjectionCamera<float>{}, RasterSettings{}, *none, backward, {sums.data(), 0, 0});
     semantic.finish();
     row_gradients.assign(n * channels, 0.0f);
-    for (size_t r = 0; r < own.gaussians.size(); ++r) {
+    for (size_t r = 0; r < own.count; ++r) {
       std::copy_n(own.rows.data() + r * padded, channels, row_gradients.begin() + own.gaussians[r] * channels);
     }
   }
