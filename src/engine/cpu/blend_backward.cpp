@@ -83,30 +83,56 @@ void start_behind(const RasterSettings& raster, const TileGradients& in, Behind&
   }
 }
 
-/// A strip in which a Gaussian has weights.
-struct StripWeights {
-  size_t at;  ///< its first pixel, as a number of the tile
-  const float *weight, *alpha, *gain, *coupling;  ///< of its pixels
-};
+/// q where a block has no coupling.
+HWY_ALIGN constexpr float kNoCoupling[kBlockPixels] = {};
 
-/// Lists the strips of Gaussian `index`; cursor[b] is the number of block b's entries that are not behind it.
-template <bool kSmooth>
-HWY_INLINE size_t list_strips_of(const TileWeights& tile, uint32_t index, const float* const* coupling, size_t* cursor,
-                                 StripWeights* out) {
-  size_t n = 0;
-  for (size_t b = 0; b < kTileBlocks; ++b) {
-    const BlockWeights& block = tile.blocks[b];
-    if (cursor[b] == 0 || block.entry[cursor[b] - 1] != index) continue;
-    const size_t e = --cursor[b];
-    for (uint32_t left = block.strips[e]; left != 0; left &= left - 1) {
-      const size_t first = hwy::Num0BitsBelowLS1Bit_Nonzero32(left) * static_cast<size_t>(kStripPixels);
-      const size_t from = e * kBlockPixels + first;
-      out[n++] = {b * kBlockPixels + first, block.weight.data() + from, block.alpha.data() + from,
-                  kSmooth ? block.gain.data() + from : nullptr, coupling[b] != nullptr ? coupling[b] + from : nullptr};
+/// The strips of a tile that took one Gaussian after the other, from the back. Almost free of branches: how many strips
+/// a Gaussian has cannot be foreseen, and every wrong guess costs as much as a strip.
+class StripCursor {
+ public:
+  StripCursor(const TileWeights& tile, const float* const* coupling) {
+    for (size_t b = 0; b < kTileBlocks; ++b) {
+      const BlockWeights& block = tile.blocks[b];
+      left_[b] = block.count;
+      entries_[b] = block.entry.data();
+      sets_[b] = block.strips.data();
+      weight_[b] = block.weight.data();
+      alpha_[b] = block.alpha.data();
+      gain_[b] = block.gain.data();
+      coupling_[b] = coupling[b] != nullptr ? coupling[b] : kNoCoupling;
+      coupled_[b] = coupling[b] != nullptr ? kBlockPixels : 0;
     }
   }
-  return n;
-}
+  /// The set of strips of Gaussian `index`; to be called for all of them, from the last on.
+  uint32_t strips_of(uint32_t index) {
+    uint32_t set = 0;
+    for (size_t b = 0; b < kTileBlocks; ++b) {
+      if (left_[b] == 0) continue;
+      const size_t e = left_[b] - 1;
+      const bool here = entries_[b][e] == index;
+      set |= (here ? uint32_t(sets_[b][e]) : 0u) << (b * kBlockStrips);
+      entry_[b] = e;
+      left_[b] = here ? e : left_[b];
+    }
+    return set;
+  }
+  /// What the block of a strip holds of the Gaussian; `at` is the strip's first pixel as a number of the tile.
+  const float* weight(size_t at) const { return weight_[at / kBlockPixels] + offset(at); }
+  const float* alpha(size_t at) const { return alpha_[at / kBlockPixels] + offset(at); }
+  const float* gain(size_t at) const { return gain_[at / kBlockPixels] + offset(at); }
+  const float* coupling(size_t at) const {
+    const size_t b = at / kBlockPixels;
+    return coupling_[b] + entry_[b] * coupled_[b] + at % kBlockPixels;
+  }
+
+ private:
+  size_t offset(size_t at) const { return entry_[at / kBlockPixels] * kBlockPixels + at % kBlockPixels; }
+
+  size_t left_[kTileBlocks], entry_[kTileBlocks] = {}, coupled_[kTileBlocks];
+  const uint32_t* entries_[kTileBlocks];
+  const uint8_t* sets_[kTileBlocks];
+  const float *weight_[kTileBlocks], *alpha_[kTileBlocks], *gain_[kTileBlocks], *coupling_[kTileBlocks];
+};
 
 /// The Gaussian's place in the image, in every lane.
 struct SplatLanes {
@@ -126,38 +152,6 @@ struct SplatLanes {
   }
 };
 
-/// T d alpha / d power.
-template <bool kSmooth>
-HWY_INLINE FloatVec slope_at(const StripWeights& strip, size_t s, FloatVec weight, FloatVec alpha, FloatVec alpha_max) {
-  const FloatTag d;
-  if constexpr (kSmooth) return hn::Load(d, strip.gain + s);
-  return hn::IfThenElseZero(hn::Lt(alpha, alpha_max), weight);
-}
-
-/// The moments of the semantic coupling; a loop of their own, because the registers hold no more sums.
-template <bool kSmooth>
-HWY_INLINE Moments coupling_moments(const SplatLanes& g, const TileRays& rays, const StripWeights* strips,
-                                    size_t count, FloatVec alpha_max, Behind& behind) {
-  const FloatTag d;
-  Moments sums = zero_moments();
-  for (size_t k = 0; k < count; ++k) {
-    const StripWeights& strip = strips[k];
-    if (strip.coupling == nullptr) continue;
-    for (size_t s = 0; s < kStripPixels; s += kLanes) {
-      const size_t at = strip.at + s;
-      const FloatVec a = hn::Load(d, strip.alpha + s);
-      const FloatVec slope = slope_at<kSmooth>(strip, s, hn::Load(d, strip.weight + s), a, alpha_max);
-      FloatVec p, r;
-      g.offset(rays, at, p, r);
-      const FloatVec back = hn::Load(d, behind.semantic + at);
-      const FloatVec step = hn::Sub(hn::Load(d, strip.coupling + s), back);
-      hn::Store(hn::MulAdd(a, step, back), d, behind.semantic + at);
-      add_moments(hn::Mul(slope, step), p, r, sums);
-    }
-  }
-  return sums;
-}
-
 template <bool kGeometry, bool kDensity, bool kCoupling, bool kSmooth>
 void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& raster, const TileGradients& in,
            const float* const* coupling, const TileSlots& out) {
@@ -165,23 +159,21 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
   const FloatVec zero = hn::Zero(d), alpha_max = hn::Set(d, raster.alpha_max);
   Behind behind;
   start_behind(raster, in, behind);
-  size_t cursor[kTileBlocks];
-  for (size_t b = 0; b < kTileBlocks; ++b) cursor[b] = tile.blocks[b].count;
-  StripWeights strips[kTileStrips];
+  StripCursor cursor(tile, coupling);
   HWY_ALIGN float sums[kSplatGradientFloats];
   for (size_t i = tile.count; i-- > 0;) {
     const Splat& g = tile.splats[i];
-    const size_t count = list_strips_of<kSmooth>(tile, static_cast<uint32_t>(i), coupling, cursor, strips);
     FloatVec c0 = zero, c1 = zero, c2 = zero, w_sum = zero, n0 = zero, n1 = zero, n2 = zero, dist = zero;
     FloatVec residual = zero, unsupported = zero;
-    Moments all = zero_moments();
+    Moments all = zero_moments(), semantic = zero_moments();
     FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
     const SplatLanes lanes(g);
-    for (size_t k = 0; k < count; ++k) {
-      const StripWeights& strip = strips[k];
+    for (uint32_t left = cursor.strips_of(static_cast<uint32_t>(i)); left != 0; left &= left - 1) {
+      const size_t first = hwy::Num0BitsBelowLS1Bit_Nonzero32(left) * static_cast<size_t>(kStripPixels);
+      const float *weight = cursor.weight(first), *alpha = cursor.alpha(first);
       for (size_t s = 0; s < kStripPixels; s += kLanes) {
-        const size_t at = strip.at + s;
-        const FloatVec w = hn::Load(d, strip.weight + s);
+        const size_t at = first + s;
+        const FloatVec w = hn::Load(d, weight + s);
         c0 = hn::MulAdd(w, hn::Load(d, in.color[0] + at), c0);
         c1 = hn::MulAdd(w, hn::Load(d, in.color[1] + at), c1);
         c2 = hn::MulAdd(w, hn::Load(d, in.color[2] + at), c2);
@@ -200,8 +192,13 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
                                          hn::Le(z, hn::Load(d, rays.supported_to + at)));
           unsupported = hn::Add(unsupported, hn::IfThenZeroElse(supported, w));
         }
-        const FloatVec a = hn::Load(d, strip.alpha + s);
-        const FloatVec slope = slope_at<kSmooth>(strip, s, w, a, alpha_max);
+        const FloatVec a = hn::Load(d, alpha + s);
+        FloatVec slope;  // T d alpha / d power
+        if constexpr (kSmooth) {
+          slope = hn::Load(d, cursor.gain(first) + s);
+        } else {
+          slope = hn::IfThenElseZero(hn::Lt(a, alpha_max), w);
+        }
         FloatVec p, r;
         lanes.offset(rays, at, p, r);
         FloatVec v = hn::Mul(hn::Set(d, g.color[0]), hn::Load(d, in.color[0] + at));
@@ -231,6 +228,12 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
           abs_p = hn::Add(abs_p, hn::Abs(hn::Mul(g_color, p)));
           abs_y = hn::Add(abs_y, hn::Abs(hn::Mul(g_color, hn::MulAdd(lanes.fxy, p, hn::Mul(lanes.fyy, r)))));
         }
+        if constexpr (kCoupling) {
+          const FloatVec back = hn::Load(d, behind.semantic + at);
+          const FloatVec step = hn::Sub(hn::Load(d, cursor.coupling(first) + s), back);
+          hn::Store(hn::MulAdd(a, step, back), d, behind.semantic + at);
+          add_moments(hn::Mul(slope, step), p, r, semantic);
+        }
       }
     }
     {
@@ -242,8 +245,6 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
       photo_p = all.p;
       photo_r = all.r;
     }
-    Moments semantic = zero_moments();
-    if constexpr (kCoupling) semantic = coupling_moments<kSmooth>(lanes, rays, strips, count, alpha_max, behind);
     const FloatVec second[16] = {photo_p, photo_r, abs_p, abs_y, semantic.p, semantic.r, semantic.one, semantic.pp,
                                  semantic.pr, semantic.rr, zero, zero, zero, zero, zero, zero};
     store_lane_sums(second, sums + 16);
