@@ -13,6 +13,7 @@ namespace {
 
 constexpr size_t kNumbersPerTask = 16384;  ///< a multiple of every vector length
 constexpr size_t kRowsPerTask = 512;
+constexpr size_t kRowsAhead = 2;  ///< semantic rows, of which an update reads four
 
 void check(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
@@ -84,7 +85,16 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
     pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
       thread_local AlignedArray<float> probabilities;
       probabilities.resize(padded);
+      const auto prefetch = [&](size_t i) {
+        if (i >= end || semantics.gradients == nullptr || view.rects[i].area() == 0) return;
+        if (semantics.written[semantics.rank[i]] == 0) return;
+        prefetch_row(semantics.gradients + semantics.rank[i] * padded, channels);
+        for (const std::vector<float>* x : {&model.semantics, &m.semantics, &v.semantics}) {
+          prefetch_row(x->data() + i * channels, channels);
+        }
+      };
       for (size_t i = begin; i < end; ++i) {
+        prefetch(i + kRowsAhead);
         const float *g = nullptr, *pi = nullptr;
         if (semantics.gradients != nullptr && view.rects[i].area() > 0 && semantics.written[semantics.rank[i]] != 0) {
           g = semantics.gradients + semantics.rank[i] * padded;

@@ -1,5 +1,6 @@
 #include "engine/cpu/semantic_block.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -126,6 +127,7 @@ HWY_INLINE FloatVec reciprocal(FloatVec x) {
 /// What one pixel adds to the block's terms.
 struct PixelTerms {
   float soft, hard;
+  float likelihood = 1;    ///< -log of it is still to be added to `hard`
   float gradient_sum = 0;  ///< sum over all classes of g, kPlain coupling of probabilities only
 };
 /// One valid pixel; pointers are to padded rows. The teacher is near + share (far - near).
@@ -181,8 +183,10 @@ PixelTerms probabilities_pixel(const PixelData& px, const SemanticStep& step, co
   const bool above = top_q > top_floor;
   const float hard_gradient = above ? weights.hard / top_q : 0.0f;
   px.blended[px.top] -= hard_gradient;
-  return {px.negative_entropy - hn::GetLane(hn::SumOfLanes(d, cross)), -std::log(above ? top_q : top_floor),
-          hn::GetLane(hn::SumOfLanes(d, sum)) - hard_gradient};
+  PixelTerms terms{px.negative_entropy - hn::GetLane(hn::SumOfLanes(d, cross)), 0.0f};
+  terms.likelihood = above ? top_q : top_floor;
+  if constexpr (!kBounded) terms.gradient_sum = hn::GetLane(hn::SumOfLanes(d, sum)) - hard_gradient;
+  return terms;
 }
 
 /// semantic_loss_logits and bounded_coupling_logits.
@@ -320,6 +324,8 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
   scratch.columns.resize(window.separable ? static_cast<size_t>(window.columns) * step.padded : step.padded);
   if (window.separable) load_teacher_window(target, window, step.padded, scratch.window);
   scratch.soft = scratch.hard = 0;
+  HWY_ALIGN float likelihood[kBlockPixels];
+  std::fill(likelihood, likelihood + kBlockPixels, 1.0f);
   for (int i = 0; i < kBlockPixels; ++i) {
     const int column = i % kBlockSize, row = i / kBlockSize, x = block.x + column, y = block.y + row;
     float* blended = scratch.blended.data() + i * step.padded;
@@ -364,7 +370,11 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
     }
     scratch.soft += static_cast<double>(terms.soft);
     scratch.hard += static_cast<double>(terms.hard);
+    likelihood[i] = terms.likelihood;
   }
+  const FloatTag d;
+  for (size_t i = 0; i < kBlockPixels; i += kLanes) hn::Store(loss_log(hn::Load(d, likelihood + i)), d, likelihood + i);
+  for (const float log_likelihood : likelihood) scratch.hard -= static_cast<double>(log_likelihood);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,6 +19,11 @@ float row_mean(const float* in, size_t channels, size_t padded);
 /// out = in, both padded and aligned, past the caches. To be completed by finish_streams() on the same thread.
 void stream_row(const float* in, size_t padded, float* out);
 void finish_streams();
+/// Asks for a row that is read soon: the processor does not foresee rows with gaps between them.
+inline void prefetch_row(const float* row, size_t channels) {
+  constexpr size_t kLineFloats = 16;
+  for (size_t c = 0; c < channels; c += kLineFloats) __builtin_prefetch(row + c);
+}
 /// out += in, both padded and aligned.
 void add_row(const float* in, size_t padded, float* out);
 
