@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/page_server.h"
 #include "cli/stages/pipeline.h"
 #include "cli/synth_options.h"
 #include "cli/train_options.h"
@@ -27,6 +28,7 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   RunFolder(run).check(mode);
   if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume) options.iterations = kDemoIterations;
   TrainOptions train = train_options(options, context);
+  const auto page = serve_while_working(options.view, options.view_port, run, scene, train.threads);
   if (!options.resume || !fs::exists(scene)) {
     log_info("making a synthetic {} with simulated priors", synth.synth.room);
     make_and_write_scene(synth_options(synth), scene, fs::exists(scene), context);
@@ -34,6 +36,7 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   train.scene = scene;
   train.resume_command = "aligngs demo -o " + options.output + " --resume";
   run_pipeline(train, context);
+  go_on_serving(page);
 }
 
 }  // namespace
@@ -41,7 +44,7 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
 void add_demo_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("demo", "A synthetic room through the whole pipeline: start here");
   command->group("Reconstruct");
-  command->footer("Example: aligngs demo\n         aligngs demo --room kitchen -o kitchen_run");
+  command->footer("Example: aligngs demo --view\n         aligngs demo --room kitchen -o kitchen_run");
   auto options = std::make_shared<TrainCommandOptions>();
   auto synth = std::make_shared<SynthCommandOptions>();
   command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is written to its scene/");

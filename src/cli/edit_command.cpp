@@ -9,6 +9,7 @@
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
 #include "edit/mesh_selection.h"
+#include "edit/report_json.h"
 #include "edit/selection_truth.h"
 #include "io/image_file.h"
 #include "scene/mesh_ply.h"
@@ -30,32 +31,6 @@ void print(const CommandContext& context, const Json& json, const std::string& t
     std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
   else
     std::fputs(text.c_str(), stdout);
-}
-
-std::string object_name(const SelectedObject& object, const LabelSet& labels) {
-  if (object.label < 0) return "without a class";
-  const std::string& name = labels.classes.at(static_cast<size_t>(object.label)).name;
-  return object.instance ? name + "#" + std::to_string(object.instance) : name + " (crumbs)";
-}
-
-Json report_json(const EditReport& report, const LabelSet& labels) {
-  Json objects = Json::array();
-  for (const SelectedObject& object : report.objects) {
-    objects.push_back({{"object", object_name(object, labels)},
-                       {"class_id", object.label},
-                       {"instance", object.instance},
-                       {"gaussians", object.gaussians}});
-  }
-  return {{"edit", report.description},
-          {"objects", objects},
-          {"selected_gaussians", report.selected},
-          {"gaussians_before", report.before},
-          {"gaussians_after", report.after},
-          {"filled_gaussians", report.filled},
-          {"selected_vertices", report.selected_vertices},
-          {"vertices_before", report.vertices_before},
-          {"vertices_after", report.vertices_after},
-          {"threshold", report.threshold > 0 ? Json(report.threshold) : Json(nullptr)}};
 }
 
 std::string report_text(const EditReport& report, const LabelSet& labels) {

@@ -6,7 +6,7 @@
 #include "cli/command.h"
 #include "core/error.h"
 #include "edit/edit_session.h"
-#include "edit/export/scene_export.h"
+#include "serve/export_file.h"
 
 namespace aligngs {
 
@@ -16,7 +16,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->footer(
       "Example: aligngs export demo_run -f glb\n"
       "Formats: ply, labels.ply (with class, object and confidence), glb (a node per object and the splats),\n"
-      "obj (groups per object), sog and spz (compressed splats), splat.");
+      "obj (groups per object), sog and spz (compressed splats), splat, html (one page that opens without a server).");
   struct Options {
     std::string run, scene, format, output;
     bool original = false;
@@ -24,32 +24,28 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
-  command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz or splat")->required();
+  command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz, splat or html")->required();
   command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run)");
   command->add_flag("--original", options->original, "leave out the edits of the run");
   command->callback([&context, options] {
-    require_export_format(options->format);  // before the run is opened, which takes seconds
+    require_export_format(options->format, run_export_formats());  // before the run is opened, which takes seconds
     EditSession session(options->run, {options->scene, context.global.threads});
-    // An edited room never replaces the trained scene.ply; it has files of its own.
-    const bool edited = !options->original && !session.stack().empty();
-    const std::filesystem::path file =
-        !options->output.empty() ? std::filesystem::path(options->output)
-                                 : session.folder() / ((edited ? "scene.edited." : "scene.") + options->format);
-    const ExportReport report =
-        export_room(options->original ? session.original() : session.room(), options->format, file, session.pool());
+    const RunExport made = export_run(session, options->format, options->original, options->output);
+    const ExportReport& report = made.report;
+    const std::filesystem::path& file = made.file;
     const uint64_t bytes = std::filesystem::file_size(report.files.front());
     if (context.global.json) {
       std::printf("%s\n", nlohmann::json({{"file", file.string()},
                                           {"bytes", bytes},
                                           {"gaussians", report.gaussians},
                                           {"objects", report.objects},
-                                          {"edits", edited ? session.stack().size() : 0}})
+                                          {"edits", made.edits}})
                               .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
                               .c_str());
     } else {
       std::printf("%s: %.2f MB, %zu Gaussians, %zu objects%s\n", file.string().c_str(),
                   static_cast<double>(bytes) / 1e6, report.gaussians, report.objects,
-                  edited ? ", with the edits of the run" : "");
+                  made.edits > 0 ? ", with the edits of the run" : "");
     }
   });
 }

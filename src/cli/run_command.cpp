@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/page_server.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/stages/pipeline.h"
 #include "cli/train_options.h"
 #include "core/error.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 
@@ -42,7 +44,12 @@ void add_run_command(CLI::App& program, CommandContext& context) {
     require_scene(*scene);
     train.scene = *scene;
     train.resume_command = "aligngs run " + *scene + " -o " + options->output + " --resume";
-    require_at_least(run_pipeline(train, context), *fail_under);
+    const RunMode mode = options->overwrite ? RunMode::kOverwrite : options->resume ? RunMode::kResume : RunMode::kNew;
+    RunFolder(options->output).check(mode);
+    const auto page = serve_while_working(options->view, options->view_port, options->output, train.scene, train.threads);
+    const nlohmann::json metrics = run_pipeline(train, context);
+    go_on_serving(page);
+    require_at_least(metrics, *fail_under);
   });
 }
 

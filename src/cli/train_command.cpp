@@ -3,9 +3,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/page_server.h"
 #include "cli/train_options.h"
 #include "core/error.h"
 #include "train/config_file.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 namespace {
@@ -19,6 +21,9 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
   if (options.output.empty()) throw_usage("train needs a run folder: -o RUN");
   if (scene.empty() && !options.resume) throw_usage("train needs a scene folder", "for example: aligngs train scene -o run");
   train.scene = scene;
+  const RunMode mode = options.overwrite ? RunMode::kOverwrite : options.resume ? RunMode::kResume : RunMode::kNew;
+  RunFolder(options.output).check(mode);  // before the page shows a folder that is somebody else's
+  const auto page = serve_while_working(options.view, options.view_port, options.output, scene, train.threads);
   const TrainResult result = train_run(train);
   if (context.global.json) {
     std::printf("%s\n", nlohmann::json({{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
@@ -31,6 +36,8 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
                 static_cast<long long>(result.iterations), format_duration(result.seconds).c_str(),
                 static_cast<unsigned long long>(result.gaussians), result.psnr);
   }
+  std::fflush(stdout);
+  go_on_serving(page);
 }
 
 }  // namespace

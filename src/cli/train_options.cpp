@@ -18,6 +18,9 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   command.add_flag("--require-priors", options->require_priors, "missing depth or semantics are an error (status 4)");
   command.add_option("--device", options->device, "auto, cpu or cuda:N")->capture_default_str();
   command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+  command.add_flag("--view", options->view, "show the page of `aligngs view` meanwhile, and afterwards until Ctrl-C");
+  command.add_option("--view-port", options->view_port, "its port on 127.0.0.1 (default: the first free one from 7860 on)")
+      ->check(CLI::Range(1, 65535));
 }
 
 TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context) {

@@ -16,6 +16,8 @@ struct TrainCommandOptions {
   int64_t iterations = 0, seed = -1;  ///< 0 and -1: not given
   bool resume = false, overwrite = false, require_priors = false;
   double memory_gigabytes = 0;
+  bool view = false;       ///< show the page meanwhile (page_server.h)
+  uint16_t view_port = 0;  ///< 0: the first free one
 };
 
 /// Adds -n, --preset, --config, --set, --seed, --resume, --overwrite, --device, ... to a command.

@@ -42,6 +42,13 @@ bool host_allowed(std::string_view host, const std::vector<std::string>& allowed
   return !name.empty() && std::find(allowed.begin(), allowed.end(), name) != allowed.end();
 }
 
+std::string port_of(std::string_view host) {
+  const size_t colon = host.rfind(':');
+  const std::string_view port = colon == std::string_view::npos ? std::string_view() : host.substr(colon + 1);
+  const bool digits = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string_view::npos;
+  return digits ? std::string(port) : "80";
+}
+
 std::optional<std::string> decode_request_path(std::string_view target) {
   const std::string_view path = target.substr(0, target.find('?'));
   if (path.empty() || path[0] != '/') return {};

@@ -20,6 +20,14 @@ TEST(HostRule, RefusesNamesThatAnAttackerCanPointHere) {
   EXPECT_TRUE(host_allowed("lab-7:7860", {"lab-7"}));
 }
 
+TEST(HostPort, IsDigitsOnly) {
+  EXPECT_EQ(port_of("localhost:9000"), "9000");
+  EXPECT_EQ(port_of("[::1]:7860"), "7860");
+  for (const char* host : {"", "localhost", "[::1]", "localhost:", "localhost:12x", "localhost:123456", "localhost:1; Path=/x"}) {
+    EXPECT_EQ(port_of(host), "80") << host;
+  }
+}
+
 TEST(RequestPath, IsDecodedOnceWithoutItsQuery) {
   EXPECT_EQ(decode_request_path("/files/a%20b.ply?x=1"), "/files/a b.ply");
   EXPECT_EQ(decode_request_path("/a%252e"), "/a%2e");

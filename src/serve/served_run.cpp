@@ -8,7 +8,9 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "scene/label_set.h"
 #include "serve/request_rules.h"
+#include "train/run_control.h"
 
 namespace aligngs {
 
@@ -60,9 +62,45 @@ Json rendered_views(const fs::path& root) {
   return views;
 }
 
+/// The classes of a run that has not written its classes.json yet: those of its scene.
+Json scene_classes(const fs::path& scene) {
+  LabelSet labels = ade20k_labels();
+  try {
+    if (fs::exists(scene / "labels.csv")) labels = read_label_csv(scene / "labels.csv");
+  } catch (const Error&) {
+    return nullptr;
+  }
+  Json classes = Json::array();
+  for (int i = 0; i < labels.size(); ++i) {
+    const LabelClass& c = labels.classes[static_cast<size_t>(i)];
+    classes.push_back({{"id", i}, {"name", c.name}, {"synonyms", c.synonyms}, {"color", c.color}});
+  }
+  return classes;
+}
+
+/// What `aligngs run` does, in order, and how far this run is.
+Json stages_of(const fs::path& root, const Json& run, bool active) {
+  struct Stage {
+    const char *name, *product;
+  };
+  constexpr Stage kStages[] = {{"train", "scene.ply"}, {"render", "renders"}, {"mesh", "mesh/mesh.ply"},
+                               {"measure", "metrics.json"}, {"report", "report.html"}};
+  const Json named = field(run, "stage");
+  const std::string current = !active ? "" : named.is_string() ? named.get<std::string>() : "train";
+  Json stages = Json::array();
+  bool later = false;  // than the one in progress: products there are of an earlier time
+  for (const Stage& stage : kStages) {
+    const bool now = current == stage.name;
+    const bool done = !now && !later && fs::exists(root / stage.product);
+    later |= now;
+    stages.push_back({{"name", stage.name}, {"state", now ? "now" : done ? "done" : "waiting"}});
+  }
+  return stages;
+}
+
 }  // namespace
 
-ServedRun::ServedRun(const fs::path& path) {
+ServedRun::ServedRun(const fs::path& path, bool expect_run) {
   std::error_code error;
   const fs::path found = fs::canonical(path, error);
   const auto refuse = [&](const char* what) {
@@ -70,7 +108,7 @@ ServedRun::ServedRun(const fs::path& path) {
   };
   if (error) refuse("there is no such run or file");
   if (fs::is_directory(found)) {
-    if (!fs::exists(found / "run.json") && !fs::exists(found / "scene.ply")) refuse("the folder is not a run");
+    if (!expect_run && !fs::exists(found / "run.json") && !fs::exists(found / "scene.ply")) refuse("the folder is not a run");
     root_ = found;
   } else {
     if (found.extension() != ".ply") refuse("the file is not a .ply file");
@@ -85,33 +123,74 @@ fs::path ServedRun::scene_folder() const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {{"splats", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr}, {"classes", nullptr}, {"cameras", nullptr},
-                {"views", Json::object()}, {"train", nullptr}, {"report", false}, {"status", "file"}, {"stage", nullptr}};
+  Json state = {{"splats", nullptr}, {"original", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr},
+                {"classes", nullptr}, {"cameras", nullptr}, {"views", Json::object()}, {"train", nullptr}, {"report", false},
+                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
     state["version"] = version_of(root_ / only_);
-    return state.dump();
+    return state.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   state["name"] = root_.filename().string();
   const Json run = read_json(root_ / "run.json");
   for (const char* name : {"status", "stage", "train"}) state[name] = field(run, name);
+  if (run.is_null()) state["status"] = "starting";
+  const bool active = RunControl(root_).active();
+  state["active"] = active;
+  state["stages"] = stages_of(root_, run, active);
+  std::string trained;
   for (const char* name : {"scene.labels.ply", "scene.ply"}) {
-    if (!state["splats"].is_null() || !fs::exists(root_ / name)) continue;
-    state["splats"] = name;
+    if (trained.empty() && fs::exists(root_ / name)) trained = name;
   }
-  if (fs::exists(root_ / "mesh" / "mesh.ply")) state["mesh"] = "mesh/mesh.ply";
-  state["version"] = version_of(root_ / "scene.ply") + version_of(root_ / "mesh" / "mesh.ply");
-  state["classes"] = field(read_json(root_ / "classes.json"), "classes");
+  const bool live = active && fs::exists(root_ / "live" / "scene.ply");
+  const bool edited = !live && fs::exists(root_ / "edits" / "scene.labels.ply");
+  const fs::path shown = edited ? root_ / "edits" : root_;
+  if (live) {
+    state["splats"] = "live/scene.ply";
+  } else if (edited) {
+    state["splats"] = "edits/scene.labels.ply";
+    if (!trained.empty()) state["original"] = trained;
+  } else if (!trained.empty()) {
+    state["splats"] = trained;
+  }
+  if (fs::exists(shown / "mesh" / "mesh.ply")) state["mesh"] = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
+  state["edited"] = edited;
+  state["editable"] = !active && fs::exists(root_ / "scene.labels.ply") && fs::exists(root_ / "checkpoints");
+  state["version"] = (live ? version_of(root_ / "live" / "scene.ply") : version_of(shown / "scene.ply")) + version_of(shown / "mesh" / "mesh.ply");
+  const fs::path scene = scene_folder();
+  state["classes"] = field(read_json(shown / "classes.json"), "classes");
+  if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
   state["cameras"] = read_json(root_ / "cameras.json");
   state["views"] = rendered_views(root_);
   state["report"] = fs::exists(root_ / "report.html");
-  if (const fs::path scene = scene_folder(); !scene.empty()) {
+  if (!scene.empty()) {
     const Json description = read_json(scene / "scene.json");
     state["up"] = field(description, "up");
     state["units"] = field(description, "units");
   }
   return state.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string ServedRun::signature() const {
+  if (!only_.empty()) return version_of(root_ / only_);
+  std::string text = RunControl(root_).active() ? "active" : "";
+  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "edits/scene.ply",
+                           "mesh/mesh.ply", "metrics.json", "report.html"}) {
+    text += "/" + version_of(root_ / name);
+  }
+  return text;
+}
+
+void ServedRun::ask_for_snapshot() const {
+  if (!only_.empty()) return;
+  const RunControl control(root_);
+  if (!control.active()) return;
+  try {
+    control.ask(RunControl::Flag::kSnapshot);
+  } catch (const Error&) {
+    // The folder may only be read: the page shows what is there.
+  }
 }
 
 std::optional<fs::path> ServedRun::file(std::string_view relative) const {

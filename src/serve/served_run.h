@@ -12,21 +12,30 @@ namespace aligngs {
 /// A run folder, or a single PLY file. Read afresh at every request, so that a run in progress shows its progress.
 class ServedRun {
  public:
-  /// Error{kBadInput} when it is neither.
-  explicit ServedRun(const std::filesystem::path& path);
+  /// Error{kBadInput} when it is neither. With `expect_run` any folder will do: a run is about to begin in it.
+  explicit ServedRun(const std::filesystem::path& path, bool expect_run = false);
 
   const std::filesystem::path& folder() const { return root_; }
 
-  /// JSON: {"name", "status", "stage", "splats", "mesh", "version", "up", "units", "classes", "cameras", "views", "train",
-  /// "report"}. "splats" and "mesh" are paths below /files/, null when absent; "version" changes with these files;
-  /// "up" is the unit up vector or null; "views" tells per picture name which renders exist. What cannot be read (a
-  /// file that is being replaced) is null.
+  /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "splats", "original", "mesh", "version",
+  /// "up", "units", "classes", "cameras", "views", "train", "report"}. "splats", "original" and
+  /// "mesh" are paths below /files/, null when absent: the live snapshot of a training, the edited room of a run with
+  /// edits ("original" is then what was trained), else what was trained. "version" changes with these files; "active"
+  /// tells whether a process works on the run, "editable" whether edits can be made; "stages" lists {"name", "state":
+  /// "done" | "now" | "waiting"}; "up" is the unit up vector or null; "views" tells per picture name which renders exist.
+  /// What cannot be read (a file that is being replaced) is null.
   std::string state() const;
 
   /// A file of the run folder; of a single PLY only the file itself.
   std::optional<std::filesystem::path> file(std::string_view relative) const;
   /// The photo of a view, by its name, from the run's scene folder.
   std::optional<std::filesystem::path> photo(std::string_view view) const;
+
+  /// Changes whenever state() may have changed; cheap.
+  std::string signature() const;
+
+  /// Asks the training of an active run for a live snapshot; does nothing otherwise.
+  void ask_for_snapshot() const;
 
   /// Complete lines of events.ndjson from byte `offset` on, at most `limit` bytes but always at least one line, and
   /// moves `offset` behind them. An offset beyond the file's end (a run started anew) begins again at 0.

@@ -31,26 +31,45 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr uint16_t kFirstPort = 7860, kPortsTried = 100;
-constexpr uint32_t kHeaderLimit = 16 * 1024, kBodyLimit = 1 << 20;  // bytes
+constexpr uint32_t kHeaderLimit = 16 * 1024, kBodyLimit = 64 * 1024;  // bytes
+constexpr size_t kMaxWaiting = 16;  // handlers that wait for their turn
 constexpr auto kRequestTime = 15s, kFileTime = 120s, kPingTime = 10s;
-constexpr auto kWatchTime = 500ms;  // between looks at the run folder
+constexpr auto kWatchTime = 500ms;     // between looks at the run folder
+constexpr auto kSnapshotTime = 2000ms;  // between requests for live snapshots; the trainer may take longer
 constexpr int kMaxListeners = 32;  // open event streams
+
+/// JSON that cannot hurt: no deeper than any request of the page.
+bool acceptable_json(const std::string& body) {
+  constexpr int kDeepest = 8;
+  int depth = 0;
+  for (const char c : body) {
+    depth += (c == '{' || c == '[') - (c == '}' || c == ']');
+    if (depth > kDeepest) return false;
+  }
+  return nlohmann::json::accept(body);
+}
 
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 using Request = http::request<http::string_body>;
 
+constexpr const char* kPagePolicy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' blob:; "
+    "object-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+/// A report with its pictures may be looked at; nothing in a run folder may run.
+constexpr const char* kFilePolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
 template <class Response>
-void harden(Response& response) {
+void harden(Response& response, const char* policy = kPagePolicy) {
   response.set(http::field::server, "aligngs");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set("Content-Security-Policy",
-               "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self' blob:; "
-               "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self' blob:; "
-               "frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+  response.set("Content-Security-Policy", policy);
   response.set(http::field::cache_control, "no-store");
 }
 
@@ -60,11 +79,18 @@ struct ViewServer::State {
   ViewServerOptions options;
   ServedRun run;
   std::string token = random_token();
+  int listeners = 0;
+  size_t waiting = 0;
+  std::chrono::steady_clock::time_point snapshot_asked{};
   net::io_context io{1};
   tcp::acceptor acceptor{io};
-  int listeners = 0;
+  net::thread_pool workers{1};  // last: handlers end before the connections they answer
 
-  explicit State(ViewServerOptions given) : options(std::move(given)), run(options.run) { listen(); }
+  explicit State(ViewServerOptions given) : options(std::move(given)), run(options.run, options.expect_run) { listen(); }
+  ~State() {
+    workers.stop();
+    workers.join();
+  }
 
   void listen() {
     const uint16_t first = options.port != 0 ? options.port : kFirstPort;
@@ -127,26 +153,91 @@ struct ViewServer::State {
     }
     auto response = answer(request, http::status::ok, std::move(body), content_type_of(name));
     if (compressed) response.set(http::field::content_encoding, "gzip");
-    if (path == "/") response.set(http::field::set_cookie, "aligngs=" + token + "; SameSite=Strict; Path=/");
+    if (path == "/") {
+      const std::string_view host = view_of(request[http::field::host]);
+      response.set(http::field::set_cookie, "aligngs_" + std::string(port_of(host)) + "=" + token + "; SameSite=Strict; Path=/");
+    }
     return response;
   }
 
-  http::response<http::string_body> post(const Request& request, const std::string& path) const {
+  /// Runs a handler on the worker's thread, one at a time, while pages and events go on being served.
+  template <class Result, class Handler>
+  awaitable<Result> on_worker(const Handler& handler) {
+    struct Turn {
+      size_t& n;
+      explicit Turn(size_t& count) : n(count) { ++n; }
+      ~Turn() { --n; }
+    } turn(waiting);
+    co_return co_await net::co_spawn(
+        workers.get_executor(), [&handler]() -> awaitable<Result> { co_return handler(); }, use_awaitable);
+  }
+
+  /// What went wrong as JSON. Asking for nonsense is the page's fault, the rest is ours.
+  http::response<http::string_body> refuse(const Request& request, const Error& error) const {
+    const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
+    const nlohmann::json body = {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}};
+    return answer(request, theirs ? http::status::bad_request : http::status::internal_server_error,
+                  body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), "application/json");
+  }
+
+  awaitable<http::response<http::string_body>> post(const Request& request, const std::string& path) {
     PostHeaders headers;
     headers.host = view_of(request[http::field::host]);
     headers.origin = view_of(request[http::field::origin]);
     headers.token = view_of(request["X-AlignGS-Token"]);
     headers.content_type = view_of(request[http::field::content_type]);
-    if (!post_allowed(headers, token)) return refuse(request, http::status::forbidden, "wrong origin, token or content type");
+    if (!post_allowed(headers, token)) co_return refuse(request, http::status::forbidden, "wrong origin, token or content type");
     const auto handler = options.post.find(path);
-    if (handler == options.post.end()) return refuse(request, http::status::not_found, "not found");
-    if (!nlohmann::json::accept(request.body())) return refuse(request, http::status::bad_request, "the body is not JSON");
+    if (handler == options.post.end()) co_return refuse(request, http::status::not_found, "not found");
+    if (!acceptable_json(request.body())) co_return refuse(request, http::status::bad_request, "the body is not JSON");
+    if (waiting >= kMaxWaiting) co_return refuse(request, http::status::service_unavailable, "too many requests wait");
+    std::optional<Error> failure;
+    std::string body;
     try {
-      return answer(request, http::status::ok, handler->second(request.body()), "application/json");
+      const std::string& given = request.body();
+      const PostHandler& call = handler->second;
+      const auto work = [&call, &given] { return call(given); };
+      body = co_await on_worker<std::string>(work);
     } catch (const Error& error) {
-      const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
-      return refuse(request, theirs ? http::status::bad_request : http::status::internal_server_error, error.what());
+      failure = error;
+    } catch (const std::bad_alloc&) {
+      failure = Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
+    } catch (const std::exception& error) {
+      failure = Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
     }
+    if (failure) co_return refuse(request, *failure);
+    co_return answer(request, http::status::ok, std::move(body), "application/json");
+  }
+
+  /// The handler of a GET and the rest of its path.
+  const GetHandler* get_handler(const std::string& path, std::string& name) const {
+    for (const auto& [begin, handler] : options.get) {
+      const bool folder = !begin.empty() && begin.back() == '/';
+      if (folder ? path.compare(0, begin.size(), begin) != 0 : path != begin) continue;
+      name = path.substr(begin.size());
+      return &handler;
+    }
+    return nullptr;
+  }
+
+  awaitable<http::response<http::string_body>> get_answer(const Request& request, const GetHandler& handler, const std::string& name) {
+    if (waiting >= kMaxWaiting) co_return refuse(request, http::status::service_unavailable, "too many requests wait");
+    std::optional<Error> failure;
+    std::optional<GetAnswer> found;
+    try {
+      const auto work = [&handler, &name] { return handler(name); };
+      found = co_await on_worker<std::optional<GetAnswer>>(work);
+    } catch (const Error& error) {
+      failure = error;
+    } catch (const std::bad_alloc&) {
+      failure = Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
+    } catch (const std::exception& error) {
+      failure = Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
+    }
+    if (failure) co_return refuse(request, *failure);
+    if (!found) co_return refuse(request, http::status::not_found, "not found");
+    const std::string type = found->type;
+    co_return answer(request, http::status::ok, std::move(found->body), type);
   }
 
   /// The file that a GET asks for, if it asks for one.
@@ -155,6 +246,14 @@ struct ViewServer::State {
     if (path.compare(0, kFiles.size(), kFiles) == 0) return run.file(std::string_view(path).substr(kFiles.size()));
     if (path.compare(0, kPhoto.size(), kPhoto) == 0) return run.photo(std::string_view(path).substr(kPhoto.size()));
     return {};
+  }
+
+  /// A training draws itself only while somebody looks on.
+  void ask_for_snapshot() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - snapshot_asked < kSnapshotTime) return;
+    snapshot_asked = now;
+    run.ask_for_snapshot();
   }
 
   /// Sends new events and scene versions until the client goes away.
@@ -182,6 +281,7 @@ struct ViewServer::State {
     auto last_sent = std::chrono::steady_clock::now();
     std::string message = "retry: 1000\n\n";
     for (;;) {
+      ask_for_snapshot();
       const std::string lines = run.events(offset);
       if (!lines.empty()) {
         std::string array = lines;
@@ -189,8 +289,7 @@ struct ViewServer::State {
         for (char& c : array) c = c == '\n' ? ',' : c == '\r' ? ' ' : c;
         message += "id: " + std::to_string(offset) + "\nevent: events\ndata: [" + array + "]\n\n";
       }
-      const nlohmann::json state = nlohmann::json::parse(run.state());
-      const std::string now_version = state.value("version", "") + "/" + (state["status"].is_string() ? state["status"].get<std::string>() : "");
+      const std::string now_version = run.signature();
       if (now_version != version) {
         version = now_version;
         message += "event: state\ndata: " + nlohmann::json(version).dump() + "\n\n";
@@ -230,7 +329,7 @@ struct ViewServer::State {
         } else if (!path) {
           response = refuse(request, http::status::bad_request, "bad path");
         } else if (request.method() == http::verb::post) {
-          response = post(request, *path);
+          response = co_await post(request, *path);
         } else if (!get) {
           response = refuse(request, http::status::method_not_allowed, "only GET, HEAD and POST are served");
         } else if (*path == "/api/state") {
@@ -246,7 +345,7 @@ struct ViewServer::State {
           beast::error_code failed;
           sent.body().open(file->c_str(), beast::file_mode::scan, failed);
           if (!failed && get && request.method() == http::verb::get) {
-            harden(sent);
+            harden(sent, kFilePolicy);
             const std::string_view type = content_type_of(*file);
             sent.set(http::field::content_type, beast::string_view(type.data(), type.size()));
             sent.keep_alive(request.keep_alive());
@@ -258,6 +357,8 @@ struct ViewServer::State {
           }
           response = failed ? refuse(request, http::status::not_found, "not found")
                             : answer(request, http::status::ok, "", content_type_of(*file));
+        } else if (std::string name; const GetHandler* handler = get_handler(*path, name)) {
+          response = co_await get_answer(request, *handler, name);
         } else {
           response = page(request, *path);
         }

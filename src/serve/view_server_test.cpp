@@ -1,10 +1,7 @@
 // The server as a browser sees it, and as an attacker does. Plain sockets, so that every byte is ours.
 #include "serve/view_server.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -13,11 +10,15 @@
 #include <thread>
 
 #include "core/error.h"
+#include "serve/http_client_for_tests.h"
+#include "train/run_control.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
+using test_http::body;
+using test_http::status;
 
 /// A small run and a server for it, on its own thread.
 class ViewServerTest : public testing::Test {
@@ -39,6 +40,16 @@ class ViewServerTest : public testing::Test {
     ViewServerOptions options;
     options.run = base_ / "run";
     options.post["/api/echo"] = [](const std::string& body) { return body; };
+    options.post["/api/slow"] = [this](const std::string&) {
+      while (!release_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      return std::string("{}");
+    };
+    options.post["/api/throw"] = [](const std::string&) -> std::string { throw std::runtime_error("a surprise"); };
+    options.get["/api/double"] = [](const std::string&) { return GetAnswer{"text/plain", "twice"}; };
+    options.get["/api/below/"] = [](const std::string& name) -> std::optional<GetAnswer> {
+      if (name == "absent") return {};
+      return GetAnswer{"text/plain", name};
+    };
     options.post["/api/fail"] = [](const std::string&) -> std::string { throw_usage("no such object", "look"); };
     server_ = std::make_unique<ViewServer>(options);
     thread_ = std::thread([this] { server_->run([this] { return stop_.load(); }); });
@@ -53,60 +64,116 @@ class ViewServerTest : public testing::Test {
 
   void write(const std::string& name, const std::string& content) { std::ofstream(base_ / name, std::ios::binary) << content; }
 
-  /// Sends bytes and reads until the server closes, `until` has arrived, or five seconds have passed.
-  std::string raw(const std::string& bytes, const std::string& until = "") const {
-    const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(server_->port());
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    timeval limit{5, 0};
-    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return "no connection";
-    for (size_t sent = 0; sent < bytes.size();) {
-      const ssize_t n = send(fd, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-      if (n <= 0) break;
-      sent += static_cast<size_t>(n);
-    }
-    std::string answer;
-    char buffer[4096];
-    while (until.empty() || answer.find(until) == std::string::npos) {
-      const ssize_t n = recv(fd, buffer, sizeof buffer, 0);
-      if (n <= 0) break;
-      answer.append(buffer, static_cast<size_t>(n));
-    }
-    close(fd);
-    return answer;
-  }
-
+  std::string raw(const std::string& bytes, const std::string& until = "") const { return test_http::raw(server_->port(), bytes, until); }
   std::string get(const std::string& target, const std::string& host = "localhost:9000") const {
-    return raw("GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
+    return test_http::get(server_->port(), target, host);
   }
-
   std::string post(const std::string& target, const std::string& headers, const std::string& body) const {
-    return raw("POST " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\nContent-Length: " +
-               std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body);
+    return test_http::post(server_->port(), target, headers, body);
   }
-
-  static int status(const std::string& answer) {
-    return answer.compare(0, 9, "HTTP/1.1 ") == 0 ? std::stoi(answer.substr(9, 3)) : 0;
-  }
-  static std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
 
   fs::path base_;
   std::unique_ptr<ViewServer> server_;
   std::thread thread_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, release_{false};
 };
 
 TEST_F(ViewServerTest, SendsThePageWithItsTokenAndAPolicy) {
   const std::string answer = get("/");
   EXPECT_EQ(status(answer), 200);
-  EXPECT_NE(answer.find("aligngs=" + server_->token() + "; SameSite=Strict"), std::string::npos);
+  EXPECT_NE(answer.find("aligngs_9000=" + server_->token() + "; SameSite=Strict"), std::string::npos);
   EXPECT_NE(answer.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
   EXPECT_NE(answer.find("frame-ancestors 'none'"), std::string::npos);
   EXPECT_NE(answer.find("X-Content-Type-Options: nosniff"), std::string::npos);
   EXPECT_EQ(answer.find("Access-Control-"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, EveryAnswerCarriesAPolicy) {
+  const std::string json = "Content-Type: application/json\r\n", token = "X-AlignGS-Token: " + server_->token() + "\r\n";
+  const std::pair<int, std::string> answers[] = {
+      {200, get("/")}, {200, get("/app.js")}, {200, get("/api/state")}, {200, get("/files/scene.ply")}, {200, get("/api/photo/view_000")},
+      {200, get("/api/double")}, {404, get("/absent")}, {404, get("/files/absent")}, {400, get("/%zz")}, {403, get("/", "evil.example")},
+      {405, raw("DELETE / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")}, {403, post("/api/echo", json, "{}")},
+      {200, post("/api/echo", json + token, "{}")}, {400, post("/api/fail", json + token, "{}")}, {500, post("/api/throw", json + token, "{}")},
+      {200, raw("HEAD / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")},
+      {200, raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")}};
+  for (const auto& [expected, answer] : answers) {
+    EXPECT_EQ(status(answer), expected) << answer.substr(0, 200);
+    EXPECT_NE(answer.find("Content-Security-Policy: default-src "), std::string::npos) << answer.substr(0, 200);
+    EXPECT_NE(answer.find("X-Content-Type-Options: nosniff"), std::string::npos) << answer.substr(0, 200);
+  }
+}
+
+TEST_F(ViewServerTest, NothingInARunFolderMayRun) {
+  write("run/report.html", "<script src=evil.js></script>");
+  const std::string answer = get("/files/report.html");
+  EXPECT_NE(answer.find("Content-Security-Policy: default-src 'none'"), std::string::npos);
+  EXPECT_EQ(answer.find("script-src"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, CookiesOfTwoServersDoNotMeet) {
+  EXPECT_NE(get("/", "localhost:9000").find("aligngs_9000="), std::string::npos);
+  EXPECT_NE(get("/", "127.0.0.1:7861").find("aligngs_7861="), std::string::npos);
+  EXPECT_NE(get("/", "[::1]").find("aligngs_80="), std::string::npos);
+  EXPECT_EQ(get("/", "localhost:1; Domain=x").find("Domain=x"), std::string::npos) << "nothing else of the header goes into the cookie";
+}
+
+TEST_F(ViewServerTest, HandlersOfGetHaveTheRestOfThePath) {
+  EXPECT_EQ(body(get("/api/double")), "twice");
+  EXPECT_EQ(body(get("/api/below/a%20b/c.png?x=1")), "a b/c.png");
+  EXPECT_EQ(status(get("/api/below/absent")), 404);
+  EXPECT_EQ(status(get("/api/doubles")), 404);
+  EXPECT_EQ(status(get("/api/echo")), 404) << "what changes something is no GET";
+}
+
+TEST_F(ViewServerTest, ASlowHandlerDoesNotStopTheOthersAndTheirNumberIsLimited) {
+  const std::string headers = "Content-Type: application/json\r\nX-AlignGS-Token: " + server_->token() + "\r\n";
+  std::vector<std::thread> waiting;
+  std::atomic<int> done{0}, refused{0};
+  for (int i = 0; i < 20; ++i) {
+    waiting.emplace_back([&] {
+      const int s = status(post("/api/slow", headers, "{}"));
+      (s == 200 ? done : s == 503 ? refused : done) += s == 200 || s == 503;
+    });
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(status(get("/api/state")), 200) << "the page is served meanwhile";
+  release_ = true;
+  for (std::thread& one : waiting) one.join();
+  EXPECT_EQ(done, 16);
+  EXPECT_EQ(refused, 4);
+}
+
+TEST_F(ViewServerTest, ATrainingIsAskedForSnapshotsOnlyWhileSomebodyLooksOn) {
+  const RunLock lock(base_ / "run");
+  const fs::path flag = RunControl(base_ / "run").file(RunControl::Flag::kSnapshot);
+  EXPECT_EQ(status(get("/api/state")), 200);
+  EXPECT_FALSE(fs::exists(flag));
+  raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
+  EXPECT_TRUE(fs::exists(flag));
+}
+
+TEST_F(ViewServerTest, ARunInProgressShowsItsSnapshotAndItsStages) {
+  fs::create_directories(base_ / "run" / "live");
+  write("run/live/scene.ply", "live");
+  EXPECT_EQ(nlohmann::json::parse(body(get("/api/state")))["splats"], "scene.ply") << "left behind by a killed training";
+  const RunLock lock(base_ / "run");
+  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  EXPECT_EQ(state["splats"], "live/scene.ply");
+  EXPECT_EQ(state["active"], true);
+  EXPECT_EQ(state["editable"], false);
+  EXPECT_EQ(state["stages"][0]["name"], "train");
+  EXPECT_EQ(state["stages"][0]["state"], "now");
+  EXPECT_EQ(state["stages"][2]["state"], "waiting");
+}
+
+TEST_F(ViewServerTest, AnEditedRunShowsItsEditsAndKnowsTheOriginal) {
+  fs::create_directories(base_ / "run" / "edits");
+  write("run/edits/scene.labels.ply", "edited");
+  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  EXPECT_EQ(state["splats"], "edits/scene.labels.ply");
+  EXPECT_EQ(state["original"], "scene.ply");
+  EXPECT_EQ(state["edited"], true);
 }
 
 TEST_F(ViewServerTest, DescribesTheRun) {
@@ -169,6 +236,7 @@ TEST_F(ViewServerTest, PostsNeedTheTokenTheOriginAndJson) {
   EXPECT_EQ(status(post("/api/echo", token + json + "Origin: http://evil.example\r\n", "{}")), 403);
   EXPECT_EQ(status(post("/api/echo", token + "Content-Type: text/plain\r\n", "{}")), 403);
   EXPECT_EQ(status(post("/api/echo", token + json, "{")), 400);
+  EXPECT_EQ(status(post("/api/echo", token + json, std::string(30000, '['))), 400) << "nested too deeply";
   EXPECT_EQ(status(post("/api/fail", token + json, "{}")), 400);
   EXPECT_EQ(status(post("/api/state", token + json, "{}")), 404);
 }
@@ -181,7 +249,7 @@ TEST_F(ViewServerTest, OtherMethodsAreRefused) {
 TEST_F(ViewServerTest, OversizedRequestsAndNoiseAreCutOff) {
   EXPECT_NE(status(raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(40000, 'x') + "\r\n\r\n")), 200);
   const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\nContent-Type: application/json\r\n";
-  EXPECT_NE(status(post("/api/echo", token, "\"" + std::string(2 << 20, 'x') + "\"")), 200);
+  EXPECT_NE(status(post("/api/echo", token, "\"" + std::string(70000, 'x') + "\"")), 200);
   raw("\x16\x03\x01 this is not HTTP\r\n\r\n");
   EXPECT_EQ(status(get("/api/state")), 200);  // and it still serves
 }

@@ -13,10 +13,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// What a run writes into its folder; scene/ (an input that may stand there) is not in the list.
-constexpr std::array<std::string_view, 19> kProducts = {
+constexpr std::array<std::string_view, 21> kProducts = {
     "run.json",      "config.toml", "events.ndjson", "checkpoints", "scene.ply",    "scene.labels.ply", "scene.glb",
     "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",
-    "report.html",   "overview.jpg", "edits.json",  "edits",         "log.txt"};
+    "report.html",   "overview.jpg", "edits.json",  "edits",         "log.txt",
+    "control",       "live"};
 constexpr std::string_view kSceneFolder = "scene";
 constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
 

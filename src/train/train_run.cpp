@@ -10,7 +10,10 @@
 #include "core/memory_budget.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
+#include "train/camera_outputs.h"
+#include "train/live_snapshot.h"
 #include "train/memory_fit.h"
+#include "train/run_control.h"
 #include "train/run_outputs.h"
 #include "train/start_model.h"
 #include "train/trainer.h"
@@ -172,6 +175,7 @@ TrainResult Run::train() {
   std::unique_ptr<Engine> engine = make_engine_(options_.threads);
   record_.device = engine->device_name();
   write_run_record(folder_.record(), record_);
+  write_camera_outputs(folder_, scene_, config_);  // where the photos stand can be looked at from the start
 
   TrainerInputs inputs;
   inputs.config = config_;
@@ -180,6 +184,7 @@ TrainResult Run::train() {
   inputs.facts.semantics = use_.semantics;
   inputs.facts.extent = static_cast<float>(extent_);
   inputs.fingerprint = fingerprint_;
+  inputs.labels = scene_.labels;
   inputs.resume_command = options_.resume_command.empty()
                               ? fmt::format("aligngs train {} -o {} --resume", scene_.folder.string(), folder_.path().string())
                               : options_.resume_command;
@@ -244,9 +249,18 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
     log_info("the run in {} is finished: nothing to do", options.run.string());
     return result_of_finished(read_run_record(folder.record()));
   }
+  if (RunControl(options.run).active()) {
+    throw Error({ErrorKind::kUsage, "another process is working on this run", options.run, "-o",
+                 "wait until it has ended, stop it, or name another folder"});
+  }
   Run run(options, resolved, make_engine);
   run.open_scene_and_check();
   run.prepare_folder();
+  const RunLock lock(options.run);
+  struct RemoveSnapshot {
+    const RunFolder& folder;
+    ~RemoveSnapshot() { remove_live_snapshot(folder); }
+  } remove_snapshot{folder};
   try {
     return run.train();
   } catch (const Error& error) {

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
 #include "core/stop_signal.h"
+#include "train/live_snapshot.h"
 #include "train/upkeep.h"
 
 namespace aligngs {
@@ -16,6 +19,9 @@ namespace {
 
 constexpr float kResetOpacity = 0.01f;   // 3DGS opacity reset
 constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
+constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
+constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
+constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
 // Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp.
 constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4;
 
@@ -43,7 +49,8 @@ Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, 
       pool_(pool),
       schedule_(in_.config, in_.facts),
       order_(static_cast<int>(in_.guides.size()), generator(in_.config, kRandomOrder).next()),
-      density_random_(generator(in_.config, kRandomDensity)) {}
+      density_random_(generator(in_.config, kRandomDensity)),
+      control_(folder.path()) {}
 
 TrainingState Trainer::initial_state(const std::vector<float>& depth_scales) const {
   TrainingState state;
@@ -81,6 +88,7 @@ TrainingState Trainer::run(TrainingState state) {
   begun_ = now_seconds();
   while (state_.iteration < last) {
     if (stop_requested()) stop_here();
+    obey();
     iterate(state_.iteration + 1, events);
     if (state_.iteration % in_.config.checkpoint.every == 0) write_state();
     update_progress(report_, progress);
@@ -156,6 +164,48 @@ void Trainer::stop_here() {
   throw Error({ErrorKind::kInterrupted, fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
                                                     in_.config.train.iterations),
                folder_.path(), {}, "go on with: " + in_.resume_command});
+}
+
+void Trainer::obey() {
+  if (now_seconds() < look_at_) return;
+  obey_once();
+  if (control_.asked(RunControl::Flag::kPause)) {
+    log_info("paused at iteration {}; to go on, remove {}", state_.iteration, control_.file(RunControl::Flag::kPause).string());
+    record_.status = "paused";
+    record_.updated = utc_now();
+    write_run_record(folder_.record(), record_);
+    while (control_.asked(RunControl::Flag::kPause)) {
+      const double rested = now_seconds();
+      std::this_thread::sleep_for(std::chrono::duration<double>(kLookEvery));
+      begun_ += now_seconds() - rested;  // a rest is no training time
+      if (stop_requested()) stop_here();
+      obey_once();
+    }
+    record_.status = "running";
+    record_.updated = utc_now();
+    write_run_record(folder_.record(), record_);
+  }
+  look_at_ = now_seconds() + kLookEvery;
+}
+
+void Trainer::obey_once() {
+  if (control_.take(RunControl::Flag::kStop)) stop_here();
+  if (control_.take(RunControl::Flag::kCheckpoint) && checkpointed_ != state_.iteration) write_state();
+  if (now_seconds() >= snapshot_at_ && control_.take(RunControl::Flag::kSnapshot)) publish_snapshot();
+}
+
+/// Someone who looks on must never end a training: a full disk is only told.
+void Trainer::publish_snapshot() {
+  const double begun = now_seconds();
+  try {
+    GaussianModel model;
+    engine_.store(model);
+    write_live_snapshot(folder_, model, in_.labels, pool_);
+  } catch (const Error& error) {
+    log_warning("no live picture: {}", error.what());
+  }
+  const double now = now_seconds();
+  snapshot_at_ = now + std::max(kSnapshotEvery, (now - begun) / kSnapshotShare);
 }
 
 void Trainer::write_state() {

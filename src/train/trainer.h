@@ -8,9 +8,11 @@
 #include "core/progress.h"
 #include "core/thread_pool.h"
 #include "engine/engine.h"
+#include "scene/label_set.h"
 #include "train/checkpoint.h"
 #include "train/config.h"
 #include "train/events.h"
+#include "train/run_control.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 #include "train/schedule.h"
@@ -23,6 +25,7 @@ struct TrainerInputs {
   ScheduleFacts facts;               ///< dense_start, normals_at_start and max_gaussians come from the state
   std::vector<GuideView> guides;     ///< one per training view, in the engine's order
   std::vector<uint8_t> from_points;  ///< views whose prior scale the points determine (upkeep.h)
+  LabelSet labels;                   ///< of the scene, for live snapshots
   std::string fingerprint;           ///< of the scene
   std::string resume_command;        ///< shown when the run is interrupted
   ProgressStyle progress;
@@ -41,6 +44,7 @@ class Trainer {
   /// Runs from `state` (whose engine part is loaded when it holds a model) to config.train.iterations.
   /// Writes checkpoints, events and run.json on the way; the last iteration always has a checkpoint. The
   /// result's engine part is empty: the engine and that checkpoint hold it.
+  /// Obeys the flags of run_control.h between steps; none of them changes the result.
   /// Error{kInterrupted} after a stop request, with a checkpoint written; Error{kFailed} when non-finite values repeat
   /// or no Gaussian is left, with a valid checkpoint.
   TrainingState run(TrainingState state);
@@ -51,6 +55,9 @@ class Trainer {
   void upkeep(int64_t iteration, EventLog& events);
   void write_state();
   void stop_here();
+  void obey();
+  void obey_once();
+  void publish_snapshot();
   void update_progress(const StepReport& report, Progress& progress) const;
   double seconds_since_start() const;
 
@@ -68,6 +75,9 @@ class Trainer {
   double seconds_before_ = 0;  ///< training time of earlier processes
   int64_t iterations_before_ = 0;
   double begun_ = 0;           ///< steady clock, seconds
+  RunControl control_;
+  double look_at_ = 0;         ///< when to look for flags again, steady clock
+  double snapshot_at_ = 0;     ///< when the next snapshot may be written
 };
 
 }  // namespace aligngs

@@ -1,14 +1,16 @@
 // The page of `aligngs view`.
 import { Vec3 } from 'playcanvas';
-import { fetchState, fileUrl, listen, photoUrl, type CameraInfo, type RunState } from './api';
-import { Charts } from './charts';
+import { fetchState, fileUrl, kExported, listen, photoUrl, renderUrl, type CameraInfo, type RunState } from './api';
+import { EditPanel } from './edits';
 import { Orbit } from './orbit';
+import { TrainingPanel } from './training';
 import { Viewer, type ClassStyle } from './viewer';
 
 const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 const kNoLabel = 65535;
 // Drawn here: not every system has a font with an eye.
 const kEye = '<svg viewBox="0 0 16 16" width="14" height="14"><path d="M1 8c3-5 11-5 14 0-3 5-11 5-14 0z" fill="none" stroke="currentColor" stroke-width="1.4"/><circle cx="8" cy="8" r="2" fill="currentColor"/></svg>';
+const kBrush = '<svg viewBox="0 0 16 16" width="14" height="14"><path d="M9 9 14 2M9 9c-3-1-5 1-5 3s-2 2-2 2c4 1 8-1 7-5z" fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round"/></svg>';
 const kSolo = '<svg viewBox="0 0 16 16" width="14" height="14"><circle cx="8" cy="8" r="6" fill="none" stroke="currentColor" stroke-width="1.4"/><circle cx="8" cy="8" r="2.5" fill="currentColor"/></svg>';
 
 class Page {
@@ -18,10 +20,14 @@ class Page {
   private comparing: CameraInfo | null = null;
   private ruler: Vec3[] | null = null;
   private frustaShown = false;
-  private loadedVersion = '';
+  private showsOriginal = false;
+  private mode: 'splats' | 'mesh' = 'splats';
+  private loadedSplats = '';
+  private picked: string | null = null; // what the edit buttons mean
   private loading: Promise<void> | null = null;
   private orbit: Orbit;
-  private charts = new Charts(element('charts'));
+  readonly training = new TrainingPanel((text) => this.message(text));
+  readonly edits = new EditPanel((text) => this.message(text), () => this.refresh());
 
   constructor(private viewer: Viewer) {
     this.orbit = new Orbit(viewer.camera, viewer.canvas, () => viewer.draw(), (x, y) => this.clicked(x, y));
@@ -32,14 +38,10 @@ class Page {
     await this.refresh();
     this.startPose();
     listen({
-      reset: () => this.charts.reset(),
-      events: (events) => {
-        this.charts.add(events);
-        const last = events.filter((e) => e.losses).pop();
-        if (last) element('progress').textContent = `step ${last.step}, ${last.gaussians?.toLocaleString('en')} Gaussians, ${last.psnr?.toFixed(2)} dB`;
-        element('training').hidden = this.charts.points === 0;
-      },
+      reset: () => this.training.reset(),
+      events: (events) => this.training.events(events),
       state: () => void this.refresh().catch((e) => this.message(String(e))),
+      lost: () => { element('status').textContent = 'no connection'; },
     });
   }
 
@@ -51,22 +53,45 @@ class Page {
       element('name').textContent = s.name;
       element('status').textContent = [s.status, s.stage && s.stage !== s.status ? s.stage : ''].filter(Boolean).join(', ');
       (element('report') as HTMLAnchorElement).hidden = !s.report;
-      if (s.splats && s.version !== this.loadedVersion) {
-        this.message('loading the splats');
-        this.viewer.setUp(this.up());
-        const first = this.loadedVersion === '';
-        await this.viewer.loadSplats(fileUrl(s.splats, s.version));
-        this.loadedVersion = s.version;
-        this.viewer.mesh = null;
-        this.buildClasses();
-        this.applyStyles();
-        if (first) this.startPose();
-        this.message('');
-      } else if (!s.splats) this.message('no splats yet: they appear when the training writes them');
+      this.training.refresh(s);
+      element('original').hidden = !s.original;
+      if (!s.original) this.setOriginal(false);
+      await this.loadShown();
       element<HTMLButtonElement>('show-mesh').disabled = !s.mesh;
       this.fillViews();
+      void this.edits.refresh(s);
     });
     return this.loading;
+  }
+
+  /// The splats that are to be seen now, and the mesh when it is.
+  private async loadShown(): Promise<void> {
+    const s = this.state, path = this.showsOriginal && s.original ? s.original : s.splats;
+    if (!path) { this.message('no splats yet: they appear when there are some'); return; }
+    const wanted = `${path}?${s.version}`;
+    if (wanted === this.loadedSplats) return;
+    const first = this.loadedSplats === '';
+    if (first) this.message('loading the splats');
+    this.viewer.setUp(this.up());
+    await this.viewer.loadSplats(fileUrl(path, s.version));
+    this.loadedSplats = wanted;
+    this.viewer.mesh = null;
+    this.buildClasses();
+    this.applyStyles();
+    if (this.mode === 'mesh') this.showMode(s.mesh && !this.showsOriginal ? 'mesh' : 'splats');
+    if (this.frustaShown) this.viewer.setFrusta(s.cameras ?? [], 0.25);
+    if (first) { this.startPose(); this.message(''); }
+  }
+
+  private setOriginal(on: boolean): void {
+    this.showsOriginal = on && !!this.state.original;
+    element('original').setAttribute('aria-pressed', String(this.showsOriginal));
+  }
+
+  private toggleOriginal(): void {
+    if (!this.state.original) return;
+    this.setOriginal(!this.showsOriginal);
+    this.loading = (this.loading ?? Promise.resolve()).catch(() => {}).then(() => this.loadShown());
   }
 
   private up(): Vec3 {
@@ -131,9 +156,25 @@ class Page {
       eye.className = 'eye';
       solo.className = 'solo';
       row.append(swatch, name, number, eye, solo);
+      if (this.state.editable && info) row.append(this.recolorButton(info.name));
       list.append(row);
     }
     element('no-classes').hidden = list.childElementCount > 0;
+  }
+
+  /// A colour that is chosen becomes an edit of the class.
+  private recolorButton(name: string): HTMLElement {
+    const label = document.createElement('label');
+    label.className = 'recolor';
+    label.title = 'recolour';
+    label.innerHTML = kBrush;
+    const color = document.createElement('input');
+    color.type = 'color';
+    color.value = '#add8e6';
+    color.setAttribute('aria-label', `recolour: ${name}`);
+    color.onchange = () => void this.edits.apply(`recolor ${name} to ${color.value}`);
+    label.append(color);
+    return label;
   }
 
   private applyStyles(): void {
@@ -150,11 +191,12 @@ class Page {
     select.replaceChildren(new Option('free camera', ''));
     for (const c of this.state.cameras ?? []) select.append(new Option(`${c.img_name}${c.split ? ` (${c.split})` : ''}`, c.img_name));
     select.value = before;
-    element('compare-box').hidden = !(this.state.cameras ?? []).length;
+    element('compare-box').hidden = kExported || !(this.state.cameras ?? []).length;
   }
 
   private showMode(mode: 'splats' | 'mesh'): void {
     const apply = () => {
+      this.mode = mode;
       this.viewer.show(mode);
       for (const m of ['splats', 'mesh']) element('show-' + m).setAttribute('aria-pressed', String(m === mode));
     };
@@ -174,7 +216,8 @@ class Page {
     this.orbit.enabled = false;
     const kinds = this.state.views[name]?.kinds ?? [], select = element<HTMLSelectElement>('right'), before = select.value;
     select.replaceChildren(new Option('this view', ''));
-    for (const kind of ['rgb', 'depth', 'normal', 'label', 'error']) if (kinds.includes(kind)) select.append(new Option(kind === 'rgb' ? 'render' : kind, kind));
+    const made = this.state.active ? [] : ['rgb', 'depth', 'normal', ...(this.state.classes ? ['label'] : [])]; // the server draws them on demand
+    for (const kind of ['rgb', 'depth', 'normal', 'label', 'error']) if (kinds.includes(kind) || made.includes(kind)) select.append(new Option(kind === 'rgb' ? 'render' : kind, kind));
     select.value = [...select.options].some((o) => o.value === before) ? before : '';
     element('compare').hidden = false;
     element('compare-controls').hidden = false;
@@ -185,13 +228,15 @@ class Page {
     const camera = this.comparing;
     if (!camera) return;
     const size = this.viewer.lookThrough(camera);
-    const kind = element<HTMLSelectElement>('right').value, split = this.state.views[camera.img_name]?.split ?? 'test';
+    const kind = element<HTMLSelectElement>('right').value, rendered = this.state.views[camera.img_name];
     const left = element<HTMLImageElement>('left-picture'), right = element<HTMLImageElement>('right-picture');
     for (const picture of [left, right]) { picture.style.width = `${size.width}px`; picture.style.height = `${size.height}px`; }
     const leftUrl = photoUrl(camera.img_name);
     if (!left.src.endsWith(leftUrl)) left.src = leftUrl;
     right.hidden = kind === '';
-    if (kind) right.src = fileUrl(`renders/${split}/${kind}/${camera.img_name}.png`, this.state.version);
+    const rightUrl = rendered?.kinds.includes(kind) ? fileUrl(`renders/${rendered.split}/${kind}/${camera.img_name}.png`, this.state.version)
+      : renderUrl(camera.img_name, kind);
+    if (kind && !right.src.endsWith(rightUrl)) right.src = rightUrl;
     const share = Number(element<HTMLInputElement>('wipe').value);
     left.style.clipPath = `inset(0 ${100 - share}% 0 0)`;
     right.style.clipPath = `inset(0 0 0 ${share}%)`;
@@ -227,13 +272,25 @@ class Page {
       return;
     }
     const box = element('picked');
+    this.picked = null;
     if (!found) { box.hidden = true; return; }
     const { hit } = found, info = this.state.classes?.find((c) => c.id === hit.label);
     const name = hit.label === kNoLabel ? 'no class' : info?.name ?? `class ${hit.label}`;
+    const object = info && hit.instance > 0 ? `${info.name}#${hit.instance}` : null;
     const details = [hit.instance > 0 ? `object ${hit.instance}` : '', `${Math.round(100 * hit.share)} % of the ray`,
       hit.confidence > 0 ? `confidence ${hit.confidence.toFixed(2)}` : '', `${hit.distance.toFixed(2)} ${this.state.units === 'metres' ? 'm' : 'units'} away`];
-    box.textContent = `${name}: ${details.filter(Boolean).join(', ')}`;
+    element('picked-text').textContent = `${name}: ${details.filter(Boolean).join(', ')}`;
+    if (this.state.editable && info && !this.showsOriginal) this.picked = object ?? info.name;
+    element('picked-edits').hidden = !this.picked;
     box.hidden = false;
+  }
+
+  private editPicked(verb: string): void {
+    const object = this.picked;
+    if (!object) return;
+    element('picked').hidden = true;
+    const color = element<HTMLInputElement>('picked-color').value;
+    void this.edits.apply(verb === 'recolor' ? `recolor ${object} to ${color}` : verb === 'delete' ? `delete ${object} --fill` : `${verb} ${object}`);
   }
 
   private toggleRuler(): void {
@@ -262,6 +319,9 @@ class Page {
     on('measure', 'click', () => this.toggleRuler());
     on('frusta', 'click', () => this.toggleFrusta());
     on('home', 'click', () => this.startPose());
+    on('original', 'click', () => this.toggleOriginal());
+    on('picked-color', 'change', () => this.editPicked('recolor'));
+    for (const button of document.querySelectorAll<HTMLElement>('#picked-edits button')) button.addEventListener('click', () => this.editPicked(button.dataset.edit!));
     on('all', 'click', () => { this.solo = -1; this.styles.forEach((s) => { s.visible = true; }); this.applyStyles(); });
     on('view', 'change', () => this.compare(element<HTMLSelectElement>('view').value));
     on('right', 'change', () => this.layoutCompare());
@@ -272,13 +332,20 @@ class Page {
     new ResizeObserver(() => this.layoutCompare()).observe(this.viewer.canvas);
     window.addEventListener('keydown', (e) => {
       if (e.ctrlKey || e.metaKey || e.altKey || e.target instanceof HTMLSelectElement) return;
+      if (e.target instanceof HTMLInputElement && e.target.type === 'text') {
+        if (e.key === 'Escape') e.target.blur();
+        return;
+      }
+      if (e.key === ' ' && e.target instanceof HTMLButtonElement) return;
       const keys: Record<string, () => void> = {
         '1': () => this.showMode('splats'), '2': () => this.showMode('mesh'), m: () => this.toggleRuler(), c: () => this.toggleFrusta(),
         l: () => this.overlay(Number(element<HTMLInputElement>('overlay').value) > 0 ? 0 : 70), h: () => this.startPose(),
         n: () => this.nextView(1), p: () => this.nextView(-1), w: () => this.orbit.walk(0, 0, 1), s: () => this.orbit.walk(0, 0, -1),
         a: () => this.orbit.walk(-1, 0, 0), d: () => this.orbit.walk(1, 0, 0), q: () => this.orbit.walk(0, -1, 0), e: () => this.orbit.walk(0, 1, 0),
+        z: () => void this.edits.undo(), y: () => void this.edits.redo(), o: () => this.toggleOriginal(), ' ': () => void this.training.togglePause(),
+        '/': () => { document.body.classList.add('panel-open'); element('edit-text').focus(); },
         '?': () => { element('help').hidden = !element('help').hidden; },
-        Escape: () => { element('help').hidden = true; element('picked').hidden = true; if (this.ruler) this.toggleRuler(); else if (this.comparing) this.startPose(); },
+        Escape: () => { element('help').hidden = true; element('picked').hidden = true; this.edits.closePreview(); if (this.ruler) this.toggleRuler(); else if (this.comparing) this.startPose(); },
       };
       const action = keys[e.key.length === 1 ? e.key.toLowerCase() : e.key];
       if (action) { e.preventDefault(); action(); }

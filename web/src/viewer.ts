@@ -1,7 +1,7 @@
 // The 3D view: splats or mesh with a style per class, drawn only when something changes. PlayCanvas stands behind this
 // class alone.
 import {
-  AppBase, AppOptions, Asset, CameraComponentSystem, Color, Entity, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
+  AppBase, AppOptions, Asset, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
   GSplatHandler, GSPLAT_STREAM_INSTANCE, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem,
   StandardMaterial, Texture, TextureHandler, Vec3, WORKBUFFER_UPDATE_ONCE, createGraphicsDevice, type GSplatResource,
 } from 'playcanvas';
@@ -13,7 +13,7 @@ export interface ClassStyle { color: [number, number, number]; visible: boolean 
 
 const kStyles = 256; // classes that can be styled; 255: no class
 const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
-const kSettle = 900; // milliseconds of drawing after a change: sorting runs in a worker
+const kSettle = 300; // milliseconds of drawing after a change, so that the worker that sorts hears of it
 
 export class Viewer {
   readonly camera = new Entity('camera');
@@ -21,6 +21,7 @@ export class Viewer {
   splats: Splats | null = null;
   mesh: PlyMesh | null = null;
   frames = 0;
+  settled = false; // the last picture has all splats in their final order
   onPose: () => void = () => {};
   private splatEntity: Entity | null = null;
   private splatAsset: Asset | null = null;
@@ -52,6 +53,10 @@ export class Viewer {
     viewer.styleTexture = new Texture(device, {
       name: 'styles', width: kStyles, height: 2, format: PIXELFORMAT_RGBA8, mipmaps: false, minFilter: FILTER_NEAREST, magFilter: FILTER_NEAREST,
     });
+    // The worker that sorts answers when it likes: then there is something new to draw.
+    const splatSystem = (app.systems as unknown as { gsplat: EventHandler }).gsplat;
+    splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
+    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.settled = ready && loading === 0; });
     app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
     app.on('prerender', () => { ++viewer.frames; for (const l of viewer.lines) app.drawLines(l.points, l.color); });
     app.start();
@@ -62,6 +67,7 @@ export class Viewer {
   /// Asks for new pictures, for as long as sorting may take.
   draw(): void {
     this.app.renderNextFrame = true;
+    this.settled = false;
     this.drawUntil = performance.now() + kSettle;
     this.onPose();
   }
@@ -163,6 +169,8 @@ export class Viewer {
     this.meshEntity = entity;
     this.draw();
   }
+
+  get showsMesh(): boolean { return !!this.meshEntity?.enabled; }
 
   show(what: 'splats' | 'mesh'): void {
     if (this.splatEntity) this.splatEntity.enabled = what === 'splats';

@@ -1,75 +1,27 @@
 // The page in headless Chromium against `aligngs view`: every control does what it says, with screenshots to look at.
-// Usage: node test/page_test.mjs RUN [PROGRAM] [FOLDER_FOR_SCREENSHOTS]. Exit status 77: skipped, with the reason.
-import { spawn } from 'node:child_process';
-import { appendFileSync, cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+// Usage: node test/page_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
+import { appendFileSync, cpSync, existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { check, difference, open, remove, serve, settings, skip, spread, withBrowser } from './browser.mjs';
 
-const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
-const browserPath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
-if (!browserPath) skip('chromium is not installed');
-const { chromium } = await import('playwright-core').catch(() => skip('playwright-core is not installed (npm ci in web/)'));
-const [given, program = '../build/aligngs', shots = join(tmpdir(), 'aligngs_page')] = process.argv.slice(2);
+const { program, run: given, shots, folder } = settings(), run = join(folder, 'run');
 if (!given || !existsSync(given)) skip('no run was given');
-if (!existsSync(program)) skip(`${program} is not built`);
-
-mkdirSync(shots, { recursive: true });
-const folder = mkdtempSync(join(tmpdir(), 'aligngs_page_run_')), run = join(folder, 'run');
-cpSync(given, run, { recursive: true, filter: (path) => !path.endsWith('/checkpoints') }); // the test appends to its events
-const server = spawn(program, ['view', run, '--json'], { stdio: ['ignore', 'pipe', 'inherit'] });
-let failed = 0, browser;
-const check = (ok, what) => { console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}`); if (!ok) ++failed; };
-try {
-  const { url } = JSON.parse(await new Promise((resolve) => server.stdout.once('data', (d) => resolve(String(d)))));
-  browser = await chromium.launch({
-    executablePath: browserPath,
-    args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
-      '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  });
-  const page = await browser.newPage({ viewport: { width: 1000, height: 560 } });
-  const complaints = [];
-  page.on('console', (m) => { if (m.type() === 'error') complaints.push(m.text()); });
-  page.on('pageerror', (e) => complaints.push(String(e)));
-  const started = Date.now();
-  await page.goto(url);
-  await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });
-  await page.evaluate(() => window.aligngs.ready);
-
-  // Waits until sorting and drawing have ended, then reads the canvas.
-  const settle = async () => {
-    let before = -1;
-    for (let i = 0; i < 40; ++i) {
-      await page.waitForTimeout(700);
-      const now = await page.evaluate(() => window.aligngs.viewer.frames);
-      if (now === before) return;
-      before = now;
-    }
-  };
-  const picture = async () => {
-    await settle();
-    return page.evaluate(() => {
-      const source = document.getElementById('canvas'), small = document.createElement('canvas');
-      small.width = 160; small.height = 90;
-      const context = small.getContext('2d');
-      context.drawImage(source, 0, 0, 160, 90);
-      return Array.from(context.getImageData(0, 0, 160, 90).data);
-    });
-  };
-  const difference = (a, b) => a.reduce((sum, v, i) => sum + Math.abs(v - b[i]), 0) / a.length;
-  const shot = (name) => page.screenshot({ path: join(shots, `${name}.png`) });
-
+cpSync(given, run, { recursive: true, filter: (path) => !path.includes('/control') }); // the test appends to its events
+const { server, url } = await serve(program, run);
+await withBrowser(async (browser) => {
+  const { page, complaints, started, settle, picture, shot, slide } = await open(browser, url, { shots, width: 900, height: 520 });
   const start = await picture();
-  console.log(`first picture after ${Date.now() - started} ms`);
+  const firstPicture = Date.now() - started;
+  console.log(`first picture after ${firstPicture} ms`);
   await shot('start');
-  const mean = start.reduce((a, b) => a + b, 0) / start.length, spread = Math.sqrt(start.reduce((a, v) => a + (v - mean) ** 2, 0) / start.length);
-  check(spread > 25, `the start pose shows a scene (spread of the pixels ${spread.toFixed(1)})`);
+  check(spread(start) > 25, `the start pose shows a scene (spread of the pixels ${spread(start).toFixed(1)})`);
+  check(firstPicture < 30000, 'the first picture stands within half a minute, on a machine without a graphics card');
   const idle = await page.evaluate(() => window.aligngs.viewer.frames);
   await page.waitForTimeout(2000);
   check(await page.evaluate(() => window.aligngs.viewer.frames) === idle, 'nothing is drawn while nothing changes');
 
   const classes = JSON.parse(readFileSync(join(run, 'classes.json'))).classes.filter((c) => c.gaussians > 0);
   check(await page.locator('#classes li').count() === classes.length, `${classes.length} classes are listed`);
-  const slide = (id, value) => page.locator(id).evaluate((e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }, value);
   await slide('#overlay', '80');
   const labels = await picture();
   await shot('labels');
@@ -92,7 +44,7 @@ try {
 
   const box = await page.locator('#canvas').boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
-  const picked = await page.locator('#picked').textContent();
+  const picked = await page.locator('#picked-text').textContent();
   check(classes.some((c) => picked.startsWith(`${c.name}:`)), `a click names the object (${picked})`);
   await page.keyboard.press('m');
   await page.mouse.click(box.x + box.width * 0.35, box.y + box.height * 0.6);
@@ -138,6 +90,13 @@ try {
     return 10 * Math.log10(255 ** 2 / (sum / (0.75 * a.length)));
   });
   check(agreement > 17, `the splats lie over the training photo (${agreement.toFixed(1)} dB)`);
+  // A view that nobody rendered is drawn by the server when the page asks for it.
+  for (const kind of ['depth', 'normal', 'label', 'rgb']) {
+    await page.locator('#right').selectOption(kind);
+    await page.waitForFunction((k) => { const i = document.getElementById('right-picture'); return i.src.includes(k) && i.complete && i.naturalWidth > 0; }, kind);
+    check((await page.locator('#right-picture').getAttribute('src')).startsWith('/api/render/'), `a training view compares with its ${kind}`);
+    if (kind === 'normal') await shot('compare_training_normal');
+  }
   const tested = await page.evaluate(() => fetch('/api/state').then((r) => r.json()).then((s) => Object.keys(s.views).find((v) => s.views[v].kinds.includes('depth'))));
   if (tested) {
     await page.locator('#view').selectOption(tested);
@@ -151,10 +110,10 @@ try {
   await page.keyboard.press('Escape');
   check(difference(start, await picture()) < 1, 'Escape leaves the comparison');
 
-  await page.waitForFunction(() => window.aligngs.page.charts.points > 0, null, { timeout: 10000 });
-  const points = await page.evaluate(() => window.aligngs.page.charts.points);
+  await page.waitForFunction(() => window.aligngs.page.training.charts.points > 0, null, { timeout: 10000 });
+  const points = await page.evaluate(() => window.aligngs.page.training.charts.points);
   appendFileSync(join(run, 'events.ndjson'), '{"step":99999,"losses":{"total":0.1},"psnr":30.5,"gaussians":1234}\n');
-  await page.waitForFunction((n) => window.aligngs.page.charts.points === n + 1, points, { timeout: 10000 });
+  await page.waitForFunction((n) => window.aligngs.page.training.charts.points === n + 1, points, { timeout: 10000 });
   check((await page.locator('#progress').textContent()).includes('99999'), 'a new event reaches the charts');
   await shot('charts');
 
@@ -173,10 +132,4 @@ try {
   check(await page.locator('#classes li').first().isVisible(), 'on a phone the panel opens');
   check(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), 'and nothing sticks out');
   check(complaints.length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
-} finally {
-  await browser?.close();
-  server.kill('SIGTERM');
-  rmSync(folder, { recursive: true, force: true });
-}
-console.log(`screenshots: ${shots}`);
-process.exit(failed ? 1 : 0);
+}, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });

@@ -9,6 +9,7 @@
 #include "cli/report/overview.h"
 #include "cli/report/svg_chart.h"
 #include "io/atomic_file.h"
+#include "io/base64.h"
 #include "io/image_file.h"
 #include "io/resample.h"
 
@@ -65,25 +66,15 @@ std::string summary(const Json& metrics) {
          card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
 }
 
-std::string base64(const std::vector<uint8_t>& bytes) {
-  static const char* const kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t left = std::min<size_t>(3, bytes.size() - i);
-    uint32_t v = 0;
-    for (size_t k = 0; k < 3; ++k) v = v << 8 | (k < left ? bytes[i + k] : 0u);
-    for (size_t k = 0; k < 4; ++k) out += k <= left ? kAlphabet[v >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
-
 std::string picture(const fs::path& file) {
   if (!fs::exists(file)) return "<td></td>";
   Image<uint8_t> image = read_image(file);
   if (image.width > kPictureWidth) {
     image = to_bytes(resize_area(to_float(image), kPictureWidth, std::max(1, image.height * kPictureWidth / image.width)));
   }
-  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," + base64(encode_jpeg(image, kPictureQuality)) + "\"></td>";
+  const std::vector<uint8_t> jpeg = encode_jpeg(image, kPictureQuality);
+  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," +
+         base64_text({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}) + "\"></td>";
 }
 
 std::string pictures(const fs::path& run) {

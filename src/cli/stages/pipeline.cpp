@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/report/html_report.h"
 #include "cli/stages/eval_stage.h"
@@ -11,14 +12,23 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "train/run_control.h"
 #include "train/run_record.h"
 
 namespace aligngs {
 namespace {
 
+/// Says in run.json what is being made, for those who look on.
+void enter_stage(const std::filesystem::path& run, const char* stage) {
+  RunRecord record = read_run_record(run / "run.json");
+  record.stage = stage;
+  record.updated = utc_now();
+  write_run_record(run / "run.json", record);
+}
+
 /// Between stages: everything so far stands on disk, so stopping here loses nothing.
-void stop_here_if_asked(const std::string& resume) {
-  if (stop_requested()) throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + resume});
+void stop_here_if_asked(const std::filesystem::path& run, const std::string& resume) {
+  if (stop_requested() || RunControl(run).take(RunControl::Flag::kStop)) throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + resume});
 }
 
 }  // namespace
@@ -26,24 +36,30 @@ void stop_here_if_asked(const std::string& resume) {
 nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context) {
   const TrainResult trained = train_run(options);
   if (trained.already_finished) log_info("the training was finished already");
+  std::optional<RunLock> lock(std::in_place, options.run);
+  enter_stage(options.run, "render");
   OpenRun run = open_run(options.run, {options.scene, options.threads});
 
   RenderStageOptions render;
   render.progress = options.progress;
   render.test = true;
   render_views(run, render);
-  stop_here_if_asked(options.resume_command);
+  stop_here_if_asked(options.run, options.resume_command);
+  enter_stage(options.run, "mesh");
   mesh_run(run, {});
-  stop_here_if_asked(options.resume_command);
+  stop_here_if_asked(options.run, options.resume_command);
+  enter_stage(options.run, "measure");
   EvalStageOptions eval;
   eval.progress = options.progress;
   const nlohmann::json metrics = evaluate_run(run, eval);
+  enter_stage(options.run, "report");
   write_report(options.run);
 
   RunRecord record = read_run_record(options.run / "run.json");
   record.stage = "done";
   record.updated = record.finished = utc_now();
   write_run_record(options.run / "run.json", record);
+  lock.reset();
   if (context.global.json) {
     std::printf("%s\n", metrics.dump(2).c_str());
   } else {
@@ -52,6 +68,7 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
     std::fputs(metrics_summary(metrics).c_str(), stdout);
     std::printf("look at      %s\n", (options.run / "report.html").string().c_str());
   }
+  std::fflush(stdout);
   return metrics;
 }
 

@@ -12,15 +12,15 @@ const std::vector<std::string>& export_formats() {
   return formats;
 }
 
-void require_export_format(const std::string& format) {
-  if (std::find(export_formats().begin(), export_formats().end(), format) != export_formats().end()) return;
-  std::string known, near;
-  for (const std::string& f : export_formats()) {
-    known += (known.empty() ? "" : ", ") + f;
+void require_export_format(const std::string& format, const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), format) != known.end()) return;
+  std::string list, near;
+  for (const std::string& f : known) {
+    list += (list.empty() ? "" : ", ") + f;
     if (edit_distance(f, format) <= 1) near = f;
   }
-  throw_usage("there is no export format \"" + format + "\"",
-              (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + known);
+  throw_usage("there is no export format \"" + format.substr(0, 40) + "\"",
+              (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + list);
 }
 
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,

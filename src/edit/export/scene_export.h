@@ -12,8 +12,8 @@ namespace aligngs {
 /// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat".
 const std::vector<std::string>& export_formats();
 
-/// Error{kUsage} with a suggestion unless the format is one of them.
-void require_export_format(const std::string& format);
+/// Error{kUsage} with a suggestion unless the format is one of `known`.
+void require_export_format(const std::string& format, const std::vector<std::string>& known = export_formats());
 
 struct ExportReport {
   std::vector<std::filesystem::path> files;

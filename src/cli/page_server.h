@@ -1,0 +1,55 @@
+// The page's server as commands use it: everything registered, its address told, on a thread of its own.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "cli/command.h"
+#include "cli/view_renders.h"
+#include "serve/edit_service.h"
+#include "serve/view_server.h"
+
+namespace aligngs {
+
+struct PageServerOptions {
+  ViewServerOptions server;     ///< run, port, allowed hosts, web root; handlers are added
+  std::filesystem::path scene;  ///< where the scene went; may be empty
+  int threads = 0;
+};
+
+class PageServer {
+ public:
+  /// Opens the port and begins to serve. Errors as ViewServer's.
+  explicit PageServer(PageServerOptions options);
+  ~PageServer();  ///< ends the server
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+
+  std::string url() const;
+  /// The line to type on the computer in front of the user when this one is reached over ssh; empty otherwise.
+  std::string ssh_line() const;
+  uint16_t port() const { return server_->port(); }
+  /// Tells the address, for people, on standard error.
+  void announce() const;
+  /// Serves until Ctrl-C or SIGTERM.
+  void wait() const;
+
+ private:
+  std::unique_ptr<EditService> edits_;
+  std::unique_ptr<ViewRenders> renders_;
+  std::unique_ptr<ViewServer> server_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// For `--view` of demo, run and train: nothing without it. The folder is made so that it can be served before the run
+/// begins in it.
+std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const std::filesystem::path& run,
+                                                const std::filesystem::path& scene, int threads);
+/// After the work: tells the address again and serves until Ctrl-C. Nothing without a server.
+void go_on_serving(const std::unique_ptr<PageServer>& server);
+
+}  // namespace aligngs

@@ -1,0 +1,87 @@
+#include "edit/edit_text.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(EditText, AVerbAndASelection) {
+  const EditOperation edit = parse_edit("delete pillow, cushion");
+  EXPECT_EQ(edit.kind, EditKind::kDelete);
+  EXPECT_EQ(edit.select, "pillow, cushion");
+  EXPECT_FALSE(edit.fill);
+  EXPECT_EQ(parse_edit("  Remove  pillow#2 ").select, "pillow#2");
+  EXPECT_EQ(parse_edit("keep everything but wall, floor").kind, EditKind::kExtract);
+  EXPECT_EQ(parse_edit("extract everything but wall, floor").select, "everything but wall, floor");
+}
+
+TEST(EditText, AColourStandsAtTheEnd) {
+  const std::array<uint8_t, 3> blue{0xad, 0xd8, 0xe6};
+  for (const char* text : {"recolor sofa to #add8e6", "recolour sofa #add8e6", "Recolor sofa With #ADD8E6"}) {
+    EXPECT_EQ(parse_edit(text).kind, EditKind::kRecolor) << text;
+    EXPECT_EQ(parse_edit(text).select, "sofa") << text;
+    EXPECT_EQ(parse_edit(text).color, blue) << text;
+  }
+  EXPECT_EQ(parse_edit("highlight sofa in #add8e6").color, blue);
+  EXPECT_EQ(parse_edit("highlight sofa#1").select, "sofa#1");
+  EXPECT_EQ(parse_edit("highlight coffee table, sofa").select, "coffee table, sofa");
+}
+
+TEST(EditText, OptionsAreThoseOfTheCommandLine) {
+  const EditOperation edit = parse_edit("delete --fill pillow --threshold 0.4");
+  EXPECT_TRUE(edit.fill);
+  EXPECT_EQ(edit.select, "pillow");
+  EXPECT_EQ(edit.threshold.kind, ThresholdRule::Kind::kValue);
+  EXPECT_DOUBLE_EQ(edit.threshold.value, 0.4);
+  EXPECT_EQ(parse_edit("delete pillow --threshold=auto").threshold.kind, ThresholdRule::Kind::kAuto);
+}
+
+TEST(EditText, ReadsBackHowEditsAreDescribed) {
+  for (const EditKind kind : {EditKind::kDelete, EditKind::kExtract, EditKind::kRecolor, EditKind::kHighlight}) {
+    for (const char* threshold : {"argmax", "auto", "0.25"}) {
+      for (const bool fill : {false, true}) {
+        if (fill && kind != EditKind::kDelete) continue;
+        EditOperation edit;
+        edit.kind = kind;
+        edit.select = "pillow, cushion#2";
+        edit.threshold = parse_threshold(threshold);
+        edit.color = {1, 2, 3};
+        edit.fill = fill;
+        const EditOperation back = parse_edit(describe(edit));
+        EXPECT_EQ(describe(back), describe(edit));
+        EXPECT_EQ(back.select, edit.select);
+        EXPECT_EQ(back.fill, fill);
+      }
+    }
+  }
+}
+
+TEST(EditText, MistakesSayWhatIsExpected) {
+  const auto expect = [](const std::string& text, const char* words) {
+    try {
+      parse_edit(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage) << text;
+      EXPECT_THAT(error.what(), HasSubstr(words)) << text;
+    }
+  };
+  expect("", "there is no edit");
+  expect("explode sofa", "is no edit");
+  expect("delete", "names no object");
+  expect("delete   --fill", "names no object");
+  expect("recolor", "no colour");
+  expect("recolor sofa to blue", "no colour");
+  expect("recolor #add8e6", "names no object");
+  expect("extract sofa --fill", "deletion");
+  expect("delete sofa --threshold", "no threshold");
+  expect("delete sofa --threshold 7", "no threshold");
+  expect("delete " + std::string(5000, 'x'), "4096");
+}
+
+}  // namespace
+}  // namespace aligngs

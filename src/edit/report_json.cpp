@@ -1,0 +1,35 @@
+#include "edit/report_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace aligngs {
+
+using Json = nlohmann::json;
+
+std::string object_name(const SelectedObject& object, const LabelSet& labels) {
+  if (object.label < 0) return "without a class";
+  const std::string& name = labels.classes.at(static_cast<size_t>(object.label)).name;
+  return object.instance ? name + "#" + std::to_string(object.instance) : name + " (crumbs)";
+}
+
+Json report_json(const EditReport& report, const LabelSet& labels) {
+  Json objects = Json::array();
+  for (const SelectedObject& object : report.objects) {
+    objects.push_back({{"object", object_name(object, labels)},
+                       {"class_id", object.label},
+                       {"instance", object.instance},
+                       {"gaussians", object.gaussians}});
+  }
+  return {{"edit", report.description},
+          {"objects", objects},
+          {"selected_gaussians", report.selected},
+          {"gaussians_before", report.before},
+          {"gaussians_after", report.after},
+          {"filled_gaussians", report.filled},
+          {"selected_vertices", report.selected_vertices},
+          {"vertices_before", report.vertices_before},
+          {"vertices_after", report.vertices_after},
+          {"threshold", report.threshold > 0 ? Json(report.threshold) : Json(nullptr)}};
+}
+
+}  // namespace aligngs

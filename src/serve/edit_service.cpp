@@ -1,0 +1,175 @@
+#include "serve/edit_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "edit/edit_text.h"
+#include "edit/report_json.h"
+#include "io/base64.h"
+#include "io/image_file.h"
+#include "serve/export_file.h"
+#include "train/run_control.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr size_t kLongestText = 4096;  // bytes of one field
+
+/// A request with exactly the named fields, all text.
+Json request_of(const std::string& body, std::initializer_list<const char*> fields) {
+  const Json json = Json::parse(body, nullptr, false);
+  if (!json.is_object()) throw_usage("the request is no JSON object");
+  for (const char* name : fields) {
+    const auto it = json.find(name);
+    if (it == json.end() || !it->is_string()) throw_usage(std::string("the request has no text \"") + name + "\"");
+    if (it->get_ref<const std::string&>().size() > kLongestText) throw_usage(std::string("\"") + name + "\" is too long");
+  }
+  if (json.size() != fields.size()) throw_usage("the request has fields that nobody knows");
+  return json;
+}
+
+std::string version_of(const fs::path& path) {
+  std::error_code error;
+  const auto time = fs::last_write_time(path, error);
+  if (error) return "-";
+  const auto size = fs::file_size(path, error);
+  return error ? "-" : fmt::format("{:x}-{:x}", static_cast<uint64_t>(time.time_since_epoch().count()), size);
+}
+
+/// Changes when a training went on, a mesh was made, or somebody else edited.
+std::string files_of(const fs::path& run) {
+  std::vector<std::string> parts = {version_of(run / "edits.json"), version_of(run / "mesh" / "mesh.ply")};
+  std::error_code error;
+  for (fs::directory_iterator i(run / "checkpoints", error), end; !error && i != end; i.increment(error)) {
+    parts.push_back(i->path().filename().string() + version_of(i->path()));
+  }
+  std::sort(parts.begin() + 2, parts.end());
+  std::string all;
+  for (const std::string& part : parts) all += part + "\n";
+  return all;
+}
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+EditService::EditService(EditServiceOptions options) : options_(std::move(options)) {}
+EditService::~EditService() = default;
+
+EditSession& EditService::session() {
+  if (RunControl(options_.run).active()) {
+    session_.reset();
+    throw_usage("the run is still being made", "wait until it has ended, or stop it; then its objects can be edited");
+  }
+  const std::string files = files_of(options_.run);
+  if (!session_ || files != opened_) {
+    session_.reset();
+    redo_.clear();
+    session_ = std::make_unique<EditSession>(options_.run, EditSessionOptions{options_.scene, options_.threads});
+    opened_ = files;
+  }
+  return *session_;
+}
+
+std::string EditService::list() {
+  const EditSession& s = session();
+  Json edits = Json::array(), redo = Json::array(), objects = Json::array();
+  for (const EditOperation& edit : s.stack()) edits.push_back(describe(edit));
+  for (auto it = redo_.rbegin(); it != redo_.rend(); ++it) redo.push_back(describe(*it));
+  for (const Instance& object : s.objects()) {
+    objects.push_back({{"object", object_name({object.label, object.number, object.gaussians}, s.room().labels)},
+                       {"class_id", object.label},
+                       {"instance", object.number},
+                       {"gaussians", object.gaussians},
+                       {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
+  }
+  return text_of({{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}});
+}
+
+std::string EditService::preview(const std::string& request) {
+  const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
+  EditSession& s = session();
+  BeforeAfter picture;
+  Json answer = report_json(s.preview(edit, &picture), s.room().labels);
+  answer["view"] = picture.view;
+  answer["picture"] = nullptr;
+  if (!picture.picture.empty()) {
+    const std::vector<uint8_t> png = encode_png(picture.picture);
+    answer["picture"] = "data:image/png;base64," + base64_text({reinterpret_cast<const char*>(png.data()), png.size()});
+  }
+  return text_of(answer);
+}
+
+std::string EditService::push(const std::string& request) {
+  const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
+  EditSession& s = session();
+  const Json report = report_json(s.push(edit), s.room().labels);
+  redo_.clear();
+  opened_ = files_of(options_.run);
+  Json answer = Json::parse(list());
+  answer["report"] = report;
+  return text_of(answer);
+}
+
+std::string EditService::undo(const std::string& request) {
+  request_of(request, {});
+  EditSession& s = session();
+  const EditOperation undone = s.undo();
+  redo_.push_back(undone);
+  opened_ = files_of(options_.run);
+  Json answer = Json::parse(list());
+  answer["undone"] = describe(undone);
+  return text_of(answer);
+}
+
+std::string EditService::redo(const std::string& request) {
+  request_of(request, {});
+  EditSession& s = session();  // forgets what was undone when somebody else edited since
+  if (redo_.empty()) throw_usage("there is no edit to do again", "only what undo has just taken back can be done again");
+  const Json report = report_json(s.push(redo_.back()), s.room().labels);
+  redo_.pop_back();
+  opened_ = files_of(options_.run);
+  Json answer = Json::parse(list());
+  answer["report"] = report;
+  return text_of(answer);
+}
+
+std::string EditService::export_file(const std::string& request) {
+  const std::string format = request_of(request, {"format"})["format"].get<std::string>();
+  require_export_format(format, run_export_formats());
+  const RunExport made = export_run(session(), format, false, {});
+  return text_of({{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
+}
+
+void EditService::serve(ViewServerOptions& options) {
+  options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> { return GetAnswer{"application/json", list()}; };
+  options.post["/api/edits/preview"] = [this](const std::string& body) { return preview(body); };
+  options.post["/api/edits/push"] = [this](const std::string& body) { return push(body); };
+  options.post["/api/edits/undo"] = [this](const std::string& body) { return undo(body); };
+  options.post["/api/edits/redo"] = [this](const std::string& body) { return redo(body); };
+  options.post["/api/export"] = [this](const std::string& body) { return export_file(body); };
+}
+
+void serve_control(const fs::path& run, ViewServerOptions& options) {
+  options.post["/api/control"] = [run](const std::string& body) -> std::string {
+    using Flag = RunControl::Flag;
+    const std::string action = request_of(body, {"action"})["action"].get<std::string>();
+    const RunControl control(run);
+    if (!control.active()) throw_usage("nothing is being made here", "start it again: aligngs run ... --resume");
+    if (action == "pause") control.ask(Flag::kPause);
+    else if (action == "resume") control.withdraw(Flag::kPause);
+    else if (action == "checkpoint") control.ask(Flag::kCheckpoint);
+    else if (action == "stop") control.ask(Flag::kStop);
+    else throw_usage("there is no action \"" + action.substr(0, 40) + "\"", "pause, resume, checkpoint or stop");
+    return "{}";
+  };
+}
+
+}  // namespace aligngs

@@ -1,0 +1,57 @@
+// Edits, undo, redo and exports for the page: requests and answers as JSON over an EditSession.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "edit/edit_session.h"
+#include "serve/view_server.h"
+
+namespace aligngs {
+
+struct EditServiceOptions {
+  std::filesystem::path run;
+  std::filesystem::path scene;  ///< where the scene went; may be empty
+  int threads = 0;
+};
+
+/// One call at a time. The run is opened at the first call, and again when something else changed its files (a training
+/// that went on, `aligngs edit` on the command line). Errors: kUsage while a process works on the run and for requests
+/// that make no sense, otherwise those of EditSession.
+class EditService {
+ public:
+  explicit EditService(EditServiceOptions options);
+  ~EditService();
+
+  /// {"edits": ["delete pillow", ...], "redo": [...], "objects": [{"object", "class_id", "instance", "gaussians",
+  /// "centre"}], "formats": [...]}; "redo" holds what undo took back, the next one first.
+  std::string list();
+  /// {"edit": TEXT (edit_text.h)} -> the report (report_json.h) with "view" and "picture", a PNG as data URL, before on
+  /// the left. Nothing is written.
+  std::string preview(const std::string& request);
+  /// {"edit": TEXT} -> list() with "report".
+  std::string push(const std::string& request);
+  std::string undo(const std::string& request);  ///< {} -> list() with "undone"
+  std::string redo(const std::string& request);  ///< {} -> list() with "report"
+  /// {"format": NAME} -> {"file": path below the run folder, "bytes"}
+  std::string export_file(const std::string& request);
+
+  /// Adds GET /api/edits and POST /api/edits/{preview,push,undo,redo} and /api/export. The service must outlive the server.
+  void serve(ViewServerOptions& options);
+
+ private:
+  EditSession& session();
+
+  EditServiceOptions options_;
+  std::unique_ptr<EditSession> session_;
+  std::string opened_;                ///< versions of the files that the session read
+  std::vector<EditOperation> redo_;   ///< taken back, the latest last
+};
+
+/// POST /api/control {"action": "pause" | "resume" | "checkpoint" | "stop"}: speaks to the training of an active run
+/// (run_control.h); Error{kUsage} when there is none.
+void serve_control(const std::filesystem::path& run, ViewServerOptions& options);
+
+}  // namespace aligngs

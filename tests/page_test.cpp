@@ -1,0 +1,246 @@
+// What the page asks of a run: edits, undo, redo, exports, pictures, control; the same as the command line, and closed
+// to everybody else.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/page_server.h"
+#include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "serve/http_client_for_tests.h"
+#include "support/process.h"
+#include "support/small_scene.h"
+#include "train/run_control.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing_support::run_aligngs;
+
+constexpr int kPatience = 60;  // seconds for an answer that opens a run
+
+class PageRequests : public testing::Test {
+ protected:
+  static fs::path root() { return fs::path(testing::TempDir()) / "page_requests"; }
+  static std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+  static void SetUpTestSuite() {
+    fs::remove_all(root());
+    testing_support::write_small_scene(root() / "scene");
+    ASSERT_EQ(run_aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q", root()).status, 0);
+    ASSERT_EQ(run_aligngs("mesh " + quoted(root() / "trained") + " --set mesh.voxel=0.05 -q", root()).status, 0);
+  }
+  void SetUp() override {
+    run_ = root() / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(run_);
+    fs::copy(root() / "trained", run_, fs::copy_options::recursive);
+    PageServerOptions options;
+    options.server.run = run_;
+    server_ = std::make_unique<PageServer>(std::move(options));
+    const std::string page = test_http::get(server_->port(), "/");
+    const size_t at = page.find("aligngs_9000=") + 13;
+    token_ = page.substr(at, page.find(';', at) - at);
+  }
+  void TearDown() override { server_.reset(); }
+
+  std::string headers() const { return "Content-Type: application/json\r\nX-AlignGS-Token: " + token_ + "\r\n"; }
+  std::string post(const std::string& path, const json& body) const {
+    return test_http::post(server_->port(), path, headers(), body.dump(), kPatience);
+  }
+  json posted(const std::string& path, const json& body) const {
+    const std::string answer = post(path, body);
+    EXPECT_EQ(test_http::status(answer), 200) << answer;
+    return json::parse(test_http::body(answer));
+  }
+  json list() const { return json::parse(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience))); }
+
+  fs::path run_;
+  std::unique_ptr<PageServer> server_;
+  std::string token_;
+};
+
+TEST_F(PageRequests, AnEditInThePageIsTheEditOfTheCommandLine) {
+  const fs::path other = root() / "by_command";
+  fs::remove_all(other);
+  fs::copy(root() / "trained", other, fs::copy_options::recursive);
+  posted("/api/edits/push", {{"edit", "delete bed --fill"}});
+  posted("/api/edits/push", {{"edit", "Recolour walls to #add8e6"}});
+  ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select bed --delete --fill", root()).status, 0);
+  ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select wall --recolor '#add8e6'", root()).status, 0);
+  for (const char* file : {"edits.json", "edits/scene.ply", "edits/scene.labels.ply", "edits/classes.json", "edits/mesh/mesh.ply",
+                           "edits/before_after.png"}) {
+    EXPECT_TRUE(read_file(run_ / file) == read_file(other / file)) << file;
+  }
+}
+
+TEST_F(PageRequests, UndoAndRedoGoThroughTheStack) {
+  EXPECT_TRUE(list()["edits"].empty());
+  json answer = posted("/api/edits/push", {{"edit", "delete bed"}});
+  EXPECT_GT(answer["report"]["selected_gaussians"], 0);
+  const std::string edited = read_file(run_ / "edits" / "scene.ply");
+  answer = posted("/api/edits/undo", json::object());
+  EXPECT_EQ(answer["undone"], "delete bed");
+  EXPECT_TRUE(answer["edits"].empty());
+  EXPECT_EQ(answer["redo"], json{"delete bed"});
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+  answer = posted("/api/edits/redo", json::object());
+  EXPECT_EQ(answer["edits"], json{"delete bed"});
+  EXPECT_TRUE(answer["redo"].empty());
+  EXPECT_TRUE(read_file(run_ / "edits" / "scene.ply") == edited);
+  EXPECT_EQ(test_http::status(post("/api/edits/redo", json::object())), 400) << "nothing is left to do again";
+}
+
+TEST_F(PageRequests, WhatTheCommandLineDoesMeanwhileIsSeen) {
+  posted("/api/edits/push", {{"edit", "delete bed"}});
+  posted("/api/edits/undo", json::object());
+  ASSERT_EQ(run_aligngs("edit " + quoted(run_) + " -q --select wall --highlight '#ff0000'", root()).status, 0);
+  const json now = list();
+  EXPECT_EQ(now["edits"], json{"highlight wall in #ff0000"});
+  EXPECT_TRUE(now["redo"].empty()) << "what was undone belongs to another history";
+}
+
+TEST_F(PageRequests, PreviewDrawsAndWritesNothing) {
+  const json report = posted("/api/edits/preview", {{"edit", "extract bed"}});
+  EXPECT_GT(report["selected_gaussians"], 0);
+  EXPECT_THAT(report["picture"].get<std::string>(), testing::StartsWith("data:image/png;base64,iVBOR"));
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+}
+
+TEST_F(PageRequests, ExportsEveryFormat) {
+  posted("/api/edits/push", {{"edit", "delete bed"}});
+  const json formats = list()["formats"];
+  EXPECT_EQ(formats.size(), 8u);
+  for (const auto& format : formats) {
+    const json made = posted("/api/export", {{"format", format}});
+    EXPECT_EQ(made["file"], "scene.edited." + format.get<std::string>());
+    const std::string sent = test_http::body(test_http::get(server_->port(), "/files/" + made["file"].get<std::string>()));
+    EXPECT_EQ(sent.size(), made["bytes"].get<size_t>()) << format;
+  }
+  EXPECT_TRUE(read_file(run_ / "scene.ply") == read_file(root() / "trained" / "scene.ply"));
+}
+
+TEST_F(PageRequests, DrawsAnyViewOnDemand) {
+  const json cameras = json::parse(read_file(run_ / "cameras.json"));
+  const std::string view = cameras[0]["img_name"];
+  for (const char* kind : {"rgb", "depth", "normal", "label"}) {
+    const std::string answer = test_http::get(server_->port(), "/api/render/" + view + "/" + kind + ".png", "localhost", kPatience);
+    ASSERT_EQ(test_http::status(answer), 200) << answer.substr(0, 300);
+    EXPECT_EQ(decode_image(test_http::body(answer), kind).width, 64);
+  }
+  for (const std::string& name : {view + "/other.png", view + "/rgb", std::string("nowhere/rgb.png"), std::string(".png"), std::string("/.png")}) {
+    EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/render/" + name, "localhost", kPatience)), 404) << name;
+  }
+}
+
+TEST_F(PageRequests, ControlReachesATrainingAndNothingElse) {
+  EXPECT_EQ(test_http::status(post("/api/control", {{"action", "stop"}})), 400) << "nobody would obey";
+  EXPECT_FALSE(fs::exists(run_ / "control" / "stop"));
+  const RunLock lock(run_);
+  const RunControl control(run_);
+  posted("/api/control", {{"action", "pause"}});
+  EXPECT_TRUE(control.asked(RunControl::Flag::kPause));
+  posted("/api/control", {{"action", "resume"}});
+  EXPECT_FALSE(control.asked(RunControl::Flag::kPause));
+  posted("/api/control", {{"action", "checkpoint"}});
+  posted("/api/control", {{"action", "stop"}});
+  EXPECT_TRUE(control.asked(RunControl::Flag::kCheckpoint));
+  EXPECT_TRUE(control.asked(RunControl::Flag::kStop));
+  EXPECT_EQ(test_http::status(post("/api/control", {{"action", "../../stop"}})), 400);
+  EXPECT_EQ(test_http::status(post("/api/edits/push", {{"edit", "delete bed"}})), 400) << "a run in progress is not edited";
+  EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/render/x/rgb.png")), 400);
+}
+
+TEST_F(PageRequests, MistakesAreAnsweredInWordsAndChangeNothing) {
+  const auto expect = [&](const std::string& path, const json& body, const char* words) {
+    const std::string answer = post(path, body);
+    EXPECT_EQ(test_http::status(answer), 400) << body;
+    EXPECT_THAT(test_http::body(answer), HasSubstr(words)) << body;
+  };
+  expect("/api/edits/push", {{"edit", "delete bedd"}}, "bed");
+  expect("/api/edits/push", {{"edit", "delete car"}}, "no Gaussian");
+  expect("/api/edits/push", {{"edit", "explode bed"}}, "is no edit");
+  expect("/api/edits/push", {{"edit", 7}}, "no text");
+  expect("/api/edits/push", json::object(), "no text");
+  expect("/api/edits/push", json::array({"delete bed"}), "no JSON object");
+  expect("/api/edits/push", {{"edit", "delete bed"}, {"output", "/tmp/x"}}, "nobody knows");
+  expect("/api/edits/push", {{"edit", "delete " + std::string(5000, 'x')}}, "too long");
+  expect("/api/edits/preview", {{"edit", "delete everything"}}, "nothing would be left");
+  expect("/api/edits/undo", json::object(), "no edit to undo");
+  expect("/api/edits/undo", {{"all", "yes"}}, "nobody knows");
+  expect("/api/export", {{"format", "gbl"}}, "glb");
+  expect("/api/export", {{"format", "../../../tmp/x"}}, "no export format");
+  expect("/api/export", {{"format", "glb"}, {"output", "/tmp/x"}}, "nobody knows");
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+}
+
+/// What another site's page, or a person without the token, could send to each of the endpoints that change something.
+TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
+  const std::string type = "Content-Type: application/json\r\n", token = "X-AlignGS-Token: " + token_ + "\r\n";
+  const std::pair<const char*, const char*> endpoints[] = {{"/api/edits/push", R"({"edit":"delete bed"})"},
+                                                           {"/api/edits/preview", R"({"edit":"delete bed"})"},
+                                                           {"/api/edits/undo", "{}"},
+                                                           {"/api/edits/redo", "{}"},
+                                                           {"/api/export", R"({"format":"glb"})"},
+                                                           {"/api/control", R"({"action":"stop"})"}};
+  const RunLock lock(run_);  // so that a request that came through would leave a flag
+  for (const auto& [path, body] : endpoints) {
+    const uint16_t port = server_->port();
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type, body)), 403) << path << ": no token";
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + "X-AlignGS-Token: " + std::string(32, '0') + "\r\n", body)), 403) << path;
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + "Cookie: aligngs_9000=" + token_ + "\r\n", body)), 403)
+        << path << ": a browser sends the cookie by itself; it is no proof";
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Origin: http://evil.example\r\n", body)), 403) << path;
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Origin: null\r\n", body)), 403) << path;
+    EXPECT_EQ(test_http::status(test_http::post(port, path, token + "Content-Type: text/plain\r\n", body)), 403) << path << ": a form";
+    EXPECT_EQ(test_http::status(test_http::raw(port, std::string("POST ") + path + " HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n" +
+                                                         type + token + "Content-Length: 2\r\n\r\n{}")), 403) << path << ": rebound name";
+    EXPECT_EQ(test_http::status(test_http::get(port, path)), 404) << path << ": no GET changes anything";
+    EXPECT_NE(test_http::status(test_http::post(port, path, type + token, std::string(100000, 'x'))), 200) << path << ": too large";
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token, "{")), 400) << path;
+  }
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
+  EXPECT_FALSE(fs::exists(run_ / "control" / "stop"));
+}
+
+TEST(PageOption, TrainWithViewServesWhileItTrains) {
+  const fs::path folder = fs::path(testing::TempDir()) / "page_option";
+  fs::remove_all(folder);
+  testing_support::write_small_scene(folder / "scene");
+  const fs::path run = folder / "run";
+  const uint16_t port = static_cast<uint16_t>(20000 + getpid() % 20000);
+  testing_support::ProcessResult result;
+  std::thread training([&] {
+    result = run_aligngs("train '" + (folder / "scene").string() + "' -o '" + run.string() + "' -n 100000 --view --view-port " + std::to_string(port), folder);
+  });
+  json state;
+  for (int i = 0; i < 300; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    const std::string answer = test_http::get(port, "/api/state");
+    if (test_http::status(answer) != 200) continue;
+    state = json::parse(test_http::body(answer));
+    if (state["splats"] == "live/scene.ply") break;
+    test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");  // somebody looks on
+  }
+  EXPECT_EQ(state["splats"], "live/scene.ply");
+  EXPECT_EQ(state["active"], true);
+  EXPECT_FALSE(state["cameras"].is_null());
+  const std::string page = test_http::get(port, "/");
+  const size_t at = page.find("aligngs_9000=") + 13;
+  const std::string headers = "Content-Type: application/json\r\nX-AlignGS-Token: " + page.substr(at, page.find(';', at) - at) + "\r\n";
+  EXPECT_EQ(test_http::status(test_http::post(port, "/api/control", headers, R"({"action":"stop"})")), 200);
+  training.join();
+  EXPECT_EQ(result.status, 75) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("http://127.0.0.1:" + std::to_string(port) + "/"));
+  EXPECT_THAT(result.err, HasSubstr("--resume"));
+}
+
+}  // namespace
+}  // namespace aligngs

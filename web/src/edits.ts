@@ -1,0 +1,136 @@
+// Edits by name: the text box, the buttons of a clicked object, undo and redo, exports.
+import { fetchEdits, fileUrl, post, type EditList, type EditReport, type RunState } from './api';
+
+const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
+
+export class EditPanel {
+  private list: EditList = { edits: [], redo: [], formats: [], objects: [] };
+  private asked = ''; // version of the run whose list is shown
+  private busy = false;
+
+  /// `changed` is called when the server has other splats to show.
+  constructor(private message: (text: string) => void, private changed: () => Promise<void>) {
+    const text = element<HTMLInputElement>('edit-text');
+    element('edit-form').addEventListener('submit', (e) => { e.preventDefault(); void this.apply(text.value); });
+    element('edit-preview').addEventListener('click', () => void this.preview(text.value));
+    element('undo').addEventListener('click', () => void this.undo());
+    element('redo').addEventListener('click', () => void this.redo());
+    element('export').addEventListener('click', () => void this.download(element<HTMLSelectElement>('export-format').value));
+    element('preview-close').addEventListener('click', () => this.closePreview());
+    element('preview-apply').addEventListener('click', () => { const edit = text.value; this.closePreview(); void this.apply(edit); });
+  }
+
+  /// Shows the panel where the run can be edited. Opening a run takes the server seconds, so it is asked only when
+  /// something changed.
+  async refresh(state: RunState): Promise<void> {
+    element('editing').hidden = !state.editable;
+    if (!state.editable) { this.asked = ''; return; }
+    if (this.asked === state.version || this.busy) return;
+    this.asked = state.version;
+    try { this.show(await fetchEdits()); } catch (e) { this.asked = ''; this.tell(e); }
+  }
+
+  get objects(): EditList['objects'] { return this.list.objects; }
+
+  /// "pillow#2" of a class number and an object number of the picture.
+  objectName(label: number, instance: number): string | null {
+    return this.list.objects.find((o) => o.class_id === label && o.instance === instance)?.object ?? null;
+  }
+
+  async apply(edit: string): Promise<void> {
+    await this.work(`${edit} ...`, async () => {
+      const answer = await post<EditList>('/api/edits/push', { edit });
+      element<HTMLInputElement>('edit-text').value = '';
+      return { answer, told: summary(answer.report!) };
+    });
+  }
+  async undo(): Promise<void> {
+    if (this.list.edits.length === 0) return;
+    await this.work('undo ...', async () => {
+      const answer = await post<EditList>('/api/edits/undo', {});
+      return { answer, told: `undone: ${answer.undone}` };
+    });
+  }
+  async redo(): Promise<void> {
+    if (this.list.redo.length === 0) return;
+    await this.work('redo ...', async () => {
+      const answer = await post<EditList>('/api/edits/redo', {});
+      return { answer, told: summary(answer.report!) };
+    });
+  }
+
+  async preview(edit: string): Promise<void> {
+    await this.work(`looking at what "${edit}" would do ...`, async () => {
+      const report = await post<EditReport>('/api/edits/preview', { edit });
+      element<HTMLImageElement>('preview-picture').src = report.picture ?? '';
+      element('preview-text').textContent = `${summary(report)}; view ${report.view}; nothing is changed yet`;
+      element('preview').hidden = false;
+      return { told: '' };
+    });
+  }
+  closePreview(): void { element('preview').hidden = true; }
+
+  async download(format: string): Promise<void> {
+    await this.work(`writing ${format} ...`, async () => {
+      const { file, bytes } = await post<{ file: string; bytes: number }>('/api/export', { format });
+      const link = document.createElement('a');
+      link.href = fileUrl(file, String(Date.now()));
+      link.download = file;
+      link.click();
+      return { told: `${file}, ${(bytes / 1e6).toFixed(2)} MB, is in the run folder` };
+    });
+  }
+
+  private async work(doing: string, action: () => Promise<{ answer?: EditList; told: string }>): Promise<void> {
+    if (this.busy) return;
+    this.setBusy(true);
+    this.message(doing);
+    try {
+      const { answer, told } = await action();
+      if (answer) { this.show(answer); await this.changed(); }
+      this.message(told);
+    } catch (e) {
+      this.tell(e);
+    } finally {
+      this.setBusy(false);
+    }
+  }
+
+  private setBusy(busy: boolean): void {
+    this.busy = busy;
+    document.body.classList.toggle('busy', busy);
+    for (const button of document.querySelectorAll<HTMLButtonElement>('#editing button, #picked button')) button.disabled = busy;
+    if (!busy) this.enable();
+  }
+
+  private enable(): void {
+    element<HTMLButtonElement>('undo').disabled = this.list.edits.length === 0;
+    element<HTMLButtonElement>('redo').disabled = this.list.redo.length === 0;
+  }
+
+  private show(list: EditList): void {
+    this.list = list;
+    const rows = list.edits.map((text) => {
+      const row = document.createElement('li');
+      row.textContent = text;
+      return row;
+    });
+    element('edits').replaceChildren(...rows);
+    element('edits').hidden = rows.length === 0;
+    element('redo').title = list.redo.length ? `again: ${list.redo[0]} (y)` : 'nothing was undone (y)';
+    const names = [...new Set(list.objects.map((o) => o.object.replace(/#.*/, '')))];
+    element('object-names').replaceChildren(...['delete', 'extract', 'highlight'].flatMap((verb) => names.map((n) => new Option(`${verb} ${n}`))));
+    const formats = element<HTMLSelectElement>('export-format'), before = formats.value;
+    formats.replaceChildren(...list.formats.map((f) => new Option(f, f)));
+    formats.value = list.formats.includes(before) ? before : 'glb';
+    this.enable();
+  }
+
+  private tell(e: unknown): void { this.message(e instanceof Error ? e.message : String(e)); }
+}
+
+function summary(r: EditReport): string {
+  const objects = r.objects.map((o) => o.object).join(', ');
+  const counts = `${r.selected_gaussians.toLocaleString('en')} of ${r.gaussians_before.toLocaleString('en')} Gaussians`;
+  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians} new ones close the hole` : ''}`;
+}

@@ -1,0 +1,106 @@
+// What the page's tests share: a headless Chromium, a server, pictures of the canvas. Exit status 77: skipped, with the
+// reason.
+import { spawn, spawnSync } from 'node:child_process';
+import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+export const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
+const browserPath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find(existsSync);
+if (!browserPath) skip('chromium is not installed (scripts/setup.sh --browser)');
+const { chromium } = await import('playwright-core').catch(() => skip('playwright-core is not installed (npm ci in web/)'));
+
+let failed = 0;
+export const check = (ok, what) => { console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}`); if (!ok) ++failed; };
+export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/// Arguments: PROGRAM RUN FOLDER_FOR_SCREENSHOTS; the run is skipped over by tests that make their own.
+export function settings() {
+  const [program = '../build/aligngs', run = '', shots = join(tmpdir(), 'aligngs_page')] = process.argv.slice(2);
+  if (!existsSync(program)) skip(`${program} is not built`);
+  mkdirSync(shots, { recursive: true });
+  return { program, run, shots, folder: mkdtempSync(join(tmpdir(), 'aligngs_page_run_')) };
+}
+
+/// Runs the program to its end; its standard output.
+export function aligngs(program, ...args) {
+  const done = spawnSync(program, args, { encoding: 'utf8' });
+  if (done.status !== 0) throw new Error(`aligngs ${args.join(' ')} ended with ${done.status}: ${done.stderr}`);
+  return done.stdout;
+}
+
+/// `aligngs view`; resolves when it tells its address.
+export async function serve(program, path) {
+  const developed = process.env.ALIGNGS_WEB_ROOT ? ['--web-root', process.env.ALIGNGS_WEB_ROOT] : []; // without building the program
+  const server = spawn(program, ['view', path, '--json', ...developed], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const { url } = JSON.parse(await new Promise((resolve, reject) => {
+    server.stdout.once('data', (d) => resolve(String(d)));
+    server.once('exit', (status) => reject(new Error(`aligngs view ended with ${status}`)));
+  }));
+  return { server, url };
+}
+
+/// Runs `body` with a browser and tells the outcome; everything started is ended.
+export async function withBrowser(body, { cleanup = () => {} } = {}) {
+  let browser;
+  try {
+    browser = await chromium.launch({
+      executablePath: browserPath,
+      args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
+        '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--force-color-profile=srgb'],
+    });
+    await body(browser);
+  } catch (error) {
+    console.log(error);
+    ++failed;
+  } finally {
+    await browser?.close();
+    await cleanup();
+  }
+  process.exit(failed ? 1 : 0);
+}
+export const remove = (folder) => rmSync(folder, { recursive: true, force: true });
+
+/// A page on `url` that has shown its first picture, with ways to look at it.
+export async function open(browser, url, { width = 800, height = 480, shots = '', prefix = '' } = {}) {
+  const page = await browser.newPage({ viewport: { width, height } });
+  const complaints = [];
+  page.on('console', (m) => { if (m.type() === 'error') complaints.push(m.text()); });
+  page.on('pageerror', (e) => complaints.push(String(e)));
+  const started = Date.now();
+  await page.goto(url);
+  await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });
+  await page.evaluate(() => window.aligngs.ready);
+  // Waits until sorting and drawing have ended, then reads the canvas.
+  const settle = async () => {
+    let before = -1;
+    for (let i = 0; i < 100; ++i) {
+      await page.waitForTimeout(400);
+      const now = await page.evaluate(() => { const v = window.aligngs.viewer; return v.settled || v.showsMesh ? v.frames : -1; });
+      if (now === before && now >= 0) return;
+      before = now;
+    }
+    throw new Error('the picture does not settle');
+  };
+  const picture = async (w = 160, h = 90) => {
+    await settle();
+    return page.evaluate(([w, h]) => {
+      const source = document.getElementById('canvas'), small = document.createElement('canvas');
+      small.width = w; small.height = h;
+      const context = small.getContext('2d');
+      context.drawImage(source, 0, 0, w, h);
+      return Array.from(context.getImageData(0, 0, w, h).data);
+    }, [w, h]);
+  };
+  const shot = (name) => page.screenshot({ path: join(shots, `${prefix}${name}.png`) });
+  const slide = (id, value) => page.locator(id).evaluate((e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }, String(value));
+  const message = () => page.locator('#message').textContent();
+  return { page, complaints, started, settle, picture, shot, slide, message };
+}
+/// Mean absolute difference of two pictures, in levels of 255.
+export const difference = (a, b) => a.reduce((sum, v, i) => sum + Math.abs(v - b[i]), 0) / a.length;
+/// How much is to be seen in a picture: the standard deviation of its values.
+export function spread(a) {
+  const mean = a.reduce((x, y) => x + y, 0) / a.length;
+  return Math.sqrt(a.reduce((x, v) => x + (v - mean) ** 2, 0) / a.length);
+}

@@ -1,0 +1,100 @@
+// Edits in the page: by text and by click, previewed, undone, done again, exported; the same bytes as on the command line.
+// Usage: node test/edit_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
+import { cpSync, existsSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { aligngs, check, difference, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
+
+const { program, run: given, shots, folder } = settings(), run = join(folder, 'page'), other = join(folder, 'command');
+if (!given || !existsSync(given)) skip('no run was given');
+for (const copy of [run, other]) cpSync(given, copy, { recursive: true, filter: (path) => !path.includes('/control') });
+const { server, url } = await serve(program, run);
+await withBrowser(async (browser) => {
+  const { page, complaints, picture, shot, slide, message } = await open(browser, url, { shots, prefix: 'edit_', width: 900, height: 520 });
+  await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
+  const start = await picture();
+  await shot('start');
+  const edits = () => page.locator('#edits li').allTextContents();
+  const done = (count) => page.waitForFunction((n) => document.querySelectorAll('#edits li').length === n && !document.body.classList.contains('busy'),
+    count, { timeout: 60000 });
+  const splats = () => page.evaluate(() => window.aligngs.viewer.splats.count);
+  const before = await splats();
+  const names = await page.evaluate(() => [...new Set(window.aligngs.page.edits.objects.map((o) => o.object.replace(/#.*/, '')))]);
+  const thing = names.includes('bed') ? 'bed' : names.find((n) => !['wall', 'floor', 'ceiling'].includes(n));
+
+  await page.keyboard.press('/');
+  await page.keyboard.type(`delete ${thing}`);
+  await page.locator('#edit-preview').click();
+  await page.waitForFunction(() => !document.getElementById('preview').hidden, null, { timeout: 60000 });
+  await page.locator('#preview-picture').evaluate((i) => i.decode());
+  check((await page.locator('#preview-picture').evaluate((i) => i.naturalWidth)) > 100, 'a preview shows before and after');
+  check((await page.locator('#preview-text').textContent()).includes('Gaussians'), 'and says how much is meant');
+  check(!existsSync(join(run, 'edits.json')) && (await splats()) === before, 'and changes nothing');
+  await shot('preview');
+  await page.locator('#preview-apply').click();
+  await done(1);
+  check((await edits())[0] === `delete ${thing}`, `the text box does what it says (${(await edits())[0]})`);
+  check((await splats()) < before, `${before} splats became ${await splats()}`);
+  const deleted = await picture();
+  check(difference(start, deleted) > 1, 'and the picture changes');
+  await shot('deleted');
+  await page.locator('#original').click();
+  const original = await picture();
+  await shot('before_edits');
+  check(difference(start, original) < 1, `"before edits" shows what was trained (${difference(start, original).toFixed(2)} levels)`);
+  await page.locator('#original').click();
+  check(difference(deleted, await picture()) < 1, 'and back');
+
+  await page.locator('#undo').click();
+  await done(0);
+  check(difference(start, await picture()) < 1 && (await splats()) === before, 'undo brings the room back');
+  await page.keyboard.press('y');
+  await done(1);
+  check(difference(deleted, await picture()) < 1, 'redo deletes again');
+
+  const wall = page.locator('#classes li', { has: page.locator('.class-name', { hasText: /^wall$/ }) });
+  await wall.locator('.recolor input').evaluate((e) => { e.value = '#ff8040'; e.dispatchEvent(new Event('change')); });
+  await done(2);
+  check((await edits())[1] === 'recolor wall to #ff8040', 'the class list recolours');
+  check(difference(deleted, await picture()) > 3, 'and the wall has the colour');
+  await shot('recoloured');
+  aligngs(program, 'edit', other, '-q', '--select', thing, '--delete');
+  aligngs(program, 'edit', other, '-q', '--select', 'wall', '--recolor', '#ff8040');
+  for (const file of ['edits.json', 'edits/scene.ply', 'edits/scene.labels.ply', 'edits/mesh/mesh.ply']) {
+    check(readFileSync(join(run, file)).equals(readFileSync(join(other, file))), `${file} is that of the command line`);
+  }
+
+  // A click on whatever is in the middle, then its buttons.
+  const box = await page.locator('#canvas').boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  const picked = await page.locator('#picked-text').textContent();
+  check(/^.+: object \d+, \d+ % of the ray, confidence /.test(picked), `a click says what it is (${picked})`);
+  await shot('picked');
+  await page.locator('#picked-edits button[data-edit="highlight"]').click();
+  await done(3);
+  check((await edits())[2].startsWith(`highlight ${picked.split(':')[0]}#`), `its button highlights that object (${(await edits())[2]})`);
+  await page.keyboard.press('z');
+  await done(2);
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+  await page.locator('#picked-edits button[data-edit="extract"]').click();
+  await done(3);
+  const rest = await picture();
+  check((await edits())[2].startsWith('extract '), 'and extracts it');
+  await shot('extracted');
+  await page.locator('#undo').click();
+  await done(2);
+
+  await page.locator('#edit-text').fill('delete bedd');
+  await page.locator('#edit-text').press('Enter');
+  await page.waitForFunction(() => document.getElementById('message').textContent.includes('did you mean'), null, { timeout: 60000 });
+  check(/did you mean "bed"/.test(await message()), `a typing error is answered (${await message()})`);
+  check((await edits()).length === 2, 'and changes nothing');
+
+  for (const format of ['glb', 'html']) {
+    await page.locator('#export-format').selectOption(format);
+    const [download] = await Promise.all([page.waitForEvent('download', { timeout: 60000 }), page.locator('#export').click()]);
+    check(download.suggestedFilename() === `scene.edited.${format}`, `saves ${download.suggestedFilename()}`);
+    check(readFileSync(await download.path()).equals(readFileSync(join(run, `scene.edited.${format}`))), 'as it stands in the run folder');
+    await page.waitForFunction(() => !document.body.classList.contains('busy'));
+  }
+  check(rest.length > 0 && complaints.filter((c) => !c.includes('400')).length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
+}, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });
