@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
-# Usage: scripts/setup.sh [--clang]     --clang adds clang 14 and the fuzzing runtime
+# Usage: scripts/setup.sh [--clang] [--browser]     --clang adds clang 14 and the fuzzing runtime; --browser adds what the
+# tests of the page and of the exports want: chromium, node, npm, assimp-utils
 set -euo pipefail
 
 packages=(
@@ -13,7 +14,8 @@ packages=(
 for option in "$@"; do
   case "$option" in
     --clang) packages+=(clang-14 libclang-rt-14-dev) ;;
-    -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;;
+    --browser) packages+=(chromium nodejs npm assimp-utils fonts-dejavu-core) ;;
+    -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done

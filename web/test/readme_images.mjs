@@ -1,0 +1,55 @@
+// The pictures of the page in README.md, made from a run of `aligngs demo`.
+// Usage: node test/readme_images.mjs PROGRAM RUN [FOLDER: ../docs/images]
+import { cpSync, existsSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { check, open, remove, serve, settings, skip, withBrowser } from './browser.mjs';
+
+const { program, run: given, folder } = settings(), run = join(folder, 'demo_run');
+const out = process.argv[4] ?? join(dirname(fileURLToPath(import.meta.url)), '../../docs/images');
+if (!given || !existsSync(given)) skip('no run was given');
+cpSync(given, run, { recursive: true, filter: (path) => !/\/(control|edits|edits\.json)$/.test(path) });
+const { server, url } = await serve(program, run);
+await withBrowser(async (browser) => {
+  const { page, settle, slide } = await open(browser, url, { width: 1180, height: 700 });
+  await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
+  const edit = 'delete pillow, cushion';
+  await page.locator('#edit-text').fill(edit);
+  await page.locator('#edit-preview').click();
+  await page.waitForFunction(() => !document.getElementById('preview').hidden, null, { timeout: 60000 });
+  const view = /view (\S+);/.exec(await page.locator('#preview-text').textContent())[1];
+  await page.locator('#preview-close').click();
+  await slide('#overlay', 35);
+  const box = await page.locator('#canvas').boundingBox();
+  await settle();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height * 0.62);
+  await page.evaluate(() => { document.getElementById('message').textContent = ''; });
+  await settle();
+  await page.screenshot({ path: join(out, 'page.jpg'), type: 'jpeg', quality: 82 });
+
+  await slide('#overlay', 0);
+  await page.locator('#view').selectOption(view);
+  await slide('#wipe', 0); // no photo, the splats alone
+  const drawn = async () => {
+    await settle();
+    return page.evaluate(() => document.getElementById('canvas').toDataURL('image/png'));
+  };
+  const before = await drawn();
+  await page.locator('#edit-text').fill(`${edit} --fill`);
+  await page.locator('#edit-apply').click();
+  await page.waitForFunction(() => document.querySelectorAll('#edits li').length === 1 && !document.body.classList.contains('busy'), null, { timeout: 60000 });
+  const after = await drawn();
+  const jpeg = await page.evaluate(async ([a, b]) => {
+    const pictures = await Promise.all([a, b].map(async (src) => { const i = new Image(); i.src = src; await i.decode(); return i; }));
+    const photo = document.getElementById('left-picture'), canvas = document.getElementById('canvas'), ratio = canvas.width / canvas.clientWidth;
+    const w = photo.clientWidth, h = photo.clientHeight, width = 560, height = Math.round((width * h) / w), joined = document.createElement('canvas');
+    joined.width = 2 * width + 8; joined.height = height;
+    const context = joined.getContext('2d');
+    context.fillStyle = '#fff';
+    context.fillRect(0, 0, joined.width, height);
+    pictures.forEach((p, i) => context.drawImage(p, ((canvas.clientWidth - w) / 2) * ratio, ((canvas.clientHeight - h) / 2) * ratio, w * ratio, h * ratio, i * (width + 8), 0, width, height));
+    return joined.toDataURL('image/jpeg', 0.85);
+  }, [before, after]);
+  writeFileSync(join(out, 'edit.jpg'), Buffer.from(jpeg.split(',')[1], 'base64'));
+  check(before !== after, 'the edit shows');
+}, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });
