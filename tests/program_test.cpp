@@ -22,14 +22,14 @@ class Program : public testing::Test {
 TEST_F(Program, HelpListsTheCommandsAndAnExample) {
   const ProcessResult result = run("--help");
   EXPECT_EQ(result.status, 0);
-  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data"}) {
+  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data", "bench", "models", "poses", "priors"}) {
     EXPECT_THAT(result.out, HasSubstr(command));
   }
   EXPECT_THAT(result.out, HasSubstr("Example: aligngs demo"));
 }
 
 TEST_F(Program, EveryCommandHasHelpWithAnExample) {
-  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data check"}) {
+  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data check", "bench", "models", "models download", "poses", "priors"}) {
     const ProcessResult result = run(std::string(command) + " --help");
     EXPECT_EQ(result.status, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("Example")) << command;

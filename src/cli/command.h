@@ -41,6 +41,8 @@ void add_import_command(CLI::App& program, CommandContext& context);
 void add_synth_command(CLI::App& program, CommandContext& context);
 void add_data_command(CLI::App& program, CommandContext& context);
 void add_models_command(CLI::App& program, CommandContext& context);
+void add_poses_command(CLI::App& program, CommandContext& context);
+void add_priors_command(CLI::App& program, CommandContext& context);
 void add_train_command(CLI::App& program, CommandContext& context);
 void add_render_command(CLI::App& program, CommandContext& context);
 void add_mesh_command(CLI::App& program, CommandContext& context);

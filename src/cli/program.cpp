@@ -104,6 +104,8 @@ int run_program(int argc, char** argv) {
   });
   for (const AddCommand add : {&add_run_command, &add_demo_command, &add_import_command, &add_synth_command,
                                &add_data_command, &add_models_command,
+                               &add_poses_command,
+                               &add_priors_command,
                                &add_train_command, &add_render_command, &add_mesh_command,
                                &add_eval_command, &add_report_command, &add_compare_command, &add_edit_command, &add_export_command,
                                &add_view_command, &add_info_command, &add_bench_command,

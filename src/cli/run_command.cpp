@@ -1,13 +1,16 @@
-// `aligngs run SCENE -o RUN`: everything from a scene folder to the report.
+// `aligngs run PHOTOS_OR_SCENE -o RUN`: everything from photos, or from a scene folder, to the report.
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/page_server.h"
+#include "cli/photo_options.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/stages/pipeline.h"
 #include "cli/train_options.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
@@ -16,40 +19,117 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of photos without cameras cannot be reconstructed by this version: say so before anything else.
-void require_scene(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw_bad_input(folder, "", "there is no such folder", "give a scene folder");
+struct RunCommandOptions {
+  TrainCommandOptions train;
+  PhotoCommandOptions photos;
+  std::string source, semantics = "auto", depth = "auto";
+  std::vector<std::string> fail_under;
+};
+
+bool is_scene(const fs::path& folder) {
   for (const char* name : {"sparse", "cameras.bin", "cameras.txt"}) {
-    if (fs::exists(folder / name)) return;
+    if (fs::exists(folder / name)) return true;
   }
-  throw_bad_input(folder, "sparse/", "there are no camera poses here, and this version cannot find them itself",
-                  "import a posed capture (`aligngs import`), or run COLMAP and put its model into sparse/ beside images/");
+  return false;
+}
+
+/// Weights that were asked for by name must be there before anything else starts.
+void require_weights(const ModelStore& store, const RunCommandOptions& options, bool photos) {
+  try {
+    if (photos && options.photos.method == "vggt") store.require(published_model(options.photos.model));
+    if (options.semantics != "auto" && options.semantics != "none") store.require(semantic_model(options.semantics));
+    if (options.depth != "auto" && options.depth != "none") store.require(depth_model(options.depth));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kWeights || !photos) throw;
+    Error::Details details = error.details();
+    details.remedy += fmt::format("\n  or go without networks (no class labels): aligngs run {} -o {} --method colmap --semantics none",
+                                  options.source, options.train.output);
+    throw Error(details);
+  }
+}
+
+/// Fills what the scene lacks where the weights are here; says what stays empty and how to change that.
+void fill_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options, const CommandContext& context) {
+  const Scene scene = open_scene(folder);
+  ScenePriorsOptions fill;
+  fill.precision = precision_of(options.photos.precision);
+  fill.drop_percent = options.photos.poses.drop_percent;
+  fill.memory_limit = static_cast<uint64_t>(options.train.memory_gigabytes * 1e9);
+  fill.threads = context.global.threads;
+  fill.progress = context.progress();
+  if (options.depth != "none" && !scene.has_prior_depth()) {
+    const PublishedModel* model = nullptr;
+    if (options.depth != "auto") model = &depth_model(options.depth);
+    else if (store.installed(published_model(options.photos.model))) model = &published_model(options.photos.model);
+    if (model) fill_depth(folder, store, *model, fill);
+  }
+  if (options.semantics != "none" && !scene.has_semantics()) {
+    const PublishedModel* model = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
+    if (model) fill_semantics(folder, store, *model, fill);
+    else log_info("no class labels: no weights for them are here (aligngs models download ade20k-linear-b, or ade20k-m2f)");
+  }
+}
+
+nlohmann::json run_everything(const RunCommandOptions& given, const CommandContext& context) {
+  RunCommandOptions options = given;
+  const fs::path source = options.source, run = options.train.output;
+  TrainOptions train = train_options(options.train, context);
+  train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
+  if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
+  const bool photos = !is_scene(source);
+  if (photos && !has_photos(source)) {
+    throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG or PNG) are here",
+                    "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
+  }
+  const RunMode mode = options.train.resume ? RunMode::kResume : options.train.overwrite ? RunMode::kOverwrite : RunMode::kNew;
+  RunFolder(run).check(mode);
+  const ModelStore store = model_store(context);
+  const fs::path scene = photos ? run / "scene" : source;
+  const auto page = serve_while_working(options.train.view, options.train.view_port, run, scene, train.threads);
+  const bool go_on = options.train.resume && fs::exists(run / "run.json") && is_scene(scene);
+  if (!go_on) {
+    require_weights(store, options, photos);
+    if (photos) {
+      options.photos.memory_gigabytes = options.train.memory_gigabytes;
+      ScenePhotosOptions poses = photo_options(options.photos, context);
+      poses.overwrite = fs::exists(scene);
+      fs::create_directories(run);
+      const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
+      log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
+    }
+    fill_priors(scene, store, options, context);
+  }
+  train.scene = scene;
+  const nlohmann::json metrics = run_pipeline(train, context);
+  go_on_serving(page);
+  return metrics;
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("run", "Everything: train, render, mesh, measure, report");
+  CLI::App* command = program.add_subcommand("run", "Everything: poses and priors of photos, train, render, mesh, measure, report");
   command->group("Reconstruct");
-  command->footer("Example: aligngs run scene -o run\n         aligngs run scene -o run --preset preview --fail-under psnr=18");
-  auto options = std::make_shared<TrainCommandOptions>();
-  auto scene = std::make_shared<std::string>();
-  auto fail_under = std::make_shared<std::vector<std::string>>();
-  command->add_option("scene", *scene, "scene folder")->required();
-  command->add_option("-o,--output", options->output, "run folder")->required();
-  add_train_options(*command, options);
-  command->add_option("--fail-under", *fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
-  command->callback([&context, scene, options, fail_under] {
-    TrainOptions train = train_options(*options, context);
-    require_scene(*scene);
-    train.scene = *scene;
-    train.resume_command = "aligngs run " + *scene + " -o " + options->output + " --resume";
-    const RunMode mode = options->overwrite ? RunMode::kOverwrite : options->resume ? RunMode::kResume : RunMode::kNew;
-    RunFolder(options->output).check(mode);
-    const auto page = serve_while_working(options->view, options->view_port, options->output, train.scene, train.threads);
-    const nlohmann::json metrics = run_pipeline(train, context);
-    go_on_serving(page);
-    require_at_least(metrics, *fail_under);
+  command->footer("Example: aligngs run photos -o run --semantics linear-b\n         aligngs run photos -o run --method colmap --semantics none\n"
+                  "         aligngs run scene -o run --preset preview --fail-under psnr=18");
+  auto train = std::make_shared<TrainCommandOptions>();
+  auto photos = std::make_shared<PhotoCommandOptions>();
+  auto options = std::make_shared<RunCommandOptions>();
+  command->add_option("source", options->source, "folder of photos, or a scene folder")->required();
+  command->add_option("-o,--output", train->output, "run folder; the scene made of photos is written to its scene/")->required();
+  command->add_option("--semantics", options->semantics,
+                      "class labels where the scene has none: m2f, linear-s|b|l|g, ms-s|b|l|g, none, or auto: the best that is installed")
+      ->capture_default_str();
+  command->add_option("--depth", options->depth,
+                      "depth where the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: VGGT when it is installed")
+      ->capture_default_str();
+  add_photo_options(*command, photos);
+  add_train_options(*command, train);
+  command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
+  command->callback([&context, options, train, photos] {
+    options->train = *train;
+    options->photos = *photos;
+    require_at_least(run_everything(*options, context), options->fail_under);
   });
 }
 

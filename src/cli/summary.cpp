@@ -22,8 +22,11 @@ std::string metrics_summary(const Json& metrics) {
   if (nvs.value("views", 0) == 0) {
     text += "novel views  no test views\n";
   } else {
-    text += fmt::format("novel views  PSNR {} dB (after colour fit {}), SSIM {}, {} test views\n", value(nvs, "psnr", "{:.2f}"),
-                        value(nvs["exposure_fitted"], "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"), nvs.value("views", 0));
+    const bool lpips = nvs.contains("lpips") && nvs["lpips"].is_number();
+    text += fmt::format("novel views  PSNR {} dB (after colour fit {}), SSIM {}, {}{} test views\n", value(nvs, "psnr", "{:.2f}"),
+                        value(nvs["exposure_fitted"], "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"),
+                        lpips ? "LPIPS " + value(nvs, "lpips", "{:.3f}") + " (inputs in [0, 1]: " + value(nvs, "lpips_unit", "{:.3f}") + "), " : "",
+                        nvs.value("views", 0));
   }
   const Json& geometry = metrics["geometry"];
   if (geometry.is_null()) {

@@ -81,7 +81,7 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
                        "--ImageReader.single_camera", one_camera ? "1" : "0",
                        "--SiftExtraction.use_gpu", "0",
                        "--SiftExtraction.num_threads", run.threads(),
-                       "--SiftExtraction.max_num_features", "8192"};
+                       "--SiftExtraction.max_num_features", attempt.sensitive ? "6000" : "4096"};
   if (attempt.sensitive) {
     // Affine shape and domain-size pooling match views that differ much; weak corners count, since
     // walls and furniture have few strong ones.
@@ -92,9 +92,11 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
     }
   }
   run.step(attempt, "feature_extractor", photos, "Processed file", extract);
+  // Matching on processors takes the square of the features: 4096 are a tenth of a second a pair.
   run.step(attempt, "exhaustive_matcher", 1, "Matching block",
            {"--database_path", database.string(), "--SiftMatching.use_gpu", "0",
-            "--SiftMatching.num_threads", run.threads(), "--SiftMatching.guided_matching", "1"});
+            "--SiftMatching.num_threads", run.threads(), "--SiftMatching.guided_matching",
+            attempt.sensitive ? "1" : "0"});
   // Few photos have little to begin with: smaller angles, fewer shared points than for collections.
   const auto choose = [&](const char* quick, const char* sensitive) {
     return std::string(attempt.sensitive ? sensitive : quick);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "cli/stages/perceptual_metric.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
@@ -65,6 +66,7 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
   bool labelled = false;
   const std::vector<Camera> training = true_training_cameras(run.scene);
   const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
+  const PerceptualMetric perceptual(ModelStore(ModelStoreOptions::from_environment(true)), *run.pool);
   Progress progress(style, "evaluate views", run.scene.test.size());
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
@@ -72,9 +74,13 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
     const Rendering rendering = run.engine->render(data.camera, run.render_options());
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
     Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
-                  {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
+                  {"lpips_unit", nullptr}, {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
     const ViewNovelty novelty = view_novelty(run.scene.evaluation_cameras[static_cast<size_t>(index)], training);
     entry["extrapolates"] = extrapolates(novelty, metres_per_unit);
+    if (const auto distances = perceptual.measure(rendering.color, data.color, data.mask)) {
+      entry["lpips"] = number(distances->canonical);
+      entry["lpips_unit"] = number(distances->unit);
+    }
     if (run.has_labels() && !view.truth_labels.empty()) {
       const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
       confusion.add(truth, rendering.label);
@@ -86,7 +92,10 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
   }
-  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")}, {"ssim", mean_of(result.per_view, "ssim")}, {"lpips", nullptr},
+  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")}, {"ssim", mean_of(result.per_view, "ssim")},
+                {"lpips", mean_of(result.per_view, "lpips")}, {"lpips_unit", mean_of(result.per_view, "lpips_unit")},
+                {"lpips_note", perceptual.reason().empty() ? Json("VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]")
+                                                           : Json(perceptual.reason())},
                 {"views", result.per_view.size()}, {"pose_refined", nullptr},
                 {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
                                      {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};

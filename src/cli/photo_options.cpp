@@ -1,0 +1,64 @@
+#include "cli/photo_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/log.h"
+
+namespace aligngs {
+
+void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
+  ScenePhotosOptions& poses = options->poses;
+  const char* const group = "Cameras of photos";
+  command.add_option("--method", options->method, "vggt (a network; needs its weights) or colmap (the program; needs overlap)")
+      ->check(CLI::IsMember({"vggt", "colmap"}))->capture_default_str()->group(group);
+  command.add_option("--max-size", poses.max_side, "longer side to which larger photos are shrunk, pixels")
+      ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
+  command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all train)")
+      ->check(CLI::Range(2, 1000000))->group(group);
+  command.add_option("--poses-model", options->model, "vggt: which weights")
+      ->check(CLI::IsMember({"vggt-1b", "vggt-1b-commercial"}))->capture_default_str()->group(group);
+  command.add_option("--drop-percent", poses.drop_percent, "vggt: share of the depth, that of the lowest confidence, to leave out")
+      ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group(group);
+  command.add_flag("--shared-focal", poses.shared_focal, "vggt: one focal length for all photos (one camera, no zoom)")->group(group);
+  command.add_option("--max-points", poses.max_points, "vggt: points of the cloud at most")
+      ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
+  command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")->group(group);
+  command.add_option("--precision", options->precision, "of networks: auto, bfloat16 or float32")
+      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group(group);
+}
+
+nn::Precision precision_of(const std::string& name) {
+  if (name == "float32") return nn::Precision::kFloat32;
+  if (name == "bfloat16") return nn::Precision::kBfloat16;
+#if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
+  __builtin_cpu_init();
+  // Networks were published for bfloat16; without instructions for it float32 is faster.
+  if (__builtin_cpu_supports("avx512bf16")) return nn::Precision::kBfloat16;
+#endif
+  return nn::Precision::kFloat32;
+}
+
+ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {
+  ScenePhotosOptions poses = options.poses;
+  poses.method = options.method == "colmap" ? PosesMethod::kColmap : PosesMethod::kVggt;
+  poses.model = options.model;
+  poses.shared_camera = !options.per_photo_camera;
+  poses.precision = precision_of(options.precision);
+  poses.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
+  poses.threads = context.global.threads;
+  poses.progress = context.progress();
+  return poses;
+}
+
+ModelStore model_store(const CommandContext& context) {
+  return ModelStore(ModelStoreOptions::from_environment(context.global.offline));
+}
+
+ScenePhotosReport run_poses(const std::string& photos, const std::string& scene, const ScenePhotosOptions& options,
+                            const ModelStore& store) {
+  const ScenePhotosReport report = make_scene_from_photos(photos, scene, store, options);
+  for (const UnplacedPhoto& photo : report.unplaced) log_warning("{} has no camera: {}", photo.name, photo.reason);
+  return report;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,33 @@
+// Command-line options of everything that begins with photos: `poses`, `priors` and `run` share them.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cli/command.h"
+#include "priors/scene_from_photos.h"
+#include "priors/scene_priors.h"
+
+namespace aligngs {
+
+struct PhotoCommandOptions {
+  std::string method = "vggt", model = "vggt-1b", precision = "auto";
+  bool per_photo_camera = false;
+  double memory_gigabytes = 0;
+  ScenePhotosOptions poses;
+};
+
+/// Adds --method, --max-size, --test-every, --drop-percent, --shared-focal, ... to a command.
+void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options);
+ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context);
+
+/// "auto": bfloat16 where the processor multiplies it fast, else float32.
+nn::Precision precision_of(const std::string& name);
+
+ModelStore model_store(const CommandContext& context);
+
+/// Makes the scene and says what came of it, photos without a camera with their reasons.
+ScenePhotosReport run_poses(const std::string& photos, const std::string& scene, const ScenePhotosOptions& options,
+                            const ModelStore& store);
+
+}  // namespace aligngs

@@ -1,0 +1,61 @@
+// `aligngs poses PHOTOS -o SCENE`: cameras and a cloud for photos.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/photo_options.h"
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+/// Without its weights the default method cannot run: the other one is worth a line.
+[[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
+  Error::Details details = error.details();
+  details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
+  throw Error(details);
+}
+
+void print_report(const CommandContext& context, const std::string& scene, const ScenePhotosReport& report) {
+  if (context.global.json) {
+    nlohmann::json unplaced = nlohmann::json::array();
+    for (const UnplacedPhoto& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
+    std::printf("%s\n", nlohmann::json({{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
+                                        {"train", report.train}, {"test", report.test}, {"points", report.points},
+                                        {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
+                                        {"unplaced", unplaced}}).dump(2).c_str());
+    return;
+  }
+  std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos, report.method.c_str(),
+              format_duration(report.seconds).c_str(), report.points,
+              report.reprojection_error > 0 ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str() : "");
+  std::printf("next: aligngs priors %s   then: aligngs run %s -o run\n", scene.c_str(), scene.c_str());
+}
+
+}  // namespace
+
+void add_poses_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos: a scene folder with poses and a cloud");
+  command->group("Data");
+  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method colmap --test-every 8");
+  auto options = std::make_shared<PhotoCommandOptions>();
+  auto photos = std::make_shared<std::string>();
+  auto scene = std::make_shared<std::string>();
+  command->add_option("photos", *photos, "folder of JPEG or PNG photos")->required();
+  command->add_option("-o,--output", *scene, "scene folder to write")->required();
+  command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that stands there");
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+  add_photo_options(*command, options);
+  command->callback([&context, options, photos, scene] {
+    try {
+      print_report(context, *scene, run_poses(*photos, *scene, photo_options(*options, context), model_store(context)));
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kWeights && options->method == "vggt") offer_colmap(error, *photos, *scene);
+      throw;
+    }
+  });
+}
+
+}  // namespace aligngs

@@ -1,0 +1,100 @@
+// `aligngs priors SCENE`: depth and classes of the training views by networks.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/photo_options.h"
+#include "core/error.h"
+#include "core/log.h"
+
+namespace aligngs {
+namespace {
+
+struct Options {
+  std::string scene, depth = "auto", semantics = "auto", precision = "auto";
+  double memory_gigabytes = 0;
+  ScenePriorsOptions fill;
+};
+
+nlohmann::json json_of(const ScenePriorsReport& report) {
+  return {{"model", report.model}, {"views", report.written}, {"was_there", report.was_there}, {"width", report.width}, {"height", report.height}};
+}
+
+std::string line_of(const ScenePriorsReport& report) {
+  if (report.was_there) return report.model + ", was there already";
+  return fmt::format("{}, {} views, maps of {} x {}", report.model, report.written, report.width, report.height);
+}
+
+void run_priors(const CommandContext& context, Options& options) {
+  const ModelStore store = model_store(context);
+  const Scene scene = open_scene(options.scene);
+  // Everything that is asked for must be there before the first network runs.
+  const PublishedModel* depth = nullptr;
+  const PublishedModel* semantics = nullptr;
+  if (options.depth == "auto") {
+    if (!scene.has_prior_depth()) {
+      for (const char* const name : {"vggt-1b", "vggt-1b-commercial", "nyu-dpt-l", "nyu-dpt-b", "nyu-dpt-s"}) {
+        if (!depth && store.installed(published_model(name))) depth = &published_model(name);
+      }
+    }
+  } else if (options.depth != "none") {
+    depth = &depth_model(options.depth);
+    store.require(*depth);
+  }
+  if (options.semantics == "auto") {
+    if (!scene.has_semantics()) semantics = installed_semantic_model(store);
+  } else if (options.semantics != "none") {
+    semantics = &semantic_model(options.semantics);
+    store.require(*semantics);
+  }
+  const bool nothing_asked = options.depth == "auto" && options.semantics == "auto";
+  if (nothing_asked && !depth && !semantics && !(scene.has_prior_depth() && scene.has_semantics())) {
+    const PublishedModel& light = published_model("ade20k-linear-b");
+    throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "", how_to_get(store, light)});
+  }
+  options.fill.precision = precision_of(options.precision);
+  options.fill.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
+  options.fill.threads = context.global.threads;
+  options.fill.progress = context.progress();
+  nlohmann::json document = {{"scene", options.scene}, {"depth", nullptr}, {"semantics", nullptr}};
+  std::string depth_line = scene.has_prior_depth() ? "kept as it is (" + scene.prior_source + ")" : "none";
+  std::string semantics_line = scene.has_semantics() ? "kept as it is (" + scene.semantic_source + ")" : "none";
+  if (depth) {
+    const ScenePriorsReport report = fill_depth(options.scene, store, *depth, options.fill);
+    document["depth"] = json_of(report);
+    depth_line = line_of(report);
+  }
+  if (semantics) {
+    const ScenePriorsReport report = fill_semantics(options.scene, store, *semantics, options.fill);
+    document["semantics"] = json_of(report);
+    semantics_line = line_of(report);
+  }
+  if (context.global.json) std::printf("%s\n", document.dump(2).c_str());
+  else std::printf("depth      %s\nsemantics  %s\n", depth_line.c_str(), semantics_line.c_str());
+}
+
+}  // namespace
+
+void add_priors_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("priors", "Fill a scene's depth and class priors with networks");
+  command->group("Data");
+  command->footer("Example: aligngs priors scene --semantics linear-b --depth vggt\n         aligngs priors scene --semantics m2f --depth none");
+  auto options = std::make_shared<Options>();
+  command->add_option("scene", options->scene, "scene folder")->required();
+  command->add_option("--depth", options->depth, "vggt, vggt-commercial, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: what is installed")
+      ->capture_default_str();
+  command->add_option("--semantics", options->semantics,
+                      "m2f (the method's), linear-s|b|l|g (light), ms-s|b|l|g, none, or auto: the best that is installed")->capture_default_str();
+  command->add_flag("--augment", options->fill.augment, "ms: five sizes, mirrored as well (ten times as long)");
+  command->add_option("--drop-percent", options->fill.drop_percent, "vggt: share of the depth, that of the lowest confidence, to leave out")
+      ->check(CLI::Range(0.0, 99.0))->capture_default_str();
+  command->add_option("--precision", options->precision, "auto, bfloat16 or float32")
+      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str();
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+  command->add_flag("--overwrite", options->fill.overwrite, "replace priors that are there");
+  command->callback([&context, options] { run_priors(context, *options); });
+}
+
+}  // namespace aligngs
