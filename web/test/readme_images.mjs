@@ -15,14 +15,25 @@ await withBrowser(async (browser) => {
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
   const edit = 'delete pillow, cushion';
   await page.locator('#edit-text').fill(edit);
-  await page.locator('#edit-preview').click();
-  await page.waitForFunction(() => !document.getElementById('preview').hidden, null, { timeout: 60000 });
-  const view = /view (\S+);/.exec(await page.locator('#preview-text').textContent())[1];
-  await page.locator('#preview-close').click();
+  // The photo that has most of them well inside, from not too near.
+  const view = await page.evaluate(() => {
+    const { edits, state } = window.aligngs.page, wanted = edits.objects.filter((o) => /^(pillow|cushion)#/.test(o.object));
+    const score = (c) => wanted.reduce((sum, o) => {
+      const d = o.centre.map((v, k) => v - c.position[k]), p = [0, 1, 2].map((k) => d[0] * c.rotation[0][k] + d[1] * c.rotation[1][k] + d[2] * c.rotation[2][k]);
+      const u = (c.fx * p[0]) / p[2] / c.width, v = (c.fy * p[1]) / p[2] / c.height;
+      return sum + (p[2] > 1.2 && Math.abs(u) < 0.32 && Math.abs(v) < 0.32 ? 1 + 1 / p[2] : 0);
+    }, 0);
+    return state.cameras.reduce((best, c) => (score(c) > score(best) ? c : best)).img_name;
+  });
+  await page.evaluate((name) => { // from that photo's place, as one who looks around would stand
+    const { orbit, viewer, state, edits } = { ...window.aligngs, ...window.aligngs.page, viewer: window.aligngs.viewer };
+    const bed = edits.objects.find((o) => o.object.startsWith('bed#')) ?? edits.objects[0];
+    orbit.lookFrom(viewer.toWorld(state.cameras.find((c) => c.img_name === name).position), viewer.toWorld(bed.centre));
+  }, view);
   await slide('#overlay', 35);
   const box = await page.locator('#canvas').boundingBox();
   await settle();
-  await page.mouse.click(box.x + box.width / 2, box.y + box.height * 0.62);
+  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.5);
   await page.evaluate(() => { document.getElementById('message').textContent = ''; });
   await settle();
   await page.screenshot({ path: join(out, 'page.jpg'), type: 'jpeg', quality: 82 });
