@@ -116,8 +116,15 @@ void sort_by_depth(ThreadPool& pool, TileLists& lists) {
 
 template <class Body>
 void for_each_tile(const TileRect& rect, int tiles_x, const Body& body) {
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    for (int x = rect.x0; x < rect.x1; ++x) body(size_t(y) * tiles_x + x);
+  // One loop, not two: how it ends cannot be foreseen, and most rectangles are one or two tiles wide.
+  const uint32_t width = static_cast<uint32_t>(rect.x1 - rect.x0), area = rect.area();
+  const size_t step = static_cast<size_t>(tiles_x) - width;
+  size_t tile = size_t(rect.y0) * tiles_x + rect.x0;
+  for (uint32_t i = 0, x = 0; i < area; ++i) {
+    body(tile);
+    const bool last = ++x == width;
+    tile += last ? step + 1 : 1;
+    x = last ? 0 : x;
   }
 }
 

@@ -54,8 +54,8 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
   constexpr uint64_t kFloat = sizeof(float);
   // (Gaussian, tile) pairs per Gaussian: 4 to 5 in rooms trained at 320x240 to 640x480, rectangles included.
   constexpr uint64_t kInstances = 6;
-  // Numbers per pixel of one view at work: maps 10, their gradients 8, scratch of the losses, residual.
-  constexpr uint64_t kMapsPerPixel = 48;
+  // Numbers per pixel of one view at work: maps 10, their gradients 8, scratch of the losses, residual, BlendRecord.
+  constexpr uint64_t kMapsPerPixel = 49;
   const uint64_t numbers = 3 + 3 + 4 + 1 + 3 * kShCoefficients, padded = padded_channels(channels);
   uint64_t per_gaussian = 3 * (numbers + static_cast<uint64_t>(channels)) * kFloat;  // parameters and two moments
   per_gaussian *= 2;                                                                 // and their copy in a checkpoint
@@ -63,7 +63,8 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
   per_gaussian += numbers * kFloat + 3 * padded * kFloat + static_cast<uint64_t>(pool_->size()) * sizeof(uint32_t);
   per_gaussian += 7 * kFloat;                                                        // density statistics
   per_gaussian += sizeof(Splat) + sizeof(TileRect) + kFloat + 8 + 6 * kFloat;        // projection and its order
-  per_gaussian += kInstances * (sizeof(SplatGradient) + 1 + sizeof(uint32_t));
+  per_gaussian += kInstances * (sizeof(SplatGradient) + sizeof(uint32_t) + sizeof(uint16_t) + 1);  // BlendRecord
+  per_gaussian += sizeof(DensitySums);
   const uint64_t threads = static_cast<uint64_t>(pool_->size());
   // Per thread: weights of four blocks of up to a thousand Gaussians, once more rounded, and the maps of a block.
   const uint64_t per_thread = 6 * 1024 * (4 * kBlockPixels * kFloat) + 8 * kBlockPixels * padded * kFloat;

@@ -20,11 +20,17 @@ namespace HWY_NAMESPACE {
 void SoftmaxRow(const float* logits, size_t channels, size_t padded, float last_shift, float* out) {
   const FloatTag d;
   const FloatVec lowest = hn::Set(d, -3.0e38f);
-  std::memcpy(out, logits, channels * sizeof(float));
-  out[channels - 1] += last_shift;
-  for (size_t c = channels; c < padded; ++c) out[c] = -3.0e38f;
   FloatVec top = lowest;
-  for (size_t c = 0; c < padded; c += kLanes) top = hn::Max(top, hn::Load(d, out + c));
+  size_t whole = 0;
+  for (; whole + kLanes <= channels; whole += kLanes) {
+    const FloatVec x = hn::LoadU(d, logits + whole);
+    hn::Store(x, d, out + whole);
+    top = hn::Max(top, x);
+  }
+  std::memcpy(out + whole, logits + whole, (channels - whole) * sizeof(float));
+  for (size_t c = channels; c < padded; ++c) out[c] = -3.0e38f;
+  out[channels - 1] += last_shift;  // never negative: the maximum of the vectors above can only grow
+  for (size_t c = (channels - 1) / kLanes * kLanes; c < padded; c += kLanes) top = hn::Max(top, hn::Load(d, out + c));
   top = hn::MaxOfLanes(d, top);
   FloatVec sum = hn::Zero(d);
   for (size_t c = 0; c < padded; c += kLanes) {
