@@ -45,8 +45,10 @@ using QuadVec = hn::Vec<Quad>;
 HWY_INLINE void transpose_4x4(const QuadVec* r, QuadVec* out) {
   const Quad d;
   const hn::Repartition<double, Quad> dd;
-  const auto a = hn::BitCast(dd, hn::InterleaveLower(d, r[0], r[1])), b = hn::BitCast(dd, hn::InterleaveLower(d, r[2], r[3]));
-  const auto c = hn::BitCast(dd, hn::InterleaveUpper(d, r[0], r[1])), e = hn::BitCast(dd, hn::InterleaveUpper(d, r[2], r[3]));
+  const auto a = hn::BitCast(dd, hn::InterleaveLower(d, r[0], r[1]));
+  const auto b = hn::BitCast(dd, hn::InterleaveLower(d, r[2], r[3]));
+  const auto c = hn::BitCast(dd, hn::InterleaveUpper(d, r[0], r[1]));
+  const auto e = hn::BitCast(dd, hn::InterleaveUpper(d, r[2], r[3]));
   out[0] = hn::BitCast(d, hn::InterleaveLower(dd, a, b));
   out[1] = hn::BitCast(d, hn::InterleaveUpper(dd, a, b));
   out[2] = hn::BitCast(d, hn::InterleaveLower(dd, c, e));

@@ -19,8 +19,10 @@ namespace HWY_NAMESPACE {
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 
 /// Places in Splat, as numbers.
-constexpr size_t kSplatFactor = offsetof(Splat, fxx) / sizeof(float), kSplatOpacity = offsetof(Splat, opacity) / sizeof(float);
-constexpr size_t kSplatColor = offsetof(Splat, color) / sizeof(float), kSplatNormal = offsetof(Splat, normal) / sizeof(float);
+constexpr size_t kSplatFactor = offsetof(Splat, fxx) / sizeof(float);
+constexpr size_t kSplatOpacity = offsetof(Splat, opacity) / sizeof(float);
+constexpr size_t kSplatColor = offsetof(Splat, color) / sizeof(float);
+constexpr size_t kSplatNormal = offsetof(Splat, normal) / sizeof(float);
 constexpr size_t kSplatFields = 16;  ///< a multiple of 4 that holds those above
 static_assert(kSplatNormal + 3 <= kSplatFields);
 
@@ -168,7 +170,8 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   FloatVec basis[kShCoefficients], weight[kShCoefficients], dcolor[3];
   lane_sh_basis(in.sh_degree, ray, basis);
   for (int ch = 0; ch < 3; ++ch) {
-    dcolor[ch] = hn::IfThenElseZero(hn::Gt(load(l.splat[kSplatColor + static_cast<size_t>(ch)]), zero), load(l.sums[ch]));
+    const FloatVec color = load(l.splat[kSplatColor + static_cast<size_t>(ch)]);
+    dcolor[ch] = hn::IfThenElseZero(hn::Gt(color, zero), load(l.sums[ch]));
   }
   for (int k = 0; k < sh_coefficient_count(in.sh_degree); ++k) {
     weight[k] = zero;

@@ -55,8 +55,8 @@ HWY_INLINE V fast_exp2(D d, V x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
 }
 
-/// 1 / x within 3 ulp for normal x whose reciprocal is normal: Newton steps from an estimate, which leave the divider to
-/// nobody. On x86 the estimate has 11.5 bits or more and one step suffices.
+/// 1 / x within 3 ulp for normal x whose reciprocal is normal: Newton steps from an estimate, which leave the divider
+/// to nobody. On x86 the estimate has 11.5 bits or more and one step suffices.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_reciprocal(D d, V x) {
   const V two = hn::Set(d, 2.0f);

@@ -153,7 +153,7 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
       for (const std::vector<float>* map : {&maps.color, &maps.alpha, &maps.normal, &maps.distance, &maps.expected,
                                             &maps.median}) {
         if (!geometry && map != &maps.color && map != &maps.alpha) continue;
-        for (size_t plane = 0; plane < map->size(); plane += n) prefetch_tile<1>(map->data() + plane, view, tile_x, tile_y);
+        for (size_t at = 0; at < map->size(); at += n) prefetch_tile<1>(map->data() + at, view, tile_x, tile_y);
       }
       blend_tile_forward(view, tiles.lists, tile_x, tile_y, tiles.raster, geometry,
                          record != nullptr ? record->seen.data() : nullptr, s);
@@ -188,7 +188,7 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
     for (const std::vector<float>* map : {&maps.gradients.color, &maps.gradients.normal, &maps.gradients.distance,
                                           &maps.gradients.alpha}) {
       if (!geometry && map != &maps.gradients.color) continue;
-      for (size_t plane = 0; plane < map->size(); plane += n) prefetch_tile<0>(map->data() + plane, view, tile_x, tile_y);
+      for (size_t at = 0; at < map->size(); at += n) prefetch_tile<0>(map->data() + at, view, tile_x, tile_y);
     }
     recompute_tile_weights(view, tiles.lists, tile_x, tile_y, tiles.raster, record, s.weights);
     BackwardOptions options;
