@@ -136,7 +136,7 @@ TEST_F(ViewServerTest, ASlowHandlerDoesNotStopTheOthersAndTheirNumberIsLimited) 
       (s == 200 ? done : s == 503 ? refused : done) += s == 200 || s == 503;
     });
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  for (int i = 0; i < 500 && refused < 4; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(status(get("/api/state")), 200) << "the page is served meanwhile";
   release_ = true;
   for (std::thread& one : waiting) one.join();

@@ -67,7 +67,7 @@ RunLock::RunLock(const fs::path& run) : control_(run) {
   descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno), "choose a place you may write to");
   // Somebody who only asks active() holds the lock for a moment: try again before giving up.
-  constexpr int kTries = 20;
+  constexpr int kTries = 100;  // half a second: on a busy machine the asker may sleep with the lock in its hands
   for (int i = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++i) {
     const int reason = errno;
     if (reason != EWOULDBLOCK && reason != EINTR) break;  // a file system without locks: work without one
