@@ -132,9 +132,10 @@ TEST_F(ModelsProgram, AFolderOfNeitherPhotosNorASceneIsBadInput) {
 }
 
 TEST_F(ModelsProgram, ColmapThatIsNotInstalledIsNamed) {
+  const std::string path = std::getenv("PATH");
   setenv("PATH", (folder / "empty").c_str(), 1);
   const ProcessResult result = run("poses " + photos() + " -o " + out("scene") + " --method colmap");
-  setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
+  setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(result.status, 1);
   EXPECT_THAT(result.err, HasSubstr("apt-get install colmap"));
 }

@@ -57,8 +57,8 @@ class FromPhotos : public testing::Test {
     size.encoder = {64, 2, false, 4, 5};
     size.depth = 8;
     size.camera_depth = 1;
-    size.features = 16;
-    size.levels = {16, 16, 16, 16};
+    size.features = 8;
+    size.levels = {8, 8, 8, 8};
     nn::write_random_weights(weights_of("vggt-1b"), nn::vggt_tensors(size), 1);
   }
   void install_linear() const {
