@@ -47,3 +47,13 @@ if(CURL_FOUND)
   target_compile_definitions(aligngs_curl INTERFACE ALIGNGS_WITH_CURL)
   set(ALIGNGS_CURL aligngs_curl)
 endif()
+
+# Optional: bundle adjustment (`aligngs refine`); without it the command says so.
+set(ALIGNGS_CERES "")
+find_package(Ceres 2.1 QUIET)
+if(Ceres_FOUND)
+  add_library(aligngs_ceres INTERFACE)
+  target_link_libraries(aligngs_ceres INTERFACE Ceres::ceres)
+  target_compile_definitions(aligngs_ceres INTERFACE ALIGNGS_WITH_CERES)
+  set(ALIGNGS_CERES aligngs_ceres)
+endif()

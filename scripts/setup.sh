@@ -10,6 +10,7 @@ packages=(
   libturbojpeg0-dev libspng-dev libwebp-dev libexif-dev zlib1g-dev
   libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev libboost-dev
+  libcurl4-openssl-dev libceres-dev
 )
 for option in "$@"; do
   case "$option" in

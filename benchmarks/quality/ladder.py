@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The paper's ladder, its controls and yardsticks, on synthetic rooms with simulated teachers.
 
-    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...]
+    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...] [--refined]
 
 Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
 Finished runs in OUTPUT are not repeated: the command can be stopped and started again. It writes
@@ -94,7 +94,7 @@ def scores(metrics, only=None):
     return {key: value_at(metrics, path) if only is None or key in only else math.nan for key, _, _, path in COLUMNS}
 
 
-def make_scene(output, room, room_seed, seed, row):
+def make_scene(output, room, room_seed, seed, row, refined):
     """The scene of a row; variants differ in the cloud or the labels alone."""
     folder = output / "scenes" / f"{room}_{room_seed}_{seed}_{row.cloud}_{row.labels}"
     if not (folder / "scene.json").exists():
@@ -103,13 +103,18 @@ def make_scene(output, room, room_seed, seed, row):
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
             (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text)
-    return folder
+    if not refined:
+        return folder
+    better = folder.with_name(folder.name + "_refined")
+    if not better.exists():
+        run("refine", folder, "-o", better)
+    return better
 
 
-def train(output, room, room_seed, seed, row, iterations):
+def train(output, room, room_seed, seed, row, iterations, refined):
     folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
     if not (folder / "metrics.json").exists():
-        scene = make_scene(output, room, room_seed, seed, row)
+        scene = make_scene(output, room, room_seed, seed, row, refined)
         settings = [text for s in row.settings for text in ("--set", s)]
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", *settings)
         shutil.rmtree(folder / "checkpoints", ignore_errors=True)
@@ -166,7 +171,8 @@ def write_tables(output, results, rows, arguments):
             for (room, room_seed, seed), values in by_pair.items():
                 writer.writerow([name, room, room_seed, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
     lines = [f"{arguments.rooms} rooms, seeds {' '.join(map(str, arguments.seeds))}, {arguments.iterations} iterations, "
-             "320x240, 20 training and 8 test views, **simulated** teachers of the medium level. Means over room and seed.", "",
+             "320x240, 20 training and 8 test views, **simulated** teachers of the medium level"
+             + (", cameras refined by `aligngs refine`" if arguments.refined else "") + ". Means over room and seed.", "",
              "| row | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
     for name, by_pair in results.items():
         lines.append(f"| {name} | " + " | ".join(number(mean([v[key] for v in by_pair.values()]), digits)
@@ -201,6 +207,7 @@ def main():
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
     parser.add_argument("--iterations", type=int, default=2000)
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
+    parser.add_argument("--refined", action="store_true", help="cameras and prior depth through `aligngs refine` first, for all rows")
     parser.add_argument("--keep-scenes", action="store_true", help="keep the scenes (some 100 MB each) after their last row")
     arguments = parser.parse_args()
     rows = [r for r in ROWS if arguments.rows is None or r.name in arguments.rows]
@@ -216,7 +223,7 @@ def main():
             key = (room, room_seed, seed)
             for row in rows:
                 print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
-                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations)
+                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations, arguments.refined)
             if any(r.name == YARDSTICK_ROW for r in rows):
                 for name, option in YARDSTICKS:
                     results.setdefault(name, {})[key] = yardstick(output, room, room_seed, seed, name, option)

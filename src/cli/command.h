@@ -38,6 +38,7 @@ using AddCommand = void (*)(CLI::App& program, CommandContext& context);
 void add_run_command(CLI::App& program, CommandContext& context);
 void add_demo_command(CLI::App& program, CommandContext& context);
 void add_import_command(CLI::App& program, CommandContext& context);
+void add_refine_command(CLI::App& program, CommandContext& context);
 void add_synth_command(CLI::App& program, CommandContext& context);
 void add_data_command(CLI::App& program, CommandContext& context);
 void add_models_command(CLI::App& program, CommandContext& context);

@@ -4,71 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/image.h"
+#include "io/image_file.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kReferencePixels = 320.0 * 240;
-constexpr int kWindow = 2;  // pixels to each side that a corner's gradients are summed over
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-struct Corner {
-  float strength = 0;
-  int x = 0, y = 0;
-};
-
-float grey(const Image<uint8_t>& photo, int x, int y) {
-  const uint8_t* c = photo.pixel(x, y);
-  return (0.299f * c[0] + 0.587f * c[1] + 0.114f * c[2]) / 255;
-}
-
-/// Smaller eigenvalue of the structure tensor.
-float corner_strength(const Image<uint8_t>& photo, int x, int y) {
-  float xx = 0, xy = 0, yy = 0;
-  for (int v = y - kWindow; v <= y + kWindow; ++v) {
-    for (int u = x - kWindow; u <= x + kWindow; ++u) {
-      const float gx = grey(photo, u + 1, v) - grey(photo, u - 1, v), gy = grey(photo, u, v + 1) - grey(photo, u, v - 1);
-      xx += gx * gx;
-      xy += gx * gy;
-      yy += gy * gy;
-    }
-  }
-  return 0.5f * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy));
-}
-
-std::vector<Corner> find_corners(const Image<uint8_t>& photo, const SfmSettings& settings) {
-  std::vector<Corner> all;
-  constexpr int kBorder = kWindow + 1;
-  float strongest = 0;
-  for (int y = kBorder; y < photo.height - kBorder; ++y) {
-    for (int x = kBorder; x < photo.width - kBorder; ++x) {
-      all.push_back({corner_strength(photo, x, y), x, y});
-      strongest = std::max(strongest, all.back().strength);
-    }
-  }
-  const float least = static_cast<float>(settings.corner_quality) * strongest;
-  all.erase(std::remove_if(all.begin(), all.end(), [least](const Corner& c) { return !(c.strength > least); }), all.end());
-  std::sort(all.begin(), all.end(), [](const Corner& a, const Corner& b) {
-    return a.strength != b.strength ? a.strength > b.strength : a.y != b.y ? a.y < b.y : a.x < b.x;
-  });
-  const double scale = static_cast<double>(photo.width) * photo.height / kReferencePixels;
-  const size_t most = static_cast<size_t>(settings.corners_per_view * std::max(scale, 1e-3));
-  const int spacing = std::max(1, static_cast<int>(settings.corner_spacing));
-  Image<uint8_t> taken(photo.width, photo.height, 1);
-  std::vector<Corner> kept;
-  for (const Corner& c : all) {
-    if (kept.size() >= most) break;
-    if (taken.at(c.x, c.y)) continue;
-    kept.push_back(c);
-    for (int y = std::max(0, c.y - spacing); y <= std::min(photo.height - 1, c.y + spacing); ++y) {
-      for (int x = std::max(0, c.x - spacing); x <= std::min(photo.width - 1, c.x + spacing); ++x) taken.at(x, y) = 1;
-    }
-  }
-  return kept;
-}
-
-struct Observation {
+/// Where a photo sees the point.
+struct Sighting {
   size_t view;
   Vec2d pixel;
 };
@@ -79,13 +23,13 @@ Vec3d world_ray(const Camera& camera, const Vec2d& pixel) {
 }
 
 /// The point nearest to all rays, if it fits them.
-bool triangulate(const std::vector<SfmView>& views, const std::vector<Observation>& track, const SfmSettings& settings,
+bool triangulate(const std::vector<SfmView>& views, const std::vector<Sighting>& track, const SfmSettings& settings,
                  Vec3d& point) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double smallest_cosine = 1;
   std::vector<Vec3d> rays;
-  for (const Observation& o : track) {
+  for (const Sighting& o : track) {
     const Vec3d d = world_ray(views[o.view].camera, o.pixel), c = views[o.view].camera.centre();
     for (const Vec3d& other : rays) smallest_cosine = std::min(smallest_cosine, dot(d, other));
     rays.push_back(d);
@@ -98,7 +42,7 @@ bool triangulate(const std::vector<SfmView>& views, const std::vector<Observatio
   const Eigen::Vector3d x = normal.ldlt().solve(right);
   if (!x.allFinite()) return false;
   point = {x[0], x[1], x[2]};
-  for (const Observation& o : track) {
+  for (const Sighting& o : track) {
     const Camera& camera = views[o.view].camera;
     const Vec3d p = camera.world_to_camera * point;
     if (p.z <= 0) return false;
@@ -109,9 +53,9 @@ bool triangulate(const std::vector<SfmView>& views, const std::vector<Observatio
 }
 
 /// The photos that see the surface point behind a corner and match it.
-std::vector<Observation> track_of(const std::vector<SfmView>& views, size_t first, const Vec3d& world,
+std::vector<Sighting> track_of(const std::vector<SfmView>& views, size_t first, const Vec3d& world,
                                   const SfmSettings& settings, Random& random) {
-  std::vector<Observation> track;
+  std::vector<Sighting> track;
   for (size_t v = 0; v < views.size(); ++v) {
     const Camera& camera = views[v].truth->camera;
     const Vec3d p = camera.world_to_camera * world;
@@ -132,11 +76,11 @@ PointCloud simulate_sfm_cloud(const std::vector<SfmView>& views, const SfmSettin
   PointCloud cloud;
   for (size_t v = 0; v < views.size(); ++v) {
     const RenderedView& truth = *views[v].truth;
-    for (const Corner& corner : find_corners(*views[v].photo, settings)) {
+    for (const Corner& corner : find_corners(luma_of(to_float(*views[v].photo)), {}, settings.corners)) {
       const double depth = truth.depth.at(corner.x, corner.y);
       if (!(depth > 0)) continue;
       const Vec3d world = truth.camera.unproject(corner.x + 0.5, corner.y + 0.5, depth);
-      const std::vector<Observation> track = track_of(views, v, world, settings, random);
+      const std::vector<Sighting> track = track_of(views, v, world, settings, random);
       Vec3d point;
       // A point that several photos have as a corner is kept by the first of its track only.
       if (track.size() < 2 || track.front().view != v || !triangulate(views, track, settings, point)) continue;

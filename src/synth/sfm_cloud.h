@@ -5,6 +5,7 @@
 
 #include "core/random.h"
 #include "scene/camera.h"
+#include "scene/corners.h"
 #include "scene/point_cloud.h"
 #include "synth/shading.h"
 
@@ -18,9 +19,7 @@ struct SfmView {
 };
 
 struct SfmSettings {
-  int corners_per_view = 900;      ///< strongest of a photo at 320 x 240; more in proportion to larger photos
-  double corner_spacing = 4;       ///< pixels between corners of one photo
-  double corner_quality = 0.01;    ///< of the photo's strongest corner (Shi and Tomasi 1994)
+  CornerSettings corners{900, 4, 0.01};
   double same_depth = 0.02;        ///< a corner is seen by a photo whose depth there agrees within this share
   double found = 0.6;              ///< chance that a photo that sees the point also matches it
   double pixel_noise = 0.5;        ///< pixels, standard deviation of an observation

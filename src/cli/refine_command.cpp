@@ -1,0 +1,69 @@
+// `aligngs refine SCENE`: cameras and prior depth corrected from matches between the photos.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "refine/refined_scene.h"
+
+namespace aligngs {
+namespace {
+
+struct RefineCommandOptions {
+  std::string scene, output;
+  bool keep_depth = false, keep_tests = false, own_focal = false, overwrite = false;
+};
+
+void refine(const CommandContext& context, const RefineCommandOptions& options) {
+  const Scene scene = open_scene(options.scene);
+  RefineSceneOptions refine_options;
+  refine_options.correct_depth = !options.keep_depth;
+  refine_options.register_tests = !options.keep_tests;
+  refine_options.settings.share_focal = !options.own_focal;
+  refine_options.overwrite = options.overwrite;
+  refine_options.progress = context.progress();
+  ThreadPool pool(context.global.threads);
+  const RefineResult result = refine_scene(scene, options.output, refine_options, pool);
+  std::vector<int> order = scene.train;
+  if (refine_options.register_tests) order.insert(order.end(), scene.test.begin(), scene.test.end());
+  if (context.global.json) {
+    nlohmann::ordered_json views = nlohmann::ordered_json::array();
+    for (size_t i = 0; i < result.views.size(); ++i) {
+      const RefinedView& v = result.views[i];
+      views.push_back({{"name", scene.views[static_cast<size_t>(order[i])].name}, {"observations", v.observations},
+                       {"turned_degrees", v.turned}, {"shifted", v.shifted}, {"by_neighbour", v.by_neighbour}});
+    }
+    const nlohmann::ordered_json document = {{"scene", options.output}, {"tracks", result.tracks},
+                                             {"reprojection_median_before_px", result.bundle.start_median},
+                                             {"reprojection_median_px", result.bundle.end_median},
+                                             {"focal_factor", result.focal_factor}, {"views", views}};
+    std::printf("%s\n", document.dump(2).c_str());
+    return;
+  }
+  std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
+              result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  for (size_t i = 0; i < result.views.size(); ++i) {
+    const RefinedView& v = result.views[i];
+    std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),
+                v.observations, v.turned, v.shifted, v.by_neighbour ? "  (too few: follows its nearest neighbour)" : "");
+  }
+}
+
+}  // namespace
+
+void add_refine_command(CLI::App& program, CommandContext& context) {
+  CLI::App* command = program.add_subcommand("refine", "Correct cameras and prior depth from matches between the photos");
+  command->group("Data");
+  command->footer("The scene itself is not changed. Test photos are registered against the result afterwards and move nothing.\n"
+                  "Example: aligngs refine scene -o refined && aligngs run refined -o run");
+  auto options = std::make_shared<RefineCommandOptions>();
+  command->add_option("scene", options->scene, "scene folder with prior depth")->required();
+  command->add_option("-o,--output", options->output, "scene folder to write")->required();
+  command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
+  command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
+  command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
+  command->add_flag("--overwrite", options->overwrite, "replace a scene that stands there");
+  command->callback([&context, options] { refine(context, *options); });
+}
+
+}  // namespace aligngs

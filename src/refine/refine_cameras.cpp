@@ -1,0 +1,330 @@
+#include "refine/refine_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "refine/view_overlap.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
+
+/// A corner of one training photo and the places where others show it.
+struct Track {
+  int view = 0;
+  Corner corner;
+  Vec3d point;
+  std::vector<Observation> observations;  ///< the first is the corner itself
+};
+
+class Refinement {
+ public:
+  Refinement(const std::vector<RefineView>& views, double extent, const RefineSettings& settings, ThreadPool& pool)
+      : settings_(settings), extent_(extent), pool_(pool), views_(views) {
+    for (const RefineView& v : views) {
+      matches_.push_back(v.match);
+      prior_.push_back(v.match.camera);
+    }
+    for (size_t i = 0; i < views.size(); ++i) (views[i].test ? test_ : train_).push_back(static_cast<int>(i));
+    if (settings.share_focal) share_focal();
+  }
+
+  RefineResult run(const RefineProgress& progress) {
+    const double steps = settings_.rounds + 1;
+    for (int round = 0; round < settings_.rounds; ++round) {
+      if (progress) progress(round / steps);
+      find_tracks(round == 0 ? settings_.match.search : settings_.later_search);
+      adjust();
+    }
+    if (progress) progress(settings_.rounds / steps);
+    register_test_views();
+    RefineResult result = collect();
+    if (progress) progress(1);
+    return result;
+  }
+
+ private:
+  const MatchView& match(int view) const { return matches_[static_cast<size_t>(view)]; }
+
+  /// Sizes may differ (a phone turned by 90 degrees), so focal lengths are compared relative to the longer side.
+  void share_focal() {
+    std::vector<double> relative;
+    for (const int v : train_) relative.push_back(match(v).camera.fx / std::max(match(v).camera.width, match(v).camera.height));
+    if (relative.empty()) return;
+    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+    std::nth_element(relative.begin(), middle, relative.end());
+    for (MatchView& m : matches_) {
+      const double aspect = m.camera.fy / m.camera.fx;
+      m.camera.fx = *middle * std::max(m.camera.width, m.camera.height);
+      m.camera.fy = aspect * m.camera.fx;
+    }
+  }
+
+  void find_tracks(double search) {
+    MatchSettings match_settings = settings_.match;
+    match_settings.search = search;
+    std::vector<const MatchView*> training;
+    for (const int v : train_) training.push_back(&matches_[static_cast<size_t>(v)]);
+    const auto near = overlapping_views(training, training, settings_.neighbours, settings_.least_overlap, settings_.largest_turn);
+    std::vector<std::vector<Track>> of_view(train_.size());
+    pool_.parallel_for(train_.size(), 1, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) {
+        const int view = train_[i];
+        const RefineView& from = views_[static_cast<size_t>(view)];
+        for (const Corner& corner : find_corners(from.match.luma, from.mask, settings_.corners)) {
+          Track track = start_track(view, corner);
+          if (track.observations.empty()) continue;
+          for (const int k : near[i]) {
+            const int other = train_[static_cast<size_t>(k)];
+            if (const auto found = guided_match(match(view), corner.x, corner.y, match(other), match_settings)) {
+              track.observations.push_back(observation(other, found->pixel));
+            }
+          }
+          if (track.observations.size() >= 2) of_view[i].push_back(std::move(track));
+        }
+      }
+    });
+    tracks_.clear();
+    for (auto& own : of_view) {
+      for (Track& t : own) tracks_.push_back(std::move(t));
+    }
+  }
+
+  Observation observation(int view, const Vec2d& pixel) const {
+    Observation o;
+    o.view = view;
+    o.pixel = pixel;
+    const ImageF& depth = match(view).depth;
+    if (!depth.empty() && match(view).camera.contains(pixel)) {
+      const float z = depth.at(static_cast<int>(pixel.x), static_cast<int>(pixel.y));
+      o.prior_depth = z > 0 && std::isfinite(z) ? static_cast<double>(z) : 0;
+    }
+    return o;
+  }
+
+  Track start_track(int view, const Corner& corner) const {
+    Track track;
+    track.view = view;
+    track.corner = corner;
+    const Observation own = observation(view, {corner.x + 0.5, corner.y + 0.5});
+    if (own.prior_depth <= 0) return track;
+    track.point = match(view).camera.unproject(own.pixel.x, own.pixel.y, own.prior_depth);
+    track.observations.push_back(own);
+    return track;
+  }
+
+  BundleProblem problem() const {
+    BundleProblem out;
+    out.extent = extent_;
+    out.anchors = prior_;
+    for (const MatchView& m : matches_) out.cameras.push_back(m.camera);
+    for (const Track& t : tracks_) {
+      for (Observation o : t.observations) {
+        o.point = static_cast<int>(out.points.size());
+        out.observations.push_back(o);
+      }
+      out.points.push_back(t.point);
+    }
+    return out;
+  }
+
+  void take(const BundleProblem& solved) {
+    for (const int v : train_) matches_[static_cast<size_t>(v)].camera = solved.cameras[static_cast<size_t>(v)];
+    for (const int v : test_) {  // one lens: its focal length is known from the training views
+      Camera& camera = matches_[static_cast<size_t>(v)].camera;
+      if (settings_.share_focal) {
+        camera.fx *= solved.focal_factor;
+        camera.fy *= solved.focal_factor;
+      }
+    }
+    for (size_t i = 0; i < tracks_.size(); ++i) tracks_[i].point = solved.points[i];
+    focal_factor_ *= solved.focal_factor;
+  }
+
+  void drop_outliers() {
+    for (Track& t : tracks_) {
+      const auto wrong = [&](const Observation& o) {
+        return reprojection_error(match(o.view).camera, t.point, o.pixel) > settings_.outlier;
+      };
+      t.observations.erase(std::remove_if(t.observations.begin(), t.observations.end(), wrong), t.observations.end());
+    }
+    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.observations.size() < 2; }),
+                  tracks_.end());
+  }
+
+  void adjust() {
+    BundleProblem first = problem();
+    const BundleReport report = adjust_bundle(first, settings_.bundle);
+    if (!adjusted_) bundle_ = report;
+    take(first);
+    drop_outliers();
+    BundleProblem second = problem();
+    const double start_rms = bundle_.start_rms, start_median = bundle_.start_median;
+    bundle_ = adjust_bundle(second, settings_.bundle);
+    bundle_.start_rms = start_rms;  // of the cameras as they came
+    bundle_.start_median = start_median;
+    adjusted_ = true;
+    take(second);
+    drop_outliers();
+    follow_neighbours();
+  }
+
+  int count_observations(int view) const {
+    int count = 0;
+    for (const Track& t : tracks_) {
+      count += static_cast<int>(std::count_if(t.observations.begin(), t.observations.end(), [&](const Observation& o) { return o.view == view; }));
+    }
+    return count;
+  }
+
+  /// The well-determined training view whose prior camera is nearest; -1 without any.
+  int nearest_anchor(int view, const std::vector<int>& counts) const {
+    int best = -1;
+    double best_distance = std::numeric_limits<double>::infinity();
+    for (const int v : train_) {
+      if (v == view || counts[static_cast<size_t>(v)] < settings_.least_observations) continue;
+      const Vec3d d = prior_[static_cast<size_t>(v)].centre() - prior_[static_cast<size_t>(view)].centre();
+      if (dot(d, d) >= best_distance) continue;
+      best_distance = dot(d, d);
+      best = v;
+    }
+    return best;
+  }
+
+  /// Pose of `view` that keeps its prior pose relative to `anchor`, which has moved.
+  Rigidd carried_pose(int view, int anchor) const {
+    const Rigidd& own = prior_[static_cast<size_t>(view)].world_to_camera;
+    return own * prior_[static_cast<size_t>(anchor)].world_to_camera.inverse() * match(anchor).camera.world_to_camera;
+  }
+
+  void follow_neighbours() {
+    std::vector<int> counts(views_.size(), 0);
+    for (const int v : train_) counts[static_cast<size_t>(v)] = count_observations(v);
+    by_neighbour_.assign(views_.size(), false);
+    for (const int v : train_) {
+      if (counts[static_cast<size_t>(v)] >= settings_.least_observations) continue;
+      const int anchor = nearest_anchor(v, counts);
+      if (anchor < 0) continue;
+      matches_[static_cast<size_t>(v)].camera.world_to_camera = carried_pose(v, anchor);
+      by_neighbour_[static_cast<size_t>(v)] = true;
+    }
+    for (const int v : test_) {
+      const int anchor = nearest_anchor(v, counts);
+      if (anchor >= 0) matches_[static_cast<size_t>(v)].camera.world_to_camera = carried_pose(v, anchor);
+    }
+  }
+
+  /// Points are looked for in the test photos, whose cameras alone then move.
+  void register_test_views() {
+    if (test_.empty() || tracks_.empty()) return;
+    BundleProblem resection = problem();
+    resection.observations.clear();
+    resection.fixed_points = true;
+    resection.anchors = resection.cameras;  // carried along with their neighbours, they are better than the prior
+    std::vector<const MatchView*> training, tests;
+    for (const int v : train_) training.push_back(&match(v));
+    for (const int v : test_) tests.push_back(&match(v));
+    const auto near = overlapping_views(training, tests, static_cast<int>(tests.size()), settings_.least_overlap, settings_.largest_turn);
+    std::vector<std::vector<Observation>> found(tracks_.size());
+    pool_.parallel_for(tracks_.size(), 64, [&](size_t begin, size_t end, int) {
+      for (size_t t = begin; t < end; ++t) {
+        const Track& track = tracks_[t];
+        const auto own = std::find(train_.begin(), train_.end(), track.view);
+        for (const int k : near[static_cast<size_t>(own - train_.begin())]) {
+          const int view = test_[static_cast<size_t>(k)];
+          const auto place = guided_match(match(track.view), track.corner.x, track.corner.y, match(view), settings_.match);
+          if (!place) continue;
+          Observation o;
+          o.view = view;
+          o.point = static_cast<int>(t);
+          o.pixel = place->pixel;
+          found[t].push_back(o);
+        }
+      }
+    });
+    for (const auto& own : found) resection.observations.insert(resection.observations.end(), own.begin(), own.end());
+    BundleSettings settings = settings_.bundle;
+    settings.focal = 0;
+    adjust_bundle(resection, settings);
+    const auto wrong = [&](const Observation& o) {
+      return reprojection_error(resection.cameras[static_cast<size_t>(o.view)], resection.points[static_cast<size_t>(o.point)], o.pixel) > settings_.outlier;
+    };
+    auto& all = resection.observations;
+    all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
+    adjust_bundle(resection, settings);
+    test_observations_.assign(views_.size(), 0);
+    for (const Observation& o : all) ++test_observations_[static_cast<size_t>(o.view)];
+    for (const int v : test_) {
+      const bool enough = test_observations_[static_cast<size_t>(v)] >= settings_.least_observations;
+      if (enough) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
+      by_neighbour_[static_cast<size_t>(v)] = !enough;
+    }
+  }
+
+  DepthGrid depth_correction(int view) const {
+    std::vector<DepthSample> samples;
+    const Camera& camera = match(view).camera;
+    for (const Track& t : tracks_) {
+      if (t.observations.size() < 3) continue;  // two rays say little about depth
+      for (const Observation& o : t.observations) {
+        if (o.view != view || o.prior_depth <= 0) continue;
+        const double z = (camera.world_to_camera * t.point).z;
+        if (z > 0) samples.push_back({o.pixel.x / camera.width, o.pixel.y / camera.height, std::log(z / o.prior_depth)});
+      }
+    }
+    return fit_depth_grid(samples, settings_.grid);
+  }
+
+  RefineResult collect() const {
+    RefineResult result;
+    result.bundle = bundle_;
+    result.focal_factor = focal_factor_;
+    result.tracks = tracks_.size();
+    for (size_t i = 0; i < views_.size(); ++i) {
+      const int v = static_cast<int>(i);
+      RefinedView out;
+      out.camera = matches_[i].camera;
+      out.by_neighbour = !by_neighbour_.empty() && by_neighbour_[i];
+      out.observations = views_[i].test ? (test_observations_.empty() ? 0 : test_observations_[i]) : count_observations(v);
+      if (!views_[i].test) out.depth = depth_correction(v);
+      const Vec3d shift = out.camera.centre() - prior_[i].centre();
+      out.shifted = std::sqrt(dot(shift, shift));
+      const Mat3d turn = out.camera.world_to_camera.rotation * transpose(prior_[i].world_to_camera.rotation);
+      out.turned = std::acos(std::clamp(0.5 * (turn(0, 0) + turn(1, 1) + turn(2, 2) - 1), -1.0, 1.0)) * kDegreesPerRadian;
+      result.views.push_back(out);
+    }
+    for (const Track& t : tracks_) {
+      if (t.observations.size() < 3) continue;
+      result.points.positions.push_back(t.point.cast<float>());
+      const ImageF& color = views_[static_cast<size_t>(t.view)].color;
+      const float* c = color.pixel(t.corner.x, t.corner.y);
+      result.points.colors.push_back({c[0], c[1], c[2]});
+    }
+    return result;
+  }
+
+  const RefineSettings& settings_;
+  double extent_;
+  ThreadPool& pool_;
+  const std::vector<RefineView>& views_;
+  std::vector<MatchView> matches_;  ///< as the views', with the cameras of the moment
+  std::vector<Camera> prior_;
+  std::vector<int> train_, test_;
+  std::vector<Track> tracks_;
+  std::vector<bool> by_neighbour_;
+  std::vector<int> test_observations_;
+  BundleReport bundle_;
+  double focal_factor_ = 1;
+  bool adjusted_ = false;
+};
+
+}  // namespace
+
+RefineResult refine_cameras(const std::vector<RefineView>& views, double extent, const RefineSettings& settings,
+                            ThreadPool& pool, const RefineProgress& progress) {
+  return Refinement(views, extent, settings, pool).run(progress);
+}
+
+}  // namespace aligngs

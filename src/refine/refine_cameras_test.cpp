@@ -1,0 +1,109 @@
+#include "refine/refine_cameras.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/error.h"
+#include "refine/wall_photos_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+using namespace wall_photos;
+
+constexpr double kRoomExtent = 2;  // scene units
+
+std::vector<Camera> cameras_of(const std::vector<RefineView>& views) {
+  std::vector<Camera> out;
+  for (const RefineView& v : views) out.push_back(v.match.camera);
+  return out;
+}
+
+std::vector<Camera> cameras_of(const RefineResult& result) {
+  std::vector<Camera> out;
+  for (const RefinedView& v : result.views) out.push_back(v.camera);
+  return out;
+}
+
+class RefineCamerasTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
+  }
+  ThreadPool pool_{2};
+};
+
+TEST_F(RefineCamerasTest, WrongCamerasComeSeveralTimesNearer) {
+  const std::vector<RefineView> views = photos(8, 0, 0.6, 0.01);
+  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  EXPECT_LT(pair_error(cameras_of(result)), 0.3 * pair_error(cameras_of(views)));
+  EXPECT_LT(result.bundle.end_median, 0.5);
+  EXPECT_GT(result.bundle.start_median, 1);
+  EXPECT_GT(result.points.size(), 50u);
+}
+
+TEST_F(RefineCamerasTest, AWrongFocalLengthIsFound) {
+  std::vector<RefineView> views = photos(8, 0, 0.2, 0.003);
+  for (RefineView& v : views) v.match.camera.fx = v.match.camera.fy = 1.03 * kFocal;
+  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  EXPECT_NEAR(result.views[0].camera.fx, kFocal, 0.012 * kFocal);
+}
+
+TEST_F(RefineCamerasTest, TestPhotosAreRegisteredAndMoveNothing) {
+  const std::vector<RefineView> with = photos(8, 2, 0.6, 0.01);
+  std::vector<RefineView> without = with;
+  without.resize(6);
+  const RefineResult a = refine_cameras(with, kRoomExtent, {}, pool_), b = refine_cameras(without, kRoomExtent, {}, pool_);
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(a.views[i].camera.world_to_camera.translation.x, b.views[i].camera.world_to_camera.translation.x);
+  }
+  EXPECT_LT(pair_error(cameras_of(a)), 0.35 * pair_error(cameras_of(with)));
+  EXPECT_GE(a.views[7].observations, 15);
+}
+
+TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {
+  std::vector<RefineView> views = photos(8, 0, 0.1, 0.002);
+  ImageF& depth = views[3].match.depth;
+  const ImageF truth = depth;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) depth.at(x, y) *= static_cast<float>(1 + 0.05 * (static_cast<double>(x) / kWidth - 0.5));
+  }
+  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  double before = 0, after = 0;
+  ImageF corrected = depth;
+  result.views[3].depth.apply(corrected);
+  for (size_t i = 0; i < truth.data.size(); ++i) {
+    before += std::abs(std::log(depth.data[i] / truth.data[i]));
+    after += std::abs(std::log(corrected.data[i] / truth.data[i]));
+  }
+  EXPECT_LT(after, 0.6 * before);
+}
+
+TEST_F(RefineCamerasTest, APhotoThatMatchesNothingFollowsItsNeighbour) {
+  std::vector<RefineView> views = photos(8, 0, 0.6, 0.01);
+  std::fill(views[4].match.luma.data.begin(), views[4].match.luma.data.end(), 0.5f);
+  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  EXPECT_TRUE(result.views[4].by_neighbour);
+  EXPECT_FALSE(result.views[0].by_neighbour);
+}
+
+TEST_F(RefineCamerasTest, PhotosWithoutAnythingInCommonKeepTheirCameras) {
+  std::vector<RefineView> views = photos(4, 0, 0.6, 0.01);
+  for (RefineView& v : views) std::fill(v.match.luma.data.begin(), v.match.luma.data.end(), 0.5f);
+  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  EXPECT_EQ(result.tracks, 0u);
+  for (const RefinedView& v : result.views) EXPECT_LT(v.turned, 1e-5);
+}
+
+TEST_F(RefineCamerasTest, AnyNumberOfThreadsGivesTheSame) {
+  const std::vector<RefineView> views = photos(5, 1, 0.6, 0.01);
+  ThreadPool one(1);
+  const RefineResult a = refine_cameras(views, kRoomExtent, {}, one), b = refine_cameras(views, kRoomExtent, {}, pool_);
+  for (size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(a.views[i].camera.world_to_camera.translation.z, b.views[i].camera.world_to_camera.translation.z);
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

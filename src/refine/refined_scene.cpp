@@ -1,0 +1,136 @@
+#include "refine/refined_scene.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/npy.h"
+#include "io/resample.h"
+#include "scene/colmap_model.h"
+#include "scene/prior_maps.h"
+#include "scene/view_data.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<RefineView> load_views(const Scene& scene, bool tests, ThreadPool& pool) {
+  std::vector<int> indices = scene.train;
+  const size_t training = indices.size();
+  if (tests) indices.insert(indices.end(), scene.test.begin(), scene.test.end());
+  std::vector<RefineView> views(indices.size());
+  pool.parallel_for(indices.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      LoadOptions load;
+      load.prior_depth = i < training;  // a test view's prior is not read
+      load.semantics = false;
+      ViewData data = load_view(scene, indices[i], load);
+      RefineView& view = views[i];
+      view.name = data.name;
+      view.match.camera = data.camera;
+      view.match.luma = luma_of(data.color);
+      view.match.depth = std::move(data.prior_depth);
+      view.color = std::move(data.color);
+      view.mask = std::move(data.mask);
+      view.test = i >= training;
+    }
+  });
+  return views;
+}
+
+void require_depth(const Scene& scene) {
+  for (const int v : scene.train) {
+    if (!scene.views[static_cast<size_t>(v)].prior_depth.empty()) continue;
+    throw_bad_input(scene.folder / "pred_depths", scene.views[static_cast<size_t>(v)].name,
+                    "this training view has no prior depth, which says where to look for its points in other photos",
+                    "make it with `aligngs priors`, or take cameras from structure from motion (`aligngs poses --method colmap`)");
+  }
+}
+
+/// A folder beside its place that is removed unless it was renamed.
+struct PartialFolder {
+  fs::path path;
+  explicit PartialFolder(const fs::path& target) : path(target.string() + ".partial-" + std::to_string(getpid())) {
+    fs::remove_all(path);
+  }
+  ~PartialFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+void require_free(const fs::path& output, bool overwrite) {
+  if (!fs::exists(output) || (fs::is_directory(output) && fs::is_empty(output))) return;
+  const bool scene = fs::exists(output / "scene.json") || fs::exists(output / "sparse");
+  if (overwrite && scene) return;
+  throw Error({ErrorKind::kUsage, scene ? "there is a scene already" : "this is not empty and no scene", output, "-o",
+               scene ? "give another folder or --overwrite" : "give another folder"});
+}
+
+void write_depth(const Scene& scene, int view, const DepthGrid& grid, const fs::path& folder) {
+  const View& v = scene.views[static_cast<size_t>(view)];
+  const FloatArray stored = read_npy(v.prior_depth);
+  if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
+  ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
+  map.data = stored.data;
+  grid.apply(map);
+  write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
+}
+
+void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points, const fs::path& folder) {
+  ColmapModel model;
+  for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], scene.views[i].image.filename().string());
+  append_points(model, points);
+  fs::remove_all(folder / "sparse");
+  write_colmap_binary(folder / "sparse", model);
+}
+
+void note_refinement(const RefineResult& result, const fs::path& folder) {
+  const fs::path file = folder / "scene.json";
+  nlohmann::ordered_json json = fs::exists(file) ? nlohmann::ordered_json::parse(read_file(file), nullptr, false) : nlohmann::ordered_json::object();
+  if (!json.is_object()) json = nlohmann::ordered_json::object();
+  json["cameras_refined"] = {{"tracks", result.tracks},
+                             {"reprojection_median_before_px", result.bundle.start_median},
+                             {"reprojection_median_px", result.bundle.end_median},
+                             {"focal_factor", result.focal_factor}};
+  write_file_atomically(file, json.dump(2) + "\n");
+}
+
+}  // namespace
+
+RefineResult refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
+  require_depth(scene);
+  require_free(output, options.overwrite);
+  const std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
+  RefineResult result;
+  {
+    constexpr uint64_t kSteps = 100;
+    Progress progress(options.progress, "refine cameras", kSteps);
+    result = refine_cameras(views, robust_extent(scene), options.settings, pool,
+                            [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
+  }
+  std::vector<Camera> cameras;
+  for (const View& v : scene.views) cameras.push_back(v.camera);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const int index = i < scene.train.size() ? scene.train[i] : scene.test[i - scene.train.size()];
+    cameras[static_cast<size_t>(index)] = result.views[i].camera;
+  }
+  const PartialFolder partial(output);
+  fs::copy(scene.folder, partial.path, fs::copy_options::recursive);
+  write_sparse(scene, cameras, scene.cloud, partial.path);
+  for (size_t i = 0; options.correct_depth && i < scene.train.size(); ++i) {
+    write_depth(scene, scene.train[i], result.views[i].depth, partial.path);
+  }
+  note_refinement(result, partial.path);
+  if (options.overwrite) fs::remove_all(output);
+  fs::rename(partial.path, output);
+  return result;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,26 @@
+// A scene folder with refined cameras: everything else of the scene, its truth included, is taken over as it is.
+#pragma once
+
+#include <filesystem>
+
+#include "core/progress.h"
+#include "refine/refine_cameras.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+struct RefineSceneOptions {
+  RefineSettings settings;
+  bool correct_depth = true;     ///< pred_depths/ of the training views are multiplied by their DepthGrid
+  bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
+  bool overwrite = false;
+  ProgressStyle progress;
+};
+
+/// Reads the scene, refines, writes the new folder, complete or not at all. Needs metric prior depth of all training views
+/// (Error{kBadInput} otherwise: without it nothing says where to look for a match). sparse/points3D becomes the tracks
+/// when there are enough of them for a start, else the old cloud stays.
+RefineResult refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
+                          ThreadPool& pool);
+
+}  // namespace aligngs

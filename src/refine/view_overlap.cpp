@@ -1,0 +1,48 @@
+#include "refine/view_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aligngs {
+namespace {
+
+constexpr int kGrid = 12;  // samples a side; 144 tell a quarter from a third
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+}  // namespace
+
+double view_overlap(const MatchView& from, const MatchView& to, double largest_turn) {
+  if (from.depth.empty() || dot(from.camera.forward(), to.camera.forward()) < std::cos(largest_turn * kDegree)) return 0;
+  const Rigidd to_other = to.camera.world_to_camera * from.camera.world_to_camera.inverse();
+  int inside = 0, valid = 0;
+  for (int j = 0; j < kGrid; ++j) {
+    for (int i = 0; i < kGrid; ++i) {
+      const int x = (2 * i + 1) * from.depth.width / (2 * kGrid), y = (2 * j + 1) * from.depth.height / (2 * kGrid);
+      const float z = from.depth.at(x, y);
+      if (!(z > 0)) continue;
+      ++valid;
+      const Vec3d p = to_other * (from.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z));
+      if (p.z > 0 && to.camera.contains(to.camera.project(p))) ++inside;
+    }
+  }
+  return valid == 0 ? 0 : static_cast<double>(inside) / valid;
+}
+
+std::vector<std::vector<int>> overlapping_views(const std::vector<const MatchView*>& from,
+                                                const std::vector<const MatchView*>& to, int count, double least,
+                                                double largest_turn) {
+  std::vector<std::vector<int>> out(from.size());
+  for (size_t i = 0; i < from.size(); ++i) {
+    std::vector<std::pair<double, int>> shares;
+    for (size_t j = 0; j < to.size(); ++j) {
+      if (from[i] == to[j]) continue;
+      const double share = view_overlap(*from[i], *to[j], largest_turn);
+      if (share >= least) shares.emplace_back(-share, static_cast<int>(j));
+    }
+    std::sort(shares.begin(), shares.end());
+    for (size_t k = 0; k < shares.size() && k < static_cast<size_t>(count); ++k) out[i].push_back(shares[k].second);
+  }
+  return out;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,64 @@
+// `aligngs refine` as a user meets it.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "io/atomic_file.h"
+#include "refine/bundle_adjustment.h"
+#include "scene/scene.h"
+#include "support/process.h"
+#include "support/small_scene.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::ProcessResult;
+using testing_support::run_aligngs;
+
+class RefineCommand : public testing::Test {
+ protected:
+  static fs::path root() { return fs::path(testing::TempDir()) / "refine_command"; }
+  void SetUp() override {
+    if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
+    fs::remove_all(root());
+    testing_support::write_small_scene(root() / "scene");
+  }
+  static ProcessResult refine(const std::string& arguments) {
+    return run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' -q " + arguments,
+                       root() / "scratch");
+  }
+};
+
+TEST_F(RefineCommand, WritesASceneThatOpensAndLeavesTheOldOneAlone) {
+  const std::string before = read_file(root() / "scene" / "sparse" / "images.bin");
+  const ProcessResult result = refine("--json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_TRUE(json["tracks"].is_number());
+  const Scene scene = open_scene(root() / "refined"), old = open_scene(root() / "scene");
+  EXPECT_EQ(scene.views.size(), old.views.size());
+  EXPECT_EQ(scene.train, old.train);
+  EXPECT_EQ(scene.cloud.size(), old.cloud.size());
+  EXPECT_EQ(read_file(root() / "scene" / "sparse" / "images.bin"), before);
+  EXPECT_THAT(read_file(root() / "refined" / "scene.json"), HasSubstr("cameras_refined"));
+}
+
+TEST_F(RefineCommand, ASceneThatStandsThereIsNotReplacedUnasked) {
+  ASSERT_EQ(refine("").status, 0);
+  EXPECT_EQ(refine("").status, 2);
+  EXPECT_EQ(refine("--overwrite").status, 0);
+}
+
+TEST_F(RefineCommand, WithoutPriorDepthItSaysWhatIsMissing) {
+  fs::remove_all(root() / "scene" / "pred_depths");
+  const ProcessResult result = refine("");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("pred_depths"));
+  EXPECT_THAT(result.err, HasSubstr("remedy"));
+  EXPECT_FALSE(fs::exists(root() / "refined"));
+}
+
+}  // namespace
+}  // namespace aligngs
