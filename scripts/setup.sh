@@ -15,7 +15,12 @@ packages=(
 for option in "$@"; do
   case "$option" in
     --clang) packages+=(clang-14 libclang-rt-14-dev) ;;
-    --browser) packages+=(chromium nodejs npm assimp-utils fonts-dejavu-core) ;;
+    --browser)
+      packages+=(chromium assimp-utils fonts-dejavu-core)
+      # A node that came from elsewhere brings its own npm and conflicts with Debian's.
+      command -v node >/dev/null || packages+=(nodejs)
+      command -v npm >/dev/null || packages+=(npm)
+      ;;
     -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
