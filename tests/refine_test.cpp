@@ -60,5 +60,16 @@ TEST_F(RefineCommand, WithoutPriorDepthItSaysWhatIsMissing) {
   EXPECT_FALSE(fs::exists(root() / "refined"));
 }
 
+TEST_F(RefineCommand, RunRefinesIntoItsOwnSceneFolderAndResumesWithoutDoingItAgain) {
+  const std::string run = "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' --refine -n 10 -q";
+  ASSERT_EQ(run_aligngs(run, root() / "scratch").status, 0);
+  const std::string refined = read_file(root() / "run" / "scene" / "scene.json");
+  EXPECT_THAT(refined, HasSubstr("cameras_refined"));
+  EXPECT_FALSE(fs::exists(root() / "run" / "scene.refined"));
+  const ProcessResult again = run_aligngs(run + " --resume", root() / "scratch");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(read_file(root() / "run" / "scene" / "scene.json"), refined);
+}
+
 }  // namespace
 }  // namespace aligngs

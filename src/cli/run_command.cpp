@@ -8,6 +8,7 @@
 #include "cli/photo_options.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/stages/pipeline.h"
+#include "cli/stages/refine_stage.h"
 #include "cli/train_options.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -84,7 +85,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   const RunMode mode = options.train.resume ? RunMode::kResume : options.train.overwrite ? RunMode::kOverwrite : RunMode::kNew;
   RunFolder(run).check(mode);
   const ModelStore store = model_store(context);
-  const fs::path scene = photos ? run / "scene" : source;
+  const fs::path scene = photos || options.train.refine ? run / "scene" : source;
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, scene, train.threads);
   const bool go_on = options.train.resume && fs::exists(run / "run.json") && is_scene(scene);
   if (!go_on) {
@@ -97,7 +98,8 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
       const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
       log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
     }
-    fill_priors(scene, store, options, context);
+    fill_priors(photos ? scene : source, store, options, context);
+    if (options.train.refine) refine_into_run(photos ? scene : source, run, context);
   }
   train.scene = scene;
   const nlohmann::json metrics = run_pipeline(train, context);
@@ -123,6 +125,8 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   command->add_option("--depth", options->depth,
                       "depth where the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: VGGT when it is installed")
       ->capture_default_str();
+  command->add_flag("--refine", train->refine,
+                    "correct cameras, focal length and prior depth from matches between the photos first (see `aligngs refine`)");
   add_photo_options(*command, photos);
   add_train_options(*command, train);
   command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");

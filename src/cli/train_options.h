@@ -17,6 +17,7 @@ struct TrainCommandOptions {
   bool resume = false, overwrite = false, require_priors = false;
   double memory_gigabytes = 0;
   bool view = false;       ///< show the page meanwhile (page_server.h)
+  bool refine = false;     ///< `run` and `demo`: correct cameras and prior depth first
   uint16_t view_port = 0;  ///< 0: the first free one
 };
 

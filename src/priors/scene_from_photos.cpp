@@ -62,13 +62,17 @@ bool is_test(size_t index, int test_every) {
   return test_every > 0 && index % size_t(test_every) == 0;
 }
 
-/// The photos that have cameras must be enough to train on.
-void require_enough(const fs::path& photos, size_t all, size_t placed,
-                    const std::vector<UnplacedPhoto>& unplaced) {
+/// The photos that have cameras must be enough to train on; if not, every photo is told what became of it.
+void require_enough(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<UnplacedPhoto>& unplaced) {
+  const size_t all = photos.size(), placed = all - unplaced.size();
   if (placed >= kFewestPlaced && 2 * placed >= all) return;
   std::string reasons;
-  for (const UnplacedPhoto& photo : unplaced) reasons += "\n    " + photo.name + ": " + photo.reason;
-  throw_bad_input(photos, "poses",
+  for (const Photo& photo : photos) {
+    const auto without = std::find_if(unplaced.begin(), unplaced.end(), [&](const UnplacedPhoto& u) { return u.name == photo.name; });
+    reasons += fmt::format("\n    {}: {}", photo.name,
+                           without != unplaced.end() ? without->reason : fmt::format("placed, but only {} photos hang together", placed));
+  }
+  throw_bad_input(folder, "poses",
                   fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons),
                   "neighbouring photos should share about 60 % of what they show and be taken from "
                   "different places, sharp and evenly lit; or try --method vggt, which needs less "
@@ -103,7 +107,7 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   report.unplaced = poses.unplaced;
   report.placed = poses.model.images.size();
   report.reprojection_error = poses.reprojection_error;
-  require_enough(source, photos.size(), report.placed, poses.unplaced);
+  require_enough(source, photos, poses.unplaced);
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
