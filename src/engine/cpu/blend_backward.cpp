@@ -110,7 +110,8 @@ class StripCursor {
       if (left_[b] == 0) continue;
       const size_t e = left_[b] - 1;
       const bool here = entries_[b][e] == index;
-      set |= (here ? uint32_t(sets_[b][e]) : 0u) << (b * kBlockStrips);
+      const uint32_t strips = here ? sets_[b][e] : 0u;  // apart: GCC 12's shift sanitizer loses `b` in one expression
+      set |= strips << (b * kBlockStrips);
       entry_[b] = e;
       left_[b] = here ? e : left_[b];
     }
