@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "engine/cuda/runtime/device_span.h"
 #include "engine/formulas/projection_camera.h"
 #include "engine/formulas/splat.h"
 

@@ -1,0 +1,47 @@
+// The semantic visit to every tile: blended rows, loss, row gradients and coupling in one kernel, as matrix products on
+// tensor cores. With W the weights of a block of 8 x 8 pixels and S the rows of its Gaussians,
+//   P = W S,  dP and the coupling direction H from the loss at each pixel,  dS = W^T dP,  Q = S H^T - h_0,
+// in bfloat16 with float32 sums; P never leaves shared memory. The loss is formed in float32.
+//
+// The coupling reaches alpha by a sweep from the back, dL/dalpha_k = T_k (q_k - B_k) with B_k the sum of the same rounded
+// q_k behind k: nothing cancels behind an opaque surface, whatever the rounding of q.
+#pragma once
+
+#include "engine/cuda/runtime/device_memory.h"
+#include "engine/cuda/semantic_rows.h"
+#include "engine/cuda/teacher_maps.h"
+#include "engine/cuda/view_spans.h"
+
+namespace aligngs::cuda {
+
+/// Moments of g = dL_geo/dpower of one Gaussian in one tile, in whitened coordinates.
+struct alignas(16) CouplingMoments {
+  float p, r, one, pp, pr, rr, unused[2];
+};
+
+struct SemanticVisitInputs {
+  ViewSpans view;
+  TileListSpans lists;
+  BlendRecordSpans record;
+  TeacherSpans teacher;
+  DeviceSpan<const uint16_t> rows;  ///< of semantic_rows
+  RasterSettings raster;
+  SemanticBlend blend = SemanticBlend::kProbabilities;
+  SemanticCoupling coupling = SemanticCoupling::kBounded;
+  bool couple = false;      ///< the coupling is wanted
+  float soft_weight = 0, hard_weight = 0;  ///< LossSettings
+  int remainder = 0;        ///< as in SemanticRowInputs
+};
+
+struct SemanticVisitOutputs {
+  DeviceSpan<float> row_slots;           ///< [instances][padded] dL/drows of one Gaussian in one tile, where seen
+  DeviceSpan<CouplingMoments> coupling;  ///< [instances], where seen; may be empty without couple
+  DeviceSpan<uint8_t> seen;              ///< [instances, by slot] 1: a pixel with a teacher may have taken it
+  DeviceSpan<double> tile_terms;         ///< [2][tiles] scratch
+  DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
+};
+
+/// Throws Error{kResources} when the device's shared memory does not hold a block with this many channels.
+void semantic_visit(const DeviceContext& context, const SemanticVisitInputs& in, const SemanticVisitOutputs& out);
+
+}  // namespace aligngs::cuda

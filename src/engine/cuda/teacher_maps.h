@@ -1,0 +1,40 @@
+// A view's semantic teacher on the device, in compact form: float16 probabilities of the channels at the teacher's own
+// resolution (engine/cpu/active_classes.h says what that costs against the full maps), and 6 bytes per pixel of the image.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/cpu/semantic_view.h"
+#include "engine/cuda/runtime/device_memory.h"
+
+namespace aligngs::cuda {
+
+struct TeacherSpans {
+  int width = 0, height = 0;  ///< of the teacher's map
+  int channels = 0;
+  int stride = 0;             ///< numbers per pixel of the map, a multiple of 8
+  DeviceSpan<const uint16_t> probabilities;   ///< [height][width][stride] float16, zero beyond the channels
+  DeviceSpan<const float> confidence;         ///< [height][width]; empty: 1
+  DeviceSpan<const float> negative_entropy;   ///< [H W] of the image: sum t log t
+  DeviceSpan<const uint16_t> top_class;       ///< [H W] arg-max of t, kNoLabel where the pixel is not valid
+  DeviceSpan<const float> weight;             ///< [H W] omega of the bounded coupling; empty: 1
+  uint32_t valid = 0;                         ///< pixels that take part in the semantic loss
+};
+
+/// Owns them. The arrays do not change between steps.
+class TeacherMaps {
+ public:
+  TeacherMaps() = default;
+  /// `view` must have semantics; `cache` is prepare_semantic_view's of the same view.
+  TeacherMaps(DeviceContext& context, const TrainingView& view, const cpu::SemanticView& cache);
+  TeacherSpans spans() const;
+  /// Bytes of a view with these sizes.
+  static uint64_t bytes(int channels, size_t teacher_pixels, size_t image_pixels);
+
+ private:
+  TeacherSpans shape_;
+  DeviceArray<uint16_t> probabilities_, top_class_;
+  DeviceArray<float> confidence_, negative_entropy_, weight_;
+};
+
+}  // namespace aligngs::cuda
