@@ -13,13 +13,14 @@ target_include_directories(aligngs_flags INTERFACE ${CMAKE_SOURCE_DIR}/src)
 target_compile_definitions(aligngs_flags INTERFACE ALIGNGS_VERSION="${PROJECT_VERSION}")
 # Baseline x86-64-v2; wider instruction sets are chosen at run time. No contraction: two passes that
 # compile the same expression must get the same bits. errno and trapping are not used by the maths.
-target_compile_options(aligngs_flags INTERFACE
-  -Wall -Wextra -Wshadow -Wno-unused-parameter -ffp-contract=off -fno-math-errno -fno-trapping-math)
+target_compile_options(aligngs_flags INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-Wall;-Wextra;-Wshadow;-Wno-unused-parameter;-ffp-contract=off;-fno-math-errno;-fno-trapping-math>")
+# CUDA sources: constexpr functions of the library (std::min) on the device too.
+target_compile_options(aligngs_flags INTERFACE "$<$<COMPILE_LANGUAGE:CUDA>:--expt-relaxed-constexpr;-Xcompiler=-Wall,-Wextra,-Wno-unused-parameter>")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(aligngs_flags INTERFACE -Wno-restrict)  # GCC 12 false positive (bug 105651)
+  target_compile_options(aligngs_flags INTERFACE $<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-Wno-restrict>)  # GCC 12 false positive (bug 105651)
 endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  target_compile_options(aligngs_flags INTERFACE -march=x86-64-v2)
+  target_compile_options(aligngs_flags INTERFACE $<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-march=x86-64-v2>)
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_options(aligngs_flags INTERFACE -O3)

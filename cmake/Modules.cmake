@@ -1,10 +1,10 @@
 # aligngs_module(NAME LIBRARIES ...): a static library of src/NAME/**/*.cpp. The tests that stand beside
-# the sources are collected in tests/CMakeLists.txt, one program per module.
+# the sources are collected in tests/CMakeLists.txt, one program per module. cuda/ folders: cmake/Cuda.cmake.
 set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
 function(aligngs_module name)
   cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_test\\.cpp$|/src/engine/cuda/")
   if(sources)
     add_library(aligngs_${name} STATIC ${sources})
     target_link_libraries(aligngs_${name} PUBLIC aligngs_flags ${ARG_LIBRARIES})

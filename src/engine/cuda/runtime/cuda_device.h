@@ -1,0 +1,37 @@
+// Which CUDA devices there are, and which device a run uses. Exists in builds without CUDA as well, which have none.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace aligngs::cuda {
+
+struct CudaDevice {
+  int index = 0;           ///< N of cuda:N
+  std::string name;
+  int major = 0, minor = 0;  ///< compute capability
+  uint64_t memory_bytes = 0, free_bytes = 0;
+};
+
+struct CudaDevices {
+  std::vector<CudaDevice> devices;
+  std::string reason;  ///< why there are none; empty when there are some
+};
+
+/// Never throws: a missing driver is a reason like any other.
+CudaDevices list_cuda_devices();
+/// What this build can run on: "built without CUDA", or the toolkit and the architectures.
+std::string cuda_build();
+
+struct DeviceChoice {
+  bool cuda = false;
+  int index = 0;        ///< of the CUDA device
+  std::string message;  ///< why `auto` takes the CPU; empty otherwise
+};
+
+/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes the device with most free memory, or the CPU with
+/// a message that says why. Throws Error{kUsage} for any other text and Error{kResources} when cuda:N is not there.
+DeviceChoice choose_device(const std::string& request, const CudaDevices& devices);
+
+}  // namespace aligngs::cuda

@@ -1,0 +1,56 @@
+// Starts kernels. For .cu files only.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+#include "core/error.h"
+#include "engine/cuda/runtime/cuda_check.h"
+#include "engine/cuda/runtime/device_language.h"
+#include "engine/cuda/runtime/device_memory.h"
+
+namespace aligngs::cuda {
+
+struct LaunchShape {
+  dim3 grid;
+  dim3 block;               ///< a multiple of 32 threads
+  size_t shared_bytes = 0;  ///< dynamic shared memory
+};
+
+/// One thread per item in blocks of `threads`.
+inline LaunchShape one_per_item(size_t items, unsigned threads) {
+  return {dim3(static_cast<unsigned>((items + threads - 1) / threads)), dim3(threads), 0};
+}
+
+/// Starts kernel(args...) on the context's stream; arguments are converted to the kernel's parameter types. A grid
+/// without blocks starts nothing. Debug builds wait for the kernel, so that its errors carry its name.
+template <class... P, class... A>
+void launch(const DeviceContext& context, const char* name, void (*kernel)(P...), const LaunchShape& shape,
+            A&&... args) {
+  static_assert(sizeof...(P) == sizeof...(A));
+  if (shape.grid.x == 0 || shape.grid.y == 0 || shape.grid.z == 0) return;
+  if (shape.block.x * shape.block.y * shape.block.z % 32 != 0) {
+    throw Error({ErrorKind::kFailed, std::string("kernel ") + name + ": blocks must be whole warps", {}, {}, {}});
+  }
+#ifdef ALIGNGS_CUDA_EMULATED
+  (void)context;
+  auto body = [&] { kernel(static_cast<P>(args)...); };
+  emulate_grid(shape.grid, shape.block, shape.shared_bytes, [](void* b) { (*static_cast<decltype(body)*>(b))(); },
+               &body);
+#else
+  constexpr size_t kWithoutAsking = 48 * 1024;  // dynamic shared memory that needs no attribute
+  if (shape.shared_bytes > kWithoutAsking) {
+    check_cuda(cudaFuncSetAttribute(reinterpret_cast<const void*>(kernel),
+                                    cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                    static_cast<int>(shape.shared_bytes)),
+               name);
+  }
+  kernel<<<shape.grid, shape.block, shape.shared_bytes, context.stream()>>>(static_cast<P>(args)...);
+  check_cuda(cudaGetLastError(), name);
+#ifndef NDEBUG
+  check_cuda(cudaStreamSynchronize(context.stream()), name);
+#endif
+#endif
+}
+
+}  // namespace aligngs::cuda
