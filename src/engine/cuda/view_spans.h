@@ -53,6 +53,13 @@ struct BlendRecordSpans {
   DeviceSpan<float> transmittance;   ///< [tiles][256] what is left behind the last one
 };
 
+/// What blending leaves per pixel, planar as in engine/maps.h, which says what each map is.
+struct RenderMapSpans {
+  int width = 0, height = 0;
+  DeviceSpan<float> color, normal;                      ///< [3][H W]
+  DeviceSpan<float> alpha, distance, expected, median;  ///< [H W]; without geometry all but alpha may be empty
+};
+
 /// dL/dmaps, planar as in engine/maps.h.
 struct MapGradientSpans {
   DeviceSpan<float> color, normal;    ///< [3][H W]

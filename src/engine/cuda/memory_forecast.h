@@ -1,0 +1,19 @@
+// What a run will need of the device's memory, before it starts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace aligngs::cuda {
+
+struct MemoryForecastInputs {
+  size_t gaussians = 0;
+  int channels = 0;             ///< C
+  size_t pixels_per_view = 0;
+  uint64_t view_bytes = 0;      ///< of all training views: TrainingMaps::bytes, TeacherMaps::bytes
+};
+
+/// Bytes at the peak of a step with every loss on, or of a restructuring, whichever is more.
+uint64_t forecast_bytes(const MemoryForecastInputs& in);
+
+}  // namespace aligngs::cuda

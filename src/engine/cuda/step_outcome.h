@@ -1,0 +1,47 @@
+// What a step found, in one place on the device: the only thing that the host waits for.
+#pragma once
+
+#include "engine/cuda/runtime/device_memory.h"
+#include "engine/engine.h"
+#include "engine/formulas/semantic_loss.h"
+#include "engine/loss_terms.h"
+#include "engine/settings.h"
+
+namespace aligngs::cuda {
+
+struct StepOutcome {
+  LossTerms terms;
+  double squares[2];            ///< ParameterGradientOutputs::squares
+  unsigned long long bad;       ///< bad_gradient_key, or kNoBadGradient
+  int64_t bad_parameter;        ///< row with a parameter that is not finite, as projection found it; -1: none
+  uint32_t visible;             ///< touched rows
+  uint32_t blocked;             ///< 1: something is not finite, the optimiser must write nothing
+};
+
+struct StepOutcomeInputs {
+  DeviceSpan<const LossTerms> terms;          ///< [1] of map_losses and add_shape_terms
+  DeviceSpan<const double> semantic_terms;    ///< [2] of semantic_visit; empty: none
+  DeviceSpan<const double> squares;           ///< [2]
+  DeviceSpan<const unsigned long long> bad;   ///< [1]
+  DeviceSpan<const uint32_t> visible;         ///< [1]
+  float soft_weight = 0, hard_weight = 0;     ///< LossSettings
+  int64_t bad_parameter = -1;
+};
+
+/// Puts the parts together, total included, and decides whether the optimiser may write. The optimiser and the density
+/// statistics read `blocked` on the device, so nothing waits for the host in between.
+void judge_step(const DeviceContext& context, const StepOutcomeInputs& in, DeviceSpan<StepOutcome> out);
+
+/// The name of the first loss that is not finite, or nullptr.
+const char* bad_loss(const LossTerms& terms);
+
+/// Root mean squares over the visible rows, as update_coupling_balance wants them; 0 where none is visible.
+struct GradientScale {
+  double photometric_rms = 0, coupling_rms = 0;
+};
+GradientScale gradient_scale(const StepOutcome& outcome);
+
+/// Where the step failed: the first loss, else the first gradient. To be refined by find_bad_parameter.
+NonFinite symptom_of(const StepOutcome& outcome);
+
+}  // namespace aligngs::cuda
