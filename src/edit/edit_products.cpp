@@ -1,7 +1,5 @@
 #include "edit/edit_products.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -64,38 +62,6 @@ void require_new_folder(const fs::path& folder) {
     throw Error(
         {ErrorKind::kUsage, "the place for the edited run is taken", folder, "-o", "name a new or empty folder"});
   }
-}
-
-FolderReplacement::FolderReplacement(fs::path target) : target_(std::move(target)) {
-  if (target_.filename().empty()) target_ = target_.parent_path();  // "out/" means "out"
-  temporary_ = target_;
-  temporary_ += ".tmp-" + std::to_string(::getpid());
-  std::error_code error;
-  fs::remove_all(temporary_, error);
-  fs::create_directories(temporary_, error);
-  if (error)
-    throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
-}
-
-FolderReplacement::~FolderReplacement() {
-  std::error_code error;
-  if (!temporary_.empty()) fs::remove_all(temporary_, error);
-}
-
-void FolderReplacement::commit() {
-  fs::path old = target_;
-  old += ".old.tmp-" + std::to_string(::getpid());
-  std::error_code error;
-  const bool replaced = fs::exists(target_, error);
-  if (replaced) fs::rename(target_, old, error);
-  if (!error) fs::rename(temporary_, target_, error);
-  if (error) {
-    std::error_code ignored;
-    if (replaced && !fs::exists(target_, ignored)) fs::rename(old, target_, ignored);
-    throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
-  }
-  temporary_.clear();
-  fs::remove_all(old, error);
 }
 
 EditableRoom centred(const EditableRoom& room) {

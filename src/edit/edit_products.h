@@ -1,4 +1,4 @@
-// Files of an edited room, and folders that appear whole or not at all.
+// Files of an edited room.
 #pragma once
 
 #include <filesystem>
@@ -21,21 +21,5 @@ void write_edited_record(const std::filesystem::path& path, RunRecord record, co
                          const std::vector<EditOperation>& edits, size_t gaussians);
 /// Error{kUsage} unless `folder` is absent or empty.
 void require_new_folder(const std::filesystem::path& folder);
-
-/// A folder that is filled under a temporary name beside its place and takes it on commit(); what stood there before
-/// goes then. Without commit the temporary folder is removed.
-class FolderReplacement {
- public:
-  explicit FolderReplacement(std::filesystem::path target);
-  ~FolderReplacement();
-  FolderReplacement(const FolderReplacement&) = delete;
-  FolderReplacement& operator=(const FolderReplacement&) = delete;
-
-  const std::filesystem::path& path() const { return temporary_; }
-  void commit();
-
- private:
-  std::filesystem::path target_, temporary_;
-};
 
 }  // namespace aligngs

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "edit/edit_products.h"
 #include "io/atomic_file.h"
+#include "io/folder_replacement.h"
 #include "scene/mesh_ply.h"
 #include "train/camera_outputs.h"
 #include "train/config_file.h"

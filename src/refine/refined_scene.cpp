@@ -1,17 +1,18 @@
 #include "refine/refined_scene.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/folder_replacement.h"
 #include "io/npy.h"
 #include "io/resample.h"
 #include "scene/colmap_model.h"
 #include "scene/prior_maps.h"
+#include "scene/scene_writer.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -53,26 +54,6 @@ void require_depth(const Scene& scene) {
   }
 }
 
-/// A folder beside its place that is removed unless it was renamed.
-struct PartialFolder {
-  fs::path path;
-  explicit PartialFolder(const fs::path& target) : path(target.string() + ".partial-" + std::to_string(getpid())) {
-    fs::remove_all(path);
-  }
-  ~PartialFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
-void require_free(const fs::path& output, bool overwrite) {
-  if (!fs::exists(output) || (fs::is_directory(output) && fs::is_empty(output))) return;
-  const bool scene = fs::exists(output / "scene.json") || fs::exists(output / "sparse");
-  if (overwrite && scene) return;
-  throw Error({ErrorKind::kUsage, scene ? "there is a scene already" : "this is not empty and no scene", output, "-o",
-               scene ? "give another folder or --overwrite" : "give another folder"});
-}
-
 void write_depth(const Scene& scene, int view, const DepthGrid& grid, const fs::path& folder) {
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
@@ -81,6 +62,18 @@ void write_depth(const Scene& scene, int view, const DepthGrid& grid, const fs::
   map.data = stored.data;
   grid.apply(map);
   write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
+}
+
+void require_outside(const fs::path& scene, const fs::path& output) {
+  const fs::path inside = fs::weakly_canonical(output).lexically_relative(fs::weakly_canonical(scene));
+  if (inside.empty() || inside == "." || *inside.begin() == "..") return;
+  throw_usage(output.string() + " lies in the scene that is copied", "give a folder outside it");
+}
+
+void copy_scene(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy(from, to, fs::copy_options::recursive, error);
+  if (error) throw_resources(to, "the scene cannot be copied: " + error.message(), "free some disk space");
 }
 
 void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points, const fs::path& folder) {
@@ -106,7 +99,8 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
 
 RefineResult refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
   require_depth(scene);
-  require_free(output, options.overwrite);
+  require_outside(scene.folder, output);
+  require_scene_place(output, options.overwrite);
   const std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
   RefineResult result;
   {
@@ -121,15 +115,15 @@ RefineResult refine_scene(const Scene& scene, const fs::path& output, const Refi
     const int index = i < scene.train.size() ? scene.train[i] : scene.test[i - scene.train.size()];
     cameras[static_cast<size_t>(index)] = result.views[i].camera;
   }
-  const PartialFolder partial(output);
-  fs::copy(scene.folder, partial.path, fs::copy_options::recursive);
-  write_sparse(scene, cameras, scene.cloud, partial.path);
+  FolderReplacement replacement(output);
+  const fs::path& folder = replacement.path();
+  copy_scene(scene.folder, folder);
+  write_sparse(scene, cameras, scene.cloud, folder);
   for (size_t i = 0; options.correct_depth && i < scene.train.size(); ++i) {
-    write_depth(scene, scene.train[i], result.views[i].depth, partial.path);
+    write_depth(scene, scene.train[i], result.views[i].depth, folder);
   }
-  note_refinement(result, partial.path);
-  if (options.overwrite) fs::remove_all(output);
-  fs::rename(partial.path, output);
+  note_refinement(result, folder);
+  replacement.commit();
   return result;
 }
 

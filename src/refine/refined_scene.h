@@ -17,7 +17,7 @@ struct RefineSceneOptions {
   ProgressStyle progress;
 };
 
-/// Reads the scene, refines, writes the new folder, complete or not at all. Needs metric prior depth of all training views
+/// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views
 /// (Error{kBadInput} otherwise: without it nothing says where to look for a match). sparse/points3D becomes the tracks
 /// when there are enough of them for a start, else the old cloud stays.
 RefineResult refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,

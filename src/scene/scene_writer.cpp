@@ -121,35 +121,36 @@ void write_cloud_ply(const fs::path& path, const PointCloud& cloud) {
   write_ply(path, file);
 }
 
-SceneWriter::SceneWriter(fs::path folder, bool overwrite)
-    : folder_(fs::absolute(folder).lexically_normal()), overwrite_(overwrite) {
-  if (folder_.filename().empty()) folder_ = folder_.parent_path();  // "scene/" names the folder "scene"
-  if (fs::exists(folder_) && !(fs::is_directory(folder_) && fs::is_empty(folder_))) {
-    if (!overwrite) {
-      throw Error({ErrorKind::kUsage, "the folder exists and is not empty", folder_, "output",
-                   "choose another folder, or add --overwrite to replace the scene in it"});
-    }
-    if (!fs::is_directory(folder_) || !looks_like_a_scene(folder_)) {
-      throw Error({ErrorKind::kUsage, "this is no scene folder: it is not replaced", folder_, "output",
-                   "choose another folder"});
-    }
+void require_scene_place(const fs::path& folder, bool overwrite) {
+  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
+  if (!fs::is_directory(folder) || !looks_like_a_scene(folder)) {
+    throw Error({ErrorKind::kUsage, "this is not empty and no scene folder: it is not replaced", folder, "output",
+                 "choose another folder"});
   }
-  partial_ = folder_;
-  partial_ += ".partial-" + std::to_string(getpid());
-  on_disk(partial_, "an old temporary folder cannot be removed",
-          [&](std::error_code& error) { fs::remove_all(partial_, error); });
-  make_folder(partial_ / "images");
+  if (!overwrite) {
+    throw Error({ErrorKind::kUsage, "there is a scene already", folder, "output",
+                 "choose another folder, or add --overwrite to replace the scene in it"});
+  }
 }
 
-SceneWriter::~SceneWriter() {
-  std::error_code ignored;  // nothing to be done about a left-over while another error may be on its way
-  fs::remove_all(partial_, ignored);
+namespace {
+
+fs::path free_place(fs::path folder, bool overwrite) {
+  require_scene_place(folder, overwrite);
+  return folder;
+}
+
+}  // namespace
+
+SceneWriter::SceneWriter(fs::path folder, bool overwrite)
+    : overwrite_(overwrite), replacement_(free_place(std::move(folder), overwrite)) {
+  make_folder(replacement_.path() / "images");
 }
 
 fs::path SceneWriter::write_image(const SceneViewParts& view) const {
   const bool copy = !view.image_file.empty(), jpeg = view.jpeg_quality > 0 && view.image.channels == 3;
   const std::string extension = copy ? view.image_file.extension().string() : (jpeg ? ".jpg" : ".png");
-  const fs::path path = partial_ / "images" / (view.name + extension);
+  const fs::path path = replacement_.path() / "images" / (view.name + extension);
   make_folder(path.parent_path());
   int width = view.image.width, height = view.image.height;
   if (copy) {
@@ -174,39 +175,39 @@ void SceneWriter::add_view(const SceneViewParts& view) {
   const fs::path name(view.name);
   const bool inside = !view.name.empty() && name.is_relative() && !name.filename().empty() &&
                       std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-  if (!inside) fail("the name '" + view.name + "' cannot name a view", folder_, "name");
+  if (!inside) fail("the name '" + view.name + "' cannot name a view", replacement_.target(), "name");
   const bool repeated =
       std::any_of(views_.begin(), views_.end(), [&](const Written& w) { return w.name == view.name; });
-  if (repeated) fail("two views have the name '" + view.name + "'", folder_, "name");
+  if (repeated) fail("two views have the name '" + view.name + "'", replacement_.target(), "name");
 
   const fs::path image = write_image(view);
   const auto require_aspect = [&](int width, int height, const char* field) {
-    require_same_aspect({1, height, width}, view.camera.width, view.camera.height, folder_ / view.name, field);
+    require_same_aspect({1, height, width}, view.camera.width, view.camera.height, replacement_.target() / view.name, field);
   };
   if (!view.prior_depth.empty()) {
     require_aspect(view.prior_depth.width, view.prior_depth.height, "prior_depth");
-    write_depth(partial_ / "pred_depths" / (view.name + ".npy"), view);
+    write_depth(replacement_.path() / "pred_depths" / (view.name + ".npy"), view);
   }
   const SemanticMap& semantics = view.semantics;
   if (!semantics.values.empty()) {
     require_aspect(semantics.width, semantics.height, "semantics");
     if (semantics.values.size() != size_t(semantics.channels) * semantics.width * semantics.height) {
-      fail("the number of values is not C x height x width", folder_ / view.name, "semantics");
+      fail("the number of values is not C x height x width", replacement_.target() / view.name, "semantics");
     }
-    const fs::path path = partial_ / "segmentation_logits" / (view.name + ".npy");
+    const fs::path path = replacement_.path() / "segmentation_logits" / (view.name + ".npy");
     make_folder(path.parent_path());
     write_npy_float16(path, {semantics.channels, semantics.height, semantics.width}, to_half(semantics.values).data());
   }
   if (!view.truth_depth.empty()) {
     require_aspect(view.truth_depth.width, view.truth_depth.height, "truth_depth");
-    write_truth_depth(partial_ / "truth" / "depth" / (view.name + ".png"), view.truth_depth);
+    write_truth_depth(replacement_.path() / "truth" / "depth" / (view.name + ".png"), view.truth_depth);
   }
   if (!view.truth_labels.empty()) {
     require_aspect(view.truth_labels.width, view.truth_labels.height, "truth_labels");
-    write_truth_labels(partial_ / "truth" / "labels" / (view.name + ".png"), view.truth_labels);
+    write_truth_labels(replacement_.path() / "truth" / "labels" / (view.name + ".png"), view.truth_labels);
   }
   views_.push_back(
-      {view.name, image.lexically_relative(partial_ / "images").generic_string(), view.camera, view.truth_camera});
+      {view.name, image.lexically_relative(replacement_.path() / "images").generic_string(), view.camera, view.truth_camera});
 }
 
 void SceneWriter::write_models(const SceneParts& parts) const {
@@ -219,55 +220,35 @@ void SceneWriter::write_models(const SceneParts& parts) const {
     ++with_truth;
   }
   if (with_truth != 0 && with_truth != views_.size()) {
-    fail("a true camera for every view or for none expected", folder_, "truth_camera");
+    fail("a true camera for every view or for none expected", replacement_.target(), "truth_camera");
   }
   append_points(model, parts.cloud);
-  make_folder(partial_ / "sparse");
-  write_colmap_binary(partial_ / "sparse", model);
-  if (parts.cloud.has_normals()) write_cloud_ply(partial_ / "sparse" / "points3D.ply", parts.cloud);
+  const fs::path& folder = replacement_.path();
+  make_folder(folder / "sparse");
+  write_colmap_binary(folder / "sparse", model);
+  if (parts.cloud.has_normals()) write_cloud_ply(folder / "sparse" / "points3D.ply", parts.cloud);
   if (with_truth == 0) return;
-  make_folder(partial_ / "truth" / "sparse");
-  write_colmap_binary(partial_ / "truth" / "sparse", truth);
-}
-
-void SceneWriter::replace_target() const {
-  // The old folder moves aside first: rename() does not replace a folder that is not empty.
-  fs::path old = folder_;
-  old += ".old-" + std::to_string(getpid());
-  const bool replace = fs::exists(folder_);
-  if (replace) {
-    if (!overwrite_ && !fs::is_empty(folder_)) {
-      throw Error({ErrorKind::kUsage, "the folder was filled meanwhile", folder_, "output", "choose another folder"});
-    }
-    on_disk(folder_, "the old scene cannot be moved aside",
-            [&](std::error_code& error) { fs::rename(folder_, old, error); });
-  }
-  std::error_code failed;
-  fs::rename(partial_, folder_, failed);
-  if (failed) {
-    std::error_code ignored;
-    if (replace) fs::rename(old, folder_, ignored);
-    throw_resources(folder_, "the finished scene cannot be put in place: " + failed.message(), "check permissions");
-  }
-  std::error_code ignored;
-  if (replace) fs::remove_all(old, ignored);
+  make_folder(folder / "truth" / "sparse");
+  write_colmap_binary(folder / "truth" / "sparse", truth);
 }
 
 void SceneWriter::finish(const SceneParts& parts) {
-  if (views_.empty()) fail("a scene needs at least one view", folder_, "views");
-  if (parts.cloud.colors.size() != parts.cloud.size()) fail("one colour per point expected", folder_, "cloud");
+  if (views_.empty()) fail("a scene needs at least one view", replacement_.target(), "views");
+  if (parts.cloud.colors.size() != parts.cloud.size()) fail("one colour per point expected", replacement_.target(), "cloud");
   write_models(parts);
-  write_scene_json(partial_ / "scene.json", parts.description);
-  if (parts.split.train || parts.split.test) write_split_json(partial_ / "split.json", parts.split);
-  if (parts.priors.depth || parts.priors.semantics) write_priors_json(partial_ / "priors.json", parts.priors);
-  if (parts.labels.size() > 0) write_label_csv(partial_ / "labels.csv", parts.labels);
+  const fs::path& folder = replacement_.path();
+  write_scene_json(folder / "scene.json", parts.description);
+  if (parts.split.train || parts.split.test) write_split_json(folder / "split.json", parts.split);
+  if (parts.priors.depth || parts.priors.semantics) write_priors_json(folder / "priors.json", parts.priors);
+  if (parts.labels.size() > 0) write_label_csv(folder / "labels.csv", parts.labels);
   if (!parts.truth_mesh_file.empty()) {
-    copy_into_place(parts.truth_mesh_file, partial_ / "truth" / "mesh.ply");
+    copy_into_place(parts.truth_mesh_file, folder / "truth" / "mesh.ply");
   } else if (!parts.truth_mesh.vertices.empty()) {
-    make_folder(partial_ / "truth");
-    write_mesh_ply(partial_ / "truth" / "mesh.ply", parts.truth_mesh);
+    make_folder(folder / "truth");
+    write_mesh_ply(folder / "truth" / "mesh.ply", parts.truth_mesh);
   }
-  replace_target();
+  if (!overwrite_) require_scene_place(replacement_.target(), false);  // filled meanwhile?
+  replacement_.commit();
 }
 
 }  // namespace aligngs

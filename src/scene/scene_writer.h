@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "io/folder_replacement.h"
 #include "scene/camera.h"
 #include "scene/label_set.h"
 #include "scene/point_cloud.h"
@@ -48,16 +49,15 @@ struct SceneParts {
   TriangleMesh truth_mesh;                ///< used when truth_mesh_file is empty
 };
 
-/// Collects a scene in `<folder>.partial-<pid>` and renames it on finish(): the folder appears complete or not at
-/// all, and the temporary one is removed when the writer is destroyed before that.
+/// Error{kUsage} when `folder` is taken: it exists and is not empty, unless `overwrite` is set; even then only a folder
+/// that holds a scene (scene.json or sparse/) may be replaced.
+void require_scene_place(const std::filesystem::path& folder, bool overwrite);
+
+/// Collects a scene beside its place and puts it there on finish(): the folder appears complete or not at all.
 class SceneWriter {
  public:
-  /// A folder that exists and is not empty is Error{kUsage} unless `overwrite` is set; even then only a folder
-  /// that holds a scene (scene.json or sparse/) is replaced.
+  /// Errors of require_scene_place().
   SceneWriter(std::filesystem::path folder, bool overwrite);
-  ~SceneWriter();
-  SceneWriter(const SceneWriter&) = delete;
-  SceneWriter& operator=(const SceneWriter&) = delete;
 
   /// Writes the view's files at once, so that only one view need be in memory. Sizes that contradict each other,
   /// a name that was used before or that leaves the folder, labels above 254: Error{kFailed}.
@@ -74,10 +74,9 @@ class SceneWriter {
 
   std::filesystem::path write_image(const SceneViewParts& view) const;
   void write_models(const SceneParts& parts) const;
-  void replace_target() const;
 
-  std::filesystem::path folder_, partial_;
   bool overwrite_;
+  FolderReplacement replacement_;
   std::vector<Written> views_;
 };
 

@@ -11,15 +11,13 @@ namespace aligngs {
 namespace fs = std::filesystem;
 
 fs::path refine_into_run(const fs::path& scene, const fs::path& run, const CommandContext& context) {
-  const fs::path target = run / "scene", beside = run / "scene.refined";
+  const fs::path target = run / "scene";
   RefineSceneOptions options;
   options.overwrite = true;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const RefineResult result = refine_scene(open_scene(scene), beside, options, pool);
-  fs::remove_all(target);
-  fs::rename(beside, target);
+  const RefineResult result = refine_scene(open_scene(scene), target, options, pool);
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   return target;
