@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 
 #include "core/error.h"
+#include "scene/kd_tree.h"
 #include "scene/voxel_merge.h"
 
 namespace aligngs {
@@ -17,28 +17,14 @@ constexpr float kLoneScale = 0.01f;
 constexpr float kSmallestShare = 0.01f;
 constexpr double kOpacityMargin = 1e-6;  ///< keeps the logit finite at opacity 0 and 1
 
-struct CloudAdaptor {
-  const std::vector<Vec3f>& points;
-  size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(size_t i, size_t dimension) const { return points[i][static_cast<int>(dimension)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 /// sqrt of the mean squared distance to the (up to) 3 nearest other points; 0 for a lone point.
 std::vector<float> neighbour_distances(const std::vector<Vec3f>& points) {
-  using Tree =
-      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudAdaptor>, CloudAdaptor, 3, uint32_t>;
-  const CloudAdaptor adaptor{points};
-  Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const KdTree<float> tree(points);
   std::vector<float> out(points.size(), 0.0f);
   for (size_t i = 0; i < points.size(); ++i) {
-    const float query[3] = {points[i].x, points[i].y, points[i].z};
     uint32_t index[kNeighbours + 1];
     float squared[kNeighbours + 1];
-    const size_t found = tree.knnSearch(query, kNeighbours + 1, index, squared);
+    const size_t found = tree.nearest(points[i], kNeighbours + 1, index, squared);
     // The point itself is one of them, at distance 0 (as is any duplicate): the first entry stands for it.
     if (found < 2) continue;
     double sum = 0;

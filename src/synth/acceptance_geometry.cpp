@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <nanoflann.hpp>
 
+#include "scene/kd_tree.h"
 #include "synth/acceptance_measures.h"
 
 namespace aligngs {
@@ -13,29 +13,17 @@ constexpr size_t kMaxQueries = 60000;     // nearest-neighbour questions per dir
 constexpr double kConfidentQuantile = 0.3;  // pixels below a view's quantile of confidence are not fused
 constexpr size_t kFewViews = 4;           // per group in the few-view figures
 
-/// Points as nanoflann wants them.
-struct Cloud {
-  std::vector<Vec3d> points;
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t i, size_t d) const { return points[i][static_cast<int>(d)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const { return false; }
-};
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, uint32_t>;
-
 /// Distances of (a regular subset of) `from` to their nearest neighbours in `to`.
-std::vector<double> nearest_distances(const std::vector<Vec3d>& from, const Cloud& to, ThreadPool& pool) {
-  if (to.points.empty() || from.empty()) return {};
-  const Tree tree(3, to, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+std::vector<double> nearest_distances(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, ThreadPool& pool) {
+  if (to.empty() || from.empty()) return {};
+  const KdTree<double> tree(to);
   const size_t step = std::max<size_t>(1, from.size() / kMaxQueries), n = (from.size() + step - 1) / step;
   std::vector<double> out(n);
   pool.parallel_for(n, 1024, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       uint32_t index = 0;
       double d2 = 0;
-      const Vec3d& p = from[i * step];
-      const double query[3] = {p.x, p.y, p.z};
-      tree.knnSearch(query, 1, &index, &d2);
+      tree.nearest(from[i * step], 1, &index, &d2);
       out[i] = std::sqrt(d2);
     }
   });
@@ -141,9 +129,10 @@ Similarity align_points(const PointPairs& p) {
   return best;
 }
 
-Cloud transformed(const std::vector<Vec3d>& points, const Similarity& s) {
-  Cloud out;
-  for (const Vec3d& p : points) out.points.push_back(s * p);
+std::vector<Vec3d> transformed(const std::vector<Vec3d>& points, const Similarity& s) {
+  std::vector<Vec3d> out;
+  out.reserve(points.size());
+  for (const Vec3d& p : points) out.push_back(s * p);
   return out;
 }
 
@@ -153,15 +142,15 @@ FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool
   FusedPointFigures f;
   const PointPairs all = collect(scene, scene.train);
   if (all.said.empty()) return f;
-  const Cloud truth = transformed(all.surface, {});
+  const std::vector<Vec3d> truth = transformed(all.surface, {});
   const Similarity best = align_points(all);
-  const Cloud aligned = transformed(all.said, best);
-  const std::vector<double> accuracy = nearest_distances(aligned.points, truth, pool);
+  const std::vector<Vec3d> aligned = transformed(all.said, best);
+  const std::vector<double> accuracy = nearest_distances(aligned, truth, pool);
   f.accuracy_mean = mean_of(accuracy);
   f.accuracy_median = median_of(accuracy);
-  f.completeness_mean = mean_of(nearest_distances(truth.points, aligned, pool));
+  f.completeness_mean = mean_of(nearest_distances(truth, aligned, pool));
   const Similarity cameras = fit_similarity_of_cameras(all.teacher_poses, all.true_poses).similarity;
-  f.accuracy_on_cameras = mean_of(nearest_distances(transformed(all.said, cameras).points, truth, pool));
+  f.accuracy_on_cameras = mean_of(nearest_distances(transformed(all.said, cameras), truth, pool));
   // Completeness as published, on few views: another view rarely fills what one view gets wrong.
   const size_t groups = std::max<size_t>(1, scene.train.size() / kFewViews);
   for (size_t g = 0; g < groups; ++g) {
@@ -169,9 +158,9 @@ FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool
     for (size_t i = g; i < scene.train.size(); i += groups) few.push_back(scene.train[i]);
     const PointPairs part = collect(scene, few);
     if (part.said.empty()) continue;
-    const Cloud part_truth = transformed(part.surface, {}), part_said = transformed(part.said, align_points(part));
-    f.few_view_accuracy += mean_of(nearest_distances(part_said.points, part_truth, pool)) / static_cast<double>(groups);
-    f.few_view_completeness += mean_of(nearest_distances(part_truth.points, part_said, pool)) / static_cast<double>(groups);
+    const std::vector<Vec3d> part_truth = transformed(part.surface, {}), part_said = transformed(part.said, align_points(part));
+    f.few_view_accuracy += mean_of(nearest_distances(part_said, part_truth, pool)) / static_cast<double>(groups);
+    f.few_view_completeness += mean_of(nearest_distances(part_truth, part_said, pool)) / static_cast<double>(groups);
   }
   return f;
 }
