@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
+#include "core/disjoint_sets.h"
 #include "gaussians/point_tree.h"
 #include "gaussians/soft_labels.h"
 #include "scene/triangle_mesh.h"
@@ -13,24 +13,6 @@ namespace {
 
 constexpr uint16_t kMostInstances = 65535;  // ushort in the file
 constexpr size_t kGrain = 512;              // Gaussians per chunk
-
-/// Disjoint sets whose representative is the smallest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  uint32_t find(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(uint32_t a, uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 float median(std::vector<float> values) {
   if (values.empty()) return 0;
