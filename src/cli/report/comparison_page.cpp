@@ -5,20 +5,14 @@
 
 #include "cli/report/comparison.h"
 #include "cli/report/overview.h"
+#include "cli/report/picture_cell.h"
 #include "cli/report/svg_chart.h"
-#include "io/base64.h"
-#include "io/image_file.h"
-#include "io/resample.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr int kPictureWidth = 320;   // pixels: what fits four times on a screen
-constexpr int kMaxViews = 12;        // a page of some megabytes; the rest are in renders/test
-constexpr int kPictureQuality = 85;  // JPEG
 
 const char* const kStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;margin:24px;max-width:none}
@@ -59,18 +53,6 @@ std::string table(const std::vector<RunScores>& runs) {
   return html + "</table>";
 }
 
-std::string picture(const fs::path& file) {
-  if (!fs::exists(file)) return "<td></td>";
-  Image<uint8_t> image = read_image(file);
-  if (image.width > kPictureWidth) {
-    const int height = std::max(1, image.height * kPictureWidth / image.width);
-    image = to_bytes(resize_area(to_float(image), kPictureWidth, height));
-  }
-  const std::vector<uint8_t> jpeg = encode_jpeg(image, kPictureQuality);
-  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," +
-         base64_text({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}) + "\"></td>";
-}
-
 fs::path render_of(const RunScores& run, const char* kind, const std::string& view) {
   return run.folder / "renders" / "test" / kind / (view + ".png");
 }
@@ -79,13 +61,13 @@ std::string pictures(const std::vector<RunScores>& runs, const char* kind) {
   std::string rows;
   int shown = 0;
   for (const std::string& view : rendered_views(runs[0].folder, "test")) {
-    if (shown++ >= kMaxViews) break;
-    std::string row = "<tr><td>" + escape_html(view) + "</td>" + picture(render_of(runs[0], "gt", view));
+    if (shown++ >= kMaxViewsOnPage) break;
+    std::string row = "<tr><td>" + escape_html(view) + "</td>" + picture_cell(render_of(runs[0], "gt", view));
     bool any = false;
     for (const RunScores& run : runs) {
       const fs::path file = render_of(run, kind, view);
       any = any || fs::exists(file);
-      row += picture(file);
+      row += picture_cell(file);
     }
     if (any) rows += row + "</tr>";
   }

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "cli/report/json_field.h"
 #include "cli/report/overview.h"
+#include "cli/report/picture_cell.h"
 #include "cli/report/svg_chart.h"
 #include "io/atomic_file.h"
-#include "io/base64.h"
-#include "io/image_file.h"
-#include "io/resample.h"
 
 namespace aligngs {
 
@@ -19,10 +19,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 namespace {
-
-constexpr int kPictureWidth = 320;   // pixels; larger renders are reduced so that the page stays small
-constexpr int kMaxPictureRows = 12;  // test views shown; the rest are in renders/test
-constexpr int kPictureQuality = 85;  // JPEG
 
 const char* const kStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;max-width:1180px;margin:24px auto;padding:0 16px}
@@ -44,13 +40,8 @@ Json read_json(const fs::path& file) {
 
 /// A number at a dotted path, formatted; "–" when absent or null.
 std::string number(const Json& root, const std::string& path, const char* format) {
-  const Json* node = &root;
-  std::istringstream parts(path);
-  for (std::string part; std::getline(parts, part, '.');) {
-    if (!node->is_object() || !node->contains(part)) return "–";
-    node = &(*node)[part];
-  }
-  return node->is_number() ? fmt::format(fmt::runtime(format), node->get<double>()) : "–";
+  const double value = number_at(root, path);
+  return std::isnan(value) ? "–" : fmt::format(fmt::runtime(format), value);
 }
 
 std::string card(const std::string& name, const std::string& value) {
@@ -66,26 +57,15 @@ std::string summary(const Json& metrics) {
          card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
 }
 
-std::string picture(const fs::path& file) {
-  if (!fs::exists(file)) return "<td></td>";
-  Image<uint8_t> image = read_image(file);
-  if (image.width > kPictureWidth) {
-    image = to_bytes(resize_area(to_float(image), kPictureWidth, std::max(1, image.height * kPictureWidth / image.width)));
-  }
-  const std::vector<uint8_t> jpeg = encode_jpeg(image, kPictureQuality);
-  return "<td><img alt=\"\" src=\"data:image/jpeg;base64," +
-         base64_text({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}) + "\"></td>";
-}
-
 std::string pictures(const fs::path& run) {
   const std::vector<std::string> names = rendered_views(run, "test");
   if (names.empty()) return "<p>No renders: <code>aligngs render RUN</code> makes them.</p>";
   std::string html = "<div class=\"views\"><table><tr><th>view</th>";
   for (const char* kind : kRenderKinds) html += fmt::format("<th style=\"text-align:left\">{}</th>", kind);
   html += "</tr>";
-  for (size_t i = 0; i < names.size() && i < kMaxPictureRows; ++i) {
+  for (size_t i = 0; i < names.size() && i < size_t(kMaxViewsOnPage); ++i) {
     html += "<tr><td>" + escape_html(names[i]) + "</td>";
-    for (const char* kind : kRenderKinds) html += picture(run / "renders" / "test" / kind / (names[i] + ".png"));
+    for (const char* kind : kRenderKinds) html += picture_cell(run / "renders" / "test" / kind / (names[i] + ".png"));
     html += "</tr>";
   }
   return html + "</table></div>";

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "cli/report/json_field.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
 
@@ -15,16 +15,6 @@ namespace aligngs {
 using Json = nlohmann::json;
 
 namespace {
-
-double number_at(const Json& root, const std::string& dotted) {
-  const Json* node = &root;
-  std::istringstream parts(dotted);
-  for (std::string part; std::getline(parts, part, '.');) {
-    if (!node->is_object() || !node->contains(part)) return std::numeric_limits<double>::quiet_NaN();
-    node = &(*node)[part];
-  }
-  return node->is_number() ? node->get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
 
 std::string text_at(const Json& node, const char* key) {
   return node.is_object() && node.contains(key) && node[key].is_string() ? node[key].get<std::string>() : std::string();

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
+#include "cli/report/json_field.h"
 #include "cli/stages/perceptual_metric.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -201,16 +201,12 @@ void require_at_least(const Json& metrics, const std::vector<std::string>& condi
     for (const auto& [name, full] : short_names) {
       if (path == name) path = full;
     }
-    const Json* node = &metrics;
-    std::istringstream parts(path);
-    for (std::string part; std::getline(parts, part, '.') && node;) {
-      node = node->is_object() && node->contains(part) ? &(*node)[part] : nullptr;
-    }
-    if (!node || !node->is_number()) {
+    const double value = number_at(metrics, path);
+    if (std::isnan(value)) {
       throw_usage("--fail-under: this run has no number \"" + path + "\"", "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
     }
-    if (node->get<double>() < wanted) {
-      throw Error({ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, node->get<double>(), wanted), {}, {}, {}});
+    if (value < wanted) {
+      throw Error({ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, wanted), {}, {}, {}});
     }
   }
 }
