@@ -6,7 +6,6 @@
 #include "gaussians/instances.h"
 #include "io/atomic_file.h"
 #include "scene/triangle_mesh.h"
-#include "train/camera_outputs.h"
 
 namespace aligngs {
 namespace {
@@ -52,12 +51,6 @@ void write_scene_files(const std::filesystem::path& folder, const GaussianModel&
   if (assigned.label.empty()) return;
   write_labelled_gaussian_ply(folder / "scene.labels.ply", model, assigned);
   write_classes(folder / "classes.json", model, labels, assigned);
-}
-
-void write_run_outputs(const RunFolder& folder, const GaussianModel& model, const GaussianLabels& assigned,
-                       const Scene& scene, const TrainConfig& config) {
-  write_scene_files(folder.path(), model, scene.labels, assigned);
-  write_camera_outputs(folder, scene, config);
 }
 
 }  // namespace aligngs

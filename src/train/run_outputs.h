@@ -1,11 +1,10 @@
-// What a finished training leaves in its run folder: scene.ply, scene.labels.ply, classes.json and the
-// cameras (camera_outputs.h).
+// The room as files: what a finished training, or an edit, leaves. None of them holds a time or an absolute path.
 #pragma once
 
+#include <filesystem>
+
 #include "gaussians/gaussian_ply.h"
-#include "scene/scene.h"
-#include "train/config.h"
-#include "train/run_folder.h"
+#include "scene/label_set.h"
 
 namespace aligngs {
 
@@ -13,9 +12,5 @@ namespace aligngs {
 /// `folder`; each atomically.
 void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
                        const GaussianLabels& assigned);
-
-/// Those and the cameras. None of them holds a time or an absolute path.
-void write_run_outputs(const RunFolder& folder, const GaussianModel& model, const GaussianLabels& assigned,
-                       const Scene& scene, const TrainConfig& config);
 
 }  // namespace aligngs

@@ -209,7 +209,7 @@ TrainResult Run::train() {
   engine->store(model);
   GaussianLabels labels;
   if (model.semantic_channels > 0) labels = object_labels(model, scene_.labels, robust_extent(scene_), *pool_).labels;
-  write_run_outputs(folder_, model, labels, scene_, config_);
+  write_scene_files(folder_.path(), model, scene_.labels, labels);
   record_.trained = utc_now();
   record_end("done", "all iterations done");
   TrainResult result;
