@@ -1,7 +1,5 @@
 #include "serve/edit_service.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +9,7 @@
 #include "io/base64.h"
 #include "io/image_file.h"
 #include "serve/export_file.h"
+#include "serve/file_version.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -35,20 +34,12 @@ Json request_of(const std::string& body, std::initializer_list<const char*> fiel
   return json;
 }
 
-std::string version_of(const fs::path& path) {
-  std::error_code error;
-  const auto time = fs::last_write_time(path, error);
-  if (error) return "-";
-  const auto size = fs::file_size(path, error);
-  return error ? "-" : fmt::format("{:x}-{:x}", static_cast<uint64_t>(time.time_since_epoch().count()), size);
-}
-
 /// Changes when a training went on, a mesh was made, or somebody else edited.
 std::string files_of(const fs::path& run) {
-  std::vector<std::string> parts = {version_of(run / "edits.json"), version_of(run / "mesh" / "mesh.ply")};
+  std::vector<std::string> parts = {file_version(run / "edits.json"), file_version(run / "mesh" / "mesh.ply")};
   std::error_code error;
   for (fs::directory_iterator i(run / "checkpoints", error), end; !error && i != end; i.increment(error)) {
-    parts.push_back(i->path().filename().string() + version_of(i->path()));
+    parts.push_back(i->path().filename().string() + file_version(i->path()));
   }
   std::sort(parts.begin() + 2, parts.end());
   std::string all;
@@ -107,15 +98,19 @@ std::string EditService::preview(const std::string& request) {
   return text_of(answer);
 }
 
+std::string EditService::listed(const char* what, const Json& value) {
+  opened_ = files_of(options_.run);
+  Json answer = Json::parse(list());
+  answer[what] = value;
+  return text_of(answer);
+}
+
 std::string EditService::push(const std::string& request) {
   const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
   EditSession& s = session();
   const Json report = report_json(s.push(edit), s.room().labels);
   redo_.clear();
-  opened_ = files_of(options_.run);
-  Json answer = Json::parse(list());
-  answer["report"] = report;
-  return text_of(answer);
+  return listed("report", report);
 }
 
 std::string EditService::undo(const std::string& request) {
@@ -123,10 +118,7 @@ std::string EditService::undo(const std::string& request) {
   EditSession& s = session();
   const EditOperation undone = s.undo();
   redo_.push_back(undone);
-  opened_ = files_of(options_.run);
-  Json answer = Json::parse(list());
-  answer["undone"] = describe(undone);
-  return text_of(answer);
+  return listed("undone", describe(undone));
 }
 
 std::string EditService::redo(const std::string& request) {
@@ -135,10 +127,7 @@ std::string EditService::redo(const std::string& request) {
   if (redo_.empty()) throw_usage("there is no edit to do again", "only what undo has just taken back can be done again");
   const Json report = report_json(s.push(redo_.back()), s.room().labels);
   redo_.pop_back();
-  opened_ = files_of(options_.run);
-  Json answer = Json::parse(list());
-  answer["report"] = report;
-  return text_of(answer);
+  return listed("report", report);
 }
 
 std::string EditService::export_file(const std::string& request) {

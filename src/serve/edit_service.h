@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,8 @@ class EditService {
 
  private:
   EditSession& session();
+  /// list() after a change of the stack, with one more field.
+  std::string listed(const char* what, const nlohmann::json& value);
 
   EditServiceOptions options_;
   std::unique_ptr<EditSession> session_;

@@ -1,7 +1,5 @@
 #include "serve/served_run.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -9,6 +7,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "scene/label_set.h"
+#include "serve/file_version.h"
 #include "serve/request_rules.h"
 #include "train/run_control.h"
 
@@ -29,15 +28,6 @@ Json read_json(const fs::path& path) {
   } catch (const Error&) {
     return nullptr;
   }
-}
-
-/// Changes whenever the file is replaced.
-std::string version_of(const fs::path& path) {
-  std::error_code error;
-  const auto time = fs::last_write_time(path, error);
-  if (error) return "";
-  const auto size = fs::file_size(path, error);
-  return error ? "" : fmt::format("{:x}-{:x}", static_cast<uint64_t>(time.time_since_epoch().count()), size);
 }
 
 Json field(const Json& object, const char* name) {
@@ -129,7 +119,7 @@ std::string ServedRun::state() const {
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
-    state["version"] = version_of(root_ / only_);
+    state["version"] = file_version(root_ / only_);
     return state.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
   state["name"] = root_.filename().string();
@@ -157,7 +147,7 @@ std::string ServedRun::state() const {
   if (fs::exists(shown / "mesh" / "mesh.ply")) state["mesh"] = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
   state["edited"] = edited;
   state["editable"] = !active && fs::exists(root_ / "scene.labels.ply") && fs::exists(root_ / "checkpoints");
-  state["version"] = (live ? version_of(root_ / "live" / "scene.ply") : version_of(shown / "scene.ply")) + version_of(shown / "mesh" / "mesh.ply");
+  state["version"] = (live ? file_version(root_ / "live" / "scene.ply") : file_version(shown / "scene.ply")) + file_version(shown / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
   state["classes"] = field(read_json(shown / "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
@@ -173,11 +163,11 @@ std::string ServedRun::state() const {
 }
 
 std::string ServedRun::signature() const {
-  if (!only_.empty()) return version_of(root_ / only_);
+  if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
   for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "edits/scene.ply",
                            "mesh/mesh.ply", "metrics.json", "report.html"}) {
-    text += "/" + version_of(root_ / name);
+    text += "/" + file_version(root_ / name);
   }
   return text;
 }

@@ -38,6 +38,19 @@ constexpr auto kWatchTime = 500ms;     // between looks at the run folder
 constexpr auto kSnapshotTime = 2000ms;  // between requests for live snapshots; the trainer may take longer
 constexpr int kMaxListeners = 32;  // open event streams
 
+/// What a handler failed with, as an error that can be told to the page.
+Error error_of(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    return error;
+  } catch (const std::bad_alloc&) {
+    return Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
+  } catch (const std::exception& error) {
+    return Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
+  }
+}
+
 /// JSON that cannot hurt: no deeper than any request of the page.
 bool acceptable_json(const std::string& body) {
   constexpr int kDeepest = 8;
@@ -191,21 +204,17 @@ struct ViewServer::State {
     if (handler == options.post.end()) co_return refuse(request, http::status::not_found, "not found");
     if (!acceptable_json(request.body())) co_return refuse(request, http::status::bad_request, "the body is not JSON");
     if (waiting >= kMaxWaiting) co_return refuse(request, http::status::service_unavailable, "too many requests wait");
-    std::optional<Error> failure;
+    const std::string& given = request.body();
+    const PostHandler& call = handler->second;
+    std::exception_ptr failure;
     std::string body;
     try {
-      const std::string& given = request.body();
-      const PostHandler& call = handler->second;
       const auto work = [&call, &given] { return call(given); };
       body = co_await on_worker<std::string>(work);
-    } catch (const Error& error) {
-      failure = error;
-    } catch (const std::bad_alloc&) {
-      failure = Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
-    } catch (const std::exception& error) {
-      failure = Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
+    } catch (...) {
+      failure = std::current_exception();
     }
-    if (failure) co_return refuse(request, *failure);
+    if (failure) co_return refuse(request, error_of(failure));
     co_return answer(request, http::status::ok, std::move(body), "application/json");
   }
 
@@ -222,19 +231,15 @@ struct ViewServer::State {
 
   awaitable<http::response<http::string_body>> get_answer(const Request& request, const GetHandler& handler, const std::string& name) {
     if (waiting >= kMaxWaiting) co_return refuse(request, http::status::service_unavailable, "too many requests wait");
-    std::optional<Error> failure;
+    std::exception_ptr failure;
     std::optional<GetAnswer> found;
     try {
       const auto work = [&handler, &name] { return handler(name); };
       found = co_await on_worker<std::optional<GetAnswer>>(work);
-    } catch (const Error& error) {
-      failure = error;
-    } catch (const std::bad_alloc&) {
-      failure = Error({ErrorKind::kResources, "out of memory", {}, {}, {}});
-    } catch (const std::exception& error) {
-      failure = Error({ErrorKind::kFailed, error.what(), {}, {}, {}});
+    } catch (...) {
+      failure = std::current_exception();
     }
-    if (failure) co_return refuse(request, *failure);
+    if (failure) co_return refuse(request, error_of(failure));
     if (!found) co_return refuse(request, http::status::not_found, "not found");
     const std::string type = found->type;
     co_return answer(request, http::status::ok, std::move(found->body), type);
