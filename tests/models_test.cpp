@@ -2,12 +2,14 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <optional>
 
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/safetensors.h"
 #include "priors/http_download.h"
 #include "priors/loopback_server_for_tests.h"
+#include "support/no_weights.h"
 #include "support/process.h"
 
 namespace aligngs {
@@ -26,13 +28,8 @@ class ModelsProgram : public testing::Test {
     folder = fs::path(testing::TempDir()) / ("models_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder / "photos");
-    setenv("ALIGNGS_MODELS", (folder / "models").c_str(), 1);
-    setenv("HF_HUB_CACHE", (folder / "hub").c_str(), 1);
-    setenv("TORCH_HOME", (folder / "torch").c_str(), 1);
+    no_weights.emplace(folder);
     for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) write_jpeg(folder / "photos" / name, Image<uint8_t>(64, 48, 3, 80));
-  }
-  void TearDown() override {
-    for (const char* name : {"ALIGNGS_MODELS", "HF_HUB_CACHE", "TORCH_HOME"}) unsetenv(name);
   }
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, folder / "scratch"); }
   std::string photos() const { return "'" + (folder / "photos").string() + "'"; }
@@ -46,6 +43,7 @@ class ModelsProgram : public testing::Test {
   }
 
   fs::path folder;
+  std::optional<testing_support::NoWeights> no_weights;
 };
 
 TEST_F(ModelsProgram, ListNamesSizeLicenceSourceAndDigest) {

@@ -2,12 +2,14 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "io/atomic_file.h"
 #include "nn/random_weights.h"
 #include "priors/child_process.h"
 #include "priors/model_store.h"
 #include "scene/scene.h"
+#include "support/no_weights.h"
 #include "support/process.h"
 #include "support/small_scene.h"
 
@@ -26,12 +28,7 @@ class PhotosProgram : public testing::Test {
     folder = fs::path(testing::TempDir()) / ("photos_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
-    setenv("ALIGNGS_MODELS", (folder / "models").c_str(), 1);
-    setenv("HF_HUB_CACHE", (folder / "hub").c_str(), 1);
-    setenv("TORCH_HOME", (folder / "torch").c_str(), 1);
-  }
-  void TearDown() override {
-    for (const char* name : {"ALIGNGS_MODELS", "HF_HUB_CACHE", "TORCH_HOME"}) unsetenv(name);
+    no_weights.emplace(folder);
   }
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, folder / "scratch"); }
   std::string out(const char* name) const { return "'" + (folder / name).string() + "'"; }
@@ -44,6 +41,7 @@ class PhotosProgram : public testing::Test {
   }
 
   fs::path folder;
+  std::optional<testing_support::NoWeights> no_weights;
 };
 
 TEST_F(PhotosProgram, ColmapPlacesOverlappingPhotosAndTheRunTrains) {

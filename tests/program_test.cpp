@@ -1,6 +1,10 @@
 // The command line as a user meets it: help, mistakes, exit statuses.
 #include <gmock/gmock.h>
 
+#include <array>
+#include <string>
+#include <vector>
+
 #include "support/process.h"
 
 namespace aligngs {
@@ -10,6 +14,9 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing_support::ProcessResult;
 using testing_support::run_aligngs;
+
+constexpr std::array<const char*, 21> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
+                                                   "eval", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench"};
 
 class Program : public testing::Test {
  protected:
@@ -22,15 +29,15 @@ class Program : public testing::Test {
 TEST_F(Program, HelpListsTheCommandsAndAnExample) {
   const ProcessResult result = run("--help");
   EXPECT_EQ(result.status, 0);
-  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data", "bench", "models", "poses", "priors"}) {
-    EXPECT_THAT(result.out, HasSubstr(command));
-  }
+  for (const char* command : kCommands) EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " ")) << command;
   EXPECT_THAT(result.out, HasSubstr("Example: aligngs demo"));
 }
 
 TEST_F(Program, EveryCommandHasHelpWithAnExample) {
-  for (const char* command : {"run", "demo", "import", "train", "render", "mesh", "eval", "report", "info", "doctor", "synth", "data check", "bench", "models", "models download", "poses", "priors"}) {
-    const ProcessResult result = run(std::string(command) + " --help");
+  std::vector<std::string> commands(kCommands.begin(), kCommands.end());
+  for (const char* nested : {"data check", "models list", "models download", "models verify", "models path", "models import"}) commands.push_back(nested);
+  for (const std::string& command : commands) {
+    const ProcessResult result = run(command + " --help");
     EXPECT_EQ(result.status, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("Example")) << command;
   }

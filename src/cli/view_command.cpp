@@ -11,7 +11,7 @@ namespace aligngs {
 
 void add_view_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("view", "Show a run in the browser, also while it trains, and edit it");
-  command->group("Results");
+  command->group("Use");
   command->footer("Example: aligngs view demo_run\n         aligngs view scene.ply --port 9000");
   struct Options {
     std::string run, scene, web_root;
