@@ -25,35 +25,33 @@ add_library(tomlplusplus::tomlplusplus ALIAS PkgConfig::TOMLPP)
 find_library(EMBREE_LIBRARY embree3 REQUIRED)
 find_path(EMBREE_INCLUDE_DIR embree3/rtcore.h REQUIRED)
 
-# Optional: matrix products of the networks; without it a portable kernel takes over.
-set(ALIGNGS_ONEDNN "")
+# Optional packages: aligngs_optional(NAME LIBRARIES...) makes the target aligngs_name, which carries the definition
+# ALIGNGS_WITH_NAME, and sets ALIGNGS_NAME to it. Where a package is missing ALIGNGS_NAME is empty, and what needs it says so.
+function(aligngs_optional name)
+  string(TOLOWER ${name} lower)
+  add_library(aligngs_${lower} INTERFACE)
+  target_link_libraries(aligngs_${lower} INTERFACE ${ARGN})
+  target_compile_definitions(aligngs_${lower} INTERFACE ALIGNGS_WITH_${name})
+  set(ALIGNGS_${name} aligngs_${lower} PARENT_SCOPE)
+endfunction()
+
+# Matrix products of the networks; without it a portable kernel takes over.
 if(ALIGNGS_WITH_ONEDNN AND NOT ALIGNGS_SCALAR_ONLY)
   find_library(DNNL_LIBRARY dnnl)
   find_path(DNNL_INCLUDE_DIR dnnl.hpp)
   if(DNNL_LIBRARY AND DNNL_INCLUDE_DIR)
-    add_library(aligngs_onednn INTERFACE)
-    target_link_libraries(aligngs_onednn INTERFACE ${DNNL_LIBRARY} ${CMAKE_DL_LIBS})
-    target_compile_definitions(aligngs_onednn INTERFACE ALIGNGS_WITH_ONEDNN)
-    set(ALIGNGS_ONEDNN aligngs_onednn)
+    aligngs_optional(ONEDNN ${DNNL_LIBRARY} ${CMAKE_DL_LIBS})
   endif()
 endif()
 
-# Optional: `aligngs models download`; without it the command says so.
-set(ALIGNGS_CURL "")
+# `aligngs models download`
 find_package(CURL 7.61 QUIET)
 if(CURL_FOUND)
-  add_library(aligngs_curl INTERFACE)
-  target_link_libraries(aligngs_curl INTERFACE CURL::libcurl)
-  target_compile_definitions(aligngs_curl INTERFACE ALIGNGS_WITH_CURL)
-  set(ALIGNGS_CURL aligngs_curl)
+  aligngs_optional(CURL CURL::libcurl)
 endif()
 
-# Optional: bundle adjustment (`aligngs refine`); without it the command says so.
-set(ALIGNGS_CERES "")
+# Bundle adjustment (`aligngs refine`)
 find_package(Ceres 2.1 QUIET)
 if(Ceres_FOUND)
-  add_library(aligngs_ceres INTERFACE)
-  target_link_libraries(aligngs_ceres INTERFACE Ceres::ceres)
-  target_compile_definitions(aligngs_ceres INTERFACE ALIGNGS_WITH_CERES)
-  set(ALIGNGS_CERES aligngs_ceres)
+  aligngs_optional(CERES Ceres::ceres)
 endif()
