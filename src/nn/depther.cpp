@@ -35,6 +35,8 @@ class DptDepth : public DepthNetwork {
            const DepthOptions& options)
       : DepthNetwork(compute, backbone, options) {
     if (options_.layers.empty()) options_.layers = published_layers(vit_.depth());
+    if (options_.layers.size() != 4)
+      throw_usage("a DPT head reads four layers", "correct the list of layers");
     const int64_t c = vit_.channels();
     const int64_t features = head.dimension("convs.0.conv.weight", 0);
     for (int j = 0; j < 4; ++j) {
@@ -164,8 +166,6 @@ DepthNetwork::DepthNetwork(const Compute& compute, const Weights& backbone,
     : options_(options), vit_(compute, backbone, options.vit) {
   if (!(options.min_depth < options.max_depth))
     throw_usage("the smallest depth is not below the largest", "correct the range of depth");
-  if (!options.layers.empty() && options.layers.size() != 1 && options.layers.size() != 4)
-    throw_usage("a depth head reads one or four layers", "correct the list of layers");
 }
 
 FeatureMap DepthNetwork::operator()(Compute& compute, const FeatureMap& image) const {

@@ -23,6 +23,8 @@ class DepthNetwork {
   /// unclamped, one channel, at the head's resolution.
   virtual FeatureMap head(Compute& compute, const FeatureMap& padded) const = 0;
 
+  /// Sides of the images of head() are multiples of it.
+  int64_t patch() const { return vit_.patch(); }
   /// Metres at the size of a normalised image, clamped to the range.
   FeatureMap operator()(Compute& compute, const FeatureMap& image) const;
 

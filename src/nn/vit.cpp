@@ -68,11 +68,14 @@ Matrix Vit::positions(Compute& compute, int64_t grid_height, int64_t grid_width)
   FeatureMap trained(side, side, channels_);
   std::copy_n(position_.row(1), trained.data.size(), trained.data.data());
   const auto axis = [&](int64_t grid) {
+    const double offset_step = double(side) / (double(grid) + options_.position_offset);
     switch (rule_) {
       case PositionRule::kAntialiased:
         return antialiased_bicubic_axis(side, grid);
       case PositionRule::kScaleOffset:
-        return bicubic_axis(side, grid, double(side) / (double(grid) + options_.position_offset));
+        return bicubic_axis(side, grid, offset_step);
+      case PositionRule::kAntialiasedScaleOffset:
+        return antialiased_bicubic_axis(side, grid, offset_step);
       case PositionRule::kPlain:
         break;
     }

@@ -14,6 +14,7 @@ namespace aligngs::nn {
 enum class PositionRule {
   kScaleOffset,  ///< bicubic, called with a scale factor of (grid + 0.1) / trained (no registers)
   kAntialiased,  ///< antialiased bicubic by size (registers, VGGT)
+  kAntialiasedScaleOffset,  ///< antialiased bicubic with such a scale factor
   kPlain         ///< bicubic by size (Mask2Former's backbone)
 };
 
@@ -21,7 +22,7 @@ enum class PositionRule {
 struct VitOptions {
   int64_t heads = 0;                     ///< 0: channels / 64
   std::optional<PositionRule> position;  ///< default: by the presence of registers
-  double position_offset = 0.1;          ///< of kScaleOffset
+  double position_offset = 0.1;          ///< of the rules with a scale factor
   float eps = 1e-6f;                     ///< of the LayerNorms
   bool patches_cut = false;  ///< sides need not be multiples of the patch; the rest is cut
 };

@@ -73,12 +73,15 @@ VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
     const Weights injector = w.sub("injector.");
     interaction.injector = {
         LayerNorm(injector, "query_norm", c, kEps), LayerNorm(injector, "feat_norm", c, kEps),
-        DeformableAttention(compute, injector.sub("attn."), 3), injector.load("gamma", {c})};
-    interaction.extractors.push_back(make_extractor(compute, w.sub("extractor.")));
-    for (int e = 0; e < w.count("extra_extractors."); ++e) {
+        DeformableAttention(compute, injector.sub("attn."), 3, options.deformable_heads),
+        injector.load("gamma", {c})};
+    const auto extractor = [&](const std::string& name) {
       interaction.extractors.push_back(
-          make_extractor(compute, w.sub("extra_extractors." + std::to_string(e) + ".")));
-    }
+          make_extractor(compute, w.sub(name), options.deformable_heads));
+    };
+    extractor("extractor.");
+    for (int e = 0; e < w.count("extra_extractors."); ++e)
+      extractor("extra_extractors." + std::to_string(e) + ".");
     const int depth = int(vit_.depth());
     interaction.first_block =
         options.blocks.empty() ? i * depth / count : options.blocks.at(size_t(i))[0];
@@ -91,13 +94,13 @@ VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
   }
 }
 
-VitAdapter::Extractor VitAdapter::make_extractor(const Compute& compute,
-                                                 const Weights& weights) const {
+VitAdapter::Extractor VitAdapter::make_extractor(const Compute& compute, const Weights& weights,
+                                                 int64_t deformable_heads) const {
   const int64_t c = channels(), hidden = weights.dimension("ffn.fc1.weight", 0);
   return {LayerNorm(weights, "query_norm", c, kEps),
           LayerNorm(weights, "feat_norm", c, kEps),
           LayerNorm(weights, "ffn_norm", c, kEps),
-          DeformableAttention(compute, weights.sub("attn."), 1),
+          DeformableAttention(compute, weights.sub("attn."), 1, deformable_heads),
           Linear(compute, weights, "ffn.fc1", hidden, c),
           Linear(compute, weights, "ffn.fc2", c, hidden),
           DepthwiseConvolution(weights, "ffn.dwconv.dwconv", hidden)};

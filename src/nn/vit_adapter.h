@@ -13,6 +13,7 @@ struct AdapterOptions {
   VitOptions vit;  ///< position and eps are set here as the adapter needs
   /// First and last block of each interaction; empty: equal shares.
   std::vector<std::array<int, 2>> blocks;
+  int64_t deformable_heads = 0;  ///< 0: from the tensors, with 4 points per level
 };
 
 class VitAdapter {
@@ -44,7 +45,8 @@ class VitAdapter {
     std::vector<Extractor> extractors;
     int first_block = 0, last_block = 0;
   };
-  Extractor make_extractor(const Compute& compute, const Weights& weights) const;
+  Extractor make_extractor(const Compute& compute, const Weights& weights,
+                           int64_t deformable_heads) const;
   std::array<FeatureMap, 4> spatial_prior(Compute& compute, const FeatureMap& image) const;
   void inject(Compute& compute, const Injector& injector, Matrix& tokens, const Matrix& prior,
               const Matrix& reference, const std::vector<MapSize>& sizes) const;

@@ -8,17 +8,16 @@ namespace aligngs::parity {
 void run_depth(Case& test, nn::Compute& compute) {
   const Json& config = test.config();
   nn::DepthOptions options;
-  options.vit.heads = config.at("heads").get<int64_t>();
+  options.vit = vit_options(config);
   options.layers = config.at("layers").get<std::vector<int>>();
   options.min_depth = config.at("min").get<double>();
   options.max_depth = config.at("max").get<double>();
   const auto network = nn::make_depth_network(compute, test.weights("backbone.safetensors"),
                                               test.weights("head.safetensors"), options);
   const std::vector<nn::FeatureMap> images = maps_of(test.array("in_image"));
-  constexpr int64_t kPatch = 14;
   std::vector<nn::FeatureMap> raw, depth;
   for (const nn::FeatureMap& image : images) {
-    raw.push_back(network->head(compute, nn::centre_padded(image, kPatch)));
+    raw.push_back(network->head(compute, nn::centre_padded(image, network->patch())));
     depth.push_back((*network)(compute, image));
   }
   test.compare("out_head_raw", nchw(raw), nchw_shape(raw));
@@ -34,7 +33,7 @@ void run_depth(Case& test, nn::Compute& compute) {
   std::vector<float> predicted;
   Shape shape;
   for (const nn::FeatureMap& image : images) {
-    const nn::FeatureMap map = same->head(compute, nn::centre_padded(image, kPatch));
+    const nn::FeatureMap map = same->head(compute, nn::centre_padded(image, same->patch()));
     predicted.insert(predicted.end(), map.data.begin(), map.data.end());
     shape = {int64_t(images.size()), map.height, map.width};
   }

@@ -4,11 +4,12 @@
 namespace aligngs::parity {
 namespace {
 
-/// [1, rows, ...] with what follows as columns.
-nn::Matrix matrix_of(const FloatArray& array) {
-  nn::Matrix m(array.shape.at(1), 1);
-  m.columns = int64_t(array.data.size()) / m.rows;
-  m.data = array.data;
+/// Item `n` of [batch, rows, ...], with what follows as columns.
+nn::Matrix matrix_of(const FloatArray& array, int64_t n) {
+  const int64_t size = int64_t(array.data.size()) / array.shape.at(0);
+  const float* const from = array.data.data() + n * size;
+  nn::Matrix m(array.shape.at(1), size / array.shape.at(1));
+  m.data.assign(from, from + size);
   return m;
 }
 
@@ -21,10 +22,14 @@ void run_deformable_attention(Case& test, nn::Compute& compute) {
   const nn::DeformableAttention attention(compute, test.weights("weights.safetensors"),
                                           int64_t(levels.size()),
                                           config.at("heads").get<int64_t>());
-  const nn::Matrix query = matrix_of(test.array("in_query"));
-  const nn::Matrix out = attention(compute, query, matrix_of(test.array("in_ref")),
-                                   matrix_of(test.array("in_value")), levels);
-  test.compare("out", out.data, {1, out.rows, out.columns});
+  const FloatArray query = test.array("in_query"), reference = test.array("in_ref"),
+                   value = test.array("in_value");
+  for (int64_t n = 0; n < query.shape.at(0); ++n) {
+    const nn::Matrix out = attention(compute, matrix_of(query, n), matrix_of(reference, n),
+                                     matrix_of(value, n), levels);
+    test.collect("out", out.data, {out.rows, out.columns});
+  }
+  test.compare_collected();
 }
 
 }  // namespace aligngs::parity

@@ -54,6 +54,16 @@ struct Op {
 
 using Result = std::vector<float>;
 
+/// The number after `key` in a name: number_after("conv3x3_s2p1", "s") == 2.
+double number_after(const std::string& name, const std::string& key, double otherwise) {
+  const size_t start = name.find('_');
+  const size_t at = start == std::string::npos ? start : name.find(key, start);
+  const size_t digits = at + key.size();
+  if (at == std::string::npos || digits >= name.size() || name[digits] < '0' || name[digits] > '9')
+    return otherwise;
+  return std::stod(name.substr(digits));
+}
+
 Result resize(const Op& op) {
   const Shape in = op.shape("x"), out = op.shape("out");
   const std::string& n = op.name;
@@ -75,6 +85,7 @@ Result resize(const Op& op) {
 Result grid_sample(const Op& op) {
   const Shape out = op.shape("out");
   const nn::Matrix grid = op.matrix("grid");  // x, y in [-1, 1], the borders of the map
+  const bool corners = op.name.find("ac1") != std::string::npos;
   std::vector<nn::FeatureMap> results;
   const std::vector<nn::FeatureMap> maps = op.maps("x");
   for (size_t m = 0; m < maps.size(); ++m) {
@@ -82,8 +93,10 @@ Result grid_sample(const Op& op) {
     nn::FeatureMap result(out.at(2), out.at(3), map.channels);
     for (int64_t p = 0; p < result.places(); ++p) {
       const float* g = grid.row(int64_t(m) * result.places() + p);
-      const float x = ((g[0] + 1) * float(map.width) - 1) / 2;
-      const float y = ((g[1] + 1) * float(map.height) - 1) / 2;
+      const float x = corners ? (g[0] + 1) * float(map.width - 1) / 2
+                              : ((g[0] + 1) * float(map.width) - 1) / 2;
+      const float y = corners ? (g[1] + 1) * float(map.height - 1) / 2
+                              : ((g[1] + 1) * float(map.height) - 1) / 2;
       nn::add_bilinear_sample({map.data.data(), map.channels, map.channels, map.height, map.width},
                               x, y, 1, result.data.data() + p * map.channels);
     }
@@ -93,14 +106,16 @@ Result grid_sample(const Op& op) {
 }
 
 Result convolution(const Op& op) {
-  const Shape w = op.shape("w"), in = op.shape("x"), out = op.shape("out");
+  const Shape w = op.shape("w");
+  const std::vector<float> bias = op.has("b") ? op.values("b") : std::vector<float>();
   if (op.name.rfind("convtranspose", 0) == 0) {
     const nn::TransposedConvolution c(op.compute, w.at(1), w.at(0), w.at(2), op.values("w"),
-                                      op.values("b"));
+                                      bias);
     return op.each([&](const nn::FeatureMap& map) { return c(op.compute, map); });
   }
   if (op.name.rfind("dwconv", 0) == 0) {
-    const nn::DepthwiseConvolution c(op.values("w"), op.values("b"));
+    const nn::DepthwiseConvolution c(
+        op.values("w"), bias.empty() ? std::vector<float>(size_t(w.at(0)), 0.0f) : bias);
     return op.each([&](const nn::FeatureMap& map) {
       nn::FeatureMap y(map.height, map.width, map.channels);
       c.apply(op.compute, map.data.data(), map.height, map.width, y.data.data());
@@ -111,10 +126,10 @@ Result convolution(const Op& op) {
   if (op.name.rfind("patch_embed", 0) == 0) {
     shape.stride = shape.kernel;
   } else {  // conv3x3_s2p1
-    shape.stride = op.name.at(op.name.find("_s") + 2) - '0';
-    shape.padding = op.name.at(op.name.find("_s") + 4) - '0';
+    shape.stride = int64_t(number_after(op.name, "s", 1));
+    shape.padding = int64_t(number_after(op.name, "p", 0));
   }
-  const nn::Convolution c(op.compute, shape, op.values("w"), op.values("b"));
+  const nn::Convolution c(op.compute, shape, op.values("w"), bias);
   return op.each([&](const nn::FeatureMap& map) { return c(op.compute, map); });
 }
 
@@ -162,7 +177,7 @@ Result rope(const Op& op) {
   nn::Matrix x = op.matrix("x");
   float largest = 0;
   for (const float p : positions.data) largest = std::max(largest, p);
-  const nn::Rope2d rotation(x.columns, int64_t(largest));
+  const nn::Rope2d rotation(x.columns, int64_t(largest), number_after(op.name, "freq", 100));
   for (int64_t i = 0; i < x.rows; ++i) {
     const int64_t batch = i / (shape.at(1) * shape.at(2)), token = i % shape.at(2);
     const float* p = positions.row(batch * shape.at(2) + token);
@@ -247,8 +262,12 @@ Result masked_attention(const Op& op) {
   const nn::MultiheadAttention attention(op.compute, weights, q.columns,
                                          op.attributes.at("heads").get<int64_t>());
   std::vector<uint8_t> mask;
-  for (const float v : op.values("mask")) mask.push_back(uint8_t(v));
-  return attention(op.compute, q, kv, kv, op.shape("mask").at(0), mask.data()).data;
+  int64_t masks = 1;
+  if (op.has("mask")) {
+    for (const float v : op.values("mask")) mask.push_back(uint8_t(v));
+    masks = op.shape("mask").at(0);
+  }
+  return attention(op.compute, q, kv, kv, masks, mask.empty() ? nullptr : mask.data()).data;
 }
 
 Result max_pool(const Op& op) {
@@ -262,7 +281,7 @@ const std::map<std::string, Result (*)(const Op&)> kOps = {{"bicubic", resize},
                                                            {"area", resize},
                                                            {"grid_sample", grid_sample},
                                                            {"convtranspose", convolution},
-                                                           {"conv3x3", convolution},
+                                                           {"conv", convolution},
                                                            {"dwconv", convolution},
                                                            {"patch_embed", convolution},
                                                            {"maxpool_k3s2p1", max_pool},
@@ -272,14 +291,14 @@ const std::map<std::string, Result (*)(const Op&)> kOps = {{"bicubic", resize},
                                                            {"layernorm", layer_norm},
                                                            {"groupnorm", group_norm},
                                                            {"batchnorm_eval", batch_norm},
-                                                           {"rope2d_freq100", rope},
+                                                           {"rope2d", rope},
                                                            {"uv_", position_encoding},
                                                            {"sine_pos", position_encoding},
                                                            {"act_", dense_activation},
                                                            {"quat_to_mat_xyzw", rotations},
                                                            {"mat_to_quat_xyzw", rotations},
                                                            {"pose_dec", pose_decoding},
-                                                           {"mha_masked", masked_attention}};
+                                                           {"mha", masked_attention}};
 
 }  // namespace
 

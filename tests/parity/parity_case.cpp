@@ -39,19 +39,35 @@ void Case::fail(const std::string& name, const std::string& why) {
   failures_.push_back(name + ": " + why);
 }
 
-void Case::judge(const std::string& name, const std::vector<float>& values,
-                 const std::vector<float>& reference, double limit) {
-  if (values.size() != reference.size()) return fail(name, "another number of values");
+namespace {
+
+Case::Distance distance_of(const std::vector<float>& values, const std::vector<float>& reference) {
   double most = 0, largest = 0, squares = 0, total = 0;
+  size_t different = 0;
   for (size_t i = 0; i < values.size(); ++i) {
     const double error = std::abs(double(values[i]) - double(reference[i]));
     if (!(error <= most)) most = std::isnan(error) ? 1e300 : error;
     largest = std::max(largest, std::abs(double(reference[i])));
     squares += error * error;
     total += double(reference[i]) * double(reference[i]);
+    different += values[i] != reference[i];
   }
-  const double max_error = most > 0 ? most / largest : 0;
-  const double rms_error = squares > 0 ? std::sqrt(squares / total) : 0;
+  return {most > 0 ? most / largest : 0, squares > 0 ? std::sqrt(squares / total) : 0,
+          values.empty() ? 0 : double(different) / double(values.size())};
+}
+
+}  // namespace
+
+Case::Distance Case::distance(const std::string& name, const std::vector<float>& values) const {
+  const FloatArray array = read_npy(folder_ / (name + ".npy"));
+  if (array.data.size() != values.size()) return {1e300, 1e300, 1};
+  return distance_of(values, array.data);
+}
+
+void Case::judge(const std::string& name, const std::vector<float>& values,
+                 const std::vector<float>& reference, double limit) {
+  if (values.size() != reference.size()) return fail(name, "another number of values");
+  const auto [max_error, rms_error, different] = distance_of(values, reference);
   if (max_error >= worst_) {
     worst_ = max_error;
     worst_name_ = name;
@@ -89,6 +105,21 @@ void Case::compare_labels(const std::string& name, const std::vector<float>& lab
          std::to_string(different) + " of " + std::to_string(labels.size()) + " labels differ");
 }
 
+void Case::collect(const std::string& name, const std::vector<float>& values, const Shape& one) {
+  Collected& all = collected_[name];
+  if (all.shape.empty()) {
+    all.shape = one;
+    all.shape.insert(all.shape.begin(), 0);
+  }
+  ++all.shape[0];
+  all.values.insert(all.values.end(), values.begin(), values.end());
+}
+
+void Case::compare_collected() {
+  for (const auto& [name, all] : collected_) compare(name, all.values, all.shape);
+  collected_.clear();
+}
+
 bool Case::finish() {
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     const std::string name = entry.path().stem().string();
@@ -96,8 +127,28 @@ bool Case::finish() {
   }
   std::printf("%-4s %-16s %-18s worst %.1e (%s)\n", failures_.empty() ? "ok" : "FAIL",
               folder_.filename().string().c_str(), mode_.name.c_str(), worst_, worst_name_.c_str());
+  for (const std::string& text : notes_) std::printf("       %s\n", text.c_str());
   for (const std::string& failure : failures_) std::printf("       %s\n", failure.c_str());
   return failures_.empty();
+}
+
+nn::VitOptions vit_options(const Json& config) {
+  nn::VitOptions options;
+  options.heads = config.at("heads").get<int64_t>();
+  options.position_offset = value_or(config, "offset", 0.1);
+  const bool scaled = options.position_offset != 0;
+  options.position = value_or(config, "aa", false)
+                         ? (scaled ? nn::PositionRule::kAntialiasedScaleOffset
+                                   : nn::PositionRule::kAntialiased)
+                         : (scaled ? nn::PositionRule::kScaleOffset : nn::PositionRule::kPlain);
+  return options;
+}
+
+nn::SlidingWindow sliding_window(const Json& config) {
+  if (!config.contains("crop") || value_or<std::string>(config, "mode", "slide") != "slide")
+    return {};
+  const Json &crop = config.at("crop"), &stride = config.at("stride");
+  return {crop.at(0), crop.at(1), stride.at(0), stride.at(1)};
 }
 
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array) {

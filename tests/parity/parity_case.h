@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -9,7 +10,9 @@
 
 #include "io/npy.h"
 #include "nn/compute.h"
+#include "nn/sliding_window.h"
 #include "nn/tensor.h"
+#include "nn/vit.h"
 #include "nn/weights.h"
 
 namespace aligngs::parity {
@@ -45,10 +48,23 @@ class Case {
                       const Shape& shape);
   void compare_exactly(const std::string& name, const std::vector<float>& values,
                        const Shape& shape);
+  /// How far values lie from name.npy (of `shape`), relative to it; nothing fails. For labels the
+  /// fraction that differs is of use.
+  struct Distance {
+    double max = 0, rms = 0, different = 0;
+  };
+  Distance distance(const std::string& name, const std::vector<float>& values) const;
+  /// A line below that of the case.
+  void note(const std::string& text) { notes_.push_back(text); }
   /// The comparison itself; `limit` < 0: those of the mode.
   void judge(const std::string& name, const std::vector<float>& values,
              const std::vector<float>& reference, double limit = -1);
   void fail(const std::string& name, const std::string& why);
+
+  /// Values of one image, or scene, of several: joined with those collected before under that name
+  /// and compared, with their number as the first axis, by compare_collected().
+  void collect(const std::string& name, const std::vector<float>& values, const Shape& one);
+  void compare_collected();
 
   /// Every .npy file must have been read or compared; prints a line; true when all is well.
   bool finish();
@@ -60,10 +76,20 @@ class Case {
   const Mode& mode_;
   Json config_;
   std::set<std::string> used_;
-  std::vector<std::string> failures_;
+  std::vector<std::string> failures_, notes_;
+  struct Collected {
+    std::vector<float> values;
+    Shape shape;
+  };
+  std::map<std::string, Collected> collected_;
   double worst_ = 0;
   std::string worst_name_ = "-";
 };
+
+/// Heads and the rule for the position embedding as the case has them.
+nn::VitOptions vit_options(const Json& config);
+/// The windows of a segmentation case; without sizes, or in mode "whole", the whole image.
+nn::SlidingWindow sliding_window(const Json& config);
 
 /// Values of an NCHW array as maps, one per image, and back.
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array);

@@ -1,6 +1,7 @@
 // Runs every case of the parity data: outputs of the publishers' own programs, to be matched.
-// The folder is that of the environment variable ALIGNGS_PARITY_DIR, else ../shared/parity. Exit
-// status 0: all match, 1: something does not, 77: no variable and no folder.
+// Each folder below that of the environment variable ALIGNGS_PARITY_DIR is a case. Without the
+// variable these are the cases that come with the sources, and those of ../shared/parity where it
+// is there. Exit status 0: all match, 1: something does not, or there is nothing to run.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -42,7 +43,7 @@ std::vector<Mode> modes() {
   return {exact, portable, half, half_portable};
 }
 
-bool run_case(const fs::path& folder, ThreadPool& pool) {
+bool run_case_in_all_modes(const fs::path& folder, ThreadPool& pool) {
   bool good = true;
   for (const Mode& mode : modes()) {
     Case test(folder, mode);
@@ -64,30 +65,46 @@ bool run_case(const fs::path& folder, ThreadPool& pool) {
   return good;
 }
 
-int run() {
-  const char* const variable = std::getenv("ALIGNGS_PARITY_DIR");
-  const fs::path root =
-      variable ? fs::path(variable) : fs::path(ALIGNGS_SOURCE_DIR) / "../shared/parity";
-  if (!variable && !fs::is_directory(root)) {
-    constexpr int kSkipped = 77;
-    std::printf("skipped: no parity data at %s; set ALIGNGS_PARITY_DIR\n", root.string().c_str());
-    return kSkipped;
+bool run_case(const fs::path& folder, ThreadPool& pool) {
+  try {
+    return run_case_in_all_modes(folder, pool);
+  } catch (const std::exception& error) {
+    std::printf("FAIL %s: %s\n", folder.filename().string().c_str(), error.what());
+    return false;
   }
+}
+
+/// The folders of one root, which must hold some.
+std::vector<fs::path> cases_in(const fs::path& root) {
   std::vector<fs::path> cases;
-  if (fs::is_directory(root)) {
-    for (const auto& entry : fs::directory_iterator(root)) {
-      if (entry.is_directory()) cases.push_back(entry.path());
-    }
+  if (!fs::is_directory(root)) throw_bad_input(root, "", "there is no such folder of parity cases");
+  for (const auto& entry : fs::directory_iterator(root)) {
+    if (entry.is_directory()) cases.push_back(entry.path());
   }
+  if (cases.empty()) throw_bad_input(root, "", "there are no parity cases in this folder");
   std::sort(cases.begin(), cases.end());
-  if (cases.empty()) {
-    std::printf("FAIL: no parity cases in %s\n", root.string().c_str());
-    return 1;
+  return cases;
+}
+
+int run() {
+  std::vector<fs::path> roots;
+  if (const char* const variable = std::getenv("ALIGNGS_PARITY_DIR")) {
+    roots = {fs::path(variable)};
+  } else {
+    const fs::path sources = ALIGNGS_SOURCE_DIR, shared = sources / "../shared/parity";
+    roots = {sources / "tests/data/parity"};
+    if (fs::is_directory(shared)) roots.push_back(shared);
   }
   ThreadPool pool;
+  size_t count = 0;
   int failed = 0;
-  for (const fs::path& folder : cases) failed += !run_case(folder, pool);
-  std::printf("%zu cases, %d failed\n", cases.size(), failed);
+  for (const fs::path& root : roots) {
+    const std::vector<fs::path> cases = cases_in(root);
+    std::printf("%zu cases in %s\n", cases.size(), root.lexically_normal().string().c_str());
+    for (const fs::path& folder : cases) failed += !run_case(folder, pool);
+    count += cases.size();
+  }
+  std::printf("%zu cases, %d failed\n", count, failed);
   return failed > 0 ? 1 : 0;
 }
 

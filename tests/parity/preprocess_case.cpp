@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include "nn/preprocess/normalised_image.h"
 #include "nn/preprocess/opencv_resize.h"
@@ -15,15 +16,29 @@ Image<uint8_t> image_of(const FloatArray& a) {  // [height, width, channels]
   return image;
 }
 
+/// Part of an axis as Python writes it, "start:stop:step"; what is left out counts as there.
+std::vector<int64_t> slice_of(const std::string& text, int64_t length) {
+  std::array<int64_t, 3> part = {0, length, 1};
+  size_t at = 0;
+  for (size_t i = 0; i < part.size() && at <= text.size(); ++i) {
+    const size_t end = std::min(text.find(':', at), text.size());
+    if (end > at) part[i] = std::stoll(text.substr(at, end - at));
+    at = end + 1;
+  }
+  std::vector<int64_t> out;
+  for (int64_t i = part[0]; i < std::min(part[1], length); i += part[2]) out.push_back(i);
+  return out;
+}
+
 /// "0::16, columns 0::4": which rows and columns of the result are in the file.
 struct Selection {
-  int64_t row_step = 1, column_step = 1;
-  explicit Selection(const Json& entry) {
-    const auto text = value_or<std::string>(entry, "rows", "0::1");
-    row_step = std::stoll(text.substr(text.find("::") + 2));
-    const size_t columns = text.find("columns");
-    if (columns != std::string::npos)
-      column_step = std::stoll(text.substr(text.find("::", columns) + 2));
+  std::string rows, columns;
+  explicit Selection(const Json& entry) : rows(value_or<std::string>(entry, "rows", "")) {
+    const std::string word = "columns ";
+    const size_t at = rows.find(word);
+    if (at == std::string::npos) return;
+    columns = rows.substr(at + word.size());
+    rows = rows.substr(0, rows.find(','));
   }
 };
 
@@ -31,13 +46,13 @@ struct Selection {
 template <class T>
 void append_selected(const T* data, int64_t height, int64_t width, const Selection& s,
                      std::vector<float>& out, Shape& shape) {
+  const std::vector<int64_t> rows = slice_of(s.rows, height), columns = slice_of(s.columns, width);
   for (int64_t c = 0; c < 3; ++c) {
-    for (int64_t y = 0; y < height; y += s.row_step) {
-      for (int64_t x = 0; x < width; x += s.column_step)
-        out.push_back(float(data[(y * width + x) * 3 + c]));
+    for (const int64_t y : rows) {
+      for (const int64_t x : columns) out.push_back(float(data[(y * width + x) * 3 + c]));
     }
   }
-  shape = {3, (height + s.row_step - 1) / s.row_step, (width + s.column_step - 1) / s.column_step};
+  shape = {3, int64_t(rows.size()), int64_t(columns.size())};
 }
 
 void compare_image(Case& test, const std::string& name, const Image<uint8_t>& image,
@@ -61,7 +76,8 @@ void run_entry(Case& test, const Json& entry) {
     const auto scale = entry.at("img_scale").get<std::vector<int>>();
     const nn::FeatureMap map = nn::normalised_image(
         nn::segmentation_image(image_of(test.array("mmseg_rgb_" + source)),
-                               {scale.at(0), scale.at(1), value_or(entry, "size_multiple", 0)}));
+                               {std::max(scale.at(0), scale.at(1)), std::min(scale.at(0), scale.at(1)),
+                                value_or(entry, "size_multiple", 0)}));
     std::vector<float> values;
     Shape shape;
     append_selected(map.data.data(), map.height, map.width, Selection(entry), values, shape);

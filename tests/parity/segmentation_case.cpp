@@ -14,16 +14,12 @@ std::vector<float> labels_of(const nn::FeatureMap& map) {
 void run_segmentation(Case& test, nn::Compute& compute) {
   const Json& config = test.config();
   nn::BnHeadOptions options;
-  options.vit.heads = config.at("heads").get<int64_t>();
+  options.vit = vit_options(config);
   options.layers = config.at("layers").get<std::vector<int>>();
   options.in_index = config.at("in_index").get<std::vector<int>>();
   const nn::BnHeadNetwork network(compute, test.weights("backbone.safetensors"),
                                   test.weights("head.safetensors"), options);
-  nn::SlidingWindow window;
-  if (config.at("mode") == "slide") {
-    window = {config.at("crop").at(0), config.at("crop").at(1), config.at("stride").at(0),
-              config.at("stride").at(1)};
-  }
+  const nn::SlidingWindow window = sliding_window(config);
   const int64_t height = config.at("ori").at(0), width = config.at("ori").at(1);
 
   std::vector<nn::FeatureMap> logits, probabilities;

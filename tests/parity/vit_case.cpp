@@ -20,12 +20,7 @@ std::vector<float> token_rows(const nn::VitTokens& t, const nn::Matrix& of, int6
 
 void run_vit(Case& test, nn::Compute& compute) {
   const Json& config = test.config();
-  nn::VitOptions options;
-  options.heads = config.at("heads").get<int64_t>();
-  options.position_offset = value_or(config, "offset", 0.1);
-  options.position = value_or(config, "aa", false) ? nn::PositionRule::kAntialiased
-                                                   : nn::PositionRule::kScaleOffset;
-  const nn::Vit vit(compute, test.weights("weights.safetensors"), options);
+  const nn::Vit vit(compute, test.weights("weights.safetensors"), vit_options(config));
   const auto layers = config.at("layers").get<std::vector<int>>();
   const nn::VitTokens t = vit(compute, maps_of(test.array("in_image")), layers);
   const int64_t n = t.images, c = vit.channels(), patches = t.grid_height * t.grid_width;

@@ -64,9 +64,10 @@ ResampleAxis bicubic_axis(int64_t inputs, int64_t outputs, double step) {
   return axis;
 }
 
-ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs) {
+ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs, double step) {
   ResampleAxis axis = axis_of(inputs, outputs);
-  const double scale = double(inputs) / double(outputs), widening = std::max(scale, 1.0);
+  const double scale = step > 0 ? step : double(inputs) / double(outputs);
+  const double widening = std::max(scale, 1.0);
   const double support = 2 * widening;
   for (int64_t i = 0; i < outputs; ++i) {
     const double centre = scale * (double(i) + 0.5);

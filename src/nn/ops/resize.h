@@ -24,7 +24,8 @@ ResampleAxis bilinear_axis(int64_t inputs, int64_t outputs, bool align_corners);
 /// in / out, or 1 / scale_factor when PyTorch is called with a scale.
 ResampleAxis bicubic_axis(int64_t inputs, int64_t outputs, double step);
 /// Cubic with a = -0.5, widened when shrinking, weights renormalised at the edges (antialias=True).
-ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs);
+/// `step` as above; 0: in / out.
+ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs, double step = 0);
 
 /// Means over the inputs that output i covers in part or whole (mode area).
 ResampleAxis area_axis(int64_t inputs, int64_t outputs);

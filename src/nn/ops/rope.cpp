@@ -4,11 +4,10 @@
 
 namespace aligngs::nn {
 
-Rope2d::Rope2d(int64_t head_dim, int64_t largest) : quarter_(head_dim / 4) {
-  constexpr double kFrequency = 100;
+Rope2d::Rope2d(int64_t head_dim, int64_t largest, double frequency) : quarter_(head_dim / 4) {
   for (int64_t p = 0; p <= largest; ++p) {
     for (int64_t j = 0; j < quarter_; ++j) {
-      const double angle = double(p) * std::pow(kFrequency, -double(j) / double(quarter_));
+      const double angle = double(p) * std::pow(frequency, -double(j) / double(quarter_));
       cos_.push_back(float(std::cos(angle)));
       sin_.push_back(float(std::sin(angle)));
     }

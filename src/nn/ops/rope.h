@@ -7,11 +7,11 @@
 namespace aligngs::nn {
 
 /// The first half of a head rotates with y, the second with x. For a half of size D the frequencies
-/// are 100^(-2j/D), j < D/2; value j is paired with value j + D/2.
+/// are frequency^(-2j/D), j < D/2; value j is paired with value j + D/2.
 class Rope2d {
  public:
   /// head_dim is a multiple of 4; positions are integers in [0, largest].
-  Rope2d(int64_t head_dim, int64_t largest);
+  Rope2d(int64_t head_dim, int64_t largest, double frequency = 100);
   void rotate(float* head, int64_t y, int64_t x) const;
 
  private:
