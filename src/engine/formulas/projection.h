@@ -62,6 +62,16 @@ struct ProjectionGradient {
   T distance{};
 };
 
+/// The same with the covariance in place of the conic, for engines that blend in whitened coordinates (whitened.h).
+template <class T>
+struct CovarianceGradient {
+  Vec2<T> mean;
+  Symmetric2<T> covariance;  ///< xy counted once
+  T opacity{};
+  Vec3<T> normal;
+  T distance{};
+};
+
 /// dL / d parameters of one row.
 template <class T>
 struct ShapeGradient {
@@ -227,25 +237,17 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
 /// the choice of the normal's axis and sign, the pixel range, z (an order), z_min and z_max; and the slopes where
 /// the guard band clamps them.
 ///
-/// Conic A = C^-1: dC = -A G A with G the symmetric gradient of A. C = Gram(u, v) + low-pass: du = 2 dC_xx u +
-/// dC_xy v, dv = 2 dC_yy v + dC_xy u. u_k = s_k (fx / z)(V_0k - slope_x V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k.
+/// C = Gram(u, v) + low-pass: du = 2 dC_xx u + dC_xy v, dv = 2 dC_yy v + dC_xy u. u_k = s_k (fx / z)(V_0k -
+/// slope_x V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k. Of `p` only opacity, normal and normal_axis are read.
 template <class T>
 ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
-                                                    const Projection<T>& p, const ProjectionGradient<T>& d) {
+                                                    const Projection<T>& p, const CovarianceGradient<T>& d) {
   const Vec3<T> centre = camera.rotation * g.position + camera.translation;
   const projection_detail::Frame<T> f = projection_detail::make_frame(g, camera, centre);
   ShapeGradient<T> out;
   out.opacity_logit = d.opacity * p.opacity * (T(1) - p.opacity);
 
-  // dC = -A G A.
-  const Symmetric2<T>& a = p.conic;
-  const T gxx = d.conic.xx, gxy = T(0.5) * d.conic.xy, gyy = d.conic.yy;
-  const T h00 = a.xx * gxx + a.xy * gxy, h01 = a.xx * gxy + a.xy * gyy;  // A G
-  const T h10 = a.xy * gxx + a.yy * gxy, h11 = a.xy * gxy + a.yy * gyy;
-  const T dxx = -(h00 * a.xx + h01 * a.xy);
-  const T dyy = -(h10 * a.xy + h11 * a.yy);
-  const T dxy = -(h00 * a.xy + h01 * a.yy) - (h10 * a.xx + h11 * a.xy);
-
+  const T dxx = d.covariance.xx, dxy = d.covariance.xy, dyy = d.covariance.yy;
   const T inverse_z = T(1) / centre.z;
   const T zoom_x = camera.fx * inverse_z, zoom_y = camera.fy * inverse_z;
   Mat3<T> daxes;
@@ -280,6 +282,25 @@ ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, c
   out.position = transpose_times(camera.rotation, dcentre);
   projection_detail::rotation_backward(g.rotation, f.rotation, transpose(camera.rotation) * daxes, out.rotation);
   return out;
+}
+
+/// The same from the gradient of the conic A = C^-1: dC = -A G A with G the symmetric gradient of A.
+template <class T>
+ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
+                                                    const Projection<T>& p, const ProjectionGradient<T>& d) {
+  const Symmetric2<T>& a = p.conic;
+  const T gxx = d.conic.xx, gxy = T(0.5) * d.conic.xy, gyy = d.conic.yy;
+  const T h00 = a.xx * gxx + a.xy * gxy, h01 = a.xx * gxy + a.xy * gyy;  // A G
+  const T h10 = a.xy * gxx + a.yy * gxy, h11 = a.xy * gxy + a.yy * gyy;
+  CovarianceGradient<T> c;
+  c.mean = d.mean;
+  c.covariance.xx = -(h00 * a.xx + h01 * a.xy);
+  c.covariance.yy = -(h10 * a.xy + h11 * a.yy);
+  c.covariance.xy = -(h00 * a.xy + h01 * a.yy) - (h10 * a.xx + h11 * a.xy);
+  c.opacity = d.opacity;
+  c.normal = d.normal;
+  c.distance = d.distance;
+  return project_backward(g, camera, p, c);
 }
 
 }  // namespace aligngs

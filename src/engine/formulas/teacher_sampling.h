@@ -16,29 +16,42 @@ struct TeacherTaps {
   bool valid = false;                 ///< false: the pixel has no semantic loss and is not counted
 };
 
+/// The size of a teacher's map and its confidences, [height][width]; nullptr: 1 everywhere.
+struct TeacherGrid {
+  int width = 0, height = 0;
+  const float* confidence = nullptr;
+};
+
 /// Bilinear at pixel centres (half-pixel rule, source = (x + 0.5) * source_width / width - 0.5), over the taps whose
 /// confidence is > 0 only. Valid where those hold at least half of the bilinear weight. A teacher of the image's own
-/// size gives exactly its own pixel.
-inline TeacherTaps teacher_taps(const SemanticTarget& target, int x, int y, int width, int height) {
+/// size gives exactly its own pixel. The map must not be empty.
+ALIGNGS_HD inline TeacherTaps teacher_taps(const TeacherGrid& grid, int x, int y, int width, int height) {
+  using std::floor;
   TeacherTaps taps;
-  if (target.empty()) return taps;
-  const double sx = (x + 0.5) * target.width / width - 0.5, sy = (y + 0.5) * target.height / height - 0.5;
-  const double fx = std::floor(sx), fy = std::floor(sy);
+  const double sx = (x + 0.5) * grid.width / width - 0.5, sy = (y + 0.5) * grid.height / height - 0.5;
+  const double fx = floor(sx), fy = floor(sy);
   const double ax = sx - fx, ay = sy - fy;
   double sum = 0, weights[4];
   for (int k = 0; k < 4; ++k) {
     int px = static_cast<int>(fx) + (k & 1), py = static_cast<int>(fy) + (k >> 1);
-    px = px < 0 ? 0 : (px >= target.width ? target.width - 1 : px);
-    py = py < 0 ? 0 : (py >= target.height ? target.height - 1 : py);
-    taps.pixel[k] = py * target.width + px;
+    px = px < 0 ? 0 : (px >= grid.width ? grid.width - 1 : px);
+    py = py < 0 ? 0 : (py >= grid.height ? grid.height - 1 : py);
+    taps.pixel[k] = py * grid.width + px;
     weights[k] = ((k & 1) ? ax : 1 - ax) * ((k >> 1) ? ay : 1 - ay);
-    if (!target.confidence.empty() && !(target.confidence[taps.pixel[k]] > 0)) weights[k] = 0;
+    if (grid.confidence != nullptr && !(grid.confidence[taps.pixel[k]] > 0)) weights[k] = 0;
     sum += weights[k];
   }
   taps.valid = sum >= 0.5;
   if (!taps.valid) return taps;
   for (int k = 0; k < 4; ++k) taps.weight[k] = static_cast<float>(weights[k] / sum);
   return taps;
+}
+
+/// The same for a target; not valid where it is empty.
+inline TeacherTaps teacher_taps(const SemanticTarget& target, int x, int y, int width, int height) {
+  if (target.empty()) return {};
+  const TeacherGrid grid{target.width, target.height, target.confidence.empty() ? nullptr : target.confidence.data()};
+  return teacher_taps(grid, x, y, width, height);
 }
 
 /// True where the pixel takes part in the semantic loss: the teacher speaks and the image's mask keeps the pixel.
