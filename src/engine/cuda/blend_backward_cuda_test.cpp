@@ -1,0 +1,208 @@
+// Sums per (Gaussian, tile) against those of the CPU engine, from the same splats, lists and record.
+#include "engine/cuda/blend_backward.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/random.h"
+#include "engine/cuda/test_view.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/emulation.h"
+#endif
+
+namespace aligngs::cuda {
+namespace {
+
+using cpu::testing_scene::difference;
+using cpu::testing_scene::make_camera;
+using cpu::testing_scene::make_model;
+using cpu::testing_scene::SceneOptions;
+
+/// Both engines compute the same sums of a few hundred float32 terms in different orders. Relative to a field's largest.
+constexpr double kSumTolerance = 2e-5;
+
+struct Options {
+  SceneOptions scene;
+  bool geometry = true, density = true, prior = true;
+  bool smooth = false;
+};
+
+class CudaBlendBackward : public DeviceTest {
+ protected:
+  void prepare(const Options& o) {
+    options = o;
+    RasterSettings raster;
+    raster.background[0] = 0.3f;
+    raster.background[2] = 0.7f;
+    raster.smooth_cutoff = o.smooth;
+    model = make_model(o.scene);
+    view = std::make_unique<TestView>(context(), model, make_camera(o.scene.width, o.scene.height), raster);
+    Random random(3);
+    const auto fill = [&](std::vector<float>& v, size_t n, double low, double high) {
+      v.resize(n);
+      for (float& x : v) x = static_cast<float>(random.uniform(low, high));
+    };
+    const size_t n = view->maps.pixels();
+    fill(gradients.color, 3 * n, -1, 1);
+    fill(gradients.normal, 3 * n, -1, 1);
+    fill(gradients.distance, n, -1, 1);
+    fill(gradients.alpha, n, -1, 1);
+    fill(residual, n, 0, 1);
+    fill(prior, n, -0.5, 4);  // an eighth has none
+  }
+
+  std::vector<SplatGradient> run_device() {
+    DeviceArray<float> color, normal, distance, alpha, residual_map, prior_map;
+    color.assign(context(), gradients.color, "test");
+    normal.assign(context(), gradients.normal, "test");
+    distance.assign(context(), gradients.distance, "test");
+    alpha.assign(context(), gradients.alpha, "test");
+    residual_map.assign(context(), residual, "test");
+    prior_map.assign(context(), prior, "test");
+    DeviceArray<SplatGradient> slots(context(), view->lists.instances(), "test");
+    BlendBackwardInputs in;
+    in.view = view->view_spans();
+    in.lists = view->list_spans();
+    in.record = view->record_spans();
+    in.gradients = {color.span(), normal.span(), distance.span(), alpha.span()};
+    in.residual = residual_map.span();
+    if (options.prior) in.prior = prior_map.span();
+    in.prior_scale = 1.1f;
+    in.raster = view->raster;
+    in.geometry = options.geometry;
+    in.density = options.density;
+    blend_backward(context(), in, slots.span());
+    return slots.to_host();
+  }
+
+  cpu::SlotGradients run_cpu() {
+    cpu::SlotGradients slots;
+    cpu::RowBatches batches;
+    cpu::backward_pass({view->view, view->lists, view->raster}, view->record,
+                       {gradients, residual.data(), options.prior ? prior.data() : nullptr, 1.1f}, options.geometry,
+                       options.density, nullptr, view->pool, view->scratch, batches, slots);
+    return slots;
+  }
+
+  /// Every field of every seen slot, scaled by the field's largest magnitude.
+  void expect_equal() {
+    const std::vector<SplatGradient> got = run_device();
+    const cpu::SlotGradients want = run_cpu();
+    const bool density = options.density || options.smooth;  // the smooth version of the CPU engine computes everything
+    ASSERT_EQ(density, options.density);
+    for (int field = 0; field < kSplatGradientFloats; ++field) {
+      const bool in_density = field == 14 || field == 15 || field >= 18;
+      const bool in_geometry = field >= 4 && field < 8;
+      std::vector<float> a, b;
+      for (size_t slot = 0; slot < got.size(); ++slot) {
+        if (view->record.seen[slot] == 0) continue;
+        a.push_back(reinterpret_cast<const float*>(&got[slot])[field]);
+        b.push_back(reinterpret_cast<const float*>(&want[slot])[field]);
+      }
+      const auto d = difference(a, b);
+      EXPECT_LE(d.worst, kSumTolerance) << "field " << field << " of entry " << d.at << ", largest " << d.scale;
+      if ((in_density && !options.density) || (in_geometry && !options.geometry)) {
+        for (const float x : a) ASSERT_EQ(x, 0.0f) << "field " << field;
+      }
+    }
+  }
+
+  Options options;
+  GaussianModel model;
+  std::unique_ptr<TestView> view;
+  MapGradients<float> gradients;
+  std::vector<float> residual, prior;
+};
+
+TEST_F(CudaBlendBackward, SumsOfEveryKindEqualThoseOfTheCpuEngine) {
+  for (const bool geometry : {true, false}) {
+    for (const bool density : {true, false}) {
+      SCOPED_TRACE(std::to_string(geometry) + std::to_string(density));
+      Options o;
+      o.geometry = geometry;
+      o.density = density;
+      o.scene.width = 37;
+      o.scene.height = 21;
+      o.scene.gaussians = 80;
+      prepare(o);
+      expect_equal();
+    }
+  }
+}
+
+TEST_F(CudaBlendBackward, WithoutAPriorNoDepthIsSupported) {
+  Options o;
+  o.prior = false;
+  o.scene.gaussians = 60;
+  prepare(o);
+  expect_equal();
+  const std::vector<SplatGradient> slots = run_device();
+  for (size_t i = 0; i < slots.size(); ++i) {
+    if (view->record.seen[i] == 0) continue;
+    EXPECT_FLOAT_EQ(slots[i].unsupported, slots[i].weight);
+  }
+}
+
+TEST_F(CudaBlendBackward, ManyGaussiansInATileOfWhichMostAreHidden) {
+  Options o;
+  o.scene.width = o.scene.height = 16;
+  o.scene.gaussians = 900;
+  o.scene.log_scale_min = -3;
+  prepare(o);
+  ASSERT_GT(view->lists.instances(), 600u);
+  expect_equal();
+}
+
+TEST_F(CudaBlendBackward, TheSmoothCutoffOfTheGradientTests) {
+  Options o;
+  o.smooth = true;
+  o.scene.gaussians = 50;
+  prepare(o);
+  expect_equal();
+}
+
+TEST_F(CudaBlendBackward, OneGaussianAndNone) {
+  for (const size_t gaussians : {size_t(1), size_t(0)}) {
+    Options o;
+    o.scene.gaussians = gaussians;
+    o.scene.log_scale_min = -2;
+    o.scene.seed = 4;
+    prepare(o);
+    ASSERT_EQ(view->visible, gaussians);
+    expect_equal();
+  }
+}
+
+TEST_F(CudaBlendBackward, AlphaAtTheThresholdAndAtTheClamp) {
+  Options o;
+  o.scene.gaussians = 60;
+  prepare(o);
+  // Opacities of 1/255 take part in single pixels or none; those of almost 1 are clamped to 0.99.
+  for (size_t i = 0; i < model.size(); ++i) model.opacity_logits[i] = i % 2 == 0 ? -5.5373f : 12.0f;
+  const RasterSettings raster = view->raster;
+  view = std::make_unique<TestView>(context(), model, make_camera(o.scene.width, o.scene.height), raster);
+  expect_equal();
+}
+
+#ifdef ALIGNGS_CUDA_EMULATED
+TEST_F(CudaBlendBackward, NoBarrierIsMissing) {
+  Options o;
+  o.scene.width = o.scene.height = 24;
+  o.scene.gaussians = 70;
+  prepare(o);
+  const std::vector<SplatGradient> want = run_device();
+  for (const ThreadOrder order : {ThreadOrder::kReverse, ThreadOrder::kShuffled}) {
+    const ScopedThreadOrder scope(order, 7);
+    const std::vector<SplatGradient> got = run_device();
+    for (size_t i = 0; i < got.size(); ++i) {
+      if (view->record.seen[i] == 0) continue;
+      ASSERT_EQ(0, std::memcmp(&got[i], &want[i], sizeof got[i])) << i;
+    }
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace aligngs::cuda
