@@ -37,9 +37,9 @@ NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_bound
 class Row:
     """One way to train: which cloud and labels the scene has, and the settings."""
 
-    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", compare_with=None):
+    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refined=False, compare_with=None):
         self.name, self.preset, self.settings = name, preset, list(settings)
-        self.cloud, self.labels, self.compare_with = cloud, labels, compare_with
+        self.cloud, self.labels, self.refined, self.compare_with = cloud, labels, refined, compare_with
 
     @property
     def folder(self):
@@ -63,9 +63,12 @@ ROWS = [
     Row("default, placebo constant", "default", labels="constant", compare_with="default, uncoupled"),
     Row("default, placebo shuffled", "default", labels="shuffled", compare_with="default, uncoupled"),
     Row("default, true labels", "default", labels="true", compare_with="default, uncoupled"),
+    Row("default, refined cameras", "default", refined=True, compare_with="default"),
 ]
-YARDSTICKS = [("TSDF of the prior depth", "--from-prior"), ("TSDF of the true depth (ceiling)", "--from-truth")]
-YARDSTICK_ROW = "default"  # only its scene and fusion settings matter
+PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
+YARDSTICKS = [(PRIOR, "--from-prior"), (CEILING, "--from-truth")]
+# Rows that have yardsticks with the same cameras and prior depth; only their scenes and fusion settings matter.
+YARDSTICK_ROWS = {"default": "", "default, refined cameras": ", refined cameras"}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("between", "between", 2, "nvs.interpolating.psnr"),
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
@@ -94,7 +97,7 @@ def scores(metrics, only=None):
     return {key: value_at(metrics, path) if only is None or key in only else math.nan for key, _, _, path in COLUMNS}
 
 
-def make_scene(output, room, room_seed, seed, row, refined):
+def make_scene(output, room, room_seed, seed, row):
     """The scene of a row; variants differ in the cloud or the labels alone."""
     folder = output / "scenes" / f"{room}_{room_seed}_{seed}_{row.cloud}_{row.labels}"
     if not (folder / "scene.json").exists():
@@ -103,7 +106,7 @@ def make_scene(output, room, room_seed, seed, row, refined):
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
             (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text)
-    if not refined:
+    if not row.refined:
         return folder
     better = folder.with_name(folder.name + "_refined")
     if not better.exists():
@@ -111,22 +114,21 @@ def make_scene(output, room, room_seed, seed, row, refined):
     return better
 
 
-def train(output, room, room_seed, seed, row, iterations, refined):
+def train(output, room, room_seed, seed, row, iterations):
     folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
     if not (folder / "metrics.json").exists():
-        scene = make_scene(output, room, room_seed, seed, row, refined)
+        scene = make_scene(output, room, room_seed, seed, row)
         settings = [text for s in row.settings for text in ("--set", s)]
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", *settings)
         shutil.rmtree(folder / "checkpoints", ignore_errors=True)
     return scores(json.loads((folder / "metrics.json").read_text()))
 
 
-def yardstick(output, room, room_seed, seed, name, option):
-    base = output / "runs" / f"{room}_{room_seed}_{seed}"
-    source = base / next(r for r in ROWS if r.name == YARDSTICK_ROW).folder
-    result = base / f"yardstick{option}.json"
+def yardstick(output, room, room_seed, seed, row, option):
+    source = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+    result = source / f"yardstick{option}.json"
     if not result.exists():
-        mesh = base / f"yardstick{option}.ply"
+        mesh = source / f"yardstick{option}.ply"
         run("mesh", source, option, "-o", mesh)
         partial = result.with_suffix(".partial")
         partial.write_text(run("eval", source, "--mesh", mesh, "--json"))
@@ -188,15 +190,17 @@ def write_tables(output, results, rows, arguments):
 
 
 def gap_lines(results):
-    """Which share of the way from the prior's own surface to the ceiling the default preset goes."""
-    prior, ceiling = (results.get(name, {}) for name, _ in YARDSTICKS)
-    shares = [(results["default"][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
-              for k in results.get("default", {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
-    if not shares:
-        return []
-    middle, low, high, count = interval(shares)
-    return ["", f"(F - F_prior) / (F_ceiling - F_prior) of `default`: {middle:.2f} [{low:.2f}, {high:.2f}], "
-            f"smallest {min(shares):.2f}, over {count} pairs."]
+    """Which share of the way from the prior's own surface to the ceiling a row goes."""
+    lines = []
+    for row, suffix in YARDSTICK_ROWS.items():
+        prior, ceiling = results.get(PRIOR + suffix, {}), results.get(CEILING + suffix, {})
+        shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
+                  for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
+        if shares:
+            middle, low, high, count = interval(shares)
+            lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
+                      f"smallest {min(shares):.2f}, over {count} pairs."]
+    return lines
 
 
 def main():
@@ -213,6 +217,8 @@ def main():
     rows = [r for r in ROWS if arguments.rows is None or r.name in arguments.rows]
     if not rows:
         parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
+    for row in rows:
+        row.refined = row.refined or arguments.refined
     output = arguments.output
     output.mkdir(parents=True, exist_ok=True)
     results = {}
@@ -223,10 +229,10 @@ def main():
             key = (room, room_seed, seed)
             for row in rows:
                 print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
-                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations, arguments.refined)
-            if any(r.name == YARDSTICK_ROW for r in rows):
+                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations)
+            for row in (r for r in rows if r.name in YARDSTICK_ROWS):
                 for name, option in YARDSTICKS:
-                    results.setdefault(name, {})[key] = yardstick(output, room, room_seed, seed, name, option)
+                    results.setdefault(name + YARDSTICK_ROWS[row.name], {})[key] = yardstick(output, room, room_seed, seed, row, option)
             folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in rows]
             if len(folders) > 1:
                 run("compare", *folders, "--html", output / f"{room}_{room_seed}_{seed}.html")
