@@ -7,13 +7,30 @@
 
 #include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/device_memory.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/emulation.h"
+#endif
 
 namespace aligngs::cuda {
 
 #ifdef ALIGNGS_CUDA_EMULATED
 constexpr bool kEmulated = true;
+
+/// Runs `body` once in each order in which an emulated block may run its threads; on a device twice.
+template <class Body>
+void for_each_thread_order(const Body& body) {
+  for (const ThreadOrder order : {ThreadOrder::kForward, ThreadOrder::kReverse, ThreadOrder::kShuffled}) {
+    const ScopedThreadOrder scope(order, 7);
+    body();
+  }
+}
 #else
 constexpr bool kEmulated = false;
+
+template <class Body>
+void for_each_thread_order(const Body& body) {
+  for (int repeat = 0; repeat < 2; ++repeat) body();
+}
 #endif
 
 /// Skips its tests, with the reason, where there is no device.

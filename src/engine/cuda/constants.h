@@ -1,0 +1,28 @@
+// Sizes of blocks and pieces of work on the device.
+#pragma once
+
+#include <cstddef>
+
+namespace aligngs::cuda {
+
+/// Threads of a block that works on one Gaussian or one instance per thread: enough warps to hide memory, few enough
+/// registers' worth that several blocks share a multiprocessor.
+inline constexpr unsigned kRowThreads = 256;
+
+/// Gaussians that a tile's block takes from its list at a time: one per thread, 20 KB of shared memory.
+inline constexpr int kBlendBatch = 256;
+
+/// Rectangles of more tiles than this are written by a whole warp instead of one thread.
+inline constexpr unsigned kWideRectangle = 32;
+
+/// Classes that labels and the semantic start take per sweep over a tile's list: their sums stay in registers.
+inline constexpr int kChannelSweep = 16;
+
+/// Gaussians whose weights the semantic start keeps at a time: x 256 pixels, 32 KB of shared memory.
+inline constexpr int kLiftBatch = 32;
+
+/// Room for (Gaussian, tile) pairs in a view that was never seen: pairs per Gaussian. Rooms at 320x240 to 640x480 have
+/// 4 to 5; a view with more costs one repeated step.
+inline constexpr size_t kPairsPerGaussian = 8;
+
+}  // namespace aligngs::cuda

@@ -1,0 +1,63 @@
+#include "engine/cuda/device_model.h"
+
+namespace aligngs::cuda {
+namespace {
+constexpr size_t kShRow = size_t(3) * kShCoefficients;
+}
+
+void DeviceModel::resize(DeviceContext& context, size_t gaussians, int channels, const char* what) {
+  channels_ = channels;
+  positions_.resize(context, 3 * gaussians, what);
+  log_scales_.resize(context, 3 * gaussians, what);
+  rotations_.resize(context, 4 * gaussians, what);
+  opacity_logits_.resize(context, gaussians, what);
+  sh_.resize(context, kShRow * gaussians, what);
+  semantics_.resize(context, static_cast<size_t>(channels) * gaussians, what);
+}
+
+void DeviceModel::set_zero(const DeviceContext& context) {
+  for (DeviceArray<float>* a : {&positions_, &log_scales_, &rotations_, &opacity_logits_, &sh_, &semantics_}) {
+    fill_zero(context, a->span());
+  }
+}
+
+void DeviceModel::upload(DeviceContext& context, const GaussianModel& from, const char* what) {
+  resize(context, from.size(), from.semantic_channels, what);
+  cuda::upload(context, positions_.span(), from.positions.data());
+  cuda::upload(context, log_scales_.span(), from.log_scales.data());
+  cuda::upload(context, rotations_.span(), from.rotations.data());
+  cuda::upload(context, opacity_logits_.span(), from.opacity_logits.data());
+  cuda::upload(context, sh_.span(), from.sh.data());
+  cuda::upload(context, semantics_.span(), from.semantics.data());
+}
+
+void DeviceModel::download(GaussianModel& to) const {
+  to.semantic_channels = channels_;
+  to.positions = positions_.to_host();
+  to.log_scales = log_scales_.to_host();
+  to.rotations = rotations_.to_host();
+  to.opacity_logits = opacity_logits_.to_host();
+  to.sh = sh_.to_host();
+  to.semantics = semantics_.to_host();
+}
+
+void DeviceModel::swap(DeviceModel& o) noexcept {
+  std::swap(channels_, o.channels_);
+  positions_.swap(o.positions_);
+  log_scales_.swap(o.log_scales_);
+  rotations_.swap(o.rotations_);
+  opacity_logits_.swap(o.opacity_logits_);
+  sh_.swap(o.sh_);
+  semantics_.swap(o.semantics_);
+}
+
+ModelSpans DeviceModel::spans() const {
+  return {size(),           channels_,          positions_.span(), log_scales_.span(),
+          rotations_.span(), opacity_logits_.span(), sh_.span(),      semantics_.span()};
+}
+
+uint64_t DeviceModel::bytes(size_t gaussians, int channels) {
+  return uint64_t(gaussians) * (3 + 3 + 4 + 1 + kShRow + static_cast<size_t>(channels)) * sizeof(float);
+}
+
+}  // namespace aligngs::cuda

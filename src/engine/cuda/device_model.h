@@ -1,0 +1,32 @@
+// Owning arrays on the device in the shape of a model: its parameters, a moment, gradients.
+#pragma once
+
+#include "engine/cuda/model_spans.h"
+#include "engine/cuda/runtime/device_memory.h"
+#include "gaussians/gaussian_model.h"
+
+namespace aligngs::cuda {
+
+class DeviceModel {
+ public:
+  /// Contents are undefined.
+  void resize(DeviceContext& context, size_t gaussians, int channels, const char* what);
+  void set_zero(const DeviceContext& context);
+  void upload(DeviceContext& context, const GaussianModel& from, const char* what);
+  /// All but sh_degree.
+  void download(GaussianModel& to) const;
+  void swap(DeviceModel& o) noexcept;
+
+  size_t size() const { return opacity_logits_.size(); }
+  int channels() const { return channels_; }
+  ModelSpans spans() const;
+  /// Bytes of one with these sizes.
+  static uint64_t bytes(size_t gaussians, int channels);
+
+ private:
+  int channels_ = 0;
+  // Mutable: what a span allows to write is the holder's business, as with a pointer.
+  mutable DeviceArray<float> positions_, log_scales_, rotations_, opacity_logits_, sh_, semantics_;
+};
+
+}  // namespace aligngs::cuda
