@@ -8,7 +8,7 @@
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/constants.h"
 #include "engine/cuda/device_frame.h"
-#include "engine/cuda/device_model.h"
+#include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/project.h"
 #include "engine/cuda/runtime/test_device.h"
@@ -87,7 +87,7 @@ class CudaForward : public DeviceTest {
   }
 
   std::unique_ptr<DeviceArena> arena_;
-  DeviceModel model_;
+  ModelArrays model_;
 };
 
 RasterSettings with_background() { return make_request().raster; }

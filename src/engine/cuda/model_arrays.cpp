@@ -1,11 +1,11 @@
-#include "engine/cuda/device_model.h"
+#include "engine/cuda/model_arrays.h"
 
 namespace aligngs::cuda {
 namespace {
 constexpr size_t kShRow = size_t(3) * kShCoefficients;
 }
 
-void DeviceModel::resize(DeviceContext& context, size_t gaussians, int channels, const char* what) {
+void ModelArrays::resize(DeviceContext& context, size_t gaussians, int channels, const char* what) {
   channels_ = channels;
   positions_.resize(context, 3 * gaussians, what);
   log_scales_.resize(context, 3 * gaussians, what);
@@ -15,13 +15,13 @@ void DeviceModel::resize(DeviceContext& context, size_t gaussians, int channels,
   semantics_.resize(context, static_cast<size_t>(channels) * gaussians, what);
 }
 
-void DeviceModel::set_zero(const DeviceContext& context) {
+void ModelArrays::set_zero(const DeviceContext& context) {
   for (DeviceArray<float>* a : {&positions_, &log_scales_, &rotations_, &opacity_logits_, &sh_, &semantics_}) {
     fill_zero(context, a->span());
   }
 }
 
-void DeviceModel::upload(DeviceContext& context, const GaussianModel& from, const char* what) {
+void ModelArrays::upload(DeviceContext& context, const GaussianModel& from, const char* what) {
   resize(context, from.size(), from.semantic_channels, what);
   cuda::upload(context, positions_.span(), from.positions.data());
   cuda::upload(context, log_scales_.span(), from.log_scales.data());
@@ -31,7 +31,7 @@ void DeviceModel::upload(DeviceContext& context, const GaussianModel& from, cons
   cuda::upload(context, semantics_.span(), from.semantics.data());
 }
 
-void DeviceModel::download(GaussianModel& to) const {
+void ModelArrays::download(GaussianModel& to) const {
   to.semantic_channels = channels_;
   to.positions = positions_.to_host();
   to.log_scales = log_scales_.to_host();
@@ -41,7 +41,7 @@ void DeviceModel::download(GaussianModel& to) const {
   to.semantics = semantics_.to_host();
 }
 
-void DeviceModel::swap(DeviceModel& o) noexcept {
+void ModelArrays::swap(ModelArrays& o) noexcept {
   std::swap(channels_, o.channels_);
   positions_.swap(o.positions_);
   log_scales_.swap(o.log_scales_);
@@ -51,12 +51,12 @@ void DeviceModel::swap(DeviceModel& o) noexcept {
   semantics_.swap(o.semantics_);
 }
 
-ModelSpans DeviceModel::spans() const {
+ModelSpans ModelArrays::spans() const {
   return {size(),           channels_,          positions_.span(), log_scales_.span(),
           rotations_.span(), opacity_logits_.span(), sh_.span(),      semantics_.span()};
 }
 
-uint64_t DeviceModel::bytes(size_t gaussians, int channels) {
+uint64_t ModelArrays::bytes(size_t gaussians, int channels) {
   return uint64_t(gaussians) * (3 + 3 + 4 + 1 + kShRow + static_cast<size_t>(channels)) * sizeof(float);
 }
 

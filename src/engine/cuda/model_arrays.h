@@ -7,7 +7,7 @@
 
 namespace aligngs::cuda {
 
-class DeviceModel {
+class ModelArrays {
  public:
   /// Contents are undefined.
   void resize(DeviceContext& context, size_t gaussians, int channels, const char* what);
@@ -15,7 +15,7 @@ class DeviceModel {
   void upload(DeviceContext& context, const GaussianModel& from, const char* what);
   /// All but sh_degree.
   void download(GaussianModel& to) const;
-  void swap(DeviceModel& o) noexcept;
+  void swap(ModelArrays& o) noexcept;
 
   size_t size() const { return opacity_logits_.size(); }
   int channels() const { return channels_; }
