@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/error.h"
 #include "core/log.h"
 
 namespace aligngs {
@@ -9,8 +10,8 @@ namespace aligngs {
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
   ScenePhotosOptions& poses = options->poses;
   const char* const group = "Cameras of photos";
-  command.add_option("--method", options->method, "vggt (a network; needs its weights) or colmap (the program; needs overlap)")
-      ->check(CLI::IsMember({"vggt", "colmap"}))->capture_default_str()->group(group);
+  command.add_option("--method", options->method, "vggt (a network; needs its weights), colmap (the program; needs overlap) or given (cameras that you have)")
+      ->check(CLI::IsMember({"vggt", "colmap", "given"}))->capture_default_str()->group(group);
   command.add_option("--max-size", poses.max_side, "longer side to which larger photos are shrunk, pixels")
       ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
   command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all train)")
@@ -22,6 +23,8 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
   command.add_flag("--shared-focal", poses.shared_focal, "vggt: one focal length for all photos (one camera, no zoom)")->group(group);
   command.add_option("--max-points", poses.max_points, "vggt: points of the cloud at most")
       ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
+  command.add_option("--cameras", options->cameras,
+                     "given: COLMAP model or transforms.json (default: what lies beside the photos)")->group(group);
   command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")->group(group);
   command.add_option("--precision", options->precision, "of networks: auto, bfloat16 or float32")
       ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group(group);
@@ -39,8 +42,11 @@ nn::Precision precision_of(const std::string& name) {
 }
 
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {
+  if (!options.cameras.empty() && options.method != "given")
+    throw_usage("--cameras goes with --method given", "add --method given, or leave --cameras out");
   ScenePhotosOptions poses = options.poses;
-  poses.method = options.method == "colmap" ? PosesMethod::kColmap : PosesMethod::kVggt;
+  poses.method = options.method == "colmap" ? PosesMethod::kColmap : options.method == "given" ? PosesMethod::kGiven : PosesMethod::kVggt;
+  poses.cameras = options.cameras;
   poses.model = options.model;
   poses.shared_camera = !options.per_photo_camera;
   poses.precision = precision_of(options.precision);

@@ -11,7 +11,7 @@
 namespace aligngs {
 
 struct PhotoCommandOptions {
-  std::string method = "vggt", model = "vggt-1b", precision = "auto";
+  std::string method = "vggt", model = "vggt-1b", precision = "auto", cameras;
   bool per_photo_camera = false;
   double memory_gigabytes = 0;
   ScenePhotosOptions poses;

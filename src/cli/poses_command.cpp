@@ -28,7 +28,8 @@ void print_report(const CommandContext& context, const std::string& scene, const
                                         {"unplaced", unplaced}}).dump(2).c_str());
     return;
   }
-  std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos, report.method.c_str(),
+  std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos,
+              report.method == "given" ? "the given cameras" : report.method.c_str(),
               format_duration(report.seconds).c_str(), report.points,
               report.reprojection_error > 0 ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str() : "");
   std::printf("next: aligngs priors %s   then: aligngs run %s -o run\n", scene.c_str(), scene.c_str());
@@ -39,7 +40,8 @@ void print_report(const CommandContext& context, const std::string& scene, const
 void add_poses_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos: a scene folder with poses and a cloud");
   command->group("Data");
-  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method colmap --test-every 8");
+  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method colmap --test-every 8\n"
+                  "         aligngs poses photos -o scene --method given --cameras sparse/0");
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();

@@ -102,6 +102,7 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
   while (walker.next(marker, content)) {
     if (marker == kApp1 && !exif_seen && content.substr(0, 6) == std::string_view("Exif\0\0", 6)) {
       header.orientation = exif_orientation(content);
+      header.exif = content;
       exif_seen = true;
     } else if (is_frame_header(marker)) {
       if (content.size() < 6) throw_bad_input(name, "frame header", "too short", kRemedy);
@@ -158,6 +159,16 @@ std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality)
   if (status != 0)
     throw_resources({}, std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
   return {out, out + size};
+}
+
+std::string with_exif(const std::vector<uint8_t>& jpeg, std::string_view exif) {
+  constexpr size_t kStartOfImage = 2;  // bytes
+  const size_t length = exif.size() + 2;
+  std::string out(jpeg.begin(), jpeg.begin() + kStartOfImage);
+  out += {char(0xff), char(kApp1), char(length >> 8 & 0xff), char(length & 0xff)};
+  out += exif;
+  out.append(jpeg.begin() + kStartOfImage, jpeg.end());
+  return out;
 }
 
 }  // namespace aligngs

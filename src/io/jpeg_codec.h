@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,7 @@ bool is_jpeg(std::string_view bytes);
 struct JpegHeader {
   int width = 0, height = 0, channels = 0;
   int orientation = 1;    ///< EXIF, 1 to 8
+  std::string_view exif;  ///< content of its segment, a part of the bytes; empty: none
   bool complete = false;  ///< false: `bytes` ended before the frame header
 };
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name);
@@ -24,5 +26,7 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
 /// rest.
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name);
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality);
+/// The same file with an EXIF segment of this content (at most 65533 bytes) at its beginning.
+std::string with_exif(const std::vector<uint8_t>& jpeg, std::string_view exif);
 
 }  // namespace aligngs

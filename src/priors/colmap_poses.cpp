@@ -129,6 +129,17 @@ double mean_error(const ColmapModel& model) {
 
 }  // namespace
 
+PointCloud reliable_points(const ColmapModel& model) {
+  constexpr double kMaxError = 2;  // pixels; what 3DGS' readers keep
+  PointCloud cloud;
+  for (const ColmapPoint& point : model.points) {
+    if (point.error > kMaxError) continue;
+    cloud.positions.push_back(point.position.cast<float>());
+    cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
+  }
+  return cloud;
+}
+
 std::string why_unplaced(const ColmapDatabase& database, const std::string& photo,
                          const std::vector<std::string>& placed) {
   const ColmapDatabase::Photo* self = nullptr;

@@ -10,6 +10,7 @@
 #include "io/colmap.h"
 #include "priors/colmap_database.h"
 #include "priors/photo_folder.h"
+#include "scene/point_cloud.h"
 
 namespace aligngs {
 
@@ -38,6 +39,9 @@ struct ColmapPoses {
 ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos,
                                    const std::filesystem::path& work,
                                    const ColmapPosesOptions& options);
+
+/// The points whose reprojection error is small enough to start from.
+PointCloud reliable_points(const ColmapModel& model);
 
 /// Why a photo is not in the model, from what was found in it and shared with others.
 std::string why_unplaced(const ColmapDatabase& database, const std::string& photo,

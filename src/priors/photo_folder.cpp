@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
+#include "io/exif_focal_length.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
 #include "io/png_codec.h"
@@ -60,8 +61,16 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   out.width = image.width;
   out.height = image.height;
   constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
-  if (jpeg) write_jpeg(out.file, image, kQuality);
-  else write_png(out.file, image);
+  if (!jpeg) {
+    write_png(out.file, image);
+    return out;
+  }
+  const std::vector<uint8_t> small = encode_jpeg_bytes(image, kQuality);
+  // Relative to the sides, the focal length of the shrunk picture is that of the stored one.
+  const auto focal = exif_focal_35mm(parse_jpeg_header(bytes, photo.file).exif,
+                                     std::max(photo.width, photo.height));
+  write_file_atomically(out.file, focal ? with_exif(small, exif_with_focal_35mm(*focal))
+                                        : std::string(small.begin(), small.end()));
   return out;
 }
 

@@ -24,8 +24,8 @@ std::vector<Photo> list_photos(const std::filesystem::path& folder);
 bool has_photos(const std::filesystem::path& folder);
 
 /// Copies into `folder` under <name>.jpg or .png: as they are where they are upright and neither
-/// side exceeds `max_side` pixels, else turned and resized (JPEG of quality 95). The result lists
-/// the copies.
+/// side exceeds `max_side` pixels, else turned and resized (JPEG of quality 95, with the focal length
+/// that the camera wrote into it). The result lists the copies.
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos,
                                   const std::filesystem::path& folder, int max_side,
                                   ThreadPool& pool);

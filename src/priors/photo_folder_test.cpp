@@ -6,7 +6,9 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/exif_focal_length.h"
 #include "io/image_file.h"
+#include "io/jpeg_codec.h"
 
 namespace aligngs {
 namespace {
@@ -121,6 +123,18 @@ TEST_F(PhotoFolder, LargePhotosAreShrunkToTheLongerSide) {
   const Image<uint8_t> second = read_image(prepared[1].file);
   EXPECT_EQ(second.width, 25);
   EXPECT_EQ(second.channels, 4);
+}
+
+TEST_F(PhotoFolder, AShrunkPhotoKeepsItsFocalLength) {
+  for (const char* const name : {"a.jpg", "b.jpg"}) {
+    std::ofstream(folder / name, std::ios::binary)
+        << with_exif(encode_jpeg_bytes(picture(200, 100), 90), exif_with_focal_35mm(24));
+  }
+  ThreadPool pool(1);
+  const fs::path file = prepare_photos(list_photos(folder), folder / "work", 50, pool)[0].file;
+  const std::string bytes = read_file(file);
+  EXPECT_EQ(exif_focal_35mm(parse_jpeg_header(bytes, file).exif, 50), 24);
+  EXPECT_EQ(read_image(file).width, 50);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "io/resample.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
+#include "priors/given_poses.h"
 #include "priors/vggt_prediction.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
@@ -63,7 +64,8 @@ bool is_test(size_t index, int test_every) {
 }
 
 /// The photos that have cameras must be enough to train on; if not, every photo is told what became of it.
-void require_enough(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<UnplacedPhoto>& unplaced) {
+void require_enough(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<UnplacedPhoto>& unplaced,
+                    const std::string& remedy) {
   const size_t all = photos.size(), placed = all - unplaced.size();
   if (placed >= kFewestPlaced && 2 * placed >= all) return;
   std::string reasons;
@@ -73,21 +75,27 @@ void require_enough(const fs::path& folder, const std::vector<Photo>& photos, co
                            without != unplaced.end() ? without->reason : fmt::format("placed, but only {} photos hang together", placed));
   }
   throw_bad_input(folder, "poses",
-                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons),
-                  "neighbouring photos should share about 60 % of what they show and be taken from "
-                  "different places, sharp and evenly lit; or try --method vggt, which needs less "
-                  "overlap");
+                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons), remedy);
 }
 
-PointCloud good_points(const ColmapModel& model) {
-  constexpr double kMaxError = 2;  // pixels; what 3DGS' readers keep
-  PointCloud cloud;
-  for (const ColmapPoint& point : model.points) {
-    if (point.error > kMaxError) continue;
-    cloud.positions.push_back(point.position.cast<float>());
-    cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
+/// Undistorts and writes photos with cameras.
+void import_photos(const Capture& capture, const fs::path& scene, const ScenePhotosOptions& options,
+                   bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
+  ImportOptions import;
+  import.depth_prior = depth_prior;
+  import.overwrite = options.overwrite;
+  import.progress = options.progress;
+  import.test_views = 0;
+  if (options.test_every > 0 || (capture.train.empty() && capture.test.empty())) {
+    for (size_t i = 0; i < capture.frames.size(); ++i) {
+      (is_test(i, options.test_every) ? import.test_names : import.train_names)
+          .push_back(capture.frames[i].name);
+    }
   }
-  return cloud;
+  const ImportReport imported = import_capture(capture, scene, import, pool);
+  report.points = imported.points;
+  report.train = imported.train;
+  report.test = imported.test;
 }
 
 void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, WorkFolder& work,
@@ -107,24 +115,31 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   report.unplaced = poses.unplaced;
   report.placed = poses.model.images.size();
   report.reprojection_error = poses.reprojection_error;
-  require_enough(source, photos, poses.unplaced);
+  require_enough(source, photos, poses.unplaced,
+                 "neighbouring photos should share about 60 % of what they show and be taken from "
+                 "different places, sharp and evenly lit; or try --method vggt, which needs less overlap");
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
-  capture.cloud = good_points(poses.model);
-  ImportOptions import;
-  import.depth_prior = false;
-  import.overwrite = options.overwrite;
-  import.progress = options.progress;
-  import.test_views = 0;
-  for (size_t i = 0; i < capture.frames.size(); ++i) {
-    (is_test(i, options.test_every) ? import.test_names : import.train_names)
-        .push_back(capture.frames[i].name);
+  capture.cloud = reliable_points(poses.model);
+  import_photos(capture, scene, options, false, pool, report);
+}
+
+void scene_by_given_poses(const fs::path& source, const fs::path& cameras,
+                          const std::vector<Photo>& listed, const std::vector<Photo>& photos,
+                          const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
+                          ScenePhotosReport& report) {
+  GivenPoses poses = read_given_poses(cameras, listed, photos);
+  report.unplaced = poses.unplaced;
+  report.placed = poses.capture.frames.size();
+  require_enough(source, photos, poses.unplaced,
+                 "give the photos that the cameras were found for, or another --method");
+  poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
+  import_photos(poses.capture, scene, options, true, pool, report);
+  if (report.points == 0) {
+    log_warning("the given cameras come without points, which training starts from: a COLMAP model with points3D, or "
+                "ply_file_path in transforms.json, brings them");
   }
-  const ImportReport imported = import_capture(capture, scene, import, pool);
-  report.points = imported.points;
-  report.train = imported.train;
-  report.test = imported.test;
 }
 
 /// Depth of low confidence is no value, for the cloud and as a prior.
@@ -233,8 +248,11 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Photo> listed = list_photos(source);
   require_free(scene, options.overwrite);
+  fs::path cameras;
+  if (options.method == PosesMethod::kGiven)
+    cameras = find_given_cameras(listed.front().file.parent_path(), options.cameras);
   if (options.method == PosesMethod::kVggt) store.require(published_model(options.model));
-  if (options.method == PosesMethod::kColmap && listed.size() < kFewestPlaced) {
+  if (options.method != PosesMethod::kVggt && listed.size() < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", listed.size()),
                     fmt::format("take at least {}, or use --method vggt", kFewestPlaced));
   }
@@ -247,6 +265,9 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
   if (options.method == PosesMethod::kVggt) {
     report.method = options.model;
     scene_by_vggt(photos, scene, store, options, pool, report);
+  } else if (options.method == PosesMethod::kGiven) {
+    report.method = "given";
+    scene_by_given_poses(source, cameras, listed, photos, scene, options, pool, report);
   } else {
     report.method = "colmap";
     scene_by_colmap(source, photos, work, scene, options, pool, report);

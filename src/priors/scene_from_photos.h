@@ -1,4 +1,4 @@
-// Photos in, a scene folder out: cameras and a cloud found by VGGT or COLMAP.
+// Photos in, a scene folder out: cameras and a cloud found by VGGT or COLMAP, or given.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace aligngs {
 
-enum class PosesMethod { kVggt, kColmap };
+enum class PosesMethod { kVggt, kColmap, kGiven };
 
 struct ScenePhotosOptions {
   PosesMethod method = PosesMethod::kVggt;
@@ -29,6 +29,9 @@ struct ScenePhotosOptions {
   nn::Precision precision = nn::Precision::kBfloat16;
   uint64_t memory_limit = 0;       ///< bytes; 0: 80 % of what is free
 
+  // Given: a COLMAP model's folder or a transforms.json; empty: looked for beside the photos.
+  std::filesystem::path cameras;
+
   // COLMAP.
   bool shared_camera = true;
 
@@ -37,7 +40,7 @@ struct ScenePhotosOptions {
 };
 
 struct ScenePhotosReport {
-  std::string method;  ///< "vggt-1b", "colmap"
+  std::string method;  ///< "vggt-1b", "colmap", "given"
   size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
   std::vector<UnplacedPhoto> unplaced;
   double reprojection_error = 0;  ///< pixels; COLMAP

@@ -172,6 +172,12 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   return lens;
 }
 
+ColmapCamera colmap_camera_of(const LensModel& lens) {
+  const auto& k = lens.radial;
+  return {0, "FULL_OPENCV", uint64_t(lens.width), uint64_t(lens.height),
+          {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], lens.p1, lens.p2, k[2], k[3], k[4], k[5]}};
+}
+
 Camera undistorted_camera(const LensModel& lens, const std::filesystem::path& path) {
   Camera camera = lens.pinhole();
   if (!lens.distorted()) return camera;

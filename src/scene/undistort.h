@@ -35,6 +35,9 @@ struct LensModel {
 /// 1..65535 and focal lengths that are not positive are Error{kBadInput} naming `path` and the camera.
 LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path);
 
+/// The lens as a camera of COLMAP's model FULL_OPENCV.
+ColmapCamera colmap_camera_of(const LensModel& lens);
+
 /// A pinhole of the lens's size and principal point whose every pixel has a source in the distorted image: the
 /// smallest such scale of the focal lengths within [0.5, 2]. Error{kBadInput} naming `path` when the distortion
 /// folds over (not invertible in the image) at any of these scales.
