@@ -77,7 +77,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   TrainOptions train = train_options(options.train, context);
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
   if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
-  const bool photos = !is_scene(source);
+  const bool photos = options.photos.method == "given" || !is_scene(source);
   if (photos && !has_photos(source)) {
     throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG or PNG) are here",
                     "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
