@@ -103,6 +103,29 @@ TEST_F(ModelsProgram, ImportTakesAFileOfTheRightNetworkOnly) {
   EXPECT_EQ(run("models path vggt-1b").status, 0);
 }
 
+TEST_F(ModelsProgram, DoctorSaysWhichWeightsAreWhere) {
+  const ProcessResult none = run("doctor");
+  EXPECT_THAT(none.out, AllOf(HasSubstr("0 of "), HasSubstr((folder / "models").string()), HasSubstr((folder / "hub").string())));
+  write_file_atomically(folder / "models" / "ade20k-linear-s" / "dinov2_vits14_ade20k_linear_head.pth", file_with("decode_head.conv_seg.weight"));
+  const ProcessResult head = run("doctor");
+  EXPECT_THAT(head.out, AllOf(HasSubstr("0 of "), HasSubstr("of no use yet without dinov2-s")));
+  write_file_atomically(folder / "torch" / "hub" / "checkpoints" / "dinov2_vits14_pretrain.pth", file_with("blocks.0.attn.qkv.weight"));
+  const ProcessResult both = run("doctor");
+  EXPECT_THAT(both.out, AllOf(HasSubstr("2 of "), HasSubstr((folder / "torch" / "hub").string())));
+}
+
+TEST_F(ModelsProgram, InfoListsTheTensorsOfAWeightFileWhateverItsName) {
+  write_file_atomically(folder / "head.pth", file_with("decode_head.conv_seg.weight"));
+  EXPECT_THAT(run("info " + out("head.pth")).out, AllOf(HasSubstr("decode_head.conv_seg.weight"), HasSubstr("ade20k-linear-s")));
+}
+
+TEST_F(ModelsProgram, CamerasAreForTheMethodGivenOnly) {
+  EXPECT_EQ(run("poses " + photos() + " -o " + out("scene") + " --cameras sparse").status, 2);
+  const ProcessResult result = run("poses " + photos() + " -o " + out("scene") + " --method given");
+  EXPECT_EQ(result.status, 3);
+  EXPECT_THAT(result.err, HasSubstr("--cameras"));
+}
+
 TEST_F(ModelsProgram, PosesWithoutWeightsOffersColmap) {
   const ProcessResult result = run("poses " + photos() + " -o " + out("scene"));
   EXPECT_EQ(result.status, 4);

@@ -8,10 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "cli/command.h"
+#include "cli/photo_options.h"
 #include "core/memory_budget.h"
+#include "nn/cpu/matrix_backend.h"
 
 namespace aligngs {
+
+namespace fs = std::filesystem;
+
 namespace {
 
 struct Check {
@@ -68,17 +72,63 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-std::vector<Check> run_checks() {
+/// What networks are computed with, and how fast that is.
+Check check_networks() {
+  ThreadPool pool(1);
+  const nn::Precision precision = default_precision();
+  const nn::Compute compute(pool, {precision, true, true});
+  const std::string what = fmt::format("{}, {}{}", precision == nn::Precision::kBfloat16 ? "bfloat16" : "float32", compute.matrices()->name(),
+                                       compute.amx() ? ", matrix unit" : "");
+  const bool slow = compute.matrices()->name() == "portable";
+  return {"networks", true, what, slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
+}
+
+/// Where the weights of each model lie, and what of a model is missing.
+std::vector<Check> check_weights(const ModelStore& store) {
+  std::vector<Check> found;
+  size_t whole = 0;
+  for (const PublishedModel& model : published_models()) {
+    std::string places, missing;
+    for (const ModelFile& file : model.files) {
+      const auto located = store.find(model, file);
+      std::error_code unknown;
+      if (located) {
+        places += fmt::format("{}{} ({})", places.empty() ? "" : ", ", located->path.string(),
+                              format_bytes(fs::file_size(located->path, unknown)));
+      } else {
+        missing += " " + file.name;
+      }
+    }
+    if (places.empty()) continue;
+    for (const std::string& need : model.needs) {
+      if (!store.installed(published_model(need))) missing += " " + need;
+    }
+    whole += missing.empty();
+    found.push_back({"weights", true, model.name + ": " + places,
+                     missing.empty() ? "" : fmt::format("of no use yet without{}: aligngs models download {}", missing, model.name)});
+  }
+  std::string looked = store.options().folder.string();
+  for (const auto* folders : {&store.options().huggingface, &store.options().torch}) {
+    for (const fs::path& folder : *folders) looked += ", " + folder.string();
+  }
+  const std::string summary = fmt::format("{} of {} models are complete; looked in {}", whole, published_models().size(), looked);
+  found.insert(found.begin(), {"network weights", true, summary,
+                               whole > 0 ? "" : "without them: cameras from COLMAP, no class labels, no lpips; `aligngs models list` shows what there is"});
+  return found;
+}
+
+std::vector<Check> run_checks(const ModelStore& store) {
   std::vector<Check> checks;
   checks.push_back({"processor", true, fmt::format("{}, {} hardware threads", cpu_model(), std::thread::hardware_concurrency()), ""});
   checks.push_back(check_instructions());
   checks.push_back(check_memory());
   checks.push_back(check_writable());
   checks.push_back({"device", true, "cpu (this version has no CUDA engine)", ""});
-  checks.push_back({"network weights", true, "none are read by this version: depth and semantic priors come from files", ""});
+  checks.push_back(check_networks());
+  for (Check& check : check_weights(store)) checks.push_back(std::move(check));
   const bool colmap = on_path("colmap");
   checks.push_back({"colmap program", true, colmap ? "found" : "not found",
-                    colmap ? "" : "only needed to make poses for your own photos: apt-get install colmap"});
+                    colmap ? "" : "one of the two ways to find cameras for your own photos (the other: VGGT): apt-get install colmap"});
   return checks;
 }
 
@@ -89,7 +139,7 @@ void add_doctor_command(CLI::App& program, CommandContext& context) {
   command->group("Look");
   command->footer("Example: aligngs doctor");
   command->callback([&context] {
-    const std::vector<Check> checks = run_checks();
+    const std::vector<Check> checks = run_checks(model_store(context));
     bool all = true;
     nlohmann::json document = {{"version", ALIGNGS_VERSION}, {"checks", nlohmann::json::array()}};
     for (const Check& check : checks) {

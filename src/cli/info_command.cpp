@@ -4,16 +4,21 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "cli/command.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/byte_source.h"
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "io/ply.h"
 #include "io/safetensors.h"
 #include "io/torch_archive.h"
+#include "io/weight_file.h"
+#include "priors/model_registry.h"
 #include "scene/scene.h"
 
 namespace aligngs {
@@ -72,11 +77,55 @@ Json info_of_ply(const fs::path& path) {
 
 Json info_of_array(const char* kind, const ArrayHeader& header) { return {{"kind", kind}, {"shape", header.shape}, {"dtype", header.dtype}}; }
 
-Json info_of_safetensors(const fs::path& path) {
-  const TensorFile file = read_safetensors(path);
+/// The published networks whose weights such tensors could be.
+Json models_with(const std::map<std::string, WeightInfo>& tensors) {
+  Json names = Json::array();
+  for (const PublishedModel& model : published_models()) {
+    for (const ModelFile& file : model.files) {
+      if (tensors.count(file.probe) > 0) names.push_back(model.name);
+    }
+  }
+  return names;
+}
+
+/// Named tensors of any format; their values stay in the file.
+Json info_of_weights(const char* kind, const fs::path& path) {
+  const std::shared_ptr<const WeightFile> file = WeightFile::open(path);
   Json tensors = Json::object();
-  for (const auto& [name, tensor] : file.tensors) tensors[name] = {{"dtype", tensor.dtype}, {"shape", tensor.shape}};
-  return {{"kind", "safetensors"}, {"metadata", file.metadata}, {"tensors", tensors}};
+  int64_t values = 0;
+  for (const auto& [name, tensor] : file->tensors()) {
+    tensors[name] = {{"dtype", tensor.dtype}, {"shape", tensor.shape}};
+    values += std::accumulate(tensor.shape.begin(), tensor.shape.end(), int64_t(1), std::multiplies<>());
+  }
+  Json info = {{"kind", kind}, {"tensor_count", tensors.size()}, {"values", values}, {"tensors", tensors}};
+  const Json models = models_with(file->tensors());
+  if (!models.empty()) info["has_tensors_of"] = models;
+  return info;
+}
+
+bool is_safetensors(const fs::path& path) {
+  try {
+    read_safetensors_directory(*file_source(path));
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+Json info_of_safetensors(const fs::path& path) {
+  Json info = info_of_weights("safetensors", path);
+  info["metadata"] = read_safetensors_directory(*file_source(path)).metadata;
+  return info;
+}
+
+/// One tensor, or a state dict. Some weights carry the wrong extension; their first bytes tell.
+Json info_of_torch(const fs::path& path) {
+  if (is_safetensors(path)) return info_of_safetensors(path);
+  try {
+    return info_of_array("torch tensor", read_torch_tensor_header(path));
+  } catch (const Error&) {
+    return info_of_weights("torch weights", path);
+  }
 }
 
 Json info_of_run(const fs::path& folder) {
@@ -115,7 +164,7 @@ Json info_of(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
   if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
-  if (extension == ".pt" || extension == ".pth") return info_of_array("torch tensor", read_torch_tensor_header(path));
+  if (extension == ".pt" || extension == ".pth") return info_of_torch(path);
   if (extension == ".safetensors") return info_of_safetensors(path);
   const ImageInfo image = read_image_info(path);
   return {{"kind", "image"}, {"width", image.width}, {"height", image.height}, {"channels", image.channels}, {"bits", image.bit_depth}};

@@ -30,15 +30,19 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
       ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group(group);
 }
 
-nn::Precision precision_of(const std::string& name) {
-  if (name == "float32") return nn::Precision::kFloat32;
-  if (name == "bfloat16") return nn::Precision::kBfloat16;
+nn::Precision default_precision() {
 #if defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY)
   __builtin_cpu_init();
   // Networks were published for bfloat16; without instructions for it float32 is faster.
   if (__builtin_cpu_supports("avx512bf16")) return nn::Precision::kBfloat16;
 #endif
   return nn::Precision::kFloat32;
+}
+
+nn::Precision precision_of(const std::string& name) {
+  if (name == "float32") return nn::Precision::kFloat32;
+  if (name == "bfloat16") return nn::Precision::kBfloat16;
+  return default_precision();
 }
 
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {

@@ -21,7 +21,9 @@ struct PhotoCommandOptions {
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options);
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context);
 
-/// "auto": bfloat16 where the processor multiplies it fast, else float32.
+/// bfloat16 where the processor multiplies it fast, else float32.
+nn::Precision default_precision();
+/// "float32", "bfloat16", or "auto": the default.
 nn::Precision precision_of(const std::string& name);
 
 ModelStore model_store(const CommandContext& context);
