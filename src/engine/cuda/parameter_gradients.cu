@@ -1,13 +1,12 @@
 #include "engine/cuda/parameter_gradients.h"
 
 #include "engine/cuda/parameter_gradients.cuh"
-#include "engine/cuda/runtime/launch.h"
+#include "engine/cuda/sum_columns.cuh"
 
 namespace aligngs::cuda {
 namespace {
 
 constexpr unsigned kMarkThreads = 256;
-constexpr unsigned kSumThreads = 256;
 
 }  // namespace
 
@@ -24,8 +23,7 @@ void parameter_gradients(const DeviceContext& context, const ParameterGradientIn
                          const ParameterGradientOutputs& out) {
   launch(context, "parameter_gradients", parameter_gradients_kernel, one_per_item(in.model.gaussians, kRowThreads), in,
          out);
-  launch(context, "sum_columns", sum_columns_kernel, {dim3(1), dim3(kSumThreads), 0},
-         out.scratch.part(0, square_scratch(in.model.gaussians)), 2, 1.0, out.squares);
+  sum_columns<2>(context, out.scratch.part(0, square_scratch(in.model.gaussians)), 1.0, out.squares);
 }
 
 }  // namespace aligngs::cuda

@@ -173,16 +173,4 @@ __global__ void __launch_bounds__(kRowThreads)
   }
 }
 
-/// One block: out[k] = sum over j of in[width j + k] for k < width <= 2.
-__global__ void sum_columns_kernel(DeviceSpan<const double> in, int width, double factor, DeviceSpan<double> out) {
-  __shared__ double scratch[kWarp];
-  const size_t rows = in.size / static_cast<size_t>(width);
-  for (int k = 0; k < width; ++k) {
-    double sum = 0;
-    for (size_t j = threadIdx.x; j < rows; j += blockDim.x) sum += in[j * static_cast<size_t>(width) + k];
-    sum = block_sum(sum, scratch);
-    if (threadIdx.x == 0) out[k] = sum * factor;
-  }
-}
-
 }  // namespace aligngs::cuda

@@ -36,12 +36,16 @@ struct SemanticVisitInputs {
 struct SemanticVisitOutputs {
   DeviceSpan<float> row_slots;           ///< [instances][padded] dL/drows of one Gaussian in one tile, where seen
   DeviceSpan<CouplingMoments> coupling;  ///< [instances], where seen; may be empty without couple
-  DeviceSpan<uint8_t> seen;              ///< [instances, by slot] 1: a pixel with a teacher may have taken it
-  DeviceSpan<double> tile_terms;         ///< [2][tiles] scratch
+  DeviceSpan<uint8_t> seen;              ///< [instances, by slot] 1: taken in a block with a teacher, else 0
+  DeviceSpan<double> tile_terms;         ///< [tiles][2] scratch
   DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
 };
 
-/// Throws Error{kResources} when the device's shared memory does not hold a block with this many channels.
+/// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels: more than kMaxSemanticChannels, or
+/// more than the shared memory of the device has room for (about 220 where it is 99 KB a block, as on GeForce).
+void check_semantic_channels(const DeviceContext& context, int channels);
+
+/// Fills `out`. The channels must have passed check_semantic_channels. Nothing waits for the host.
 void semantic_visit(const DeviceContext& context, const SemanticVisitInputs& in, const SemanticVisitOutputs& out);
 
 }  // namespace aligngs::cuda

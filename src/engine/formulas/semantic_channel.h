@@ -18,7 +18,7 @@ struct ProbabilityChannel {
 template <class T>
 ALIGNGS_HD inline ProbabilityChannel<T> probability_channel(T blended, T rest, T count, T floor) {
   const T q = blended + rest * count, low = floor * count;
-  const bool above = q > low;
+  const bool above = !(q <= low);  // what is not a number stays so, for the loss to show it
   return {above ? q : low, above};
 }
 

@@ -1,0 +1,307 @@
+// Kernel of semantic_visit.h: one block of 256 threads per tile, which visits its four blocks of 8 x 8 pixels in turn:
+//   forwards, 32 Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
+//   P to shared memory, the loss by one warp per pixel, dP and H in bfloat16 into the place of P;
+//   backwards, 32 Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
+// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes: the
+// first of its blocks sets them, later ones add. So every sum has a fixed order.
+#pragma once
+
+#include "engine/cuda/semantic_pixel.cuh"
+#include "engine/cuda/semantic_tile.cuh"
+
+namespace aligngs::cuda {
+
+/// P = W^T S of block b to shared memory; returns what is left behind the last Gaussian at this thread's pixel.
+/// Warp w forms rows 16 (w % 4) of every second tile of columns.
+template <int kGroups>
+__device__ __forceinline__ float blend_rows(const Visit& v, int b, uint32_t pixel_last) {
+  TileSum sums[kGroups];
+#pragma unroll
+  for (int g = 0; g < kGroups; ++g) sums[g].clear();
+  const int pixel_tile = v.warp % 4, column_half = v.warp / 4, columns = v.layout.padded / kMmaTile;
+  float t = 1;
+  for (uint32_t first = 0; first < v.end; first += kVisitBatch) {
+    const int count = list_entries(v, b, first);
+    for (int at = 0; at < count; at += kVisitEntries) {
+      const int n = count - at < kVisitEntries ? count - at : kVisitEntries;
+      load_entries(v, b, at, n);
+      load_rows(v, n);
+      const PartAlphas a = part_alphas(v, b, n, pixel_last);
+      __syncthreads();
+      float before[kPartEntries];
+      part_weights(v, a, t, before);
+      t *= chunk_product(v);
+      __syncthreads();
+      for (int step = 0; step < kVisitEntries && step < n; step += kMmaTile) {
+        const TileOperand left =
+            load_left_transposed(v.s.weights + step * kWeightStride + pixel_tile * kMmaTile, kWeightStride);
+#pragma unroll
+        for (int g = 0; g < kGroups; ++g) {
+          const int column = column_half + 2 * g;
+          if (column >= columns) continue;
+          const int stride = v.layout.row_stride();
+          multiply_add(sums[g], left, load_right(v.rows + step * stride + column * kMmaTile, stride));
+        }
+      }
+      __syncthreads();
+    }
+  }
+#pragma unroll
+  for (int g = 0; g < kGroups; ++g) {
+    const int column = column_half + 2 * g;
+    if (column >= columns) continue;
+    for (int k = 0; k < 8; ++k) {
+      const int row = pixel_tile * kMmaTile + TileSum::row_of(k);
+      v.blended[row * v.layout.blended_stride() + column * kMmaTile + TileSum::column_of(k)] = sums[g].value[k];
+    }
+  }
+  if (v.part() == 0) v.s.transmittance[v.pixel()] = t;
+  __syncthreads();
+  return t;
+}
+
+/// The loss of block b in place: row i of blended becomes dP and, with the bounded coupling, H, in bfloat16. Adds to the
+/// terms of this warp. Warp w takes pixels [8 w, 8 w + 8).
+template <int kGroups>
+__device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, double& hard) {
+  constexpr int kPixels = kBlockPixels / kVisitWarps;
+  const ChannelSet set{v.in.teacher.channels, v.in.remainder};
+  const bool bounded = v.in.couple && v.in.coupling == SemanticCoupling::kBounded;
+  const int padded = v.layout.padded;
+  PixelTeacher mine;
+  mine.top = -1;
+  if (v.lane < kPixels) {
+    const int i = b * kBlockPixels + v.warp * kPixels + v.lane;
+    mine = find_teacher(v.in, v.tile_x * kTileSize + tile_pixel_x(i), v.tile_y * kTileSize + tile_pixel_y(i));
+  }
+  for (int k = 0; k < kPixels; ++k) {
+    const int pixel = v.warp * kPixels + k;
+    const PixelTeacher px = share_teacher(mine, k);
+    float* blended = v.blended + pixel * v.layout.blended_stride();
+    PixelRow<kGroups> row;
+    PixelLoss loss{0, 0, 0};
+#pragma unroll
+    for (int g = 0; g < kGroups; ++g) {
+      row.value[g] = lane_channel(g) < padded ? blended[lane_channel(g)] : 0.0f;
+    }
+    if (px.top >= 0) {
+      float t[kGroups];
+      sample_teacher_lanes(v.in.teacher, px, t);
+      const float alpha = 1 - v.s.transmittance[pixel];
+      loss = v.in.blend == SemanticBlend::kProbabilities
+                 ? probabilities_loss(v.in, set, px, t, alpha, bounded, row)
+                 : logits_loss(v.in, set, px, t, alpha, bounded, row);
+    } else {
+#pragma unroll
+      for (int g = 0; g < kGroups; ++g) row.value[g] = row.direction[g] = 0;
+    }
+    __syncwarp();  // every lane has read its channels
+    Bf16* to = v.gradient_rows() + pixel * v.gradient_stride();
+#pragma unroll
+    for (int g = 0; g < kGroups; ++g) {
+      const int c = lane_channel(g);
+      if (c >= padded) continue;
+      to[c] = to_bf16(row.value[g]);
+      if (bounded) to[padded + c] = to_bf16(row.direction[g]);
+    }
+    if (v.lane == 0) {
+      v.s.offset[pixel] = loss.offset;
+      soft += static_cast<double>(loss.soft);
+      hard += static_cast<double>(loss.hard);
+    }
+  }
+  __syncthreads();
+}
+
+/// q of the loaded entries, [entry][pixel]: Q = S H^T - h_0. Warp w forms one tile. Ends with a barrier.
+__device__ __forceinline__ void coupling_values(const Visit& v) {
+  const int entry_tile = v.warp / 4, pixel_tile = v.warp % 4, stride = v.layout.row_stride();
+  const bool bounded = v.in.coupling == SemanticCoupling::kBounded;
+  const Bf16* direction = v.gradient_rows() + (bounded ? v.layout.padded : 0);
+  TileSum q;
+  q.clear();
+  for (int c = 0; c < v.layout.padded; c += kMmaTile) {
+    const TileOperand left = load_left(v.rows + entry_tile * kMmaTile * stride + c, stride);
+    multiply_add(q, left,
+                 load_right_transposed(direction + pixel_tile * kMmaTile * v.gradient_stride() + c, v.gradient_stride()));
+  }
+  for (int k = 0; k < 8; ++k) {
+    const int entry = entry_tile * kMmaTile + TileSum::row_of(k), pixel = pixel_tile * kMmaTile + TileSum::column_of(k);
+    v.s.coupling[entry * kCouplingStride + pixel] = q.value[k] - v.s.offset[pixel];
+  }
+  __syncthreads();
+}
+
+/// From q to g in place, and `behind` from what stands behind the 32 to what stands behind those before. Ends with a
+/// barrier.
+__device__ __forceinline__ void coupling_sweep(const Visit& v, const PartAlphas& a, const float (&before)[kPartEntries],
+                                               float& behind) {
+  float* q = v.s.coupling + v.part() * kPartEntries * kCouplingStride + v.pixel();
+  float alone = 0;
+#pragma unroll
+  for (int k = kPartEntries - 1; k >= 0; --k) alone += a.alpha[k] * (q[k * kCouplingStride] - alone);
+  v.s.behind[v.part()][v.pixel()] = alone;
+  __syncthreads();
+  float back = behind;
+  for (int p = kVisitParts - 1; p > v.part(); --p) {
+    back = v.s.behind[p][v.pixel()] + v.s.products[p][v.pixel()] * back;
+  }
+#pragma unroll
+  for (int k = kPartEntries - 1; k >= 0; --k) {
+    const float step = q[k * kCouplingStride] - back;
+    back += a.alpha[k] * step;
+    q[k * kCouplingStride] = a.slope[k] * before[k] * step;
+  }
+  for (int p = kVisitParts - 1; p >= 0; --p) behind = v.s.behind[p][v.pixel()] + v.s.products[p][v.pixel()] * behind;
+  __syncthreads();
+}
+
+/// Moments of g of the loaded entries into their slots. Warp w takes entries [4 w, 4 w + 4).
+__device__ __forceinline__ void coupling_moments(const Visit& v, int b, int n) {
+  constexpr int kEntries = kVisitEntries / kVisitWarps, kFields = sizeof(CouplingMoments) / sizeof(float);
+  static_assert(kEntries * kFields == kWarp, "one lane per number");
+  const int first = v.warp * kEntries;
+  if (first >= n) return;
+  float sums[kWarp] = {};
+#pragma unroll
+  for (int k = 0; k < kEntries; ++k) {
+    const int e = first + k;
+    if (e >= n) continue;
+    const Splat& g = v.s.splats[e];
+    WhitenedMoments<float> m;
+    for (int pixel = v.lane; pixel < kBlockPixels; pixel += kWarp) {
+      const int i = b * kBlockPixels + pixel;
+      const float dx = static_cast<float>(v.tile_x * kTileSize + tile_pixel_x(i)) + 0.5f - g.x;
+      const float dy = static_cast<float>(v.tile_y * kTileSize + tile_pixel_y(i)) + 0.5f - g.y;
+      add_moment(v.s.coupling[e * kCouplingStride + pixel], g.fxx * dx + g.fxy * dy, g.fyy * dy, m);
+    }
+    sums[kFields * k] = m.p;
+    sums[kFields * k + 1] = m.r;
+    sums[kFields * k + 2] = m.one;
+    sums[kFields * k + 3] = m.pp;
+    sums[kFields * k + 4] = m.pr;
+    sums[kFields * k + 5] = m.rr;
+  }
+  const float sum = warp_sums(sums);
+  const int e = first + v.lane / kFields;
+  if (e >= n) return;
+  float* to = reinterpret_cast<float*>(&v.out.coupling[v.s.entry_slot[e]]) + v.lane % kFields;
+  *to = v.s.entry_first[e] != 0 ? sum : *to + sum;
+}
+
+/// dS = W dP of the loaded entries into their slots, 16 at a time. Begins and ends with a barrier.
+__device__ __forceinline__ void row_gradients(const Visit& v, int n) {
+  const int columns = v.layout.padded / kMmaTile, stride = v.layout.blended_stride(), vectors = v.layout.padded / 4;
+  for (int first = 0; first < n; first += kSumRows) {
+    __syncthreads();  // the rows, or the sums before, have been read
+    for (int column = v.warp; column < columns; column += kVisitWarps) {
+      TileSum sum;
+      sum.clear();
+      for (int pixel = 0; pixel < kBlockPixels; pixel += kMmaTile) {
+        const TileOperand left = load_left(v.s.weights + first * kWeightStride + pixel, kWeightStride);
+        multiply_add(sum, left,
+                     load_right(v.gradient_rows() + pixel * v.gradient_stride() + column * kMmaTile, v.gradient_stride()));
+      }
+      for (int k = 0; k < 8; ++k) {
+        v.sums[TileSum::row_of(k) * stride + column * kMmaTile + TileSum::column_of(k)] = sum.value[k];
+      }
+    }
+    __syncthreads();
+    for (int row = v.warp; row < kSumRows && first + row < n; row += kVisitWarps) {
+      const int e = first + row;
+      const bool set = v.s.entry_first[e] != 0;
+      const size_t at = size_t(v.s.entry_slot[e]) * static_cast<size_t>(v.layout.padded);
+      float4* to = reinterpret_cast<float4*>(&v.out.row_slots[at]);
+      for (int k = v.lane; k < vectors; k += kWarp) {
+        float4 x = reinterpret_cast<const float4*>(v.sums + row * stride)[k];
+        if (!set) {
+          const float4 old = to[k];
+          x = make_float4(old.x + x.x, old.y + x.y, old.z + x.z, old.w + x.w);
+        }
+        to[k] = x;
+      }
+    }
+  }
+  __syncthreads();
+}
+
+/// Gradients of block b after its loss; t is what is left behind the last Gaussian at this thread's pixel.
+__device__ __forceinline__ void block_gradients(const Visit& v, int b, uint32_t pixel_last, float t) {
+  float behind = 0;
+  const uint32_t batches = (v.end + kVisitBatch - 1) / kVisitBatch;
+  for (uint32_t batch = batches; batch-- > 0;) {
+    const int count = list_entries(v, b, batch * kVisitBatch);
+    for (int at = (count - 1) / kVisitEntries * kVisitEntries; at >= 0 && count > 0; at -= kVisitEntries) {
+      const int n = count - at < kVisitEntries ? count - at : kVisitEntries;
+      load_entries(v, b, at, n);
+      if (v.in.couple) load_rows(v, n);
+      const PartAlphas a = part_alphas(v, b, n, pixel_last);
+      if (v.thread < n && v.s.entry_first[v.thread] != 0) v.out.seen[v.s.entry_slot[v.thread]] = 1;
+      __syncthreads();
+      t /= chunk_product(v);  // at least transmittance_min, else these would not have been taken
+      float before[kPartEntries];
+      part_weights(v, a, t, before);
+      __syncthreads();
+      if (v.in.couple) {
+        coupling_values(v);
+        coupling_sweep(v, a, before, behind);
+        coupling_moments(v, b, n);
+      }
+      row_gradients(v, n);
+    }
+  }
+}
+
+template <int kGroups>
+__global__ void __launch_bounds__(kVisitThreads)
+    semantic_visit_kernel(SemanticVisitInputs in, SemanticVisitOutputs out, int padded) {
+  const VisitLayout layout{padded};
+  VisitShared& s = *dynamic_shared<VisitShared>();
+  const int thread = static_cast<int>(threadIdx.x), tile = static_cast<int>(blockIdx.x);
+  Visit v{in, out, layout, s, dynamic_shared<float>(layout.blended_at()), dynamic_shared<Bf16>(layout.rows_at()),
+          dynamic_shared<float>(layout.rows_at()), tile, tile % in.view.tiles_x, tile / in.view.tiles_x, thread,
+          thread / kWarp, thread % kWarp, in.lists.tile_begin[tile], 0, 0};
+
+  // Thread i looks at pixel i of the tile: how far its list goes, and which blocks have a teacher.
+  const int x = v.tile_x * kTileSize + tile_pixel_x(thread), y = v.tile_y * kTileSize + tile_pixel_y(thread);
+  const bool inside = x < in.view.width && y < in.view.height;
+  const bool valid = inside && in.teacher.top_class[size_t(y) * in.view.width + x] != kNoLabel;
+  const uint32_t last = inside ? in.record.last[size_t(tile) * kTilePixels + thread] : 0;
+  const uint32_t warp_last = __reduce_max_sync(kFullWarp, last);
+  const unsigned votes = __ballot_sync(kFullWarp, valid);
+  if (v.lane == 0) {
+    s.last[v.warp] = warp_last;
+    s.teacher[v.warp] = votes;
+  }
+  __syncthreads();
+  for (int w = 0; w < kVisitWarps; ++w) {
+    v.end = s.last[w] > v.end ? s.last[w] : v.end;
+    v.teacher |= s.teacher[w] != 0 ? 1u << (w * kTileBlocks / kVisitWarps) : 0u;
+  }
+  __syncthreads();
+
+  double soft = 0, hard = 0;
+  for (int b = 0; b < kTileBlocks; ++b) {
+    if (((v.teacher >> b) & 1u) == 0) continue;
+    const int i = b * kBlockPixels + v.pixel();
+    const bool pixel_inside = v.tile_x * kTileSize + tile_pixel_x(i) < in.view.width &&
+                              v.tile_y * kTileSize + tile_pixel_y(i) < in.view.height;
+    const uint32_t pixel_last = pixel_inside ? in.record.last[size_t(tile) * kTilePixels + i] : 0;
+    const float t = blend_rows<kGroups>(v, b, pixel_last);
+    block_loss<kGroups>(v, b, soft, hard);
+    block_gradients(v, b, pixel_last, t);
+    __syncthreads();
+  }
+  if (v.lane == 0) {
+    s.terms[v.warp][0] = soft;
+    s.terms[v.warp][1] = hard;
+  }
+  __syncthreads();
+  if (thread < 2) {
+    double sum = 0;
+    for (int w = 0; w < kVisitWarps; ++w) sum += s.terms[w][thread];
+    out.tile_terms[2 * size_t(tile) + thread] = sum;
+  }
+}
+
+}  // namespace aligngs::cuda
