@@ -13,13 +13,6 @@ namespace {
 
 constexpr double kRadian = 3.14159265358979323846 / 180;
 
-// The prior on both sides of one label edge.
-struct EdgePrior {
-  EdgeKind kind = EdgeKind::kNothing;
-  double weight = 0;
-  Vec3d before, after;  // prior normals
-};
-
 bool same_label_out_to(const Image<uint16_t>& labels, int x, int y, int dx, int dy, int steps) {
   const int last_x = x + steps * dx, last_y = y + steps * dy;
   if (last_x < 0 || last_y < 0 || last_x >= labels.width || last_y >= labels.height) return false;
@@ -28,6 +21,8 @@ bool same_label_out_to(const Image<uint16_t>& labels, int x, int y, int dx, int 
   }
   return true;
 }
+
+}  // namespace
 
 EdgePrior prior_at_edge(const TrainingView& view, const LabelPair& p) {
   const Image<uint16_t>& labels = view.data.labels;
@@ -50,8 +45,6 @@ EdgePrior prior_at_edge(const TrainingView& view, const LabelPair& p) {
                              camera.ray(p.x + 0.5 + 0.5 * p.dx, p.y + 0.5 + 0.5 * p.dy));
   return prior;
 }
-
-}  // namespace
 
 EdgeKind classify_edge(const Vec3d& normal_before, const Vec3d& point_before, const Vec3d& normal_after,
                        const Vec3d& point_after, const Vec3d& edge_ray) {

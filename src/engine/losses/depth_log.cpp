@@ -1,8 +1,6 @@
 #include "engine/losses/depth_log.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 
 #include "engine/losses/depth_map.h"
 #include "engine/losses/function_versions.h"
@@ -12,33 +10,6 @@
 namespace aligngs {
 namespace {
 
-constexpr double kHuberMinimum = 1e-9;  // log units: a delta of 0 means the absolute value
-
-// log(x) for normal positive x in a form that loops over pixels can vectorise: within 2 ulp for float (the polynomial
-// of Cephes' logf), the library's for double.
-ALIGNGS_ALWAYS_INLINE float log_of(float x) {
-  int32_t bits;
-  std::memcpy(&bits, &x, sizeof bits);
-  const int32_t e = (bits - 0x3f3504f3) >> 23;  // x = m 2^e with m in [sqrt(1/2), sqrt(2))
-  bits -= e * (1 << 23);
-  float m;
-  std::memcpy(&m, &bits, sizeof m);
-  m -= 1.0f;
-  float p = 7.0376836292e-2f;
-  p = p * m - 1.1514610310e-1f;
-  p = p * m + 1.1676998740e-1f;
-  p = p * m - 1.2420140846e-1f;
-  p = p * m + 1.4249322787e-1f;
-  p = p * m - 1.6668057665e-1f;
-  p = p * m + 2.0000714765e-1f;
-  p = p * m - 2.4999993993e-1f;
-  p = p * m + 3.3333331174e-1f;
-  const float z = m * m, n = static_cast<float>(e);
-  const float y = p * m * z + n * -2.12194440e-4f - 0.5f * z;
-  return n * 0.693359375f + (m + y);
-}
-ALIGNGS_ALWAYS_INLINE double log_of(double x) { return std::log(x); }
-
 // One row of the inputs. Weights are 0 where a pixel does not take part.
 struct LogDepthRow {
   const uint8_t* validity;
@@ -46,17 +17,13 @@ struct LogDepthRow {
   int width;
 };
 
-ALIGNGS_ALWAYS_INLINE float weight_at(const LogDepthRow& row, const float* weights, int x) {
-  const float prior = row.prior[x], w = weights != nullptr ? weights[x] : 1.0f;
-  const bool known = prior > 0 && prior < 1e30f, counts = w > 0 && w <= 1;  // as prior_depth_at, depth_weight_at
-  return row.validity[x] == kDepthTight && known && counts ? w : 0.0f;
-}
-
 ALIGNGS_ALWAYS_INLINE void weights_of_row(const LogDepthRow& row, float* __restrict weights) {
   if (row.weight == nullptr) {
-    for (int x = 0; x < row.width; ++x) weights[x] = weight_at(row, nullptr, x);
+    for (int x = 0; x < row.width; ++x) weights[x] = log_depth_weight(row.validity[x], row.prior[x], 1.0f);
   } else {
-    for (int x = 0; x < row.width; ++x) weights[x] = weight_at(row, row.weight, x);
+    for (int x = 0; x < row.width; ++x) {
+      weights[x] = log_depth_weight(row.validity[x], row.prior[x], row.weight[x]);
+    }
   }
 }
 
@@ -65,14 +32,10 @@ template <class T>
 ALIGNGS_ALWAYS_INLINE void terms_of_row(const T* __restrict depth, const float* __restrict prior,
                                         const float* __restrict weights, int width, T scale, T delta, T step,
                                         T* __restrict value, T* __restrict gradient) {
-  const T inverse_delta = T(1) / delta;
   for (int x = 0; x < width; ++x) {
-    const bool used = weights[x] > 0.0f;
-    const T z = used ? depth[x] : T(1), target = used ? scale * static_cast<T>(prior[x]) : T(1);
-    const T w = static_cast<T>(weights[x]), e = log_of(z / target);
-    const T low = e < -delta ? -delta : e, near = low > delta ? delta : low;  // h = near (e - near / 2) / delta
-    value[x] = w * near * (e - near / T(2)) * inverse_delta;
-    gradient[x] += step * w * near * inverse_delta / z;
+    const LogDepthTerm<T> term = log_depth_term(depth[x], prior[x], weights[x], scale, delta, step);
+    value[x] = term.value;
+    gradient[x] += term.gradient;
   }
 }
 
@@ -113,7 +76,7 @@ double log_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspac
     for (const float w : weights) used += w > 0 ? 1 : 0;
     return std::array<double, 2>{static_cast<double>(used), ordered_sum(weights.data(), width)};
   });
-  if (sums[0] < 1 || sums[0] < kMinimumValidShare * static_cast<double>(in.maps.pixels())) return 0;
+  if (!enough_valid(sums[0], static_cast<double>(in.maps.pixels()))) return 0;
   const double normalisation = 1 / sums[1];
 
   return normalisation * sum_rows<1>(in.pool, height, workspace.row_sums, [&](int y) {

@@ -15,14 +15,6 @@ Vec3<T> normal_at(const RenderMaps<T>& maps, size_t pixel) {
 }
 
 template <class T>
-DepthValidity validity_of(T z, T alpha, T expected) {
-  if (plane_depth_valid(z, alpha, expected, T(kPlaneAlphaLoss))) return kDepthTight;
-  if (!(alpha > T(kPlaneAlphaLoss)) || !(z > T(0))) return kDepthInvalid;
-  const T mean = expected / alpha;
-  return z > T(0.5) * mean && z < T(2) * mean ? kDepthLoose : kDepthInvalid;
-}
-
-template <class T>
 PlaneDepthRow<T> row_of(const RenderMaps<T>& maps, const PixelRays<T>& rays, int y) {
   const size_t begin = static_cast<size_t>(y) * maps.width, n = maps.pixels();
   const T* normal = maps.normal.data() + begin;
@@ -60,8 +52,9 @@ void compute_depth_map(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspac
       if (in.settings.paper_normals) {
         const Vec3<T> ray = rays(static_cast<int>(i - begin), y);
         const T z = plane_depth_paper(normal_at(maps, i), maps.distance[i], ray).z;
-        workspace.validity[i] = validity_of(z, maps.alpha[i], maps.expected[i]);
-        workspace.depth[i] = workspace.validity[i] == kDepthInvalid ? T(0) : z;
+        const DepthSample<T> sample = judge_depth(z, maps.alpha[i], maps.expected[i]);
+        workspace.validity[i] = static_cast<uint8_t>(sample.level);
+        workspace.depth[i] = sample.z;
       }
       if (pixel_counts(in.view, i)) continue;
       workspace.validity[i] = kDepthInvalid;

@@ -1,7 +1,5 @@
 #include "engine/losses/depth_pearson.h"
 
-#include <cmath>
-
 #include "engine/losses/depth_map.h"
 #include "engine/losses/row_parallel.h"
 
@@ -32,7 +30,7 @@ double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWork
     return s;
   });
   const double n = sums[0];
-  if (n < 3 || n < kPearsonMinimumShare * static_cast<double>(in.maps.pixels())) return 0;
+  if (!enough_for_pearson(n, static_cast<double>(in.maps.pixels()))) return 0;
   const double mean_rendered = sums[1] / n, mean_prior = sums[2] / n;
 
   const auto products = sum_rows<3>(in.pool, height, workspace.row_sums, [&](int y) {
@@ -45,24 +43,16 @@ double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWork
     });
     return s;
   });
-  const double deviation_rendered = std::sqrt(products[0] / (n - 1));
-  const double deviation_prior = std::sqrt(products[1] / (n - 1));
-  if (deviation_prior < kPearsonMinimumSpread * mean_prior) return 0;
-  if (deviation_rendered < kPearsonRenderedSpread * mean_rendered) return 0;
-  const double t_rendered = deviation_rendered + kPearsonEpsilon, t_prior = deviation_prior + kPearsonEpsilon;
-  const double rho = products[2] / (n * t_rendered * t_prior);
-
-  // d rho / d a_k = b_k / (n t_a t_b) - rho a_k / ((n - 1) s_a t_a); both parts sum to zero over k, so the
-  // dependence of a on the mean adds nothing.
-  const double along_prior = weight / (n * t_rendered * t_prior);
-  const double along_rendered = weight * rho / ((n - 1) * deviation_rendered * t_rendered);
+  const PearsonResult result =
+      pearson_result({n, mean_rendered, mean_prior, products[0], products[1], products[2]}, weight);
+  if (result.loss == 0 && result.along_prior == 0) return 0;
   for_each_row(in.pool, height, [&](int y) {
     for_each_used(y, [&](size_t i, double rendered, double prior) {
       workspace.depth_gradient[i] +=
-          static_cast<T>(along_rendered * (rendered - mean_rendered) - along_prior * (prior - mean_prior));
+          static_cast<T>(result.along_rendered * (rendered - mean_rendered) - result.along_prior * (prior - mean_prior));
     });
   });
-  return 1 - rho;
+  return result.loss;
 }
 
 template double pearson_depth_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&);

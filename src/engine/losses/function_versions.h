@@ -1,6 +1,8 @@
 // Lets GCC compile a hot function several times and choose by the processor at run time.
 #pragma once
 
+#include "core/always_inline.h"
+
 // Every version gives the same bits: contraction is off and no sum is reassociated, so only the number of
 // pixels per instruction differs. Sanitizers run before the dynamic linker's resolvers could be instrumented.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(ALIGNGS_SCALAR_ONLY) && \
@@ -8,10 +10,4 @@
 #define ALIGNGS_FUNCTION_VERSIONS __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define ALIGNGS_FUNCTION_VERSIONS
-#endif
-
-#if defined(__GNUC__)
-#define ALIGNGS_ALWAYS_INLINE inline __attribute__((always_inline))
-#else
-#define ALIGNGS_ALWAYS_INLINE inline
 #endif

@@ -1,16 +1,11 @@
 // Neighbouring pixels that the teacher gives different classes.
 #pragma once
 
-#include "engine/losses/map_losses.h"
+#include "core/image.h"
+#include "engine/formulas/label_edges.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
-
-/// A pair (first, second) of horizontal or vertical neighbours across a label edge.
-struct LabelPair {
-  int x = 0, y = 0;    ///< first pixel
-  int dx = 0, dy = 0;  ///< step to the second: (1, 0) or (0, 1)
-};
 
 /// Calls use(pair) for the right and down neighbours of the pixels of row y whose labels are known and differ.
 template <class Use>

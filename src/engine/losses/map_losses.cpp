@@ -30,10 +30,11 @@ void require_size(const Size& map, const Size& wanted, const std::string& view, 
                "bring every map of a view to the size of its camera (prepare_view)"});
 }
 
-template <class T>
-void require_sizes(const MapLossInputs<T>& in) {
-  const Size wanted{in.maps.width, in.maps.height};
-  const ViewData& data = in.view.data;
+}  // namespace
+
+void require_map_sizes(const TrainingView& view, int width, int height) {
+  const Size wanted{width, height};
+  const ViewData& data = view.data;
   require_size({data.camera.width, data.camera.height}, wanted, data.name, "camera");
   require_size({data.color.width, data.color.height}, wanted, data.name, "color");
   const auto optional = [&](const auto& map, const char* field) {
@@ -42,16 +43,14 @@ void require_sizes(const MapLossInputs<T>& in) {
   optional(data.mask, "mask");
   optional(data.prior_depth, "prior_depth");
   optional(data.labels, "labels");
-  optional(in.view.depth_weight, "depth_weight");
-  optional(in.view.prior_normal, "prior_normal");
-  optional(in.view.label_edge, "label_edge");
+  optional(view.depth_weight, "depth_weight");
+  optional(view.prior_normal, "prior_normal");
+  optional(view.label_edge, "label_edge");
 }
-
-}  // namespace
 
 template <class T>
 void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& gradients) {
-  require_sizes(in);
+  require_map_sizes(in.view, in.maps.width, in.maps.height);
   MapLossWorkspace<T> own;
   MapLossWorkspace<T>& workspace = in.workspace ? *in.workspace : own;
   const LossSettings& s = in.settings;

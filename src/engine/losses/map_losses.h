@@ -27,6 +27,9 @@ struct MapLossInputs {
 template <class T>
 void map_losses(const MapLossInputs<T>& inputs, LossTerms& terms, MapGradients<T>& gradients);
 
+/// Throws Error{kFailed} when a map of the view that a loss of the maps reads does not have this size.
+void require_map_sizes(const TrainingView& view, int width, int height);
+
 /// Mean absolute colour difference of each pixel, 0 under the mask; what density control looks at.
 /// `residual` is resized to the number of pixels.
 template <class T>

@@ -1,14 +1,10 @@
 #include "engine/losses/normal_boundary.h"
 
-#include <cmath>
-
 #include "engine/losses/label_pairs.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/unit_normal.h"
 
 namespace aligngs {
-
-double boundary_penalty(double cosine) { return 1 / (1 + std::exp(kBoundarySharpness * (1 - cosine))); }
 
 template <class T>
 double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
@@ -23,9 +19,9 @@ double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWo
       const size_t u = static_cast<size_t>(pair.y) * width + pair.x;
       const size_t v = static_cast<size_t>(pair.y + pair.dy) * width + pair.x + pair.dx;
       if (!in.settings.paper_normals) {
-        if (workspace.validity[u] != kDepthTight || workspace.validity[v] != kDepthTight) return;
-        const T jump = std::abs(workspace.depth[u] - workspace.depth[v]);
-        if (!(jump <= T(kDepthJumpShare) * workspace.depth[u])) return;
+        if (!unbroken_depth(workspace.depth[u], workspace.validity[u], workspace.depth[v], workspace.validity[v])) {
+          return;
+        }
       }
       const UnitNormal<T> a = unit_normal_at(workspace, u), b = unit_normal_at(workspace, v);
       if (a.valid() && b.valid()) use(u, v, a, b);
@@ -43,7 +39,7 @@ double normal_boundary_loss(const MapLossInputs<T>& in, double weight, MapLossWo
   for_each_row_scattering(in.pool, height, [&](int y) {
     for_each_pair(y, [&](size_t u, size_t v, const UnitNormal<T>& a, const UnitNormal<T>& b) {
       const double l = boundary_penalty(static_cast<double>(dot(a.direction, b.direction)));
-      const T slope = static_cast<T>(weight / sums[0] * kBoundarySharpness * l * (1 - l));
+      const T slope = static_cast<T>(weight / sums[0] * boundary_slope(l));
       add_normal_gradient(a, b.direction * slope, u, pixels, gradients);
       add_normal_gradient(b, a.direction * slope, v, pixels, gradients);
     });

@@ -1,14 +1,10 @@
 // The paper's L_nb: normals on the two sides of a label edge are pushed apart (aligngs.md 4.7).
 #pragma once
 
+#include "engine/formulas/normal_terms.h"
 #include "engine/losses/map_losses.h"
 
 namespace aligngs {
-
-inline constexpr double kBoundarySharpness = 100;  ///< alpha of the paper
-
-/// 1 - sigmoid(100 (1 - cos)): 0.5 for equal normals, 0.18 at 10 degrees.
-double boundary_penalty(double cosine);
 
 /// Mean of boundary_penalty over pairs of right and down neighbours with different teacher labels and blended
 /// directions on both sides; zero when there is no such pair. With settings.paper_normals off, pairs whose

@@ -1,22 +1,13 @@
 #include "engine/losses/normal_consistency.h"
 
-#include "engine/losses/depth_stencil.h"
+#include "engine/losses/depth_map.h"
+#include "engine/formulas/normal_terms.h"
 #include "engine/losses/normal_row.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
 namespace {
-
-// How far the neighbours of a difference lie from the pixel.
-struct Reach {
-  int before = 0, after = 0;
-};
-
-Reach reach_of(Difference difference) {
-  return {difference == Difference::kCentral || difference == Difference::kBackward ? 1 : 0,
-          difference == Difference::kCentral || difference == Difference::kForward ? 1 : 0};
-}
 
 // Fills the input arrays of one row from the depths that its stencils name.
 template <class T>
@@ -76,14 +67,15 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
       const size_t i = static_cast<size_t>(y) * width + x;
       DepthStencil stencil;
       if (workspace.inverse_length[i] > T(0)) {
-        stencil = depth_stencil(workspace, x, y, width, height, in.settings.paper_normals);
+        stencil = depth_stencil(workspace.depth.data(), workspace.validity.data(), x, y, width, height,
+                                in.settings.paper_normals);
       }
       workspace.stencil[i] = stencil.valid() ? stencil.packed() : 0;
       valid += stencil.valid() ? 1 : 0;
     }
     return std::array<double, 1>{valid};
   })[0];
-  if (count < 1 || count < kMinimumValidShare * static_cast<double>(pixels)) return 0;
+  if (!enough_valid(count, static_cast<double>(pixels))) return 0;
 
   const PixelRays<T> rays(in.view.data.camera);
   workspace.row_sums.assign(static_cast<size_t>(height), 0.0);

@@ -6,7 +6,7 @@
 namespace aligngs {
 
 /// Mean over valid pixels of 1 - n . n_depth with both normals unit; the gradient reaches both. Valid: the
-/// pixel has a blended direction and a depth normal (depth_stencil.h; settings.paper_normals chooses its form).
+/// pixel has a blended direction and a depth normal (depth_stencil of formulas/normal_terms.h; settings.paper_normals chooses its form).
 /// Zero with fewer than 1 % valid pixels.
 /// Needs compute_depth_map and compute_unit_normals; adds weight * dL / dz to workspace.depth_gradient.
 template <class T>

@@ -1,9 +1,6 @@
 #include "engine/losses/normal_row.h"
 
-#include <cmath>
-#include <limits>
-
-#include "core/vec.h"
+#include "engine/formulas/normal_terms.h"
 #include "engine/losses/function_versions.h"
 
 namespace aligngs {
@@ -21,44 +18,21 @@ ALIGNGS_ALWAYS_INLINE void normal_row(const NormalRowGeometry<T>& geometry, cons
   const size_t stride = static_cast<size_t>(width);
   for (int x = 0; x < width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x;
-    const T wanted = in[kInUsed * stride + x];
-    const T right_x = ray_x + in[kInRightOffset * stride + x] * step_x;
-    const T left_x = ray_x + in[kInLeftOffset * stride + x] * step_x;
-    const T top_y = ray_y + in[kInTopOffset * stride + x] * step_y;
-    const T bottom_y = ray_y + in[kInBottomOffset * stride + x] * step_y;
-    const T right = in[kInRight * stride + x], left = in[kInLeft * stride + x];
-    const T top = in[kInTop * stride + x], bottom = in[kInBottom * stride + x];
-    const Vec3<T> across{right_x * right - left_x * left, ray_y * (right - left), right - left};
-    const Vec3<T> up{ray_x * (top - bottom), top_y * top - bottom_y * bottom, top - bottom};
-    const Vec3<T> product = cross(across, up);
-    // The points never lie on one line (their rays do not), but their product can leave the range of T.
-    const T length = std::sqrt(dot(product, product));
-    // Selections of plain values, not branches: this loop is to be vectorised.
-    const T measurable = length < std::numeric_limits<T>::max() ? length : T(0);
-    const T divisor = measurable > T(0) ? measurable : T(1);
-    const T used = measurable > T(0) ? wanted : T(0);
-    const T toward = product.x * ray_x + product.y * ray_y + product.z;
-    const T inverse = (toward > T(0) ? T(-1) : T(1)) / divisor;
-    const Vec3<T> implied{used > T(0) ? product.x * inverse : T(0), used > T(0) ? product.y * inverse : T(0),
-                          used > T(0) ? product.z * inverse : T(0)};
-    const Vec3<T> blended{n_x[x], n_y[x], n_z[x]};
-    const T cosine = dot(implied, blended);
-    loss[x] = used * (T(1) - cosine);
-
-    const T factor = -weight * used;  // d(1 - n . m) = -m . dn - n . dm
-    const T by_length = factor * inverse_length[x];
-    d_n_x[x] = (implied.x - blended.x * cosine) * by_length;
-    d_n_y[x] = (implied.y - blended.y * cosine) * by_length;
-    d_n_z[x] = (implied.z - blended.z * cosine) * by_length;
-
-    const Vec3<T> d_product = (blended - implied * cosine) * (factor * inverse);
-    const Vec3<T> d_across = cross(up, d_product);  // (a x b) . d has the derivatives b x d by a
-    const Vec3<T> d_up = cross(d_product, across);  // and d x a by b
-    const T d_across_yz = d_across.y * ray_y + d_across.z, d_up_xz = d_up.x * ray_x + d_up.z;
-    d_right[x] = d_across.x * right_x + d_across_yz;
-    d_left[x] = -(d_across.x * left_x + d_across_yz);
-    d_top[x] = d_up.y * top_y + d_up_xz;
-    d_bottom[x] = -(d_up.y * bottom_y + d_up_xz);
+    const DepthNeighbours<T> neighbours{in[kInRight * stride + x],        in[kInLeft * stride + x],
+                                        in[kInTop * stride + x],          in[kInBottom * stride + x],
+                                        in[kInRightOffset * stride + x],  in[kInLeftOffset * stride + x],
+                                        in[kInTopOffset * stride + x],    in[kInBottomOffset * stride + x],
+                                        in[kInUsed * stride + x]};
+    const NormalComparison<T> c = compare_normals(neighbours, ray_x, ray_y, step_x, step_y, {n_x[x], n_y[x], n_z[x]},
+                                                  inverse_length[x], weight);
+    loss[x] = c.loss;
+    d_n_x[x] = c.d_x;
+    d_n_y[x] = c.d_y;
+    d_n_z[x] = c.d_z;
+    d_right[x] = c.d_right;
+    d_left[x] = c.d_left;
+    d_top[x] = c.d_top;
+    d_bottom[x] = c.d_bottom;
   }
 }
 

@@ -40,12 +40,10 @@ ALIGNGS_ALWAYS_INLINE void differences_of_row(const T* render, const T* truth, i
                                               T* __restrict absolute, T* __restrict squared,
                                               T* __restrict gradient) {
   for (int x = 0; x < width; ++x) {
-    const T d = render[x] - truth[x];
-    const T low = render[x] < T(0) ? T(0) : render[x];
-    const T shown = (low > T(1) ? T(1) : low) - truth[x];
-    absolute[x] = std::abs(d);
-    squared[x] = shown * shown;
-    gradient[x] += d > T(0) ? step : (d < T(0) ? -step : T(0));
+    const ColorDifference<T> d = color_difference(render[x], truth[x], step);
+    absolute[x] = d.absolute;
+    squared[x] = d.squared;
+    gradient[x] += d.gradient;
   }
 }
 
@@ -91,8 +89,7 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
     }
     return row_sum;
   });
-  const double mse = sums[1] * scale;
-  terms.psnr = mse > 0 ? std::min(kPsnrMaximum, -10 * std::log10(mse)) : kPsnrMaximum;
+  terms.psnr = psnr_of(sums[1] * scale);
   if (in.settings.l1_weight != 0) {
     terms.l1 += sums[0] * scale;
     terms.total += in.settings.l1_weight * sums[0] * scale;

@@ -1,11 +1,10 @@
 // The photometric losses: mean absolute colour difference and 1 - SSIM (aligngs.md 4.1).
 #pragma once
 
+#include "engine/formulas/photometric.h"
 #include "engine/losses/map_losses.h"
 
 namespace aligngs {
-
-inline constexpr double kPsnrMaximum = 100;  ///< dB; what an exact copy gets, so that logs stay finite
 
 /// Adds l1, ssim (as 1 - SSIM), psnr and their part of total, and gradients to gradients.color.
 /// Pixels under the mask (view.data.mask <= 0.5) have no loss and no gradient: they are left out of every

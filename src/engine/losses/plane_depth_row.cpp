@@ -1,32 +1,12 @@
 #include "engine/losses/plane_depth_row.h"
 
-#include <cmath>
 #include <vector>
 
-#include "engine/formulas/plane_depth.h"
-#include "engine/losses/depth_map.h"
+#include "engine/formulas/depth_terms.h"
 #include "engine/losses/function_versions.h"
 
 namespace aligngs {
 namespace {
-
-// Selections of plain values, not branches: these loops are to be vectorised. Where a pixel has no depth, its numbers
-// are replaced by harmless ones.
-template <class T>
-struct Slope {
-  T inverse;     // 1 / s, 0 where there is no depth
-  bool clamped;  // s does not depend on the normal
-};
-
-template <class T>
-ALIGNGS_ALWAYS_INLINE Slope<T> slope_of(T n_x, T n_y, T n_z, T alpha, T distance, T ray_x, T ray_y) {
-  const bool covered = (alpha > T(0)) & (distance > T(0));
-  const T s = -(n_x * ray_x + n_y * ray_y + n_z);
-  const T floor = T(kPlaneSlopeMin) * alpha * std::sqrt(ray_x * ray_x + ray_y * ray_y + T(1));
-  const bool clamped = !(s > floor);
-  const T used = clamped ? floor : s, safe = covered ? used : T(1);
-  return {covered ? T(1) / safe : T(0), clamped};
-}
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void depth_row(const PlaneDepthRow<T>& row, T* __restrict depth, T* __restrict level) {
@@ -35,13 +15,10 @@ ALIGNGS_ALWAYS_INLINE void depth_row(const PlaneDepthRow<T>& row, T* __restrict 
   const T first_x = row.first_x, step_x = row.step_x, ray_y = row.ray_y;
   for (int x = 0; x < row.width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x;
-    const T z = distance[x] * slope_of(n_x[x], n_y[x], n_z[x], alpha[x], distance[x], ray_x, ray_y).inverse;
-    const bool solid = (alpha[x] > T(kPlaneAlphaLoss)) & (z > T(0));
-    const T mean = expected[x] / (solid ? alpha[x] : T(1));
-    const bool tight = solid & (expected[x] > T(0)) & (std::abs(z - mean) <= T(kPlaneExpectedBand) * mean);
-    const bool loose = solid & (z > T(0.5) * mean) & (z < T(2) * mean);
-    level[x] = tight ? T(kDepthTight) : (loose ? T(kDepthLoose) : T(kDepthInvalid));
-    depth[x] = (tight | loose) ? z : T(0);
+    const T z = distance[x] * plane_slope(n_x[x], n_y[x], n_z[x], alpha[x], distance[x], ray_x, ray_y).inverse;
+    const DepthSample<T> sample = judge_depth(z, alpha[x], expected[x]);
+    level[x] = sample.level;
+    depth[x] = sample.z;
   }
 }
 
@@ -53,15 +30,12 @@ ALIGNGS_ALWAYS_INLINE void chain_row(const PlaneDepthRow<T>& row, const T* __res
   const T first_x = row.first_x, step_x = row.step_x, ray_y = row.ray_y;
   for (int x = 0; x < row.width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x, g = gradient[x];
-    const Slope<T> slope = slope_of(n_x[x], n_y[x], n_z[x], alpha[x], distance[x], ray_x, ray_y);
-    const T by_distance = g * slope.inverse;
-    const T along = by_distance * distance[x] * slope.inverse;
-    // Not finite where the maps are not; such pixels have no gradient.
-    const T by_ray = ((g != T(0)) & !slope.clamped) ? along : T(0);
-    d_distance[x] += g != T(0) ? by_distance : T(0);
-    d_n_x[x] += by_ray * ray_x;
-    d_n_y[x] += by_ray * ray_y;
-    d_n_z[x] += by_ray;
+    const PlaneSlope<T> slope = plane_slope(n_x[x], n_y[x], n_z[x], alpha[x], distance[x], ray_x, ray_y);
+    const DepthGradient<T> d = plane_depth_gradient(g, slope, distance[x]);
+    d_distance[x] += d.distance;
+    d_n_x[x] += d.normal * ray_x;
+    d_n_y[x] += d.normal * ray_y;
+    d_n_z[x] += d.normal;
   }
 }
 

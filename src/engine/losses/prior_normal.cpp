@@ -26,13 +26,10 @@ ALIGNGS_ALWAYS_INLINE void terms_of_row(const PriorNormalRow<T>& row, const floa
   const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
   const T* __restrict inverse_length = row.inverse_length;
   for (int x = 0; x < row.width; ++x) {
-    const float p_x = prior[3 * x], p_y = prior[3 * x + 1], p_z = prior[3 * x + 2], c = confidence[x];
-    const float square = p_x * p_x + p_y * p_y + p_z * p_z;
-    const bool unit = (square > 0.9f) & (square < 1.1f), trusted = (c > 0) & (c <= 1);  // as in the headers
-    const bool used = unit & trusted & (inverse_length[x] > T(0));
-    const T cosine = n_x[x] * static_cast<T>(p_x) + n_y[x] * static_cast<T>(p_y) + n_z[x] * static_cast<T>(p_z);
-    weight[x] = used ? static_cast<T>(c) : T(0);
-    term[x] = used ? static_cast<T>(c) * (T(1) - cosine) : T(0);
+    const PriorNormalTerm<T> t = prior_normal_term<T>({n_x[x], n_y[x], n_z[x]}, inverse_length[x], prior[3 * x],
+                                                      prior[3 * x + 1], prior[3 * x + 2], confidence[x]);
+    weight[x] = t.weight;
+    term[x] = t.value;
   }
 }
 
@@ -44,14 +41,11 @@ ALIGNGS_ALWAYS_INLINE void gradients_of_row(const PriorNormalRow<T>& row, const 
   const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
   const T* __restrict inverse_length = row.inverse_length;
   for (int x = 0; x < row.width; ++x) {
-    const bool used = weight[x] > T(0);
-    const T factor = used ? step * weight[x] * inverse_length[x] : T(0);
-    const T p_x = used ? static_cast<T>(prior[3 * x]) : T(0), p_y = used ? static_cast<T>(prior[3 * x + 1]) : T(0),
-            p_z = used ? static_cast<T>(prior[3 * x + 2]) : T(0);
-    const T along = n_x[x] * p_x + n_y[x] * p_y + n_z[x] * p_z;
-    d_x[x] += (p_x - n_x[x] * along) * factor;
-    d_y[x] += (p_y - n_y[x] * along) * factor;
-    d_z[x] += (p_z - n_z[x] * along) * factor;
+    const Vec3<T> d = prior_normal_gradient<T>({n_x[x], n_y[x], n_z[x]}, inverse_length[x], prior[3 * x],
+                                               prior[3 * x + 1], prior[3 * x + 2], weight[x], step);
+    d_x[x] += d.x;
+    d_y[x] += d.y;
+    d_z[x] += d.z;
   }
 }
 
@@ -104,7 +98,7 @@ double prior_normal_loss(const MapLossInputs<T>& in, double weight, MapLossWorks
     return std::array<double, 3>{static_cast<double>(used), ordered_sum(weights.data(), width),
                                  ordered_sum(terms.data(), width)};
   });
-  if (sums[0] < 1 || sums[0] < kMinimumValidShare * static_cast<double>(pixels)) return 0;
+  if (!enough_valid(sums[0], static_cast<double>(pixels))) return 0;
   const T step = static_cast<T>(-weight / sums[1]);
   for_each_row(in.pool, height, [&](int y) {
     thread_local std::vector<T> weights, terms;

@@ -12,26 +12,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int kHalf = kSsimTaps / 2;
 constexpr int kMoments = 5;    // E[x], E[y], E[xx], E[yy], E[xy]
 constexpr int kGradients = 3;  // dSSIM / dE[x], dE[xx], dE[xy]
-
-template <class T>
-struct Window {
-  T tap[kHalf + 1];  // tap[k] belongs to offsets +k and -k; the whole window sums to 1
-};
-
-template <class T>
-Window<T> gaussian_window() {
-  double weight[kHalf + 1], sum = 0;
-  for (int k = 0; k <= kHalf; ++k) {
-    weight[k] = std::exp(-k * k / (2 * kSsimSigma * kSsimSigma));
-    sum += k == 0 ? weight[k] : 2 * weight[k];
-  }
-  Window<T> window;
-  for (int k = 0; k <= kHalf; ++k) window.tap[k] = static_cast<T>(weight[k] / sum);
-  return window;
-}
 
 // The rows y - 5 .. y + 5 of a plane; rows outside are a row of zeros.
 template <class T>
@@ -41,31 +23,31 @@ template <class T>
 RowPointers<T> rows_around(const T* plane, int y, int width, int height, const T* zeros) {
   RowPointers<T> rows;
   for (int k = 0; k < kSsimTaps; ++k) {
-    const int row = y + k - kHalf;
+    const int row = y + k - kSsimHalf;
     rows[k] = row >= 0 && row < height ? plane + static_cast<size_t>(row) * width : zeros;
   }
   return rows;
 }
 
-// Rows of moments or gradients with kHalf zeros on either side, one after the other.
-inline size_t padded(int width) { return static_cast<size_t>(width) + 2 * kHalf; }
+// Rows of moments or gradients with kSsimHalf zeros on either side, one after the other.
+inline size_t padded(int width) { return static_cast<size_t>(width) + 2 * kSsimHalf; }
 
 // Sum of 11 products, written out so that the loop over pixels is the one that gets vectorised.
 template <class T>
-ALIGNGS_ALWAYS_INLINE T convolve(const T* p, const Window<T>& w) {
+ALIGNGS_ALWAYS_INLINE T convolve(const T* p, const SsimWindow<T>& w) {
   return w.tap[0] * p[5] + w.tap[1] * (p[4] + p[6]) + w.tap[2] * (p[3] + p[7]) + w.tap[3] * (p[2] + p[8]) +
          w.tap[4] * (p[1] + p[9]) + w.tap[5] * (p[0] + p[10]);
 }
 
 template <class T>
-ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& r, int i, const Window<T>& w) {
+ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& r, int i, const SsimWindow<T>& w) {
   return w.tap[0] * r[5][i] + w.tap[1] * (r[4][i] + r[6][i]) + w.tap[2] * (r[3][i] + r[7][i]) +
          w.tap[3] * (r[2][i] + r[8][i]) + w.tap[4] * (r[1][i] + r[9][i]) + w.tap[5] * (r[0][i] + r[10][i]);
 }
 
 // The same for the products of two rows.
 template <class T>
-ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& a, const RowPointers<T>& b, int i, const Window<T>& w) {
+ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& a, const RowPointers<T>& b, int i, const SsimWindow<T>& w) {
   return w.tap[0] * (a[5][i] * b[5][i]) + w.tap[1] * (a[4][i] * b[4][i] + a[6][i] * b[6][i]) +
          w.tap[2] * (a[3][i] * b[3][i] + a[7][i] * b[7][i]) +
          w.tap[3] * (a[2][i] * b[2][i] + a[8][i] * b[8][i]) +
@@ -74,7 +56,7 @@ ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& a, const RowPointers<T>& 
 }
 
 template <class T>
-ALIGNGS_ALWAYS_INLINE void moments_of_columns(RowPointers<T> x, RowPointers<T> y, int width, const Window<T>& w,
+ALIGNGS_ALWAYS_INLINE void moments_of_columns(RowPointers<T> x, RowPointers<T> y, int width, const SsimWindow<T>& w,
                                               T* __restrict ex, T* __restrict ey, T* __restrict exx,
                                               T* __restrict eyy, T* __restrict exy) {
   for (int i = 0; i < width; ++i) {
@@ -86,53 +68,44 @@ ALIGNGS_ALWAYS_INLINE void moments_of_columns(RowPointers<T> x, RowPointers<T> y
   }
 }
 
-// SSIM of one row from its padded moments, and its derivatives by the moments of x. With mu_x = E[x],
-// var_x = E[xx] - mu_x^2, cov = E[xy] - mu_x mu_y:
-// S = a1 a2 / (b1 b2), a1 = 2 mu_x mu_y + C1, a2 = 2 cov + C2, b1 = mu_x^2 + mu_y^2 + C1, b2 = var_x + var_y + C2.
+// SSIM of one row from its padded moments, and its derivatives by the moments of x.
 template <class T>
-ALIGNGS_ALWAYS_INLINE void ssim_of_row(const T* moments, int width, const Window<T>& w, T* __restrict value,
+ALIGNGS_ALWAYS_INLINE void ssim_of_row(const T* moments, int width, const SsimWindow<T>& w, T* __restrict value,
                                        T* __restrict d_ex, T* __restrict d_exx, T* __restrict d_exy) {
   const size_t stride = padded(width);
-  const T c1 = static_cast<T>(kSsimC1), c2 = static_cast<T>(kSsimC2);
   for (int i = 0; i < width; ++i) {
-    const T mx = convolve(moments + i, w), my = convolve(moments + stride + i, w);
-    const T exx = convolve(moments + 2 * stride + i, w), eyy = convolve(moments + 3 * stride + i, w);
-    const T exy = convolve(moments + 4 * stride + i, w);
-    const T a1 = T(2) * mx * my + c1, a2 = T(2) * (exy - mx * my) + c2;
-    const T b1 = mx * mx + my * my + c1, b2 = (exx - mx * mx) + (eyy - my * my) + c2;
-    const T inverse = T(1) / (b1 * b2);
-    const T s = a1 * a2 * inverse;
-    const T s_over_b1 = s * b2 * inverse, s_over_b2 = s * b1 * inverse;
-    value[i] = s;
-    d_ex[i] = T(2) * (my * (a2 - a1) * inverse + mx * (s_over_b2 - s_over_b1));
-    d_exx[i] = -s_over_b2;
-    d_exy[i] = T(2) * a1 * inverse;
+    const SsimSample<T> sample = ssim_sample<T>({convolve(moments + i, w), convolve(moments + stride + i, w),
+                                                 convolve(moments + 2 * stride + i, w),
+                                                 convolve(moments + 3 * stride + i, w),
+                                                 convolve(moments + 4 * stride + i, w)});
+    value[i] = sample.value;
+    d_ex[i] = sample.d_x;
+    d_exx[i] = sample.d_xx;
+    d_exy[i] = sample.d_xy;
   }
 }
 
 template <class T>
-ALIGNGS_ALWAYS_INLINE void blur_columns(RowPointers<T> rows, int width, const Window<T>& w, T* __restrict out) {
+ALIGNGS_ALWAYS_INLINE void blur_columns(RowPointers<T> rows, int width, const SsimWindow<T>& w, T* __restrict out) {
   for (int i = 0; i < width; ++i) out[i] = convolve(rows, i, w);
 }
 
-// dL/dx = scale * (blur(dE[x]) + 2 x blur(dE[xx]) + y blur(dE[xy])): the window is symmetric, so the
-// adjoint of the blur is the blur.
 template <class T>
 ALIGNGS_ALWAYS_INLINE void gradient_of_row(const T* blurred, const T* x, const T* y, int width,
-                                           const Window<T>& w, T scale, T* __restrict gradient) {
+                                           const SsimWindow<T>& w, T scale, T* __restrict gradient) {
   const size_t stride = padded(width);
   for (int i = 0; i < width; ++i) {
-    const T g = convolve(blurred + i, w) + T(2) * x[i] * convolve(blurred + stride + i, w) +
-                y[i] * convolve(blurred + 2 * stride + i, w);
+    const T g = ssim_gradient(convolve(blurred + i, w), convolve(blurred + stride + i, w),
+                              convolve(blurred + 2 * stride + i, w), x[i], y[i]);
     gradient[i] += scale * g;
   }
 }
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void forward_of_row(const RowPointers<T>& x, const RowPointers<T>& y, int width,
-                                          const Window<T>& w, T* moments, T* value, T* d_ex, T* d_exx, T* d_exy) {
+                                          const SsimWindow<T>& w, T* moments, T* value, T* d_ex, T* d_exx, T* d_exy) {
   const size_t stride = padded(width);
-  T* first = moments + kHalf;
+  T* first = moments + kSsimHalf;
   moments_of_columns<T>(x, y, width, w, first, first + stride, first + 2 * stride, first + 3 * stride,
                         first + 4 * stride);
   ssim_of_row<T>(moments, width, w, value, d_ex, d_exx, d_exy);
@@ -140,29 +113,29 @@ ALIGNGS_ALWAYS_INLINE void forward_of_row(const RowPointers<T>& x, const RowPoin
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void backward_of_row(const RowPointers<T>* rows, const T* x, const T* y, int width,
-                                           const Window<T>& w, T scale, T* blurred, T* gradient) {
+                                           const SsimWindow<T>& w, T scale, T* blurred, T* gradient) {
   const size_t stride = padded(width);
-  for (int k = 0; k < kGradients; ++k) blur_columns<T>(rows[k], width, w, blurred + k * stride + kHalf);
+  for (int k = 0; k < kGradients; ++k) blur_columns<T>(rows[k], width, w, blurred + k * stride + kSsimHalf);
   gradient_of_row<T>(blurred, x, y, width, w, scale, gradient);
 }
 
 // What is compiled per instruction set: function versions cannot be templates.
 ALIGNGS_FUNCTION_VERSIONS
-void row_forward(const RowPointers<float>& x, const RowPointers<float>& y, int width, const Window<float>& w,
+void row_forward(const RowPointers<float>& x, const RowPointers<float>& y, int width, const SsimWindow<float>& w,
                  float* moments, float* value, float* d_ex, float* d_exx, float* d_exy) {
   forward_of_row<float>(x, y, width, w, moments, value, d_ex, d_exx, d_exy);
 }
-void row_forward(const RowPointers<double>& x, const RowPointers<double>& y, int width, const Window<double>& w,
+void row_forward(const RowPointers<double>& x, const RowPointers<double>& y, int width, const SsimWindow<double>& w,
                  double* moments, double* value, double* d_ex, double* d_exx, double* d_exy) {
   forward_of_row<double>(x, y, width, w, moments, value, d_ex, d_exx, d_exy);
 }
 ALIGNGS_FUNCTION_VERSIONS
 void row_backward(const RowPointers<float>* rows, const float* x, const float* y, int width,
-                  const Window<float>& w, float scale, float* blurred, float* gradient) {
+                  const SsimWindow<float>& w, float scale, float* blurred, float* gradient) {
   backward_of_row<float>(rows, x, y, width, w, scale, blurred, gradient);
 }
 void row_backward(const RowPointers<double>* rows, const double* x, const double* y, int width,
-                  const Window<double>& w, double scale, double* blurred, double* gradient) {
+                  const SsimWindow<double>& w, double scale, double* blurred, double* gradient) {
   backward_of_row<double>(rows, x, y, width, w, scale, blurred, gradient);
 }
 
@@ -172,7 +145,7 @@ template <class T>
 double ssim(const SsimInputs<T>& in, size_t counted, T weight, MapLossWorkspace<T>& workspace, T* gradient) {
   const int width = in.width, height = in.height;
   const size_t pixels = static_cast<size_t>(width) * height;
-  const Window<T> window = gaussian_window<T>();
+  const SsimWindow<T> window = gaussian_window<T>();
   const std::vector<T> zeros(static_cast<size_t>(width), T(0));
   workspace.ssim_gradients.resize(3 * kGradients * pixels);
   T* const derivatives = workspace.ssim_gradients.data();

@@ -6,14 +6,10 @@
 
 #include "core/image.h"
 #include "core/thread_pool.h"
+#include "engine/formulas/photometric.h"
 #include "engine/losses/workspace.h"
 
 namespace aligngs {
-
-inline constexpr int kSsimTaps = 11;         ///< window size, pixels
-inline constexpr double kSsimSigma = 1.5;    ///< pixels
-inline constexpr double kSsimC1 = 1e-4;      ///< (0.01 L)^2 for a dynamic range L of 1
-inline constexpr double kSsimC2 = 9e-4;      ///< (0.03 L)^2
 
 /// Planar images of 3 channels and equal size; `mask` is null or H x W with values > 0.5 where pixels count.
 template <class T>

@@ -13,12 +13,9 @@ void compute_unit_normals(const MapLossInputs<T>& in, MapLossWorkspace<T>& works
     const size_t begin = static_cast<size_t>(y) * in.maps.width;
     for (size_t i = begin; i < begin + in.maps.width; ++i) {
       const Vec3<T> blended{in.maps.normal[i], in.maps.normal[pixels + i], in.maps.normal[2 * pixels + i]};
-      const T alpha = in.maps.alpha[i], length = norm(blended);
-      const bool valid = alpha > T(kPlaneAlphaLoss) && length > T(kNormalCoherence) * alpha &&
-                         std::isfinite(length) && pixel_counts(in.view, i);
-      const T inverse = valid ? T(1) / length : T(0);
-      workspace.inverse_length[i] = inverse;
-      for (int c = 0; c < 3; ++c) workspace.direction[c * pixels + i] = valid ? blended[c] * inverse : T(0);
+      const UnitNormal<T> unit = unit_normal_of(blended, in.maps.alpha[i], pixel_counts(in.view, i));
+      workspace.inverse_length[i] = unit.inverse_length;
+      for (int c = 0; c < 3; ++c) workspace.direction[c * pixels + i] = unit.direction[c];
     }
   });
 }
