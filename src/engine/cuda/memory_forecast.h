@@ -13,7 +13,8 @@ struct MemoryForecastInputs {
   uint64_t view_bytes = 0;      ///< of all training views: TrainingMaps::bytes, TeacherMaps::bytes
 };
 
-/// Bytes at the peak of a step with every loss on, or of a restructuring, whichever is more.
+/// Bytes at the peak of a step with every loss on and kPairsPerGaussian (Gaussian, tile) pairs per row. A restructuring
+/// needs less: it copies one array at a time while nothing of a step is held.
 uint64_t forecast_bytes(const MemoryForecastInputs& in);
 
 }  // namespace aligngs::cuda

@@ -12,8 +12,7 @@ namespace aligngs::cuda {
 struct StepOutcome {
   LossTerms terms;
   double squares[2];            ///< ParameterGradientOutputs::squares
-  unsigned long long bad;       ///< bad_gradient_key, or kNoBadGradient
-  int64_t bad_parameter;        ///< row with a parameter that is not finite, as projection found it; -1: none
+  unsigned long long bad;       ///< bad_gradient_key, or kNoBadGradient; 0 also where the pairs did not fit
   uint32_t visible;             ///< touched rows
   uint32_t blocked;             ///< 1: something is not finite, the optimiser must write nothing
 };
@@ -25,8 +24,10 @@ struct StepOutcomeInputs {
   DeviceSpan<const unsigned long long> bad;   ///< [1]
   DeviceSpan<const uint32_t> visible;         ///< [1]
   float soft_weight = 0, hard_weight = 0;     ///< LossSettings
-  int64_t bad_parameter = -1;
 };
+
+/// StepOutcome::blocked of out[0], for the kernels that must not write after a failure.
+DeviceSpan<const uint32_t> blocked_of(DeviceSpan<StepOutcome> out);
 
 /// Puts the parts together, total included, and decides whether the optimiser may write. The optimiser and the density
 /// statistics read `blocked` on the device, so nothing waits for the host in between.

@@ -27,7 +27,6 @@ struct TrainingMapSpans {
   int width = 0, height = 0;
   PixelRays<float> rays;
   uint32_t counted = 0;  ///< pixels that the mask keeps
-  bool has_labels = false;
   DeviceSpan<const uint8_t> color_bytes;  ///< [3][H W] of 255; empty: color holds the photo
   DeviceSpan<const float> color;          ///< [3][H W]; only where some value is not a multiple of 1 / 255
   DeviceSpan<const uint8_t> flags;        ///< [H W] PixelFlag

@@ -1,0 +1,150 @@
+// The third pass over the pixels (map_terms.cuh): the gradients of all losses on depth and normals.
+#pragma once
+
+#include "engine/cuda/map_terms.cuh"
+
+namespace aligngs::cuda {
+
+/// What the depth normals of the pixel and its four neighbours mean for the pixel's depth, not yet normalised.
+__device__ __forceinline__ float gather_consistency(const MapTermInputs& in, const MapTermScratch& scratch, int x, int y,
+                                                    size_t i) {
+  const size_t width = static_cast<size_t>(in.maps.width);
+  float g = 0;
+  if (scratch.stencil[i] != 0) {
+    // A one-sided difference uses the pixel itself.
+    const DepthStencil own = DepthStencil::unpack(scratch.stencil[i]);
+    const Reach h = reach_of(own.horizontal), v = reach_of(own.vertical);
+    const float4 d = scratch.neighbours[i];
+    g += (h.after == 0 ? d.x : 0) + (h.before == 0 ? d.y : 0) + (v.before == 0 ? d.z : 0) + (v.after == 0 ? d.w : 0);
+  }
+  const auto reach = [&](size_t j, bool horizontal) {
+    const DepthStencil s = DepthStencil::unpack(scratch.stencil[j]);
+    return reach_of(horizontal ? s.horizontal : s.vertical);
+  };
+  if (x > 0 && scratch.stencil[i - 1] != 0 && reach(i - 1, true).after != 0) g += scratch.neighbours[i - 1].x;
+  if (x + 1 < in.maps.width && scratch.stencil[i + 1] != 0 && reach(i + 1, true).before != 0) {
+    g += scratch.neighbours[i + 1].y;
+  }
+  if (y + 1 < in.maps.height && scratch.stencil[i + width] != 0 && reach(i + width, false).before != 0) {
+    g += scratch.neighbours[i + width].z;
+  }
+  if (y > 0 && scratch.stencil[i - width] != 0 && reach(i - width, false).after != 0) {
+    g += scratch.neighbours[i - width].w;
+  }
+  return g;
+}
+
+/// dL/d(unit normal) of pixel i from the pair (i, other) of L_nb.
+__device__ __forceinline__ Vec3<float> boundary_gradient(const MapTermInputs& in, const MapTermScratch& scratch, double step,
+                                                         const UnitNormal<float>& own, size_t first, size_t second,
+                                                         size_t other) {
+  if (!in_boundary(in, scratch, first, second)) return {};
+  const UnitNormal<float> normal = unit_normal_at(in, other);
+  if (!normal.valid()) return {};
+  const double penalty = boundary_penalty(dot(own.direction, normal.direction));
+  return normal.direction * static_cast<float>(step * boundary_slope(penalty));
+}
+
+/// dL/d(unit normal) of pixel i from every pair that it belongs to.
+__device__ __forceinline__ Vec3<float> gather_pairs(const MapTermInputs& in, const MapTermScratch& scratch,
+                                                    const ComparedTerms& c, const UnitNormal<float>& own, int x, int y,
+                                                    size_t i) {
+  const size_t pixels = pixels_of(in);
+  Vec3<float> g;
+  for (int dx = 0; dx < 2; ++dx) {
+    const int dy = 1 - dx;
+    const size_t step = dx != 0 ? 1 : static_cast<size_t>(in.maps.width);
+    const EdgeAt here = edge_at(in, x, y), before = edge_at(in, x - dx, y - dy);
+    if (c.boundary_step != 0) {
+      if (here.pair(dx)) g += boundary_gradient(in, scratch, c.boundary_step, own, i, i + step, i + step);
+      if (before.pair(dx)) g += boundary_gradient(in, scratch, c.boundary_step, own, i - step, i, i - step);
+    }
+    if (c.crease_step == 0) continue;
+    if (here.coplanar(dx)) {
+      const UnitNormal<float> n = unit_normal_at(in, i + step);
+      if (n.valid()) g += n.direction * static_cast<float>(c.crease_step * crease_weight(in, i, step));
+    }
+    if (before.coplanar(dx)) {
+      const UnitNormal<float> n = unit_normal_at(in, i - step);
+      if (n.valid()) g += n.direction * static_cast<float>(c.crease_step * crease_weight(in, i - step, step));
+    }
+    // A crease compares pixels kRenderOut beyond the pair on either side with the prior further out.
+    if (edge_at(in, x + kRenderOut * dx, y + kRenderOut * dy).crease(dx)) {
+      const size_t first = i + kRenderOut * step;
+      g += vector_at(in.view.prior_normal, first - kPriorOut * step, pixels) *
+           static_cast<float>(c.crease_step * crease_weight(in, first, step));
+    }
+    if (edge_at(in, x - (kRenderOut + 1) * dx, y - (kRenderOut + 1) * dy).crease(dx)) {
+      const size_t first = i - (kRenderOut + 1) * step;
+      g += vector_at(in.view.prior_normal, first + (kPriorOut + 1) * step, pixels) *
+           static_cast<float>(c.crease_step * crease_weight(in, first, step));
+    }
+  }
+  return g;
+}
+
+/// Writes normal and distance of every pixel.
+__global__ void __launch_bounds__(kPixelThreads)
+    map_gradient_kernel(MapTermInputs in, MapTermScratch scratch, MapGradientSpans out) {
+  const size_t i = item_index(), pixels = pixels_of(in);
+  if (i >= pixels) return;
+  const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
+  const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
+  const MeasuredTerms& m = scratch.measured[0];
+  const ComparedTerms& c = scratch.compared[0];
+  const float depth = scratch.depth[i];
+  const uint8_t validity = scratch.validity[i];
+
+  float g = 0;
+  Vec3<float> d_normal;
+  if (c.consistency_step != 0) {
+    g = c.consistency_step * gather_consistency(in, scratch, x, y, i);
+    d_normal = vector_at(out.normal, i, pixels) * c.consistency_step;
+  }
+  if (m.log_depth_step != 0) {
+    const float weight = log_depth_weight_at(in, validity, i);
+    if (weight > 0) {
+      g += log_depth_term(depth, in.view.prior_depth[i], weight, in.settings.prior_depth_scale,
+                          huber_delta(in.settings), m.log_depth_step)
+               .gradient;
+    }
+  }
+  if (m.pearson && in_pearson(in, validity, i)) {
+    g += static_cast<float>(c.pearson.along_rendered * (static_cast<double>(depth) - m.mean_rendered) -
+                            c.pearson.along_prior * (static_cast<double>(in.view.prior_depth[i]) - m.mean_prior));
+  }
+
+  const Vec3<float> ray = in.view.rays(x, y), n = vector_at(in.maps.normal, i, pixels);
+  const float distance = in.maps.distance[i];
+  float d_distance = 0;
+  if (!in.settings.paper_normals) {
+    const PlaneSlope<float> slope = plane_slope(n.x, n.y, n.z, in.maps.alpha[i], distance, ray.x, ray.y);
+    const DepthGradient<float> d = plane_depth_gradient(g, slope, distance);
+    d_distance = d.distance;
+    d_normal += ray * d.normal;
+  } else if (g != 0) {
+    const PlaneDepth<float> d = plane_depth_paper(n, distance, ray);
+    d_distance = g * d.dz_ddistance;
+    d_normal += d.dz_dnormal * g;
+  }
+
+  const bool pairs = c.boundary_step != 0 || c.crease_step != 0;
+  if (pairs || m.prior_normal_step != 0) {
+    const UnitNormal<float> unit = unit_normal_at(in, i);
+    if (unit.valid()) {
+      if (pairs) d_normal += normal_gradient(unit, gather_pairs(in, scratch, c, unit, x, y, i));
+      if (m.prior_normal_step != 0) {
+        const Vec3<float> prior = vector_at(in.view.prior_normal, i, pixels);
+        const float weight = prior_normal_term(unit.direction, unit.inverse_length, prior.x, prior.y, prior.z,
+                                               depth_weight_at(in.view, i))
+                                 .weight;
+        d_normal += prior_normal_gradient(unit.direction, unit.inverse_length, prior.x, prior.y, prior.z, weight,
+                                          m.prior_normal_step);
+      }
+    }
+  }
+  out.distance[i] = d_distance;
+  for (int k = 0; k < 3; ++k) out.normal[size_t(k) * pixels + i] = d_normal[k];
+}
+
+}  // namespace aligngs::cuda

@@ -1,0 +1,40 @@
+// Sums over a grid in a fixed order: each block leaves its own, one block adds them up.
+#pragma once
+
+#include "engine/cuda/runtime/block_reduce.cuh"
+#include "engine/cuda/runtime/device_span.h"
+
+namespace aligngs::cuda {
+
+/// Threads of the block that adds up: a picture of 640 x 480 leaves 1200 sums, five rounds of this many.
+inline constexpr unsigned kSumThreads = 256;
+
+/// Index and number of the blocks of a grid of any shape.
+__device__ __forceinline__ size_t block_number() {
+  return blockIdx.x + size_t(gridDim.x) * (blockIdx.y + size_t(gridDim.y) * blockIdx.z);
+}
+__device__ __forceinline__ size_t block_count() { return size_t(gridDim.x) * gridDim.y * gridDim.z; }
+
+/// partial[kCount][blocks] gets the sums over the block of each thread's `values`. All threads must call it.
+template <int kCount>
+__device__ void store_partial_sums(const double (&values)[kCount], DeviceSpan<double> partial) {
+  __shared__ double scratch[32];
+  for (int k = 0; k < kCount; ++k) {
+    const double sum = block_sum(values[k], scratch);
+    if (thread_rank() == 0) partial[size_t(k) * block_count() + block_number()] = sum;
+  }
+}
+
+/// The sums of all blocks, to every thread of the one block that calls it.
+template <int kCount>
+__device__ void load_partial_sums(DeviceSpan<const double> partial, double (&sums)[kCount]) {
+  __shared__ double scratch[32];
+  const size_t blocks = partial.size / kCount;
+  for (int k = 0; k < kCount; ++k) {
+    double sum = 0;
+    for (size_t j = threadIdx.x; j < blocks; j += blockDim.x) sum += partial[size_t(k) * blocks + j];
+    sums[k] = block_sum(sum, scratch);
+  }
+}
+
+}  // namespace aligngs::cuda
