@@ -1,0 +1,318 @@
+// Losses of the maps against the CPU's, term by term: values, gradients, residual and degenerate cases.
+#include "engine/cuda/map_losses.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "engine/cuda/runtime/test_device.h"
+#include "engine/cuda/tolerances.h"
+#include "engine/formulas/photometric.h"
+#include "engine/losses/test_maps.h"
+#include "scene/triangle_mesh.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/emulation.h"
+#endif
+
+namespace aligngs::cuda {
+namespace {
+
+using testing_maps::LossFixture;
+using testing_maps::narrow;
+
+const CudaTolerance kTolerance;
+
+struct Case {
+  const char* name;
+  float LossSettings::*weight;  ///< nullptr: all
+  bool paper = false;
+};
+const Case kCases[] = {{"l1", &LossSettings::l1_weight},
+                       {"ssim", &LossSettings::ssim_weight},
+                       {"pearson", &LossSettings::pearson_weight},
+                       {"log_depth", &LossSettings::log_depth_weight},
+                       {"normal_consistency", &LossSettings::normal_consistency_weight},
+                       {"normal_boundary", &LossSettings::normal_boundary_weight},
+                       {"crease", &LossSettings::crease_weight},
+                       {"prior_normal", &LossSettings::prior_normal_weight},
+                       {"all", nullptr},
+                       {"paper_pearson", &LossSettings::pearson_weight, true},
+                       {"paper_normal_consistency", &LossSettings::normal_consistency_weight, true},
+                       {"paper_normal_boundary", &LossSettings::normal_boundary_weight, true},
+                       {"paper_all", nullptr, true}};
+
+void set_weights(const Case& c, LossSettings& s) {
+  s.paper_normals = c.paper;
+  for (const Case& each : kCases) {
+    if (each.weight == nullptr || each.paper) continue;
+    if (c.weight == nullptr || c.weight == each.weight) s.*each.weight = 0.7f;
+  }
+}
+
+struct Result {
+  LossTerms terms;
+  MapGradients<float> gradients;
+  std::vector<float> residual;
+};
+
+double largest(const std::vector<float>& values) {
+  double m = 0;
+  for (const float v : values) m = std::max(m, std::abs(double(v)));
+  return m;
+}
+
+void expect_close(const std::vector<float>& a, const std::vector<float>& b, double tolerance, const char* what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  const double limit = tolerance * largest(b) + 1e-12;
+  size_t wrong = 0, first = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(double(a[i]) - b[i]) <= limit) continue;
+    if (wrong++ == 0) first = i;
+  }
+  EXPECT_EQ(wrong, 0u) << what << "[" << first << "] is " << a[first] << " instead of " << b[first] << ", largest "
+                       << largest(b);
+}
+
+class CudaMapLosses : public DeviceTest {
+ protected:
+  /// A view in which every term meets what it can: two walls with a fold, labels that change across and along it, prior
+  /// values that are missing or silly, pixels without depth, with loose depth, and nearly transparent ones.
+  static LossFixture rough_fixture(int width = 50, int height = 34) {
+    LossFixture f(width, height, 5);
+    Random random(8);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const size_t i = size_t(y) * width + x;
+        if (y > 2 * height / 3 && x < width / 3) f.view.data.labels.at(x, y) = 5;
+        if (y > height / 2 && x > 2 * width / 3) f.view.data.labels.at(x, y) = 2;
+        if (x == width / 5) f.view.data.labels.at(x, y) = uint16_t(y % 3 == 0 ? kNoLabel : 7);
+        if (random.chance(0.03)) f.maps.alpha[i] = 0.2;
+        if (random.chance(0.03)) f.maps.distance[i] *= 1.4;
+        if (random.chance(0.02)) f.maps.distance[i] *= 4;
+        if (random.chance(0.02)) f.maps.distance[i] = 0;
+        if (random.chance(0.02)) f.view.data.prior_depth.data[i] = std::numeric_limits<float>::quiet_NaN();
+        if (random.chance(0.02)) f.view.depth_weight.data[i] = random.chance(0.5) ? -1.0f : 2.0f;
+        if (random.chance(0.02)) f.view.prior_normal.at(x, y, 1) += 3;
+      }
+    }
+    return f;
+  }
+
+  static Result run_cpu(const LossFixture& f) {
+    Result r;
+    const RenderMaps<float> maps = narrow(f.maps);
+    r.gradients.reset(maps.pixels());
+    const aligngs::MapLossInputs<float> in{maps, f.view, f.settings};
+    aligngs::map_losses<float>(in, r.terms, r.gradients);
+    color_residual(in, r.residual);
+    return r;
+  }
+
+  Result run_device(const LossFixture& f) {
+    const RenderMaps<float> maps = narrow(f.maps);
+    const size_t n = maps.pixels();
+    DeviceArray<float> color, alpha, normal, distance, expected, d_color, d_normal, d_distance, residual;
+    color.assign(context(), maps.color, "test");
+    alpha.assign(context(), maps.alpha, "test");
+    normal.assign(context(), maps.normal, "test");
+    distance.assign(context(), maps.distance, "test");
+    expected.assign(context(), maps.expected, "test");
+    d_color.resize(context(), 3 * n, "test");
+    d_normal.resize(context(), 3 * n, "test");
+    d_distance.resize(context(), n, "test");
+    residual.resize(context(), n, "test");
+    DeviceArray<LossTerms> terms(context(), 1, "test");
+    const TrainingMaps view(context(), f.view);
+    DeviceArena arena(context());
+    MapLossInputs in;
+    in.maps = {maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(), expected.span(), {}};
+    in.view = view.spans();
+    in.settings = f.settings;
+    map_losses(arena, in, {{d_color.span(), d_normal.span(), d_distance.span(), {}}, residual.span(), terms.span()});
+    Result r;
+    r.terms = terms.to_host()[0];
+    r.gradients.reset(n);
+    r.gradients.color = d_color.to_host();
+    if (has_geometry_terms(f.settings)) {
+      r.gradients.normal = d_normal.to_host();
+      r.gradients.distance = d_distance.to_host();
+    }
+    r.residual = residual.to_host();
+    return r;
+  }
+
+  static void expect_same(const Result& device, const Result& cpu) {
+    const std::pair<const char*, double LossTerms::*> terms[] = {
+        {"l1", &LossTerms::l1},
+        {"ssim", &LossTerms::ssim},
+        {"pearson", &LossTerms::pearson},
+        {"log_depth", &LossTerms::log_depth},
+        {"normal_consistency", &LossTerms::normal_consistency},
+        {"normal_boundary", &LossTerms::normal_boundary},
+        {"crease", &LossTerms::crease},
+        {"prior_normal", &LossTerms::prior_normal},
+        {"total", &LossTerms::total}};
+    for (const auto& [name, term] : terms) {
+      EXPECT_NEAR(device.terms.*term, cpu.terms.*term, kTolerance.loss * std::max(1e-3, std::abs(cpu.terms.*term)))
+          << name;
+    }
+    EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, 1e-3);
+    expect_close(device.gradients.color, cpu.gradients.color, kTolerance.gradient, "color");
+    expect_close(device.gradients.normal, cpu.gradients.normal, kTolerance.gradient, "normal");
+    expect_close(device.gradients.distance, cpu.gradients.distance, kTolerance.gradient, "distance");
+    expect_close(device.residual, cpu.residual, kTolerance.map, "residual");
+  }
+
+  void compare(const LossFixture& f) { expect_same(run_device(f), run_cpu(f)); }
+};
+
+class CudaMapLossTerms : public CudaMapLosses, public testing::WithParamInterface<Case> {};
+INSTANTIATE_TEST_SUITE_P(Each, CudaMapLossTerms, testing::ValuesIn(kCases),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+TEST_P(CudaMapLossTerms, AgreesWithTheCpu) {
+  LossFixture f = rough_fixture();
+  set_weights(GetParam(), f.settings);
+  const Result cpu = run_cpu(f);
+  ASSERT_GT(cpu.terms.total, 0) << "the fixture must give the term something to do";
+  expect_same(run_device(f), cpu);
+}
+
+TEST_F(CudaMapLosses, MaskedPixelsHaveNoPart) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 1.0f);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 20; x < 33; ++x) f.view.data.mask.at(x, y) = 0.3f;
+  }
+  compare(f);
+}
+
+TEST_F(CudaMapLosses, NothingCounts) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 0.0f);
+  const Result r = run_device(f);
+  EXPECT_EQ(r.terms.total, 0);
+  EXPECT_EQ(largest(r.gradients.color) + largest(r.gradients.normal) + largest(r.gradients.distance), 0);
+  expect_same(r, run_cpu(f));
+}
+
+TEST_F(CudaMapLosses, PhotosOfEightBitsLoseNothing) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  for (float& v : f.view.data.color.data) v = static_cast<float>(static_cast<int>(v * 255.0f)) / 255.0f;
+  const TrainingMaps view(context(), f.view);
+  EXPECT_FALSE(view.spans().color_bytes.empty());
+  EXPECT_TRUE(view.spans().color.empty());
+  compare(f);
+}
+
+TEST_F(CudaMapLosses, AnExactCopyHasNoLoss) {
+  LossFixture f = rough_fixture();
+  f.settings.l1_weight = 0.8f;
+  f.settings.ssim_weight = 0.2f;
+  const size_t n = f.pixels();
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t c = 0; c < 3; ++c) f.maps.color[c * n + i] = f.view.data.color.data[3 * i + c];
+  }
+  const Result r = run_device(f);
+  EXPECT_EQ(r.terms.l1, 0);
+  EXPECT_NEAR(r.terms.ssim, 0, 1e-6);
+  EXPECT_EQ(r.terms.psnr, kPsnrMaximum);
+  EXPECT_LT(largest(r.gradients.color), 1e-6);
+}
+
+TEST_F(CudaMapLosses, AViewWithoutPriors) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.view.data.prior_depth = f.view.prior_normal = f.view.depth_weight = {};
+  f.view.data.labels = {};
+  f.view.label_edge = {};
+  compare(f);
+}
+
+TEST_F(CudaMapLosses, WeightsOfThePriorMayBeAbsent) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.view.depth_weight = {};
+  compare(f);
+}
+
+TEST_F(CudaMapLosses, AFrontalPlaneHasNoCorrelation) {
+  LossFixture f = testing_maps::plane_fixture({0, 0, -1}, 2, 40, 30);
+  f.settings.pearson_weight = 1;
+  const Result r = run_device(f);
+  EXPECT_EQ(r.terms.pearson, 0);
+  EXPECT_EQ(largest(r.gradients.distance), 0);
+  expect_same(r, run_cpu(f));
+}
+
+TEST_F(CudaMapLosses, TooFewPixelsSwitchATermOff) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.settings.l1_weight = f.settings.ssim_weight = 0;
+  for (size_t i = 0; i < f.pixels(); ++i) {
+    if (i != 700 && i != 701) f.maps.alpha[i] = 0;
+  }
+  const Result r = run_device(f);
+  EXPECT_EQ(r.terms.log_depth + r.terms.normal_consistency + r.terms.pearson + r.terms.prior_normal, 0);
+  expect_same(r, run_cpu(f));
+}
+
+TEST_F(CudaMapLosses, OnePixelAndOneRow) {
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{37, 1}, std::pair{1, 29}}) {
+    LossFixture f(width, height);
+    set_weights(kCases[8], f.settings);
+    compare(f);
+  }
+}
+
+TEST_F(CudaMapLosses, WhatIsNotANumberShowsInItsTerm) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  f.maps.color[77] = std::numeric_limits<double>::quiet_NaN();
+  const Result r = run_device(f);
+  EXPECT_TRUE(std::isnan(r.terms.l1));
+  EXPECT_TRUE(std::isnan(r.terms.total));
+  EXPECT_TRUE(std::isfinite(r.terms.pearson));
+}
+
+TEST_F(CudaMapLosses, MapsOfAnotherSizeAreRefused) {
+  LossFixture f = rough_fixture();
+  f.view.depth_weight = ImageF(3, 3, 1);
+  EXPECT_THROW(TrainingMaps(context(), f.view), Error);
+}
+
+TEST_F(CudaMapLosses, ViewsTakeTheBytesThatWereForecast) {
+  const LossFixture f = rough_fixture();
+  const uint64_t before = context().used();
+  const TrainingMaps view(context(), f.view);
+  const uint64_t used = context().used() - before, forecast = TrainingMaps::bytes(f.view);
+  EXPECT_GE(used, forecast);
+  EXPECT_LE(used, forecast + 6 * 256);  // arrays are aligned
+}
+
+#ifdef ALIGNGS_CUDA_EMULATED
+TEST_F(CudaMapLosses, TheOrderOfThreadsDoesNotMatter) {
+  LossFixture f = rough_fixture();
+  set_weights(kCases[8], f.settings);
+  const Result forward = run_device(f);
+  for (const ThreadOrder order : {ThreadOrder::kReverse, ThreadOrder::kShuffled}) {
+    const ScopedThreadOrder scope(order, 3);
+    const Result other = run_device(f);
+    EXPECT_EQ(other.terms.total, forward.terms.total);
+    EXPECT_EQ(other.gradients.color, forward.gradients.color);
+    EXPECT_EQ(other.gradients.normal, forward.gradients.normal);
+    EXPECT_EQ(other.gradients.distance, forward.gradients.distance);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace aligngs::cuda
