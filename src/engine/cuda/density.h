@@ -15,9 +15,9 @@ struct DensitySpans {
 
 struct DensityInputs {
   ViewSpans view;
-  DeviceSpan<const uint8_t> touched;      ///< [N]
-  DeviceSpan<const DensitySums> sums;     ///< [N], touched rows
-  DeviceSpan<const uint32_t> blocked;     ///< [1] not 0: nothing is written; empty: never blocked
+  DeviceSpan<const uint8_t> touched;   ///< [N]
+  DeviceSpan<const DensitySums> sums;  ///< [N], touched rows
+  DeviceSpan<const uint32_t> blocked;  ///< [1] not 0: nothing is written; empty: never blocked
 };
 
 /// Adds this view's share.

@@ -6,8 +6,8 @@
 namespace aligngs::cuda {
 
 /// What the depth normals of the pixel and its four neighbours mean for the pixel's depth, not yet normalised.
-__device__ __forceinline__ float gather_consistency(const MapTermInputs& in, const MapTermScratch& scratch, int x, int y,
-                                                    size_t i) {
+__device__ __forceinline__ float gather_consistency(const MapTermInputs& in, const MapTermScratch& scratch, int x,
+                                                    int y, size_t i) {
   const size_t width = static_cast<size_t>(in.maps.width);
   float g = 0;
   if (scratch.stencil[i] != 0) {
@@ -35,9 +35,9 @@ __device__ __forceinline__ float gather_consistency(const MapTermInputs& in, con
 }
 
 /// dL/d(unit normal) of pixel i from the pair (i, other) of L_nb.
-__device__ __forceinline__ Vec3<float> boundary_gradient(const MapTermInputs& in, const MapTermScratch& scratch, double step,
-                                                         const UnitNormal<float>& own, size_t first, size_t second,
-                                                         size_t other) {
+__device__ __forceinline__ Vec3<float> boundary_gradient(const MapTermInputs& in, const MapTermScratch& scratch,
+                                                         double step, const UnitNormal<float>& own, size_t first,
+                                                         size_t second, size_t other) {
   if (!in_boundary(in, scratch, first, second)) return {};
   const UnitNormal<float> normal = unit_normal_at(in, other);
   if (!normal.valid()) return {};

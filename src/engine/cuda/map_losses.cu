@@ -47,20 +47,18 @@ void photometric_losses(DeviceArena& arena, const MapLossInputs& in, const MapLo
          partial);
   launch(context, "finish_photometric", finish_photometric_kernel, {dim3(1), dim3(kSumThreads), 0}, in.settings,
          in.view.counted, partial, out.terms);
-  launch(context, "photometric_backward", photometric_backward_kernel,
-         {dim3(tiles.x, tiles.y), dim3(kSsimThreads), 0}, p, derivatives, out.gradients.color, out.residual);
+  launch(context, "photometric_backward", photometric_backward_kernel, {dim3(tiles.x, tiles.y), dim3(kSsimThreads), 0},
+         p, derivatives, out.gradients.color, out.residual);
 }
 
 void geometry_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutputs& out) {
   const DeviceContext& context = arena.context();
   const size_t pixels = size_t(in.maps.width) * in.maps.height;
   const MapTermInputs terms{in.maps, in.view, in.settings};
-  const MapTermScratch scratch{arena.take<float>(pixels, "plane depth"),
-                               arena.take<uint8_t>(pixels, "depth validity"),
-                               arena.take<uint8_t>(pixels, "depth stencils"),
-                               arena.take<float4>(pixels, "gradients of depth normals"),
-                               arena.take<MeasuredTerms>(1, "measured terms"),
-                               arena.take<ComparedTerms>(1, "compared terms")};
+  const MapTermScratch scratch{
+      arena.take<float>(pixels, "plane depth"),       arena.take<uint8_t>(pixels, "depth validity"),
+      arena.take<uint8_t>(pixels, "depth stencils"),  arena.take<float4>(pixels, "gradients of depth normals"),
+      arena.take<MeasuredTerms>(1, "measured terms"), arena.take<ComparedTerms>(1, "compared terms")};
   const LaunchShape shape = one_per_item(pixels, kPixelThreads), one{dim3(1), dim3(kSumThreads), 0};
   const DeviceSpan<double> measured = arena.take<double>(shape.grid.x * size_t(kMeasuredSums), "sums of the losses");
   const DeviceSpan<double> compared = arena.take<double>(shape.grid.x * size_t(kComparedSums), "sums of the losses");

@@ -130,7 +130,8 @@ class CudaMapLosses : public DeviceTest {
     const TrainingMaps view(context(), f.view);
     DeviceArena arena(context());
     MapLossInputs in;
-    in.maps = {maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(), expected.span(), {}};
+    in.maps = {maps.width,   maps.height,     color.span(),    normal.span(),
+               alpha.span(), distance.span(), expected.span(), {}};
     in.view = view.spans();
     in.settings = f.settings;
     map_losses(arena, in, {{d_color.span(), d_normal.span(), d_distance.span(), {}}, residual.span(), terms.span()});
@@ -147,16 +148,15 @@ class CudaMapLosses : public DeviceTest {
   }
 
   static void expect_same(const Result& device, const Result& cpu) {
-    const std::pair<const char*, double LossTerms::*> terms[] = {
-        {"l1", &LossTerms::l1},
-        {"ssim", &LossTerms::ssim},
-        {"pearson", &LossTerms::pearson},
-        {"log_depth", &LossTerms::log_depth},
-        {"normal_consistency", &LossTerms::normal_consistency},
-        {"normal_boundary", &LossTerms::normal_boundary},
-        {"crease", &LossTerms::crease},
-        {"prior_normal", &LossTerms::prior_normal},
-        {"total", &LossTerms::total}};
+    const std::pair<const char*, double LossTerms::*> terms[] = {{"l1", &LossTerms::l1},
+                                                                 {"ssim", &LossTerms::ssim},
+                                                                 {"pearson", &LossTerms::pearson},
+                                                                 {"log_depth", &LossTerms::log_depth},
+                                                                 {"normal_consistency", &LossTerms::normal_consistency},
+                                                                 {"normal_boundary", &LossTerms::normal_boundary},
+                                                                 {"crease", &LossTerms::crease},
+                                                                 {"prior_normal", &LossTerms::prior_normal},
+                                                                 {"total", &LossTerms::total}};
     for (const auto& [name, term] : terms) {
       EXPECT_NEAR(device.terms.*term, cpu.terms.*term, kTolerance.loss * std::max(1e-3, std::abs(cpu.terms.*term)))
           << name;

@@ -1,6 +1,6 @@
 // Losses on depth and normals in three passes over the pixels. Terms are normalised by how many pixels take part, so a
-// pass measures, the next one compares neighbours, and the last one, knowing every normalisation, forms the gradients. A
-// pixel gathers what its neighbours' terms mean for it; nothing is scattered, so sums have a fixed order.
+// pass measures, the next one compares neighbours, and the last one, knowing every normalisation, forms the gradients.
+// A pixel gathers what its neighbours' terms mean for it; nothing is scattered, so sums have a fixed order.
 #pragma once
 
 #include "engine/cuda/map_losses.h"
@@ -17,9 +17,9 @@ inline constexpr unsigned kPixelThreads = 256;
 
 /// Known after the first pass.
 struct MeasuredTerms {
-  bool pearson = false;                          ///< enough pixels take part
+  bool pearson = false;  ///< enough pixels take part
   double pearson_count = 0, mean_rendered = 0, mean_prior = 0;
-  double log_depth = 0, prior_normal = 0;        ///< values
+  double log_depth = 0, prior_normal = 0;           ///< values
   float log_depth_step = 0, prior_normal_step = 0;  ///< factors of the gradients; 0: none
 };
 /// Known after the second.
@@ -45,12 +45,28 @@ struct MapTermScratch {
 };
 
 enum MeasuredSum {
-  kPearsonCount, kPearsonRendered, kPearsonPrior, kLogCount, kLogWeight, kLogValue,
-  kPriorNormalCount, kPriorNormalWeight, kPriorNormalValue, kMeasuredSums
+  kPearsonCount,
+  kPearsonRendered,
+  kPearsonPrior,
+  kLogCount,
+  kLogWeight,
+  kLogValue,
+  kPriorNormalCount,
+  kPriorNormalWeight,
+  kPriorNormalValue,
+  kMeasuredSums
 };
 enum ComparedSum {
-  kPearsonRenderedSquares, kPearsonPriorSquares, kPearsonProducts, kConsistencyCount, kConsistencyValue,
-  kBoundaryCount, kBoundaryValue, kCreaseWeight, kCreaseValue, kComparedSums
+  kPearsonRenderedSquares,
+  kPearsonPriorSquares,
+  kPearsonProducts,
+  kConsistencyCount,
+  kConsistencyValue,
+  kBoundaryCount,
+  kBoundaryValue,
+  kCreaseWeight,
+  kCreaseValue,
+  kComparedSums
 };
 
 __device__ __forceinline__ Vec3<float> vector_at(DeviceSpan<const float> planes, size_t pixel, size_t pixels) {
@@ -88,7 +104,7 @@ __device__ __forceinline__ float log_depth_weight_at(const MapTermInputs& in, ui
 __global__ void __launch_bounds__(kPixelThreads)
     measure_kernel(MapTermInputs in, MapTermScratch scratch, DeviceSpan<double> partial) {
   const size_t i = item_index(), pixels = pixels_of(in);
-  double sums[kMeasuredSums] = {};
+  float sums[kMeasuredSums] = {};
   if (i < pixels) {
     const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
     const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
@@ -172,7 +188,8 @@ __device__ __forceinline__ EdgeAt edge_at(const MapTermInputs& in, int x, int y)
 }
 
 /// A pair that L_nb looks at: both directions known and, by default, an unbroken surface.
-__device__ __forceinline__ bool in_boundary(const MapTermInputs& in, const MapTermScratch& scratch, size_t u, size_t v) {
+__device__ __forceinline__ bool in_boundary(const MapTermInputs& in, const MapTermScratch& scratch, size_t u,
+                                            size_t v) {
   return in.settings.paper_normals ||
          unbroken_depth(scratch.depth[u], scratch.validity[u], scratch.depth[v], scratch.validity[v]);
 }
@@ -189,8 +206,9 @@ __device__ __forceinline__ float crease_weight(const MapTermInputs& in, size_t u
 
 // ---- pass 2: comparisons of neighbours ----
 
-__device__ __forceinline__ void compare_depth_normal(const MapTermInputs& in, const MapTermScratch& scratch, int x, int y,
-                                                     size_t i, DeviceSpan<float> d_normal, double (&sums)[kComparedSums]) {
+__device__ __forceinline__ void compare_depth_normal(const MapTermInputs& in, const MapTermScratch& scratch, int x,
+                                                     int y, size_t i, DeviceSpan<float> d_normal,
+                                                     float (&sums)[kComparedSums]) {
   const size_t pixels = pixels_of(in), width = static_cast<size_t>(in.maps.width);
   const UnitNormal<float> unit = unit_normal_at(in, i);
   DepthStencil stencil;
@@ -201,9 +219,15 @@ __device__ __forceinline__ void compare_depth_normal(const MapTermInputs& in, co
   NormalComparison<float> c{};
   if (stencil.valid()) {
     const Reach h = reach_of(stencil.horizontal), v = reach_of(stencil.vertical);
-    const DepthNeighbours<float> neighbours{scratch.depth[i + h.after], scratch.depth[i - h.before],
-                                            scratch.depth[i - v.before * width], scratch.depth[i + v.after * width],
-                                            float(h.after), float(-h.before), float(-v.before), float(v.after), 1.0f};
+    const DepthNeighbours<float> neighbours{scratch.depth[i + h.after],
+                                            scratch.depth[i - h.before],
+                                            scratch.depth[i - v.before * width],
+                                            scratch.depth[i + v.after * width],
+                                            float(h.after),
+                                            float(-h.before),
+                                            float(-v.before),
+                                            float(v.after),
+                                            1.0f};
     const Vec3<float> ray = in.view.rays(x, y);
     c = compare_normals(neighbours, ray.x, ray.y, in.view.rays.step_x, in.view.rays.step_y, unit.direction,
                         unit.inverse_length, 1.0f);
@@ -218,8 +242,8 @@ __device__ __forceinline__ void compare_depth_normal(const MapTermInputs& in, co
 }
 
 /// The terms of the pairs that begin at pixel i.
-__device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const MapTermScratch& scratch, int x, int y, size_t i,
-                                              double (&sums)[kComparedSums]) {
+__device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const MapTermScratch& scratch, int x, int y,
+                                              size_t i, float (&sums)[kComparedSums]) {
   const EdgeAt edge = edge_at(in, x, y);
   if ((edge.flags & (kPixelRightPair | kPixelLowerPair)) == 0) return;
   const size_t pixels = pixels_of(in);
@@ -230,25 +254,25 @@ __device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const Map
       const UnitNormal<float> a = unit_normal_at(in, i), b = unit_normal_at(in, v);
       if (a.valid() && b.valid()) {
         sums[kBoundaryCount] += 1;
-        sums[kBoundaryValue] += boundary_penalty(dot(a.direction, b.direction));
+        sums[kBoundaryValue] += static_cast<float>(boundary_penalty(dot(a.direction, b.direction)));
       }
     }
     if (in.settings.crease_weight == 0) continue;
     if (edge.crease(dx)) {
-      const double weight = crease_weight(in, i, step);
+      const float weight = crease_weight(in, i, step);
       const UnitNormal<float> a = unit_normal_at(in, i - kRenderOut * step),
                               b = unit_normal_at(in, v + kRenderOut * step);
       const Vec3<float> before = vector_at(in.view.prior_normal, i - kPriorOut * step, pixels),
                         after = vector_at(in.view.prior_normal, v + kPriorOut * step, pixels);
       sums[kCreaseWeight] += (a.valid() ? weight : 0) + (b.valid() ? weight : 0);
-      if (a.valid()) sums[kCreaseValue] += weight * (1 - static_cast<double>(dot(a.direction, before)));
-      if (b.valid()) sums[kCreaseValue] += weight * (1 - static_cast<double>(dot(b.direction, after)));
+      if (a.valid()) sums[kCreaseValue] += weight * (1 - dot(a.direction, before));
+      if (b.valid()) sums[kCreaseValue] += weight * (1 - dot(b.direction, after));
     } else if (edge.coplanar(dx)) {
-      const double weight = crease_weight(in, i, step);
+      const float weight = crease_weight(in, i, step);
       const UnitNormal<float> a = unit_normal_at(in, i), b = unit_normal_at(in, v);
       if (a.valid() && b.valid()) {
         sums[kCreaseWeight] += weight;
-        sums[kCreaseValue] += weight * (1 - static_cast<double>(dot(a.direction, b.direction)));
+        sums[kCreaseValue] += weight * (1 - dot(a.direction, b.direction));
       }
     }
   }
@@ -258,7 +282,7 @@ __device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const Map
 __global__ void __launch_bounds__(kPixelThreads)
     compare_kernel(MapTermInputs in, MapTermScratch scratch, DeviceSpan<float> d_normal, DeviceSpan<double> partial) {
   const size_t i = item_index();
-  double sums[kComparedSums] = {};
+  float sums[kComparedSums] = {};
   if (i < pixels_of(in)) {
     const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
     const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
@@ -266,9 +290,9 @@ __global__ void __launch_bounds__(kPixelThreads)
     if (m.pearson && in_pearson(in, scratch.validity[i], i)) {
       const double a = static_cast<double>(scratch.depth[i]) - m.mean_rendered;
       const double b = static_cast<double>(in.view.prior_depth[i]) - m.mean_prior;
-      sums[kPearsonRenderedSquares] = a * a;
-      sums[kPearsonPriorSquares] = b * b;
-      sums[kPearsonProducts] = a * b;
+      sums[kPearsonRenderedSquares] = static_cast<float>(a * a);
+      sums[kPearsonPriorSquares] = static_cast<float>(b * b);
+      sums[kPearsonProducts] = static_cast<float>(a * b);
     }
     if (in.settings.normal_consistency_weight != 0) compare_depth_normal(in, scratch, x, y, i, d_normal, sums);
     if (in.settings.normal_boundary_weight != 0 || in.settings.crease_weight != 0) {

@@ -16,13 +16,16 @@ namespace aligngs::cuda {
 namespace {
 
 constexpr uint64_t kFloat = sizeof(float), kIndex = sizeof(uint32_t);
+constexpr uint64_t kSortScratch = 2 * kIndex;  ///< of a radix sort, per pair of key and value: its other buffer
+
+constexpr uint64_t kDensityStatistics = sizeof(DensitySpans) / sizeof(DeviceSpan<float>);
 
 /// Of the model's rows on their way through a step.
 uint64_t row_bytes(uint64_t channels) {
   const uint64_t projected = sizeof(Splat) + sizeof(TileRect) + kFloat;  // radius
-  const uint64_t lists = 2 * kIndex + 4 * kIndex;                        // slots, ranks; depths sorted with their rows
+  const uint64_t lists = 2 * kIndex + 4 * kIndex + kSortScratch;         // slots, ranks; depths sorted with their rows
   const uint64_t sums = sizeof(DensitySums) + 2 * sizeof(uint8_t);       // touched, written
-  const uint64_t statistics = sizeof(DensitySpans) / sizeof(DeviceSpan<float>) * kFloat;
+  const uint64_t statistics = kDensityStatistics * kFloat;
   uint64_t semantics = 0;
   if (channels > 0) {
     const uint64_t padded = static_cast<uint64_t>(padded_channels(static_cast<int>(channels)));
@@ -33,7 +36,8 @@ uint64_t row_bytes(uint64_t channels) {
 
 /// Of a (Gaussian, tile) pair.
 uint64_t pair_bytes(uint64_t channels) {
-  const uint64_t lists = 4 * kIndex + 2 * sizeof(uint8_t);  // tile and row, sorted and not; strips, seen
+  // Tile and row, sorted and not; strips, seen.
+  const uint64_t lists = 4 * kIndex + kSortScratch + 2 * sizeof(uint8_t);
   uint64_t slots = sizeof(SplatGradient);
   if (channels > 0) {
     slots += sizeof(CouplingMoments) + sizeof(uint8_t) +

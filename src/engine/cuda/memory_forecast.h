@@ -8,9 +8,9 @@ namespace aligngs::cuda {
 
 struct MemoryForecastInputs {
   size_t gaussians = 0;
-  int channels = 0;             ///< C
+  int channels = 0;  ///< C
   size_t pixels_per_view = 0;
-  uint64_t view_bytes = 0;      ///< of all training views: TrainingMaps::bytes, TeacherMaps::bytes
+  uint64_t view_bytes = 0;  ///< of all training views: TrainingMaps::bytes, TeacherMaps::bytes
 };
 
 /// Bytes at the peak of a step with every loss on and kPairsPerGaussian (Gaussian, tile) pairs per row. A restructuring

@@ -155,8 +155,8 @@ NonFinite find_bad_parameter(DeviceArena& arena, const ModelSpans& model) {
       arena.take<unsigned long long>(std::size(classes), "search for bad parameters");
   arena.context().fill_bytes(first.data, 0xFF, first.size * sizeof(unsigned long long));
   for (size_t k = 0; k < std::size(classes); ++k) {
-    launch(arena.context(), "bad_parameter", bad_parameter_kernel,
-           one_per_item(classes[k].values.size, kRowThreads), classes[k].values, classes[k].width, first.part(k, 1));
+    launch(arena.context(), "bad_parameter", bad_parameter_kernel, one_per_item(classes[k].values.size, kRowThreads),
+           classes[k].values, classes[k].width, first.part(k, 1));
   }
   unsigned long long rows[std::size(classes)];
   download(arena.context(), rows, first);

@@ -9,12 +9,12 @@
 namespace aligngs::cuda {
 
 struct OptimiserInputs {
-  ModelSpans gradients;                            ///< of parameter_gradients and add_shape_terms
-  DeviceSpan<const uint8_t> touched;               ///< [N] 0: the gradient of sh is zero and not read
-  DeviceSpan<const float> semantic_gradients;      ///< [unculled rows][padded] dL/dlogits by rank; empty: none
-  DeviceSpan<const uint8_t> semantic_written;      ///< [N]
-  DeviceSpan<const uint32_t> rank;                 ///< [N] TileListSpans::rank
-  DeviceSpan<const uint32_t> blocked;              ///< [1] not 0: nothing is written; empty: never blocked
+  ModelSpans gradients;                        ///< of parameter_gradients and add_shape_terms
+  DeviceSpan<const uint8_t> touched;           ///< [N] 0: the gradient of sh is zero and not read
+  DeviceSpan<const float> semantic_gradients;  ///< [unculled rows][padded] dL/dlogits by rank; empty: none
+  DeviceSpan<const uint8_t> semantic_written;  ///< [N]
+  DeviceSpan<const uint32_t> rank;             ///< [N] TileListSpans::rank
+  DeviceSpan<const uint32_t> blocked;          ///< [1] not 0: nothing is written; empty: never blocked
 };
 
 /// Parameters and their running moments, all three of one shape.

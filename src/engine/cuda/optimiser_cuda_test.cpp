@@ -138,9 +138,12 @@ class CudaOptimiser : public DeviceTest {
 
   static void expect_close(const GaussianModel& a, const GaussianModel& b, const char* what) {
     const std::pair<const char*, std::vector<float> GaussianModel::*> classes[] = {
-        {"positions", &GaussianModel::positions},           {"log_scales", &GaussianModel::log_scales},
-        {"rotations", &GaussianModel::rotations},           {"opacity_logits", &GaussianModel::opacity_logits},
-        {"sh", &GaussianModel::sh},                         {"semantics", &GaussianModel::semantics}};
+        {"positions", &GaussianModel::positions},
+        {"log_scales", &GaussianModel::log_scales},
+        {"rotations", &GaussianModel::rotations},
+        {"opacity_logits", &GaussianModel::opacity_logits},
+        {"sh", &GaussianModel::sh},
+        {"semantics", &GaussianModel::semantics}};
     for (const auto& [name, values] : classes) {
       ASSERT_EQ((a.*values).size(), (b.*values).size()) << what << " " << name;
       double worst = 0;

@@ -15,14 +15,23 @@ __device__ __forceinline__ size_t block_number() {
 }
 __device__ __forceinline__ size_t block_count() { return size_t(gridDim.x) * gridDim.y * gridDim.z; }
 
-/// partial[kCount][blocks] gets the sums over the block of each thread's `values`. All threads must call it.
-template <int kCount>
-__device__ void store_partial_sums(const double (&values)[kCount], DeviceSpan<double> partial) {
-  __shared__ double scratch[32];
+/// partial[kCount][blocks] gets the sums over the block of each thread's `values`: within a warp in T, beyond in
+/// double. All threads must call it, once in a kernel. Float suits terms of like size, and GeForce has few units for
+/// double.
+template <class T, int kCount>
+__device__ void store_partial_sums(const T (&values)[kCount], DeviceSpan<double> partial) {
+  __shared__ double sums_of_warps[kCount][32];
+#pragma unroll
   for (int k = 0; k < kCount; ++k) {
-    const double sum = block_sum(values[k], scratch);
-    if (thread_rank() == 0) partial[size_t(k) * block_count() + block_number()] = sum;
+    const T sum = warp_sum(values[k]);
+    if (lane_index() == 0) sums_of_warps[k][warp_index()] = static_cast<double>(sum);
   }
+  __syncthreads();
+  const unsigned k = thread_rank();
+  if (k >= kCount) return;
+  double sum = 0;
+  for (unsigned w = 0; w < block_threads() / 32; ++w) sum += sums_of_warps[k][w];
+  partial[size_t(k) * block_count() + block_number()] = sum;
 }
 
 /// The sums of all blocks, to every thread of the one block that calls it.

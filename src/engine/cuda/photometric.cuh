@@ -1,5 +1,5 @@
-// Photometric losses: L1 and SSIM with separable windows in shared memory, one pass for the values and the derivatives by
-// the local moments, one for the gradient.
+// Photometric losses: L1 and SSIM with separable windows in shared memory, one pass for the values and the derivatives
+// by the local moments, one for the gradient.
 #pragma once
 
 #include "engine/cuda/map_losses.h"
@@ -9,9 +9,9 @@
 
 namespace aligngs::cuda {
 
-inline constexpr int kSsimTile = 16;                              ///< pixels; edge of the square of a block
+inline constexpr int kSsimTile = 16;  ///< pixels; edge of the square of a block
 inline constexpr int kSsimThreads = kSsimTile * kSsimTile;
-inline constexpr int kSsimPatch = kSsimTile + 2 * kSsimHalf;      ///< the square with its windows
+inline constexpr int kSsimPatch = kSsimTile + 2 * kSsimHalf;  ///< the square with its windows
 inline constexpr int kSsimMoments = 5, kSsimGradients = 3;
 
 enum PhotometricSum { kSumAbsolute, kSumSquared, kSumSsim, kPhotometricSums };
@@ -20,9 +20,9 @@ struct PhotometricInputs {
   RenderMapSpans maps;
   TrainingMapSpans view;
   SsimWindow<float> window;
-  bool ssim = false;          ///< SSIM is wanted
-  float l1_step = 0;          ///< L1 weight / (3 counted)
-  float ssim_factor = 0;      ///< -SSIM weight / (3 counted)
+  bool ssim = false;      ///< SSIM is wanted
+  float l1_step = 0;      ///< L1 weight / (3 counted)
+  float ssim_factor = 0;  ///< -SSIM weight / (3 counted)
 };
 
 __device__ __forceinline__ bool pixel_counts(const TrainingMapSpans& view, size_t pixel) {
@@ -86,9 +86,10 @@ __global__ void __launch_bounds__(kSsimThreads)
     }
     __syncthreads();
   }
-  const int column = thread % kSsimTile, row = thread / kSsimTile, centre = (row + kSsimHalf) * kSsimPatch + column + kSsimHalf;
+  const int column = thread % kSsimTile, row = thread / kSsimTile,
+            centre = (row + kSsimHalf) * kSsimPatch + column + kSsimHalf;
   const int64_t pixel = patch_pixel(centre, in.maps.width, in.maps.height);
-  double sums[kPhotometricSums] = {};
+  float sums[kPhotometricSums] = {};
   if (pixel >= 0) {
     const size_t u = static_cast<size_t>(pixel);
     const bool counts = pixel_counts(in.view, u);
@@ -133,9 +134,9 @@ __global__ void __launch_bounds__(kSsimThreads)
       for (int i = thread; i < kSsimPatch * kSsimPatch; i += kSsimThreads) {
         const int64_t pixel = patch_pixel(i, in.maps.width, in.maps.height);
         for (int k = 0; k < kSsimGradients; ++k) {
-          patch[k][i] = pixel >= 0 ? derivatives[size_t(kSsimGradients) * plane + size_t(k) * pixels +
-                                                 static_cast<size_t>(pixel)]
-                                   : 0.0f;
+          patch[k][i] =
+              pixel >= 0 ? derivatives[size_t(kSsimGradients) * plane + size_t(k) * pixels + static_cast<size_t>(pixel)]
+                         : 0.0f;
         }
       }
       __syncthreads();

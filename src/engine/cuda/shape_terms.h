@@ -13,13 +13,13 @@ struct ShapeTermInputs {
   DeviceSpan<const uint8_t> touched;   ///< [N] of mark_touched
   DeviceSpan<const uint32_t> visible;  ///< [1] of mark_touched
   LossSettings settings;
-  float extent = 1;                    ///< StepRequest::extent
+  float extent = 1;  ///< StepRequest::extent
 };
 
 struct ShapeTermOutputs {
-  ModelSpans gradients;                    ///< log_scales and opacity_logits are added to
-  DeviceSpan<LossTerms> terms;             ///< [1] flatten, opacity_l1, scale_l1 and total are added to
-  DeviceSpan<unsigned long long> bad;      ///< [1] lowered as by parameter_gradients
+  ModelSpans gradients;                ///< log_scales and opacity_logits are added to
+  DeviceSpan<LossTerms> terms;         ///< [1] flatten, opacity_l1, scale_l1 and total are added to
+  DeviceSpan<unsigned long long> bad;  ///< [1] lowered as by parameter_gradients
 };
 
 /// Does nothing where all three weights are 0. Scratch comes from the arena.

@@ -77,7 +77,8 @@ NonFinite symptom_of(const StepOutcome& outcome) {
   if (const char* term = bad_loss(outcome.terms)) return {true, -1, term};
   if (outcome.bad == kNoBadGradient) return {};
   const size_t index = static_cast<size_t>(outcome.bad % 8);
-  return {true, static_cast<int64_t>(outcome.bad / 8), index < std::size(kClassNames) ? kClassNames[index] : "gradient"};
+  return {true, static_cast<int64_t>(outcome.bad / 8),
+          index < std::size(kClassNames) ? kClassNames[index] : "gradient"};
 }
 
 }  // namespace aligngs::cuda

@@ -11,19 +11,19 @@ namespace aligngs::cuda {
 
 struct StepOutcome {
   LossTerms terms;
-  double squares[2];            ///< ParameterGradientOutputs::squares
-  unsigned long long bad;       ///< bad_gradient_key, or kNoBadGradient; 0 also where the pairs did not fit
-  uint32_t visible;             ///< touched rows
-  uint32_t blocked;             ///< 1: something is not finite, the optimiser must write nothing
+  double squares[2];       ///< ParameterGradientOutputs::squares
+  unsigned long long bad;  ///< bad_gradient_key, or kNoBadGradient; 0 also where the pairs did not fit
+  uint32_t visible;        ///< touched rows
+  uint32_t blocked;        ///< 1: something is not finite, the optimiser must write nothing
 };
 
 struct StepOutcomeInputs {
-  DeviceSpan<const LossTerms> terms;          ///< [1] of map_losses and add_shape_terms
-  DeviceSpan<const double> semantic_terms;    ///< [2] of semantic_visit; empty: none
-  DeviceSpan<const double> squares;           ///< [2]
-  DeviceSpan<const unsigned long long> bad;   ///< [1]
-  DeviceSpan<const uint32_t> visible;         ///< [1]
-  float soft_weight = 0, hard_weight = 0;     ///< LossSettings
+  DeviceSpan<const LossTerms> terms;         ///< [1] of map_losses and add_shape_terms
+  DeviceSpan<const double> semantic_terms;   ///< [2] of semantic_visit; empty: none
+  DeviceSpan<const double> squares;          ///< [2]
+  DeviceSpan<const unsigned long long> bad;  ///< [1]
+  DeviceSpan<const uint32_t> visible;        ///< [1]
+  float soft_weight = 0, hard_weight = 0;    ///< LossSettings
 };
 
 /// StepOutcome::blocked of out[0], for the kernels that must not write after a failure.

@@ -10,14 +10,14 @@
 
 namespace aligngs::cuda {
 
-/// What is known of a pixel from the view alone, one byte each. Pairs are those of formulas/label_edges.h: the pixel and
-/// its right or lower neighbour, whose labels are known and differ.
+/// What is known of a pixel from the view alone, one byte each. Pairs are those of formulas/label_edges.h: the pixel
+/// and its right or lower neighbour, whose labels are known and differ.
 enum PixelFlag : uint8_t {
-  kPixelCounts = 1,         ///< the mask keeps it
-  kPixelLabelEdge = 2,      ///< TrainingView::label_edge
+  kPixelCounts = 1,     ///< the mask keeps it
+  kPixelLabelEdge = 2,  ///< TrainingView::label_edge
   kPixelRightPair = 4,
   kPixelLowerPair = 8,
-  kPixelRightCrease = 16,   ///< what the prior says about the right pair (EdgeKind); at most one of the two
+  kPixelRightCrease = 16,  ///< what the prior says about the right pair (EdgeKind); at most one of the two
   kPixelRightCoplanar = 32,
   kPixelLowerCrease = 64,
   kPixelLowerCoplanar = 128
@@ -26,7 +26,7 @@ enum PixelFlag : uint8_t {
 struct TrainingMapSpans {
   int width = 0, height = 0;
   PixelRays<float> rays;
-  uint32_t counted = 0;  ///< pixels that the mask keeps
+  uint32_t counted = 0;                   ///< pixels that the mask keeps
   DeviceSpan<const uint8_t> color_bytes;  ///< [3][H W] of 255; empty: color holds the photo
   DeviceSpan<const float> color;          ///< [3][H W]; only where some value is not a multiple of 1 / 255
   DeviceSpan<const uint8_t> flags;        ///< [H W] PixelFlag

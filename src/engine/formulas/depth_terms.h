@@ -42,8 +42,7 @@ struct PlaneSlope {
   bool clamped = false;  ///< s does not depend on the normal
 };
 template <class T>
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE PlaneSlope<T> plane_slope(T n_x, T n_y, T n_z, T alpha, T distance, T ray_x,
-                                                           T ray_y) {
+ALIGNGS_HD ALIGNGS_ALWAYS_INLINE PlaneSlope<T> plane_slope(T n_x, T n_y, T n_z, T alpha, T distance, T ray_x, T ray_y) {
   using std::sqrt;
   const bool covered = (alpha > T(0)) & (distance > T(0));
   const T s = -(n_x * ray_x + n_y * ray_y + n_z);
@@ -117,7 +116,7 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE double log_of_positive(double x) { return std::
 
 /// Weight of a pixel in the log-depth loss, 0 where it does not take part.
 ALIGNGS_HD ALIGNGS_ALWAYS_INLINE float log_depth_weight(uint8_t validity, float prior, float weight) {
-  const bool known = prior > 0 && prior < 1e30f, counts = weight > 0 && weight <= 1;  // as usable_prior_depth, _weight
+  const bool known = prior > 0 && prior<1e30f, counts = weight> 0 && weight <= 1;  // as usable_prior_depth, _weight
   return validity == kDepthTight && known && counts ? weight : 0.0f;
 }
 
@@ -160,8 +159,8 @@ struct PearsonMoments {
 struct PearsonResult {
   double loss = 0, along_rendered = 0, along_prior = 0;
 };
-/// d rho / d a_k = b_k / (n t_a t_b) - rho a_k / ((n - 1) s_a t_a); both parts sum to zero over k, so the dependence of a
-/// on the mean adds nothing.
+/// d rho / d a_k = b_k / (n t_a t_b) - rho a_k / ((n - 1) s_a t_a); both parts sum to zero over k, so the dependence of
+/// a on the mean adds nothing.
 ALIGNGS_HD inline PearsonResult pearson_result(const PearsonMoments& m, double weight) {
   const double n = m.count;
   const double deviation_rendered = std::sqrt(m.rendered / (n - 1));

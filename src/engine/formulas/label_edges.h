@@ -1,4 +1,5 @@
-// Neighbouring pixels that the teacher gives different classes, and where normals are compared beside them (guidance 2.3).
+// Neighbouring pixels that the teacher gives different classes, and where normals are compared beside them
+// (guidance 2.3).
 #pragma once
 
 namespace aligngs {

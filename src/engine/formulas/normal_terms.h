@@ -1,5 +1,5 @@
-// Losses on the blended normals at one pixel: their direction, its comparison with the normal that the depth map implies
-// (aligngs.md 4.6, guidance 2.3) and with the prior's, and the penalty at label edges (aligngs.md 4.7).
+// Losses on the blended normals at one pixel: their direction, its comparison with the normal that the depth map
+// implies (aligngs.md 4.6, guidance 2.3) and with the prior's, and the penalty at label edges (aligngs.md 4.7).
 #pragma once
 
 #include <cmath>
@@ -26,8 +26,8 @@ struct UnitNormal {
 template <class T>
 ALIGNGS_HD inline UnitNormal<T> unit_normal_of(const Vec3<T>& blended, T alpha, bool pixel_counts) {
   const T length = norm(blended);
-  const bool valid = alpha > T(kPlaneAlphaLoss) && length > T(kNormalCoherence) * alpha &&
-                     length - length == T(0) && pixel_counts;
+  const bool valid =
+      alpha > T(kPlaneAlphaLoss) && length > T(kNormalCoherence) * alpha && length - length == T(0) && pixel_counts;
   if (!valid) return {};
   const T inverse = T(1) / length;
   return {blended * inverse, inverse};
@@ -63,9 +63,7 @@ ALIGNGS_HD inline Reach reach_of(Difference difference) {
 struct DepthStencil {
   Difference horizontal = Difference::kNone, vertical = Difference::kNone;
   ALIGNGS_HD bool valid() const { return horizontal != Difference::kNone && vertical != Difference::kNone; }
-  ALIGNGS_HD bool central() const {
-    return horizontal == Difference::kCentral && vertical == Difference::kCentral;
-  }
+  ALIGNGS_HD bool central() const { return horizontal == Difference::kCentral && vertical == Difference::kCentral; }
   ALIGNGS_HD uint8_t packed() const { return static_cast<uint8_t>(int(horizontal) | int(vertical) << 2); }
   ALIGNGS_HD static DepthStencil unpack(uint8_t byte) {
     return {static_cast<Difference>(byte & 3), static_cast<Difference>(byte >> 2)};
@@ -86,9 +84,8 @@ ALIGNGS_HD inline DepthStencil depth_stencil(const T* depth, const uint8_t* vali
     const T jump = depth[i] - z;
     return validity[i] >= least && (as_printed || (jump < T(0) ? -jump : jump) <= T(kDepthJumpShare) * z);
   };
-  const DepthStencil stencil{
-      difference_of(x > 0 && joined(centre - 1), x + 1 < width && joined(centre + 1)),
-      difference_of(y > 0 && joined(centre - width), y + 1 < height && joined(centre + width))};
+  const DepthStencil stencil{difference_of(x > 0 && joined(centre - 1), x + 1 < width && joined(centre + 1)),
+                             difference_of(y > 0 && joined(centre - width), y + 1 < height && joined(centre + width))};
   return as_printed && !stencil.central() ? DepthStencil{} : stencil;
 }
 
@@ -103,9 +100,9 @@ struct DepthNeighbours {
 
 template <class T>
 struct NormalComparison {
-  T loss{};            ///< 1 - n . n_depth, 0 where not used
-  T d_x{}, d_y{}, d_z{};                          ///< weight * dL/dN
-  T d_right{}, d_left{}, d_top{}, d_bottom{};     ///< weight * dL/dz of the neighbours
+  T loss{};                                    ///< 1 - n . n_depth, 0 where not used
+  T d_x{}, d_y{}, d_z{};                       ///< weight * dL/dN
+  T d_right{}, d_left{}, d_top{}, d_bottom{};  ///< weight * dL/dz of the neighbours
 };
 
 /// The depth normal is (right - left) x (top - bottom) of the unprojected neighbours, unit, turned to the camera. The

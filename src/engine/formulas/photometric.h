@@ -12,9 +12,9 @@ namespace aligngs {
 inline constexpr double kPsnrMaximum = 100;  ///< dB; what an exact copy gets, so that logs stay finite
 inline constexpr int kSsimTaps = 11;         ///< window size, pixels
 inline constexpr int kSsimHalf = kSsimTaps / 2;
-inline constexpr double kSsimSigma = 1.5;    ///< pixels
-inline constexpr double kSsimC1 = 1e-4;      ///< (0.01 L)^2 for a dynamic range L of 1
-inline constexpr double kSsimC2 = 9e-4;      ///< (0.03 L)^2
+inline constexpr double kSsimSigma = 1.5;  ///< pixels
+inline constexpr double kSsimC1 = 1e-4;    ///< (0.01 L)^2 for a dynamic range L of 1
+inline constexpr double kSsimC2 = 9e-4;    ///< (0.03 L)^2
 
 /// Peak signal-to-noise ratio in dB of a mean squared error of values in [0, 1].
 ALIGNGS_HD inline double psnr_of(double mean_squared_error) {
@@ -79,8 +79,8 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE SsimSample<T> ssim_sample(const LocalMoments<T>
   return {s, T(2) * (m.y * (a2 - a1) * inverse + m.x * (s_over_b2 - s_over_b1)), -s_over_b2, T(2) * a1 * inverse};
 }
 
-/// Sum over all windows that hold a pixel of dS / d render there, from the blurred derivatives: the window is symmetric,
-/// so the adjoint of the blur is the blur.
+/// Sum over all windows that hold a pixel of dS / d render there, from the blurred derivatives: the window is
+/// symmetric, so the adjoint of the blur is the blur.
 template <class T>
 ALIGNGS_HD ALIGNGS_ALWAYS_INLINE T ssim_gradient(T d_x, T d_xx, T d_xy, T render, T truth) {
   return d_x + T(2) * render * d_xx + truth * d_xy;

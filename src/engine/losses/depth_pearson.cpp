@@ -48,8 +48,8 @@ double pearson_depth_loss(const MapLossInputs<T>& in, double weight, MapLossWork
   if (result.loss == 0 && result.along_prior == 0) return 0;
   for_each_row(in.pool, height, [&](int y) {
     for_each_used(y, [&](size_t i, double rendered, double prior) {
-      workspace.depth_gradient[i] +=
-          static_cast<T>(result.along_rendered * (rendered - mean_rendered) - result.along_prior * (prior - mean_prior));
+      workspace.depth_gradient[i] += static_cast<T>(result.along_rendered * (rendered - mean_rendered) -
+                                                    result.along_prior * (prior - mean_prior));
     });
   });
   return result.loss;

@@ -1,7 +1,7 @@
 #include "engine/losses/normal_consistency.h"
 
-#include "engine/losses/depth_map.h"
 #include "engine/formulas/normal_terms.h"
+#include "engine/losses/depth_map.h"
 #include "engine/losses/normal_row.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
@@ -85,15 +85,13 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
     scratch.resize(static_cast<size_t>(kNormalRowInputs + kNormalRowOutputs) * width);
     T *input = scratch.data(), *output = input + static_cast<size_t>(kNormalRowInputs) * width;
     gather_row(workspace, y, width, input);
-    const NormalRowGeometry<T> geometry{width,      rays.first_x,
-                                        rays.step_x, rays(0, y).y,
-                                        rays.step_y, static_cast<T>(weight / count)};
+    const NormalRowGeometry<T> geometry{width,        rays.first_x, rays.step_x,
+                                        rays(0, y).y, rays.step_y,  static_cast<T>(weight / count)};
     const T* normal = workspace.direction.data() + begin;
     compute_normal_row(geometry, input, normal, normal + pixels, normal + 2 * pixels,
                        workspace.inverse_length.data() + begin, output);
     scatter_row(output, y, width, pixels, workspace, gradients);
-    workspace.row_sums[static_cast<size_t>(y)] =
-        ordered_sum(output + static_cast<size_t>(kOutLoss) * width, width);
+    workspace.row_sums[static_cast<size_t>(y)] = ordered_sum(output + static_cast<size_t>(kOutLoss) * width, width);
   });
   double total = 0;
   for (const double s : workspace.row_sums) total += s;
