@@ -105,9 +105,16 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   for (int k = 0; k < 3; ++k) g.log_scale[k] = m.log_scales[3 * i + k];
   g.rotation = {m.rotations[4 * i], m.rotations[4 * i + 1], m.rotations[4 * i + 2], m.rotations[4 * i + 3]};
 
-  const float s = in.coupling.empty() ? 0.0f : in.coupling_scale;
-  const float p = v[8] + s * coupling[0], r = v[9] + s * coupling[1], one = v[10] + s * coupling[2];
-  const float pp = v[11] + s * coupling[3], pr = v[12] + s * coupling[4], rr = v[13] + s * coupling[5];
+  float p = v[8], r = v[9], one = v[10], pp = v[11], pr = v[12], rr = v[13];
+  if (!in.coupling.empty() && in.coupling_scale != 0) {
+    const float s = in.coupling_scale;
+    p += s * coupling[0];
+    r += s * coupling[1];
+    one += s * coupling[2];
+    pp += s * coupling[3];
+    pr += s * coupling[4];
+    rr += s * coupling[5];
+  }
   const WhiteningFactor<float> factor{splat.fxx, splat.fxy, splat.fyy};
   CovarianceGradient<float> d;
   d.mean = whitened_mean_gradient(factor, p, r);
