@@ -54,14 +54,46 @@ void require_depth(const Scene& scene) {
   }
 }
 
-void write_depth(const Scene& scene, int view, const DepthGrid& grid, const fs::path& folder) {
+/// Log factors that turn the prior depth of a training view into the corrected one; empty: none.
+ImageF log_correction(const RefinedView& view, const StereoResult& stereo, int width, int height) {
+  ImageF out(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) out.at(x, y) = static_cast<float>(view.depth.at((x + 0.5) / width, (y + 0.5) / height));
+  }
+  if (stereo.log_factor.empty()) return out;
+  const ImageF fine = resize_bilinear(stereo.log_factor, width, height);
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] += fine.data[i];
+  return out;
+}
+
+void write_depth(const Scene& scene, int view, const RefinedView& refined, const StereoResult& stereo, const fs::path& folder) {
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
   if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
   ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
   map.data = stored.data;
-  grid.apply(map);
+  const ImageF correction = log_correction(refined, stereo, map.width, map.height);
+  for (size_t i = 0; i < map.data.size(); ++i) {
+    if (map.data[i] > 0 && std::isfinite(map.data[i])) map.data[i] *= std::exp(correction.data[i]);
+  }
   write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
+}
+
+/// What stereo says about each training view, with the refined cameras and the prior depth as their grids correct it.
+std::vector<StereoResult> measure_depth(const std::vector<RefineView>& views, size_t training, const RefineResult& refined,
+                                        const RefineSceneOptions& options, ThreadPool& pool) {
+  std::vector<MatchView> photos;
+  for (size_t i = 0; i < training; ++i) {
+    MatchView photo = views[i].match;
+    photo.camera = refined.views[i].camera;
+    refined.views[i].depth.apply(photo.depth);
+    photos.push_back(std::move(photo));
+  }
+  std::vector<const MatchView*> pointers;
+  for (const MatchView& photo : photos) pointers.push_back(&photo);
+  Progress progress(options.progress, "measure depth", training);
+  return guided_stereo(pointers, options.stereo_settings, pool,
+                       [&](double share) { progress.update(static_cast<uint64_t>(share * static_cast<double>(training))); });
 }
 
 void require_outside(const fs::path& scene, const fs::path& output) {
@@ -97,34 +129,39 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
 
 }  // namespace
 
-RefineResult refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
+RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
   require_depth(scene);
   require_outside(scene.folder, output);
   require_scene_place(output, options.overwrite);
   const std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
-  RefineResult result;
+  const size_t training = scene.train.size();
+  RefineSceneReport report;
+  RefineResult& result = report.cameras;
   {
     constexpr uint64_t kSteps = 100;
     Progress progress(options.progress, "refine cameras", kSteps);
     result = refine_cameras(views, robust_extent(scene), options.settings, pool,
                             [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
   }
+  std::vector<StereoResult> stereo(training);
+  if (options.correct_depth && options.stereo) stereo = measure_depth(views, training, result, options, pool);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
   for (size_t i = 0; i < views.size(); ++i) {
-    const int index = i < scene.train.size() ? scene.train[i] : scene.test[i - scene.train.size()];
+    const int index = i < training ? scene.train[i] : scene.test[i - training];
     cameras[static_cast<size_t>(index)] = result.views[i].camera;
   }
   FolderReplacement replacement(output);
   const fs::path& folder = replacement.path();
   copy_scene(scene.folder, folder);
   write_sparse(scene, cameras, scene.cloud, folder);
-  for (size_t i = 0; options.correct_depth && i < scene.train.size(); ++i) {
-    write_depth(scene, scene.train[i], result.views[i].depth, folder);
+  for (size_t i = 0; options.correct_depth && i < training; ++i) {
+    write_depth(scene, scene.train[i], result.views[i], stereo[i], folder);
+    report.measured += stereo[i].measured / static_cast<double>(training);
   }
   note_refinement(result, folder);
   replacement.commit();
-  return result;
+  return report;
 }
 
 }  // namespace aligngs

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/progress.h"
+#include "refine/guided_stereo.h"
 #include "refine/refine_cameras.h"
 #include "scene/scene.h"
 
@@ -11,16 +12,23 @@ namespace aligngs {
 
 struct RefineSceneOptions {
   RefineSettings settings;
+  StereoSettings stereo_settings;
   bool correct_depth = true;     ///< pred_depths/ of the training views are multiplied by their DepthGrid
+  bool stereo = true;            ///< and then by what multi-view stereo finds with the refined cameras
   bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
   ProgressStyle progress;
 };
 
+struct RefineSceneReport {
+  RefineResult cameras;
+  double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
+};
+
 /// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views
 /// (Error{kBadInput} otherwise: without it nothing says where to look for a match). sparse/points3D becomes the tracks
 /// when there are enough of them for a start, else the old cloud stays.
-RefineResult refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
-                          ThreadPool& pool);
+RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
+                               ThreadPool& pool);
 
 }  // namespace aligngs

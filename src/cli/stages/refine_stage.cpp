@@ -4,11 +4,38 @@
 
 #include "core/log.h"
 #include "io/atomic_file.h"
+#include "refine/bundle_adjustment.h"
 #include "refine/refined_scene.h"
+#include "train/training_set.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// scene.json says that its cameras were refined.
+bool is_refined(const fs::path& scene) {
+  const fs::path file = scene / "scene.json";
+  if (!fs::exists(file)) return false;
+  const nlohmann::json json = nlohmann::json::parse(read_file(file), nullptr, false);
+  return json.is_object() && json.contains("cameras_refined");
+}
+
+}  // namespace
+
+bool should_refine(const fs::path& scene, const TrainConfig& config) {
+  if (!config.data.refine_cameras || is_refined(scene)) return false;
+  if (decide_prior_use(open_scene(scene), config).depth != PriorDepthKind::kMetric) {
+    log_info("cameras stay as they are: without metric prior depth in use nothing says where to look for matches");
+    return false;
+  }
+  if (!bundle_adjustment_available()) {
+    log_warning("cameras stay as they are: this program was built without Ceres (libceres-dev)");
+    return false;
+  }
+  return true;
+}
 
 fs::path refine_into_run(const fs::path& scene, const fs::path& run, const CommandContext& context) {
   const fs::path target = run / "scene";
@@ -17,17 +44,11 @@ fs::path refine_into_run(const fs::path& scene, const fs::path& run, const Comma
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const RefineResult result = refine_scene(open_scene(scene), target, options, pool);
+  const RefineSceneReport report = refine_scene(open_scene(scene), target, options, pool);
+  const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   return target;
-}
-
-bool is_refined(const fs::path& scene) {
-  const fs::path file = scene / "scene.json";
-  if (!fs::exists(file)) return false;
-  const nlohmann::json json = nlohmann::json::parse(read_file(file), nullptr, false);
-  return json.is_object() && json.contains("cameras_refined");
 }
 
 }  // namespace aligngs

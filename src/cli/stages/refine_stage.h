@@ -4,15 +4,18 @@
 #include <filesystem>
 
 #include "cli/command.h"
+#include "train/config.h"
 
 namespace aligngs {
+
+/// Whether a run with these settings corrects the cameras of the scene first: data.refine_cameras asks for it, every
+/// training view has metric prior depth that training will use, the scene has not been refined before, and the program
+/// was built with Ceres. Otherwise says why not.
+bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
 /// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far the
 /// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
 std::filesystem::path refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run,
                                       const CommandContext& context);
-
-/// scene.json says that its cameras were refined: nothing is left to do when a run is resumed.
-bool is_refined(const std::filesystem::path& scene);
 
 }  // namespace aligngs
