@@ -61,7 +61,7 @@ TEST_F(RefineCommand, WithoutPriorDepthItSaysWhatIsMissing) {
 }
 
 TEST_F(RefineCommand, RunRefinesIntoItsOwnSceneFolderAndResumesWithoutDoingItAgain) {
-  const std::string run = "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' --refine -n 10 -q";
+  const std::string run = "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' -n 10 -q";
   ASSERT_EQ(run_aligngs(run, root() / "scratch").status, 0);
   const std::string refined = read_file(root() / "run" / "scene" / "scene.json");
   EXPECT_THAT(refined, HasSubstr("cameras_refined"));
@@ -69,6 +69,13 @@ TEST_F(RefineCommand, RunRefinesIntoItsOwnSceneFolderAndResumesWithoutDoingItAga
   const ProcessResult again = run_aligngs(run + " --resume", root() / "scratch");
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(read_file(root() / "run" / "scene" / "scene.json"), refined);
+}
+
+TEST_F(RefineCommand, RunWithNoRefineTrainsOnTheSceneAsItIs) {
+  const ProcessResult result = run_aligngs(
+      "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' --no-refine -n 2 -q", root() / "scratch");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_FALSE(fs::exists(root() / "run" / "scene"));
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ for seed in $seeds; do
     read -r -a options <<< "${row#*|}"
     run="$output/${name// /_}_$seed"
     if [ ! -f "$run/summary.txt" ]; then
-      "$program" run "$scene" -o "$run" -n "$iterations" --seed "$seed" --resume -q "${options[@]}" > "$run.txt"
+      "$program" run "$scene" -o "$run" -n "$iterations" --seed "$seed" --resume --no-refine -q "${options[@]}" > "$run.txt"
       mv "$run.txt" "$run/summary.txt"
     fi
     echo "$name,$seed,$(figures "$run/summary.txt")" >> "$output/results.csv"

@@ -119,8 +119,7 @@ def train(output, room, room_seed, seed, row, iterations):
     if not (folder / "metrics.json").exists():
         scene = make_scene(output, room, room_seed, seed, row)
         settings = [text for s in row.settings for text in ("--set", s)]
-        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", *settings)
-        shutil.rmtree(folder / "checkpoints", ignore_errors=True)
+        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *settings)
     return scores(json.loads((folder / "metrics.json").read_text()))
 
 
@@ -234,6 +233,8 @@ def main():
                 for name, option in YARDSTICKS:
                     results.setdefault(name + YARDSTICK_ROWS[row.name], {})[key] = yardstick(output, room, room_seed, seed, row, option)
             folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in rows]
+            for folder in folders:  # the largest part of a run; the yardsticks were the last to need it
+                shutil.rmtree(folder / "checkpoints", ignore_errors=True)
             if len(folders) > 1:
                 run("compare", *folders, "--html", output / f"{room}_{room_seed}_{seed}.html")
             if not arguments.keep_scenes:

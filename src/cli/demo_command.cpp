@@ -34,7 +34,8 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
     log_info("making a synthetic {} with simulated priors", synth.synth.room);
     make_and_write_scene(synth_options(synth), scene, fs::exists(scene), context);
   }
-  if (options.refine && !is_refined(scene)) refine_into_run(scene, run, context);
+  const bool begun = options.resume && fs::exists(RunFolder(run).record());
+  if (!begun && should_refine(scene, resolve_run(train).config)) refine_into_run(scene, run, context);
   train.scene = scene;
   train.resume_command = "aligngs demo -o " + options.output + " --resume";
   run_pipeline(train, context);
@@ -50,9 +51,8 @@ void add_demo_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<TrainCommandOptions>();
   auto synth = std::make_shared<SynthCommandOptions>();
   command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is written to its scene/");
-  command->add_flag("--refine", options->refine,
-                    "correct cameras, focal length and prior depth from matches between the photos first (see `aligngs refine`)");
   add_train_options(*command, options);
+  add_refine_options(*command, options);
   add_synth_options(*command, synth);
   command->callback([&context, options, synth] { run_demo(context, *synth, *options); });
 }

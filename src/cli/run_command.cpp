@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "train/run_folder.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -85,22 +86,26 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   const RunMode mode = options.train.resume ? RunMode::kResume : options.train.overwrite ? RunMode::kOverwrite : RunMode::kNew;
   RunFolder(run).check(mode);
   const ModelStore store = model_store(context);
-  const fs::path scene = photos || options.train.refine ? run / "scene" : source;
+  const fs::path own = run / "scene";
+  const bool begun = options.train.resume && fs::exists(RunFolder(run).record());
+  const TrainConfig config = resolve_run(train).config;
+  if (!begun) require_weights(store, options, photos);
+  if (!begun && !photos) fill_priors(source, store, options, context);
+  bool refine = !begun && !photos && should_refine(source, config);
+  const bool owns = photos || refine || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
+  const fs::path scene = owns ? own : source;
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, scene, train.threads);
-  const bool go_on = options.train.resume && fs::exists(run / "run.json") && is_scene(scene);
-  if (!go_on) {
-    require_weights(store, options, photos);
-    if (photos) {
-      options.photos.memory_gigabytes = options.train.memory_gigabytes;
-      ScenePhotosOptions poses = photo_options(options.photos, context);
-      poses.overwrite = fs::exists(scene);
-      fs::create_directories(run);
-      const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
-      log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
-    }
-    fill_priors(photos ? scene : source, store, options, context);
-    if (options.train.refine) refine_into_run(photos ? scene : source, run, context);
+  if (photos && !(begun && is_scene(scene))) {
+    options.photos.memory_gigabytes = options.train.memory_gigabytes;
+    ScenePhotosOptions poses = photo_options(options.photos, context);
+    poses.overwrite = fs::exists(scene);
+    fs::create_directories(run);
+    const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
+    log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
+    fill_priors(scene, store, options, context);
+    refine = should_refine(scene, config);
   }
+  if (refine) refine_into_run(photos ? scene : source, run, context);
   train.scene = scene;
   const nlohmann::json metrics = run_pipeline(train, context);
   go_on_serving(page);
@@ -125,8 +130,7 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   command->add_option("--depth", options->depth,
                       "depth where the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: VGGT when it is installed")
       ->capture_default_str();
-  command->add_flag("--refine", train->refine,
-                    "correct cameras, focal length and prior depth from matches between the photos first (see `aligngs refine`)");
+  add_refine_options(*command, train);
   add_photo_options(*command, photos);
   add_train_options(*command, train);
   command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");

@@ -23,6 +23,15 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
       ->check(CLI::Range(1, 65535));
 }
 
+void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
+  const auto set = [options](const char* value) {
+    return [options, value](int64_t) { options->sets.push_back(std::string("data.refine_cameras=") + value); };
+  };
+  const std::string what = "correct cameras, focal length and prior depth from matches between the photos first (see `aligngs refine`)";
+  command.add_flag_function("--refine", set("true"), what + "; all presets but `paper` do where every training view has metric depth");
+  command.add_flag_function("--no-refine", set("false"), "keep cameras and prior depth as they are");
+}
+
 TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context) {
   if (options.device.rfind("cuda", 0) == 0) {
     throw Error({ErrorKind::kResources, "this version has no CUDA engine", {}, "--device " + options.device, "use --device cpu"});

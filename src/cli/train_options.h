@@ -17,12 +17,14 @@ struct TrainCommandOptions {
   bool resume = false, overwrite = false, require_priors = false;
   double memory_gigabytes = 0;
   bool view = false;       ///< show the page meanwhile (page_server.h)
-  bool refine = false;     ///< `run` and `demo`: correct cameras and prior depth first
   uint16_t view_port = 0;  ///< 0: the first free one
 };
 
 /// Adds -n, --preset, --config, --set, --seed, --resume, --overwrite, --device, ... to a command.
 void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options);
+
+/// --refine and --no-refine, short for data.refine_cameras.
+void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options);
 
 /// Error{kUsage} for contradictions, Error{kResources} for a device that this program has not.
 TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context);

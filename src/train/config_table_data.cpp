@@ -9,6 +9,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "working resolution / image resolution"},
       {"data.prior_depth", field<&C::data, &DataConfig::prior_depth>, 0, 0, "auto|metric|relative|none", all("auto"),
        "what pred_depths/ hold: depth of one scale in all views (metric), monocular depth (relative); auto: by priors.json"},
+      {"data.refine_cameras", field<&C::data, &DataConfig::refine_cameras>, 0, 0, "", ours_paper(true, false),
+       "`aligngs run` and `demo` correct cameras and metric prior depth from matches before training (`aligngs refine`)"},
       {"data.prior_confidence", field<&C::data, &DataConfig::prior_confidence>, 0, 0, "", all(true),
        "weigh prior depth by pred_confidence/<view>.npy where there is one"},
       {"data.semantics", field<&C::data, &DataConfig::semantics>, 0, 0, "", all(true),
