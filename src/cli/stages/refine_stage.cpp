@@ -26,7 +26,12 @@ bool is_refined(const fs::path& scene) {
 
 bool should_refine(const fs::path& scene, const TrainConfig& config) {
   if (!config.data.refine_cameras || is_refined(scene)) return false;
-  if (decide_prior_use(open_scene(scene), config).depth != PriorDepthKind::kMetric) {
+  const Scene opened = open_scene(scene);
+  if (opened.prior_source == "sensor") {
+    log_info("cameras stay as they are: the depth is a sensor's, and they came with it (`aligngs refine` corrects them all the same)");
+    return false;
+  }
+  if (decide_prior_use(opened, config).depth != PriorDepthKind::kMetric) {
     log_info("cameras stay as they are: without metric prior depth in use nothing says where to look for matches");
     return false;
   }

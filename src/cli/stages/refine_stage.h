@@ -9,8 +9,8 @@
 namespace aligngs {
 
 /// Whether a run with these settings corrects the cameras of the scene first: data.refine_cameras asks for it, every
-/// training view has metric prior depth that training will use, the scene has not been refined before, and the program
-/// was built with Ceres. Otherwise says why not.
+/// training view has metric prior depth that training will use and that no sensor made, the scene has not been refined
+/// before, and the program was built with Ceres. Otherwise says why not.
 bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
 /// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far the
