@@ -30,6 +30,13 @@ std::vector<To> planes_of(const ImageF& image, const Convert& convert) {
   return out;
 }
 
+/// Waits for the copy, because `values` need not outlive the call.
+template <class T>
+void fill(DeviceContext& context, const std::vector<T>& values, DeviceArray<T>& to) {
+  to.assign(context, values, "training views");
+  context.synchronise();
+}
+
 std::vector<uint8_t> pixel_flags(const TrainingView& view) {
   const ViewData& data = view.data;
   const int width = data.camera.width, height = data.camera.height;
@@ -64,21 +71,20 @@ TrainingMaps::TrainingMaps(DeviceContext& context, const TrainingView& view) {
   const std::vector<uint8_t> flags = pixel_flags(view);
   shape_.counted = static_cast<uint32_t>(
       std::count_if(flags.begin(), flags.end(), [](uint8_t f) { return (f & kPixelCounts) != 0; }));
-  flags_.assign(context, flags, "training views");
+  fill(context, flags, flags_);
   if (is_eight_bit(data.color)) {
-    color_bytes_.assign(context, planes_of<uint8_t>(data.color, [](float v) { return uint8_t(v * 255.0f + 0.5f); }),
-                        "training views");
+    fill(context, planes_of<uint8_t>(data.color, [](float v) { return uint8_t(v * 255.0f + 0.5f); }), color_bytes_);
   } else {
-    color_.assign(context, planes_of<float>(data.color, [](float v) { return v; }), "training views");
+    fill(context, planes_of<float>(data.color, [](float v) { return v; }), color_);
   }
   std::vector<float> values(pixels);
   if (!data.prior_depth.empty()) {
     for (size_t i = 0; i < pixels; ++i) values[i] = prior_depth_at(view, i);
-    prior_depth_.assign(context, values, "training views");
+    fill(context, values, prior_depth_);
   }
   if (!view.depth_weight.empty()) {
     for (size_t i = 0; i < pixels; ++i) values[i] = depth_weight_at(view, i);
-    depth_weight_.assign(context, values, "training views");
+    fill(context, values, depth_weight_);
   }
   if (!view.prior_normal.empty()) {
     std::vector<float> normals(3 * pixels);
@@ -86,7 +92,7 @@ TrainingMaps::TrainingMaps(DeviceContext& context, const TrainingView& view) {
       const Vec3f n = prior_normal_at<float>(view, i);
       for (int c = 0; c < 3; ++c) normals[static_cast<size_t>(c) * pixels + i] = n[c];
     }
-    prior_normal_.assign(context, normals, "training views");
+    fill(context, normals, prior_normal_);
   }
 }
 
