@@ -88,6 +88,9 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
   command->add_option("--semantics", options->semantics,
                       "m2f (the method's), linear-s|b|l|g (light), ms-s|b|l|g, none, or auto: the best that is installed")->capture_default_str();
   command->add_flag("--augment", options->fill.augment, "ms: five sizes, mirrored as well (ten times as long)");
+  command->add_option("--m2f-heads", options->fill.mask2former_heads,
+                      "m2f: heads of its attention, should the file hold other than 4 sampling points (default: from the tensors)")
+      ->check(CLI::Range(1, 1024));
   command->add_option("--drop-percent", options->fill.drop_percent, "vggt: share of the depth, that of the lowest confidence, to leave out")
       ->check(CLI::Range(0.0, 99.0))->capture_default_str();
   command->add_option("--precision", options->precision, "auto, bfloat16 or float32")

@@ -241,7 +241,8 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
   }
   ThreadPool pool(options.threads);
   nn::Compute compute(pool, {options.precision, true, true});
-  const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment);
+  const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment,
+                                                        options.mask2former_heads);
   const int64_t classes = teacher.network->classes();
   if (scene.labels.size() != int(classes)) {
     throw_bad_input(folder / "labels.csv", "classes",

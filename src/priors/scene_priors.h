@@ -16,6 +16,7 @@ struct ScenePriorsOptions {
   nn::Precision precision = nn::Precision::kBfloat16;
   bool overwrite = false;     ///< replace priors that are there
   bool augment = false;       ///< multi-scale head: five sizes, mirrored as well (ten passes)
+  int mask2former_heads = 0;  ///< of its attention; 0: from the tensors, with 4 points per level
   double drop_percent = 20;   ///< VGGT: depth of the lowest confidence that is left out
   uint64_t memory_limit = 0;  ///< bytes; 0: 80 % of what is free
   int threads = 0;

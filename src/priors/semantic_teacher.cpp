@@ -14,11 +14,14 @@ bool begins(const std::string& text, const char* start) { return text.rfind(star
 }  // namespace
 
 SemanticTeacher load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
-                                      const PublishedModel& model, bool augment) {
+                                      const PublishedModel& model, bool augment,
+                                      int mask2former_heads) {
   const std::filesystem::path file = store.require(model).at(0);
   SemanticTeacher teacher;
   if (begins(model.name, "ade20k-m2f")) {
-    teacher.network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(file));
+    nn::Mask2FormerOptions options;
+    options.heads = mask2former_heads;
+    teacher.network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(file), options);
     teacher.plan = nn::mask2former_plan();
     teacher.kind = SemanticKind::kScores;
     return teacher;

@@ -16,9 +16,12 @@ struct SemanticTeacher {
   SemanticKind kind = SemanticKind::kLogits;
 };
 
-/// Loads the network from the store. Error{kWeights} when its weights are missing.
+/// Loads the network from the store. Error{kWeights} when its weights are missing. `augment`: of the
+/// multi-scale heads; `mask2former_heads`: of attention in Mask2Former's head, which its tensors do
+/// not tell; 0: as many as its deformable attention has.
 SemanticTeacher load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
-                                      const PublishedModel& model, bool augment);
+                                      const PublishedModel& model, bool augment,
+                                      int mask2former_heads = 0);
 
 /// Values [height, width, classes] of a photo (RGB): logits, scores, or with several ratios or
 /// mirrored the logarithm of the averaged probabilities (which softmax turns back into them).
