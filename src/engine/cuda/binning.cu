@@ -10,14 +10,15 @@ namespace {
 
 constexpr uint32_t kCulledDepth = 0xffffffffu;  ///< behind every depth
 
+/// `areas` (one more than rows: a scan leaves the sum there) and `unculled` may be empty.
 __global__ void __launch_bounds__(kRowThreads) count_pairs(DeviceSpan<const TileRect> rects, DeviceSpan<uint32_t> areas,
                                                            DeviceSpan<uint32_t> unculled, DeviceSpan<BinCounts> counts) {
   __shared__ unsigned long long area_sums[32];
   __shared__ uint32_t row_sums[32];
   const size_t i = item_index();
   const uint32_t area = i < rects.size ? rects[i].area() : 0;
-  if (i < areas.size) areas[i] = area;  // one more than rows: the scan leaves the sum there
-  if (i < rects.size) unculled[i] = area > 0;
+  if (i < areas.size) areas[i] = area;
+  if (i < unculled.size) unculled[i] = area > 0;
   const unsigned long long pairs = block_sum<unsigned long long>(area, area_sums);
   const uint32_t rows = block_sum<uint32_t>(area > 0, row_sums);
   if (threadIdx.x != 0) return;
@@ -117,6 +118,12 @@ int bits_of(uint32_t value) {
 }
 
 }  // namespace
+
+void count_tile_pairs(const DeviceContext& context, const ViewSpans& view, DeviceSpan<BinCounts> counts) {
+  fill_zero(context, counts);
+  launch(context, "count_pairs", count_pairs, one_per_item(view.rects.size, kRowThreads), view.rects,
+         DeviceSpan<uint32_t>{}, DeviceSpan<uint32_t>{}, counts);
+}
 
 void build_tile_lists(DeviceArena& arena, const ViewSpans& view, const TileListSpans& lists,
                       DeviceSpan<BinCounts> counts, DeviceSpan<unsigned long long> bad) {

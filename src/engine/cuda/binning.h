@@ -14,6 +14,9 @@ struct BinCounts {
   uint32_t overflow;             ///< 1: more pairs than room, all rows were culled
 };
 
+/// counts.instances and counts.unculled of a projected view.
+void count_tile_pairs(const DeviceContext& context, const ViewSpans& view, DeviceSpan<BinCounts> counts);
+
 /// Fills `lists`, whose sizes are N + 1, tiles + 1, the room for pairs, and N; places beyond the pairs are undefined.
 /// Writes the slots into the splats. Where the pairs do not fit, every row is culled, counts.overflow is set and `bad`
 /// [1] is lowered to 0, so that the step writes nothing and can be repeated with more room. Nothing waits for the host.

@@ -58,7 +58,7 @@ __global__ void __launch_bounds__(kTilePixels)
   blend.open = inside;
   PixelSums<kGeometry> sums;
   uint32_t last = 0;
-  const bool keep = !record.strips.empty();
+  const bool keep = !record.last.empty();
   uint32_t first = begin;
   for (; first < end; first += kBlendBatch) {
     if (__syncthreads_count(blend.open) == 0) break;  // also: the batch before is read

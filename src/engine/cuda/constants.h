@@ -21,8 +21,12 @@ inline constexpr int kChannelSweep = 16;
 /// Gaussians whose weights the semantic start keeps at a time: x 256 pixels, 32 KB of shared memory.
 inline constexpr int kLiftBatch = 32;
 
-/// Room for (Gaussian, tile) pairs in a view that was never seen: pairs per Gaussian. Rooms at 320x240 to 640x480 have
-/// 4 to 5; a view with more costs one repeated step.
+/// (Gaussian, tile) pairs per Gaussian in forecasts of memory; rooms at 320x240 to 640x480 have 4 to 5.
 inline constexpr size_t kPairsPerGaussian = 8;
+
+/// Room for (Gaussian, tile) pairs beyond those of the last visit to a view: a share of them, and a few. A view that
+/// outgrows it costs one repeated step.
+inline constexpr double kPairGrowth = 1.25;
+inline constexpr size_t kPairSlack = 4096;
 
 }  // namespace aligngs::cuda

@@ -6,7 +6,7 @@
 namespace aligngs::cuda {
 
 DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster,
-                       const FrameOptions& options) {
+                       size_t gaussians, bool geometry) {
   DeviceFrame f;
   ViewSpans& v = f.view;
   v.camera = make_projection_camera<float>(camera, raster);
@@ -21,37 +21,41 @@ DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSet
                  "camera",
                  "render at a smaller size"});
   }
-  const size_t n = options.gaussians, tiles = static_cast<size_t>(v.tiles_x) * static_cast<size_t>(v.tiles_y);
+  const size_t n = gaussians;
   v.splats = arena.take<Splat>(n, "projected Gaussians");
   v.rects = arena.take<TileRect>(n, "rectangles of tiles");
   v.radius = arena.take<float>(n, "radii");
-  f.lists.slot_begin = arena.take<uint32_t>(n + 1, "slots");
-  f.lists.tile_begin = arena.take<uint32_t>(tiles + 1, "tiles");
-  f.lists.gaussians = arena.take<uint32_t>(options.pairs, "(Gaussian, tile) pairs");
-  f.lists.rank = arena.take<uint32_t>(n, "ranks");
   const size_t pixels = static_cast<size_t>(v.width) * static_cast<size_t>(v.height);
   RenderMapSpans& m = f.maps;
   m.width = v.width;
   m.height = v.height;
   m.color = arena.take<float>(3 * pixels, "colour");
   m.alpha = arena.take<float>(pixels, "alpha");
-  if (options.geometry) {
+  if (geometry) {
     m.normal = arena.take<float>(3 * pixels, "normals");
     m.distance = arena.take<float>(pixels, "distances");
     m.expected = arena.take<float>(pixels, "expected depth");
     m.median = arena.take<float>(pixels, "median depth");
-  }
-  if (options.record) {
-    f.record.strips = arena.take<uint8_t>(options.pairs, "blend record");
-    f.record.seen = arena.take<uint8_t>(options.pairs, "blend record");
-    f.record.last = arena.take<uint32_t>(tiles * kTilePixels, "blend record");
-    f.record.transmittance = arena.take<float>(tiles * kTilePixels, "blend record");
   }
   f.counts = arena.take_zeroed<BinCounts>(1, "counts");
   f.bad = arena.take<unsigned long long>(1, "state of the step");
   static_assert(kNoBadGradient == ~0ull, "all bits set");
   arena.context().fill_bytes(f.bad.data, 0xFF, sizeof(unsigned long long));
   return f;
+}
+
+void take_lists(DeviceArena& arena, size_t pairs, bool record, DeviceFrame& frame) {
+  const size_t n = frame.view.rects.size;
+  const size_t tiles = static_cast<size_t>(frame.view.tiles_x) * static_cast<size_t>(frame.view.tiles_y);
+  frame.lists.slot_begin = arena.take<uint32_t>(n + 1, "slots");
+  frame.lists.tile_begin = arena.take<uint32_t>(tiles + 1, "tiles");
+  frame.lists.gaussians = arena.take<uint32_t>(pairs, "(Gaussian, tile) pairs");
+  frame.lists.rank = arena.take<uint32_t>(n, "ranks");
+  if (!record) return;
+  frame.record.strips = arena.take<uint8_t>(pairs, "blend record");
+  frame.record.seen = arena.take<uint8_t>(pairs, "blend record");
+  frame.record.last = arena.take<uint32_t>(tiles * kTilePixels, "blend record");
+  frame.record.transmittance = arena.take<float>(tiles * kTilePixels, "blend record");
 }
 
 }  // namespace aligngs::cuda

@@ -18,16 +18,14 @@ struct DeviceFrame {
   DeviceSpan<unsigned long long> bad;  ///< [1] kNoBadGradient
 };
 
-struct FrameOptions {
-  size_t gaussians = 0;
-  size_t pairs = 0;       ///< room for (Gaussian, tile) pairs
-  bool geometry = false;  ///< all maps, else colour and alpha
-  bool record = false;    ///< what the backward passes need
-};
+/// Takes `view`, `maps` (colour and alpha, with geometry all), `counts` and `bad` of a view; all but `bad` are undefined
+/// until project_view, count_tile_pairs and blend_forward fill them. Throws Error{kFailed} for an image of more than a
+/// million pixels on a side.
+DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster, size_t gaussians,
+                       bool geometry);
 
-/// Everything but `counts` and `bad` is undefined until project_view, build_tile_lists and blend_forward filled it.
-/// Throws Error{kFailed} for an image of more than a million pixels on a side.
-DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster,
-                       const FrameOptions& options);
+/// Takes `lists` with room for so many (Gaussian, tile) pairs and, with `record`, what the backward passes need. To be
+/// filled by build_tile_lists and blend_forward.
+void take_lists(DeviceArena& arena, size_t pairs, bool record, DeviceFrame& frame);
 
 }  // namespace aligngs::cuda

@@ -26,7 +26,8 @@ class CudaForward : public DeviceTest {
   DeviceFrame run(const GaussianModel& model, const Camera& camera, const RasterSettings& raster, size_t pairs) {
     arena_ = std::make_unique<DeviceArena>(context());
     model_.upload(context(), model, "model");
-    const DeviceFrame f = take_frame(*arena_, camera, raster, {model.size(), pairs, true, true});
+    DeviceFrame f = take_frame(*arena_, camera, raster, model.size(), true);
+    take_lists(*arena_, pairs, true, f);
     project_view(context(), {model_.spans(), raster, model.sh_degree}, f.view, f.bad);
     build_tile_lists(*arena_, f.view, f.lists, f.counts, f.bad);
     blend_forward(context(), {f.view, f.lists, raster, true}, f.maps, f.record);

@@ -16,9 +16,7 @@ void ModelArrays::resize(DeviceContext& context, size_t gaussians, int channels,
 }
 
 void ModelArrays::set_zero(const DeviceContext& context) {
-  for (DeviceArray<float>* a : {&positions_, &log_scales_, &rotations_, &opacity_logits_, &sh_, &semantics_}) {
-    fill_zero(context, a->span());
-  }
+  for_each([&](DeviceArray<float>& a, size_t) { fill_zero(context, a.span()); });
 }
 
 void ModelArrays::upload(DeviceContext& context, const GaussianModel& from, const char* what) {
@@ -39,16 +37,6 @@ void ModelArrays::download(GaussianModel& to) const {
   to.opacity_logits = opacity_logits_.to_host();
   to.sh = sh_.to_host();
   to.semantics = semantics_.to_host();
-}
-
-void ModelArrays::swap(ModelArrays& o) noexcept {
-  std::swap(channels_, o.channels_);
-  positions_.swap(o.positions_);
-  log_scales_.swap(o.log_scales_);
-  rotations_.swap(o.rotations_);
-  opacity_logits_.swap(o.opacity_logits_);
-  sh_.swap(o.sh_);
-  semantics_.swap(o.semantics_);
 }
 
 ModelSpans ModelArrays::spans() const {

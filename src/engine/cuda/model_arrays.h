@@ -15,7 +15,16 @@ class ModelArrays {
   void upload(DeviceContext& context, const GaussianModel& from, const char* what);
   /// All but sh_degree.
   void download(GaussianModel& to) const;
-  void swap(ModelArrays& o) noexcept;
+  /// body(array, numbers per row) for each array.
+  template <class Body>
+  void for_each(const Body& body) {
+    body(positions_, size_t(3));
+    body(log_scales_, size_t(3));
+    body(rotations_, size_t(4));
+    body(sh_, size_t(3) * kShCoefficients);
+    body(semantics_, static_cast<size_t>(channels_));
+    body(opacity_logits_, size_t(1));
+  }
 
   size_t size() const { return opacity_logits_.size(); }
   int channels() const { return channels_; }

@@ -1,5 +1,6 @@
 // Stands in for the CUDA sources in builds without CUDA.
-#include "engine/cuda/runtime/cuda_device.h"
+#include "core/error.h"
+#include "engine/cuda/make_engine.h"
 
 namespace aligngs::cuda {
 
@@ -7,3 +8,15 @@ CudaDevices list_cuda_devices() { return {{}, "built without CUDA"}; }
 std::string cuda_build() { return "built without CUDA"; }
 
 }  // namespace aligngs::cuda
+
+namespace aligngs {
+
+std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int) {
+  throw Error({ErrorKind::kResources,
+               "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
+               {},
+               {},
+               "use --device cpu"});
+}
+
+}  // namespace aligngs

@@ -134,23 +134,23 @@ PinnedMemory::~PinnedMemory() { (void)cudaFreeHost(data_); }
 
 #endif
 
-DeviceArena::~DeviceArena() {
+DeviceArena::~DeviceArena() { release(); }
+
+void DeviceArena::release() {
   for (const Block& b : blocks_) context_->release(b.data, b.bytes);
+  blocks_.clear();
+  used_ = 0;
 }
 
 void DeviceArena::reset() {
 #ifdef ALIGNGS_CUDA_EMULATED
   // A block per piece, fresh each time: stale reads give NaN, and a sanitizer sees reads beyond a piece.
-  for (const Block& b : blocks_) context_->release(b.data, b.bytes);
-  blocks_.clear();
+  release();
 #else
   if (blocks_.size() > 1) {
     uint64_t total = 0;
-    for (const Block& b : blocks_) {
-      total += b.bytes;
-      context_->release(b.data, b.bytes);  // cudaFree waits for the work that uses it
-    }
-    blocks_.clear();
+    for (const Block& b : blocks_) total += b.bytes;
+    release();  // cudaFree waits for the work that uses it
     blocks_.push_back({static_cast<unsigned char*>(context_->allocate(total, "the scratch memory of a step")), total});
   }
 #endif

@@ -144,6 +144,8 @@ class DeviceArena {
     fill_zero(*context_, span);
     return span;
   }
+  /// Gives every piece and the memory itself back.
+  void release();
   /// Gives every piece back. Work still running on the stream may go on with them: later work waits for it.
   void reset();
   DeviceContext& context() const { return *context_; }

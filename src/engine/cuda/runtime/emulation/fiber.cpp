@@ -15,6 +15,7 @@
 #endif
 #endif
 #ifdef ALIGNGS_FIBER_ASAN
+#include <sanitizer/asan_interface.h>
 #include <sanitizer/common_interface_defs.h>
 #endif
 
@@ -74,6 +75,10 @@ void Fiber::prepare(void (*entry)()) {
   if (!f.stack) f.stack.reset(new char[kStackBytes]);
   f.bottom = f.stack.get();
   f.bytes = kStackBytes;
+#ifdef ALIGNGS_FIBER_ASAN
+  // Frames of the thread before, which were left without returning, are gone.
+  __asan_unpoison_memory_region(f.stack.get(), kStackBytes);
+#endif
 #ifdef ALIGNGS_FIBER_ASSEMBLY
   // From the top: the return address of entry() (none), the address that `ret` jumps to, six saved registers. On
   // arrival the stack pointer is 8 below a multiple of 16, as after a call.

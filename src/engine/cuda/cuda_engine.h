@@ -1,0 +1,128 @@
+// The engine on a CUDA device: orchestration of the operations in this folder, the twin of engine/cpu/cpu_engine.h.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/cpu/active_classes.h"
+#include "engine/cpu/semantic_block.h"
+#include "engine/cuda/density.h"
+#include "engine/cuda/device_frame.h"
+#include "engine/cuda/model_arrays.h"
+#include "engine/cuda/parameter_gradients.h"
+#include "engine/cuda/semantic_visit.h"
+#include "engine/cuda/step_outcome.h"
+#include "engine/cuda/teacher_maps.h"
+#include "engine/cuda/training_maps.h"
+#include "engine/engine.h"
+#include "engine/engine_arrays.h"
+#include "engine/maps.h"
+
+namespace aligngs::cuda {
+
+/// Everything of a step stays on the device; the host waits once per step, for the losses and whether they are finite
+/// (and once more the first time that it sees a view, to learn how many (Gaussian, tile) pairs it has). Results are the
+/// same bits on every run on one kind of device. Not to be used from several threads at once.
+class CudaEngine final : public Engine {
+ public:
+  CudaEngine(int device, uint64_t budget_bytes, int threads);
+
+  std::string device_name() const override { return name_; }
+  void load(const GaussianModel& model) override;
+  void store(GaussianModel& model) const override;
+  void save_state(EngineState& state) const override;
+  void load_state(const EngineState& state) override;
+  size_t size() const override { return model_.size(); }
+
+  void limit_classes(int top_k) override { active_top_k_ = top_k; }
+  /// Throws Error{kResources} for more channels than the device's matrix products take (kMaxSemanticChannels).
+  void set_training_views(std::vector<TrainingView> views) override;
+  StepReport step(const StepRequest& request) override;
+
+  DensityStatistics density_statistics() const override;
+  void reset_density_statistics() override;
+  void restructure(const RestructurePlan& plan) override;
+  void reset_opacity(float maximum) override;
+
+  Rendering render(const Camera& camera, const RenderOptions& options) const override;
+  void lift_semantics(const RasterSettings& raster) override;
+  uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const override;
+
+  // For tests. Gradients and maps of the last step, until the next call of anything else; rows that the step did not
+  // touch are zero.
+  GaussianModel last_gradients() const;
+  RenderMaps<float> last_maps() const;
+  const CouplingBalance& coupling_balance() const { return balance_; }
+  void set_coupling_balance(const CouplingBalance& balance) { balance_ = balance; }
+  const DeviceContext& context() const { return *context_; }
+
+ private:
+  /// What a step needs of a view.
+  struct ViewOnDevice {
+    Camera camera;
+    TrainingMaps maps;
+    TeacherMaps teacher;
+    int teacher_channels = 0;  ///< 0: no semantics
+    size_t pairs = 0;          ///< (Gaussian, tile) pairs at the last visit; 0: never visited
+  };
+  /// The arrays of the step in progress, in the arena.
+  struct StepArrays {
+    DeviceFrame frame;
+    ModelSpans gradients;
+    DeviceSpan<uint8_t> touched, semantic_written;
+    DeviceSpan<float> semantic_gradients;
+    DeviceSpan<StepOutcome> outcome;
+    bool semantics = false;
+  };
+  /// What the host reads back at the end of a step.
+  struct ReadBack {
+    StepOutcome outcome;
+    BinCounts counts;
+  };
+
+  /// Gradients of the losses of the semantic rows and of the coupling.
+  struct SemanticStep {
+    DeviceSpan<CouplingMoments> coupling;
+    DeviceSpan<uint8_t> seen;
+    DeviceSpan<float> row_slots;
+    DeviceSpan<double> terms;
+  };
+
+  /// Projects and bins a view; `pairs` == 0: waits to learn how many there are.
+  DeviceFrame make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry, bool record,
+                         size_t pairs) const;
+  ReadBack run_step(const StepRequest& request, ViewOnDevice& view, float coupling_scale);
+  SemanticStep visit_semantics(const StepRequest& request, const ViewOnDevice& view);
+  bool semantics_active(const StepRequest& request, const ViewOnDevice& view) const;
+  /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
+  NonFinite locate(NonFinite symptom) const;
+  /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
+  void adopt(const GaussianModel& model, const EngineMemory* memory);
+  GaussianModel expanded(const ModelArrays& rows) const;  ///< to all classes
+  DensitySpans density_spans();
+  void resize_statistics(size_t gaussians);
+
+  std::unique_ptr<DeviceContext> context_;  ///< outlives every array
+  std::unique_ptr<ThreadPool> pool_;
+  std::string name_;
+  ModelArrays model_, m_, v_;
+  int sh_degree_ = 0;
+  size_t sh_used_ = 3;  ///< spherical harmonics beyond this many numbers per row have zero moments
+  static constexpr size_t kStatistics = 7;
+  mutable DeviceArray<float> statistics_[kStatistics];  ///< in the order of arrays_of(DensityStatistics&)
+  CouplingBalance balance_;
+  std::vector<ViewOnDevice> views_;
+  uint64_t view_bytes_ = 0;
+
+  int active_top_k_ = 0;
+  cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels
+  cpu::ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
+
+  mutable DeviceArena arena_;
+  std::unique_ptr<PinnedMemory> read_back_;
+  StepArrays last_;
+};
+
+}  // namespace aligngs::cuda

@@ -1,0 +1,165 @@
+// Loading, storing and restructuring the state of the engine.
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+#include "engine/cuda/cuda_engine.h"
+#include "engine/cuda/memory_forecast.h"
+#include "engine/cuda/optimiser.h"
+#include "engine/cuda/restructure.h"
+#include "engine/cuda/semantic_rows.h"
+
+namespace aligngs::cuda {
+
+void CudaEngine::load(const GaussianModel& model) {
+  check_model(model);
+  adopt(model, nullptr);
+  balance_ = {};
+  reset_density_statistics();
+}
+
+void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
+  map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : cpu::ActiveClasses();
+  last_ = {};
+  const auto take_in = [&](const GaussianModel& from, cpu::RowKind kind, const char* what, ModelArrays& to) {
+    if (!map_.has_remainder()) {
+      to.upload(*context_, from, what);
+      return;
+    }
+    GaussianModel rows = from;
+    rows.semantics = compress_rows(map_, kind, from.semantics);
+    rows.semantic_channels = map_.channels();
+    to.upload(*context_, rows, what);
+    context_->synchronise();  // the copy is gone on return
+  };
+  take_in(model, cpu::RowKind::kLogits, "the Gaussians", model_);
+  sh_degree_ = model.sh_degree;
+  if (memory != nullptr) {
+    take_in(memory->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
+    take_in(memory->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
+    sh_used_ = memory->sh_used;
+    return;
+  }
+  for (ModelArrays* moment : {&m_, &v_}) {
+    moment->resize(*context_, model_.size(), model_.channels(), "the optimiser's moments");
+    moment->set_zero(*context_);
+  }
+  sh_used_ = 3;
+}
+
+GaussianModel CudaEngine::expanded(const ModelArrays& rows) const {
+  GaussianModel out;
+  rows.download(out);
+  out.sh_degree = sh_degree_;
+  if (!map_.has_remainder()) return out;
+  out.semantics = expand_rows(map_, out.semantics);
+  out.semantic_channels = map_.classes;
+  return out;
+}
+
+void CudaEngine::store(GaussianModel& model) const { model = expanded(model_); }
+
+void CudaEngine::resize_statistics(size_t gaussians) {
+  for (DeviceArray<float>& a : statistics_) a.resize(*context_, gaussians, "density statistics");
+}
+
+void CudaEngine::reset_density_statistics() {
+  resize_statistics(model_.size());
+  for (DeviceArray<float>& a : statistics_) fill_zero(*context_, a.span());
+}
+
+DensitySpans CudaEngine::density_spans() {
+  return {statistics_[0].span(), statistics_[1].span(), statistics_[2].span(), statistics_[3].span(),
+          statistics_[4].span(), statistics_[5].span(), statistics_[6].span()};
+}
+
+DensityStatistics CudaEngine::density_statistics() const {
+  DensityStatistics out;
+  size_t k = 0;
+  for (const NamedArray& a : arrays_of(out)) *a.values = statistics_[k++].to_host();
+  return out;
+}
+
+void CudaEngine::save_state(EngineState& state) const {
+  EngineMemory memory;
+  memory.m = expanded(m_);
+  memory.v = expanded(v_);
+  memory.statistics = density_statistics();
+  memory.balance = balance_;
+  pack_state(expanded(model_), std::move(memory), state);
+}
+
+void CudaEngine::load_state(const EngineState& state) {
+  EngineMemory memory = unpack_state(state);  // everything is read before anything is replaced
+  adopt(state.model, &memory);
+  resize_statistics(model_.size());
+  size_t k = 0;
+  for (const NamedArray& a : arrays_of(memory.statistics)) upload(*context_, statistics_[k++].span(), a.values->data());
+  context_->synchronise();  // the vectors are gone on return
+  balance_ = memory.balance;
+}
+
+void CudaEngine::set_training_views(std::vector<TrainingView> views) {
+  active_ = cpu::find_active_classes(views, active_top_k_, *pool_);
+  views_.clear();
+  view_bytes_ = 0;
+  for (TrainingView& view : views) {
+    const SemanticTarget& target = view.data.semantics;
+    cpu::compress_target(active_, *pool_, view.data.semantics);
+    if (!target.empty() && target.channels > kMaxSemanticChannels) {
+      throw_resources({}, std::to_string(target.channels) + " classes are more than the " +
+                              std::to_string(kMaxSemanticChannels) + " that the device's matrix products take",
+                      "set semantic.active_top lower, which merges classes that no teacher ranks high, or use --device cpu");
+    }
+    ViewOnDevice on_device;
+    on_device.camera = view.data.camera;
+    on_device.maps = TrainingMaps(*context_, view);
+    view_bytes_ += TrainingMaps::bytes(view);
+    if (!target.empty()) {
+      const size_t pixels = static_cast<size_t>(view.data.camera.width) * static_cast<size_t>(view.data.camera.height);
+      cpu::SemanticView cache;
+      cpu::prepare_semantic_view(view, target.channels - (active_.has_remainder() ? 1 : 0), *pool_, cache);
+      on_device.teacher = TeacherMaps(*context_, view, cache);
+      on_device.teacher_channels = target.channels;
+      view_bytes_ += TeacherMaps::bytes(
+          target.channels, static_cast<size_t>(target.width) * static_cast<size_t>(target.height), pixels);
+    }
+    context_->synchronise();  // the view is gone on return
+    views_.push_back(std::move(on_device));
+    view = {};
+  }
+  if (!active_.has_remainder() && !map_.has_remainder()) return;
+  EngineMemory memory;
+  memory.m = expanded(m_);
+  memory.v = expanded(v_);
+  memory.sh_used = sh_used_;
+  adopt(expanded(model_), &memory);
+}
+
+void CudaEngine::restructure(const RestructurePlan& plan) {
+  check_plan(plan, model_.size());
+  last_ = {};
+  arena_.release();  // rows and their copies need the room
+  const size_t before = model_.size();
+  const DevicePlan device_plan(*context_, plan);
+  restructure_model(*context_, device_plan, model_);
+  restructure_moment(*context_, device_plan, m_);
+  restructure_moment(*context_, device_plan, v_);
+  for (DeviceArray<float>& a : statistics_) restructure_numbers(*context_, device_plan, a);
+  if (before == 0) return;
+  for (ViewOnDevice& view : views_) {  // more rows, more pairs: in proportion, as a guess that a repeated step corrects
+    view.pairs = view.pairs * model_.size() / before;
+  }
+}
+
+void CudaEngine::reset_opacity(float maximum) {
+  (void)reset_logit(maximum);  // checks the range
+  cap_opacities(*context_, maximum, {model_.spans(), m_.spans(), v_.spans()});
+}
+
+uint64_t CudaEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {
+  return forecast_bytes({gaussians, channels, pixels_per_view, view_bytes_});
+}
+
+}  // namespace aligngs::cuda

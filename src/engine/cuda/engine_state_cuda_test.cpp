@@ -1,0 +1,237 @@
+// Loading, saving, restructuring and rendering with the CUDA engine, beside the CPU engine and the reference.
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "engine/cpu/test_scenes.h"
+#include "engine/cuda/cuda_engine.h"
+#include "engine/cuda/make_engine.h"
+#include "engine/cuda/runtime/test_device.h"
+#include "engine/cuda/tolerances.h"
+
+namespace aligngs::cuda {
+namespace {
+
+using namespace cpu::testing_scene;
+using cpu::testing_scene::SceneOptions;
+
+class CudaEngineState : public DeviceTest {
+ protected:
+  std::unique_ptr<Engine> engine(const GaussianModel& model, const std::vector<TrainingView>& views = {}) {
+    std::unique_ptr<Engine> e = make_cuda_engine(0, 0, 1);
+    e->set_training_views(views);
+    e->load(model);
+    return e;
+  }
+  static EngineState state_of(const Engine& e) {
+    EngineState s;
+    e.save_state(s);
+    return s;
+  }
+};
+
+SceneOptions small_scene() {
+  SceneOptions o;
+  o.width = 40;
+  o.height = 29;
+  o.gaussians = 80;
+  return o;
+}
+
+TEST_F(CudaEngineState, StoredIsWhatWasLoaded) {
+  const GaussianModel model = make_model(small_scene());
+  const std::unique_ptr<Engine> e = engine(model);
+  EXPECT_EQ(e->size(), model.size());
+  GaussianModel out;
+  e->store(out);
+  EXPECT_EQ(out.positions, model.positions);
+  EXPECT_EQ(out.sh, model.sh);
+  EXPECT_EQ(out.semantics, model.semantics);
+  EXPECT_EQ(out.semantic_channels, model.semantic_channels);
+  EXPECT_EQ(out.sh_degree, model.sh_degree);
+}
+
+TEST_F(CudaEngineState, SavedAndLoadedGoesOnAsIfNeverStopped) {
+  const SceneOptions o = small_scene();
+  const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
+  StepRequest r = make_request();
+  e->step(r);
+  const EngineState middle = state_of(*e);
+  r.step = 2;
+  e->step(r);
+  const std::unique_ptr<Engine> resumed = engine(make_model(o), {make_view(o)});
+  resumed->load_state(middle);
+  resumed->step(r);
+  const EngineState a = state_of(*e), b = state_of(*resumed);
+  EXPECT_EQ(a.model.positions, b.model.positions);
+  EXPECT_EQ(a.model.semantics, b.model.semantics);
+  EXPECT_EQ(a.arrays, b.arrays);
+}
+
+TEST_F(CudaEngineState, ACheckpointOfOneEngineContinuesOnTheOther) {
+  const SceneOptions o = small_scene();
+  cpu::CpuEngine cpu(1);
+  cpu.load(make_model(o));
+  cpu.set_training_views({make_view(o)});
+  cpu.step(make_request());
+  EngineState before;
+  cpu.save_state(before);
+  const std::unique_ptr<Engine> cuda = engine(make_model(o), {make_view(o)});
+  cuda->load_state(before);
+  const EngineState after = state_of(*cuda);
+  EXPECT_EQ(before.model.rotations, after.model.rotations);
+  EXPECT_EQ(before.arrays, after.arrays);
+}
+
+TEST_F(CudaEngineState, RefusesAStateThatLacksAnArray) {
+  const std::unique_ptr<Engine> e = engine(make_model(small_scene()));
+  EngineState state = state_of(*e);
+  state.arrays.erase("adam_v.sh");
+  EXPECT_THROW(e->load_state(state), Error);
+}
+
+TEST_F(CudaEngineState, RestructuresAsTheCpuEngine) {
+  const SceneOptions o = small_scene();
+  const std::unique_ptr<Engine> cuda = engine(make_model(o), {make_view(o)});
+  cuda->step(make_request());
+  EngineState state = state_of(*cuda);
+  cpu::CpuEngine cpu(1);
+  cpu.load_state(state);
+  RestructurePlan plan;
+  RowOrigin keep, clone, split;
+  keep.source = 7;
+  clone.source = split.source = 3;
+  clone.kind = RowOrigin::Kind::kClone;
+  clone.offset[1] = 0.25f;
+  split.kind = RowOrigin::Kind::kSplit;
+  split.offset[2] = -0.125f;
+  split.shrink = 1.6f;
+  plan.rows = {keep, clone, split, keep};
+  cuda->restructure(plan);
+  cpu.restructure(plan);
+  const EngineState a = state_of(*cuda), b = state_of(cpu);
+  EXPECT_EQ(cuda->size(), 4u);
+  EXPECT_EQ(a.model.positions, b.model.positions);
+  EXPECT_EQ(a.model.log_scales, b.model.log_scales);
+  EXPECT_EQ(a.model.sh, b.model.sh);
+  EXPECT_EQ(a.model.semantics, b.model.semantics);
+  EXPECT_EQ(a.arrays, b.arrays);
+}
+
+TEST_F(CudaEngineState, APlanOfAnotherModelIsAnError) {
+  const std::unique_ptr<Engine> e = engine(make_model(small_scene()));
+  RestructurePlan plan;
+  plan.rows.resize(1);
+  plan.rows[0].source = 80;
+  EXPECT_THROW(e->restructure(plan), Error);
+}
+
+TEST_F(CudaEngineState, OpacityResetCapsAndForgets) {
+  const SceneOptions o = small_scene();
+  const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
+  e->step(make_request());
+  e->reset_opacity(0.01f);
+  const EngineState s = state_of(*e);
+  for (const float x : s.model.opacity_logits) EXPECT_LE(1 / (1 + std::exp(-x)), 0.0100001f);
+  for (const float x : s.arrays.at("adam_m.opacity_logits")) EXPECT_EQ(x, 0.0f);
+  EXPECT_THROW(e->reset_opacity(1.5f), Error);
+}
+
+TEST_F(CudaEngineState, RenderingMatchesTheReference) {
+  const SceneOptions o = small_scene();
+  const GaussianModel model = make_model(o);
+  const std::unique_ptr<Engine> e = engine(model);
+  for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
+    RenderOptions options;
+    options.labels = true;
+    options.semantic_blend = blend;
+    options.raster.background[1] = 0.4f;
+    const Camera camera = make_camera(61, 43);
+    const Rendering got = e->render(camera, options);
+    const Rendering want = reference::render<double>(to_double(model), camera, options);
+    const auto close = [](const ImageF& a, const ImageF& b, double tolerance, const char* what) {
+      const Difference d = difference(a.data, b.data);
+      EXPECT_LE(d.worst, tolerance) << what << " at " << d.at;
+    };
+    const CudaTolerance t;
+    close(got.color, want.color, t.map, "colour");
+    close(got.alpha, want.alpha, t.map, "alpha");
+    close(got.normal, want.normal, 1e-4, "normal");
+    close(got.depth_plane, want.depth_plane, 1e-3, "plane depth");
+    close(got.depth_median, want.depth_median, 1e-3, "median depth");
+    close(got.depth_expected, want.depth_expected, 1e-3, "expected depth");
+    close(got.label_probability, want.label_probability, 1e-4, "label probability");
+    size_t different = 0;
+    for (size_t u = 0; u < got.label.data.size(); ++u) different += got.label.data[u] != want.label.data[u];
+    EXPECT_LE(different, 1u);  // a tie of two classes or an alpha of 0.5 may fall either way
+  }
+}
+
+TEST_F(CudaEngineState, RenderingWithoutGeometryOrLabelsLeavesThemEmpty) {
+  const std::unique_ptr<Engine> e = engine(make_model(small_scene()));
+  RenderOptions options;
+  options.geometry = false;
+  const Rendering r = e->render(make_camera(20, 20), options);
+  EXPECT_EQ(r.color.data.size(), 1200u);
+  EXPECT_TRUE(r.normal.data.empty());
+  EXPECT_TRUE(r.label.data.empty());
+}
+
+TEST_F(CudaEngineState, LiftIsThatOfTheCpuEngine) {
+  const SceneOptions o = small_scene();
+  GaussianModel model = make_model(o);
+  std::fill(model.semantics.begin(), model.semantics.end(), 0.0f);
+  const std::vector<TrainingView> views = {make_view(o)};
+  cpu::CpuEngine cpu(1);
+  const std::unique_ptr<Engine> cuda = engine(model, views);
+  cpu.load(model);
+  cpu.set_training_views(views);
+  cpu.lift_semantics({});
+  cuda->lift_semantics({});
+  GaussianModel got, want;
+  cuda->store(got);
+  cpu.store(want);
+  EXPECT_LE(difference(got.semantics, want.semantics).worst, 1e-4);
+}
+
+TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
+  SceneOptions o = small_scene();
+  o.channels = 12;
+  const GaussianModel model = make_model(o);
+  const std::vector<TrainingView> views = {make_view(o)};
+  cpu::CpuEngine cpu(1);
+  const std::unique_ptr<Engine> cuda = make_cuda_engine(0, 0, 1);
+  for (Engine* e : {static_cast<Engine*>(&cpu), cuda.get()}) {
+    e->limit_classes(1);
+    e->set_training_views(views);
+    e->load(model);
+  }
+  GaussianModel got, want;
+  cuda->store(got);
+  cpu.store(want);
+  EXPECT_EQ(got.semantic_channels, 12);
+  EXPECT_EQ(got.semantics, want.semantics);
+}
+
+TEST_F(CudaEngineState, TooLittleMemoryIsTyped) {
+  try {
+    const std::unique_ptr<Engine> e = make_cuda_engine(0, 100000, 1);
+    SceneOptions o = small_scene();
+    o.gaussians = 5000;
+    e->load(make_model(o));
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kResources);
+    EXPECT_NE(std::string(e.what()).find("the Gaussians"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(CudaEngineState, PredictedBytesCoverTheModelAndGrow) {
+  const SceneOptions o = small_scene();
+  const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});
+  const uint64_t few = e->predicted_bytes(1000, 7, 640 * 480), many = e->predicted_bytes(2000, 7, 640 * 480);
+  EXPECT_GT(few, 3u * ModelArrays::bytes(1000, 7));
+  EXPECT_GT(many, few + 3u * ModelArrays::bytes(1000, 7));
+}
+
+}  // namespace
+}  // namespace aligngs::cuda

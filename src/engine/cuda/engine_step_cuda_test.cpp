@@ -1,0 +1,291 @@
+// Whole steps of the CUDA engine beside the CPU engine: losses, every gradient and statistic, and a short training.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "engine/cpu/test_scenes.h"
+#include "engine/cuda/cuda_engine.h"
+#include "engine/cuda/runtime/test_device.h"
+#include "engine/cuda/tolerances.h"
+
+namespace aligngs::cuda {
+namespace {
+
+using namespace cpu::testing_scene;
+using cpu::testing_scene::SceneOptions;
+
+class CudaStep : public DeviceTest {
+ protected:
+  static std::unique_ptr<CudaEngine> make_engine() { return std::make_unique<CudaEngine>(0, 0, 1); }
+
+  template <class A, class B>
+  static void expect_close(const A& a, const B& b, double tolerance, const std::string& what) {
+    ASSERT_EQ(a.size(), b.size()) << what;
+    const Difference d = difference(a, b);
+    EXPECT_LE(d.worst, tolerance) << what << ": entry " << d.at << " is " << (a.empty() ? 0 : a[d.at])
+                                  << " instead of " << (b.empty() ? 0 : b[d.at]) << ", largest " << d.scale;
+  }
+
+  static void compare_gradients(const GaussianModel& got, const GaussianModel& want, double shape, double semantic) {
+    expect_close(got.positions, want.positions, shape, "d positions");
+    expect_close(got.log_scales, want.log_scales, shape, "d log_scales");
+    expect_close(got.rotations, want.rotations, shape, "d rotations");
+    expect_close(got.opacity_logits, want.opacity_logits, shape, "d opacity_logits");
+    expect_close(got.sh, want.sh, CudaTolerance().gradient, "d sh");
+    expect_close(got.semantics, want.semantics, semantic, "d semantics");
+  }
+
+  static void compare_statistics(DensityStatistics got, DensityStatistics want) {
+    const auto a = arrays_of(got), b = arrays_of(want);
+    for (size_t k = 0; k < a.size(); ++k) {
+      expect_close(*a[k].values, *b[k].values, CudaTolerance().statistic, std::string("density ") + a[k].name);
+    }
+  }
+
+  static void compare(const GaussianModel& model, const TrainingView& view, const StepRequest& request) {
+    const CouplingBalance balance{2e-4, 1e-3};
+    cpu::CpuEngine want(1);
+    want.keep_features(true);
+    want.set_semantic_products(cpu::SemanticProducts::kFloat32);
+    want.load(model);
+    want.set_training_views({view});
+    want.set_coupling_balance(balance);
+    const std::unique_ptr<CudaEngine> got = make_engine();
+    got->load(model);
+    got->set_training_views({view});
+    got->set_coupling_balance(balance);
+    const StepReport a = got->step(request), b = want.step(request);
+    ASSERT_FALSE(a.non_finite.found) << a.non_finite.term << " of " << a.non_finite.gaussian;
+    ASSERT_FALSE(b.non_finite.found) << b.non_finite.term;
+
+    const CudaTolerance t;
+    const bool coupled = model.semantic_channels > 0 && request.losses.coupling_strength != 0;
+    EXPECT_EQ(a.visible, b.visible);
+    EXPECT_EQ(a.coupling_scale, b.coupling_scale);
+    EXPECT_NEAR(a.losses.l1, b.losses.l1, t.loss);
+    EXPECT_NEAR(a.losses.ssim, b.losses.ssim, t.loss);
+    EXPECT_NEAR(a.losses.psnr, b.losses.psnr, 1e-3);
+    EXPECT_NEAR(a.losses.log_depth, b.losses.log_depth, t.loss);
+    EXPECT_NEAR(a.losses.normal_consistency, b.losses.normal_consistency, 10 * t.loss);
+    EXPECT_NEAR(a.losses.prior_normal, b.losses.prior_normal, t.loss);
+    EXPECT_NEAR(a.losses.flatten, b.losses.flatten, t.loss);
+    EXPECT_NEAR(a.losses.opacity_l1, b.losses.opacity_l1, t.loss);
+    EXPECT_NEAR(a.losses.scale_l1, b.losses.scale_l1, t.loss);
+    EXPECT_NEAR(a.losses.semantic_soft, b.losses.semantic_soft, t.semantic_loss);
+    EXPECT_NEAR(a.losses.semantic_hard, b.losses.semantic_hard, t.semantic_loss);
+    EXPECT_NEAR(a.losses.total, b.losses.total, 1e-4 * std::abs(b.losses.total) + 2 * t.semantic_loss);
+    expect_close(got->last_maps().color, want.last_maps().color, t.map, "colour");
+    compare_gradients(got->last_gradients(), want.last_gradients(), t.gradient + (coupled ? t.coupling : 0.0),
+                      t.semantic_gradient);
+    compare_statistics(got->density_statistics(), want.density_statistics());
+    EXPECT_NEAR(got->coupling_balance().photometric, want.coupling_balance().photometric,
+                1e-3 * want.coupling_balance().photometric);
+    EXPECT_NEAR(got->coupling_balance().semantic, want.coupling_balance().semantic,
+                1e-2 * want.coupling_balance().semantic);
+  }
+};
+
+SceneOptions scene(int channels, size_t gaussians = 120) {
+  SceneOptions o;
+  o.width = 48;
+  o.height = 37;  // no multiple of the tile
+  o.channels = channels;
+  o.gaussians = gaussians;
+  return o;
+}
+
+TEST_F(CudaStep, PhotometricLosses) {
+  const SceneOptions o = scene(0);
+  compare(make_model(o), make_view(o), make_request());
+}
+
+TEST_F(CudaStep, GeometryLosses) {
+  const SceneOptions o = scene(0);
+  compare(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST_F(CudaStep, SevenClassesBounded) {
+  const SceneOptions o = scene(7);
+  compare(make_model(o), make_view(o), make_geometry_request());
+}
+
+TEST_F(CudaStep, SevenClassesAsPrinted) {
+  const SceneOptions o = scene(7);
+  StepRequest r = make_request();
+  r.losses.semantic_blend = SemanticBlend::kLogits;
+  r.losses.coupling = SemanticCoupling::kPlain;
+  r.losses.coupling_strength = 1;
+  compare(make_model(o), make_view(o), r);
+}
+
+TEST_F(CudaStep, OneClass) {
+  const SceneOptions o = scene(1);
+  compare(make_model(o), make_view(o), make_request());
+}
+
+TEST_F(CudaStep, OneGaussian) {
+  const SceneOptions o = scene(7, 1);
+  compare(make_model(o), make_view(o), make_request());
+}
+
+TEST_F(CudaStep, WithoutDensityStatistics) {
+  const SceneOptions o = scene(0, 40);
+  StepRequest r = make_request();
+  r.collect_density = false;
+  compare(make_model(o), make_view(o), r);
+}
+
+TEST_F(CudaStep, ManyInATile) {
+  SceneOptions o = scene(3, 600);
+  o.width = o.height = 16;
+  o.log_scale_max = -0.5;
+  compare(make_model(o), make_view(o), make_request());
+}
+
+TEST_F(CudaStep, NothingVisibleLeavesTheModelAsItIs) {
+  SceneOptions o = scene(7, 30);
+  o.depth_min = -3;
+  o.depth_max = -1;
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  const GaussianModel before = make_model(o);
+  engine->load(before);
+  engine->set_training_views({make_view(o)});
+  StepRequest r = make_request();
+  r.losses.opacity_l1_weight = r.losses.scale_l1_weight = 0;
+  const StepReport report = engine->step(r);
+  EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+  EXPECT_EQ(report.visible, 0u);
+  GaussianModel after;
+  engine->store(after);
+  EXPECT_EQ(after.positions, before.positions);
+  EXPECT_EQ(after.semantics, before.semantics);
+}
+
+TEST_F(CudaStep, EmptyModelStepsAndRenders) {
+  const SceneOptions o = scene(7, 0);
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o)});
+  const StepReport report = engine->step(make_request());
+  EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+  RenderOptions options;
+  options.labels = true;
+  const Rendering r = engine->render(make_camera(20, 10), options);
+  for (const float a : r.alpha.data) EXPECT_EQ(a, 0.0f);
+}
+
+TEST_F(CudaStep, NonFiniteLossIsNamedAndNothingChanges) {
+  const SceneOptions o = scene(7, 60);
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  engine->load(make_model(o));
+  TrainingView bad = make_view(o);
+  bad.data.color.at(20, 20, 1) = std::numeric_limits<float>::quiet_NaN();
+  engine->set_training_views({make_view(o), bad});
+  StepRequest r = make_request();
+  engine->step(r);
+  EngineState before, after;
+  engine->save_state(before);
+  r.view = 1;
+  r.step = 2;
+  const StepReport report = engine->step(r);
+  EXPECT_TRUE(report.non_finite.found);
+  EXPECT_EQ(report.non_finite.gaussian, -1);
+  EXPECT_EQ(report.non_finite.term, "l1");
+  engine->save_state(after);
+  EXPECT_EQ(before.model.positions, after.model.positions);
+  EXPECT_EQ(before.arrays, after.arrays);
+}
+
+TEST_F(CudaStep, NonFiniteParameterIsNamedAndNothingChanges) {
+  const SceneOptions o = scene(7, 60);
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o)});
+  StepRequest r = make_request();
+  engine->step(r);
+  EngineState state, after;
+  engine->save_state(state);
+  state.model.log_scales[3 * 11 + 1] = std::numeric_limits<float>::quiet_NaN();
+  engine->load_state(state);
+  r.step = 2;
+  const StepReport report = engine->step(r);
+  EXPECT_TRUE(report.non_finite.found);
+  EXPECT_EQ(report.non_finite.term, "log_scales");
+  EXPECT_EQ(report.non_finite.gaussian, 11);
+  engine->save_state(after);
+  EXPECT_EQ(state.model.positions, after.model.positions);
+  EXPECT_EQ(state.model.sh, after.model.sh);
+}
+
+TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeated) {
+  // Scales a thousand times larger between two visits: pairs outgrow the room of the first visit.
+  SceneOptions o = scene(0, 3000);
+  o.width = 160;
+  o.height = 120;
+  o.log_scale_min = o.log_scale_max = -6;
+  o.logit_min = o.logit_max = 3;
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o)});
+  StepRequest r = make_request();
+  EXPECT_FALSE(engine->step(r).non_finite.found);
+  EngineState state;
+  engine->save_state(state);
+  for (float& s : state.model.log_scales) s = -2.2f;
+  engine->load_state(state);
+  r.step = 2;
+  const StepReport report = engine->step(r);
+  EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+  EXPECT_GT(report.visible, 0u);
+}
+
+TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
+  const SceneOptions o = scene(7, 60);
+  const auto train = [&] {
+    const std::unique_ptr<CudaEngine> engine = make_engine();
+    engine->load(make_model(o));
+    engine->set_training_views({make_view(o)});
+    StepRequest r = make_geometry_request();
+    for (r.step = 1; r.step <= 2; ++r.step) engine->step(r);
+    EngineState state;
+    engine->save_state(state);
+    return state;
+  };
+  const EngineState first = train();
+  for_each_thread_order([&] {
+    const EngineState again = train();
+    EXPECT_EQ(again.model.positions, first.model.positions);
+    EXPECT_EQ(again.model.semantics, first.model.semantics);
+    EXPECT_EQ(again.arrays, first.arrays);
+  });
+}
+
+TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {
+  const SceneOptions o = scene(7, 100);
+  TrainingView second = make_view(o);
+  second.data.camera.world_to_camera.translation.x += 0.3;
+  const std::vector<TrainingView> views = {make_view(o), second};
+  cpu::CpuEngine cpu(1);
+  cpu.set_semantic_products(cpu::SemanticProducts::kFloat32);
+  const std::unique_ptr<CudaEngine> cuda = make_engine();
+  for (Engine* e : {static_cast<Engine*>(&cpu), static_cast<Engine*>(cuda.get())}) {
+    e->load(make_model(o));
+    e->set_training_views(views);
+  }
+  StepRequest r = make_geometry_request();
+  double start = 0, last_cpu = 0, last_cuda = 0;
+  for (r.step = 1; r.step <= 12; ++r.step) {
+    r.view = static_cast<int>(r.step % 2);
+    const StepReport a = cuda->step(r), b = cpu.step(r);
+    ASSERT_FALSE(a.non_finite.found) << a.non_finite.term;
+    EXPECT_NEAR(a.losses.total, b.losses.total, 5e-3 * b.losses.total) << "step " << r.step;
+    if (r.step == 2) start = b.losses.total;
+    last_cpu = b.losses.total;
+    last_cuda = a.losses.total;
+  }
+  EXPECT_LT(last_cpu, start);
+  EXPECT_LT(last_cuda, start);
+}
+
+}  // namespace
+}  // namespace aligngs::cuda

@@ -1,0 +1,130 @@
+#include "engine/engine_arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kBalanceFloats = 2 * sizeof(double) / sizeof(float);
+
+/// A copy of a named array of the state.
+std::vector<float> take(const EngineState& state, const std::string& name, size_t length) {
+  const auto found = state.arrays.find(name);
+  if (found == state.arrays.end()) {
+    throw_bad_input({}, name, "the checkpoint lacks this array", "resume from an older checkpoint");
+  }
+  if (found->second.size() != length) {
+    throw_bad_input({}, name,
+                    "the checkpoint's array has " + std::to_string(found->second.size()) + " numbers instead of " +
+                        std::to_string(length),
+                    "resume from an older checkpoint");
+  }
+  return found->second;
+}
+
+}  // namespace
+
+std::vector<NamedArray> arrays_of(GaussianModel& model) {
+  return {{"positions", &model.positions, 3},
+          {"log_scales", &model.log_scales, 3},
+          {"rotations", &model.rotations, 4},
+          {"opacity_logits", &model.opacity_logits, 1},
+          {"sh", &model.sh, size_t(3) * kShCoefficients},
+          {"semantics", &model.semantics, static_cast<size_t>(model.semantic_channels)}};
+}
+
+std::vector<NamedArray> arrays_of(DensityStatistics& s) {
+  return {{"gradient", &s.gradient, 1},      {"gradient_abs", &s.gradient_abs, 1},
+          {"visible", &s.visible, 1},        {"radius", &s.radius, 1},
+          {"weight", &s.weight, 1},          {"residual", &s.residual, 1},
+          {"unsupported", &s.unsupported, 1}};
+}
+
+void check_model(const GaussianModel& model) {
+  GaussianModel& arrays = const_cast<GaussianModel&>(model);  // only sizes are read
+  for (const NamedArray& a : arrays_of(arrays)) {
+    if (a.values->size() == a.width * model.size()) continue;
+    throw Error({ErrorKind::kFailed,
+                 std::string(a.name) + " holds " + std::to_string(a.values->size()) + " numbers for " +
+                     std::to_string(model.size()) + " Gaussians",
+                 {},
+                 a.name,
+                 "the model was not resized as a whole"});
+  }
+  if (model.size() > 0xffffffffull) throw_resources({}, "more than 2^32 Gaussians", "lower the cap on Gaussians");
+}
+
+void check_step_request(const StepRequest& request, size_t views) {
+  if (request.view < 0 || static_cast<size_t>(request.view) >= views) {
+    throw Error({ErrorKind::kFailed,
+                 "training view " + std::to_string(request.view) + " does not exist",
+                 {},
+                 "view",
+                 "set the training views before the first step"});
+  }
+  if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
+    throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
+  }
+}
+
+void check_plan(const RestructurePlan& plan, size_t rows) {
+  for (const RowOrigin& row : plan.rows) {
+    if (row.source < rows) continue;
+    throw Error({ErrorKind::kFailed,
+                 "a plan names row " + std::to_string(row.source) + " of " + std::to_string(rows),
+                 {},
+                 "source",
+                 "make the plan from this model"});
+  }
+}
+
+float reset_logit(float maximum) {
+  if (!(maximum > 0 && maximum < 1)) throw_usage("an opacity to reset to lies between 0 and 1");
+  return std::log(maximum / (1 - maximum));
+}
+
+void pack_state(GaussianModel model, EngineMemory memory, EngineState& state) {
+  state.model = std::move(model);
+  state.arrays.clear();
+  const auto keep = [&](const char* prefix, const std::vector<NamedArray>& arrays) {
+    for (const NamedArray& a : arrays) state.arrays[std::string(prefix) + a.name] = std::move(*a.values);
+  };
+  keep("adam_m.", arrays_of(memory.m));
+  keep("adam_v.", arrays_of(memory.v));
+  keep("density.", arrays_of(memory.statistics));
+  const double running[2] = {memory.balance.photometric, memory.balance.semantic};
+  std::vector<float>& balance = state.arrays["coupling.balance"];
+  balance.resize(kBalanceFloats);
+  std::memcpy(balance.data(), running, sizeof(running));
+}
+
+EngineMemory unpack_state(const EngineState& state) {
+  check_model(state.model);
+  EngineMemory memory;
+  memory.m = memory.v = state.model;
+  const auto fetch = [&](const char* prefix, const std::vector<NamedArray>& arrays) {
+    for (const NamedArray& a : arrays) {
+      *a.values = take(state, std::string(prefix) + a.name, a.width * state.model.size());
+    }
+  };
+  fetch("adam_m.", arrays_of(memory.m));
+  fetch("adam_v.", arrays_of(memory.v));
+  fetch("density.", arrays_of(memory.statistics));
+  const std::vector<float> balance = take(state, "coupling.balance", kBalanceFloats);
+  double running[2];
+  std::memcpy(running, balance.data(), sizeof(running));
+  memory.balance = {running[0], running[1]};
+  constexpr size_t kShRow = size_t(3) * kShCoefficients;
+  for (size_t i = 0; i < memory.m.sh.size(); ++i) {
+    if (memory.m.sh[i] != 0 || memory.v.sh[i] != 0) memory.sh_used = std::max(memory.sh_used, i % kShRow + 1);
+  }
+  return memory;
+}
+
+}  // namespace aligngs
