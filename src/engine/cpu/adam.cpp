@@ -114,27 +114,46 @@ void AdamShRows(const ShAdam& steps, const float* gradients, const unsigned char
   }
 }
 
-void AdamSemanticRow(const AdamStep<float>& step, const float* gradient, const float* softmax, size_t channels,
-                     float* parameters, float* m, float* v) {
+HWY_INLINE FloatVec load_numbers(const float* p) { return hn::Load(FloatTag(), p); }
+/// bfloat16: the upper half of a float.
+HWY_INLINE FloatVec load_numbers(const uint16_t* p) {
+  const FloatTag d;
+  const hn::RebindToUnsigned<FloatTag> du;
+  const hn::Rebind<uint16_t, FloatTag> dh;
+  return hn::BitCast(d, hn::ShiftLeft<16>(hn::PromoteTo(du, hn::LoadU(dh, p))));
+}
+
+template <class Number>
+void adam_row(const AdamStep<float>& step, const float* gradient, const Number* softmax, size_t channels,
+              float* parameters, float* m, float* v) {
   const FloatTag d;
   const Constants k = make_constants(step);
   const FloatVec step_size = hn::Set(d, step.step_size), zero = hn::Zero(d);
   FloatVec along = zero;
   if (gradient != nullptr && softmax != nullptr) {  // both are zero-padded to whole vectors
     for (size_t c = 0; c < channels; c += kLanes) {
-      along = hn::MulAdd(hn::Load(d, softmax + c), hn::Load(d, gradient + c), along);
+      along = hn::MulAdd(load_numbers(softmax + c), hn::Load(d, gradient + c), along);
     }
     along = hn::SumOfLanes(d, along);
   }
   for (size_t c = 0; c < channels; c += kLanes) {
     FloatVec g = gradient != nullptr ? hn::Load(d, gradient + c) : zero;
-    if (softmax != nullptr) g = hn::Mul(hn::Load(d, softmax + c), hn::Sub(g, along));
+    if (softmax != nullptr) g = hn::Mul(load_numbers(softmax + c), hn::Sub(g, along));
     if (c + kLanes <= channels) {
       update(k, step_size, g, parameters + c, m + c, v + c);
     } else {
       update_tail(k, step_size, g, channels - c, parameters + c, m + c, v + c);
     }
   }
+}
+
+void AdamSemanticRow(const AdamStep<float>& step, const float* gradient, const float* softmax, size_t channels,
+                     float* parameters, float* m, float* v) {
+  adam_row(step, gradient, softmax, channels, parameters, m, v);
+}
+void AdamRoundedRow(const AdamStep<float>& step, const float* gradient, const uint16_t* softmax, size_t channels,
+                    float* parameters, float* m, float* v) {
+  adam_row(step, gradient, softmax, channels, parameters, m, v);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -149,6 +168,7 @@ HWY_EXPORT(AllWithin);
 HWY_EXPORT(AdamRange);
 HWY_EXPORT(AdamShRows);
 HWY_EXPORT(AdamSemanticRow);
+HWY_EXPORT(AdamRoundedRow);
 
 bool all_within(const float* values, size_t count, float limit) {
   return HWY_DYNAMIC_DISPATCH(AllWithin)(values, count, limit);
@@ -164,6 +184,10 @@ void adam_sh_rows(const ShAdam& steps, const float* gradients, const unsigned ch
 void adam_semantic_row(const AdamStep<float>& step, const float* gradient, const float* softmax, size_t channels,
                        float* parameters, float* m, float* v) {
   HWY_DYNAMIC_DISPATCH(AdamSemanticRow)(step, gradient, softmax, channels, parameters, m, v);
+}
+void adam_semantic_row(const AdamStep<float>& step, const float* gradient, const uint16_t* softmax, size_t channels,
+                       float* parameters, float* m, float* v) {
+  HWY_DYNAMIC_DISPATCH(AdamRoundedRow)(step, gradient, softmax, channels, parameters, m, v);
 }
 
 }  // namespace aligngs::cpu

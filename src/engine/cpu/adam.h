@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "engine/formulas/adam.h"
 
@@ -33,6 +34,9 @@ void adam_sh_rows(const ShAdam& steps, const float* gradients, const unsigned ch
 /// One semantic row of `channels` numbers. With `softmax` (the row's probabilities, padded) `gradient` is dL/dpi and
 /// goes through the softmax first; without, it is dL/ds. gradient == nullptr: zero.
 void adam_semantic_row(const AdamStep<float>& step, const float* gradient, const float* softmax, size_t channels,
+                       float* parameters, float* m, float* v);
+/// The same with probabilities in bfloat16, padded too.
+void adam_semantic_row(const AdamStep<float>& step, const float* gradient, const uint16_t* softmax, size_t channels,
                        float* parameters, float* m, float* v);
 
 }  // namespace aligngs::cpu

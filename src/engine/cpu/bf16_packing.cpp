@@ -77,57 +77,42 @@ ALIGNGS_PACKING_INLINE __m512i interleave_index(int first) {
 
 }  // namespace
 
-ALIGNGS_PACKING_TARGET void pack_weights_by_pixel(const BlockWeights& block, uint16_t* out) {
-  const float* weight = block.weight.data();
-  const __m512 zero = _mm512_setzero_ps();
-  for (size_t first = 0; first < block.count; first += 32) {
-    const size_t n = block.count - first < 32 ? block.count - first : 32;
-    for (size_t strip = 0; strip < kBlockPixels; strip += 16) {
-      __m512i in[16], transposed[16];
-      for (size_t p = 0; p < 16; ++p) {
-        const float* from = weight + (first + 2 * p) * kBlockPixels + strip;
-        const __m512 a = 2 * p < n ? _mm512_load_ps(from) : zero;
-        const __m512 b = 2 * p + 1 < n ? _mm512_load_ps(from + kBlockPixels) : zero;
-        in[p] = interleave_finite(a, b);
-      }
-      transpose_16x16(in, transposed);
-      uint16_t* to = out + (first * kBlockPixels) + strip * 32;
-      for (size_t p = 0; p < 16; ++p) _mm512_store_si512(to + 32 * p, transposed[p]);
-    }
-  }
-}
-
-ALIGNGS_PACKING_TARGET void pack_weights_by_entry(const BlockWeights& block, const uint32_t* row_of, size_t row_stride,
-                                                  uint16_t* out) {
-  for (size_t e = 0; e < block.count; ++e) {
-    const float* w = block.weight.data() + e * kBlockPixels;
-    uint16_t* to = out + row_of[block.entry[e]] * row_stride;
+ALIGNGS_PACKING_TARGET void pack_weights(const float* const* weights, size_t row_stride, uint16_t* by_entry,
+                                         uint16_t* by_pixel) {
+  for (size_t e = 0; e < 32; ++e) {
+    const float* w = weights[e];
+    uint16_t* to = by_entry + e * row_stride;
     _mm512_store_si512(to, round_32(_mm512_load_ps(w), _mm512_load_ps(w + 16)));
     _mm512_store_si512(to + 32, round_32(_mm512_load_ps(w + 32), _mm512_load_ps(w + 48)));
   }
+  for (size_t strip = 0; strip < kBlockPixels; strip += 16) {
+    __m512i in[16], transposed[16];
+    for (size_t p = 0; p < 16; ++p) {
+      in[p] = interleave_finite(_mm512_load_ps(weights[2 * p] + strip), _mm512_load_ps(weights[2 * p + 1] + strip));
+    }
+    transpose_16x16(in, transposed);
+    uint16_t* to = by_pixel + strip * 32;
+    for (size_t p = 0; p < 16; ++p) _mm512_store_si512(to + 32 * p, transposed[p]);
+  }
 }
 
-ALIGNGS_PACKING_TARGET void pack_row_pairs(const uint16_t* const* rows, size_t count, size_t padded, uint16_t* out) {
+ALIGNGS_PACKING_TARGET void pack_rows(const uint16_t* const* rows, size_t count, size_t padded, uint16_t* plain,
+                                      uint16_t* pairs) {
   const __m512i low = interleave_index(0), high = interleave_index(16), zero = _mm512_setzero_si512();
   const size_t depth = padded_depth(padded), groups = padded / kTileRows;
   for (size_t e = 0; e < padded_entries(count); e += 2) {
     for (size_t ahead = e + kPrefetchRows; ahead < count && ahead < e + kPrefetchRows + 2; ++ahead) {
       for (size_t c = 0; c < depth; c += 32) _mm_prefetch(reinterpret_cast<const char*>(rows[ahead] + c), _MM_HINT_T0);
     }
-    uint16_t* to = out + (e / 32) * groups * kTileNumbers + (e % 32 / 2) * 32;
+    uint16_t *first = plain + e * depth, *second = first + depth;
+    uint16_t* to = pairs + (e / 32) * groups * kTileNumbers + (e % 32 / 2) * 32;
     for (size_t c = 0; c < depth; c += 32, to += 2 * kTileNumbers) {
       const __m512i a = e < count ? _mm512_load_si512(rows[e] + c) : zero;
       const __m512i b = e + 1 < count ? _mm512_load_si512(rows[e + 1] + c) : zero;
+      _mm512_store_si512(first + c, a);
+      _mm512_store_si512(second + c, b);
       _mm512_store_si512(to, _mm512_permutex2var_epi16(a, low, b));
       if (c + kTileRows < padded) _mm512_store_si512(to + kTileNumbers, _mm512_permutex2var_epi16(a, high, b));
-    }
-  }
-}
-
-ALIGNGS_PACKING_TARGET void copy_rows(const uint16_t* const* rows, size_t count, size_t depth, uint16_t* out) {
-  for (size_t e = 0; e < 32; ++e) {
-    for (size_t c = 0; c < depth; c += 32) {
-      _mm512_store_si512(out + e * depth + c, e < count ? _mm512_load_si512(rows[e] + c) : _mm512_setzero_si512());
     }
   }
 }
@@ -151,14 +136,22 @@ ALIGNGS_PACKING_TARGET void pack_pixels(const float* in, size_t padded, uint16_t
   }
 }
 
-ALIGNGS_PACKING_TARGET void pack_pixels_transposed(const float* in, size_t padded, uint16_t* out) {
-  for (size_t c = 0; c < padded; c += 32) {
+ALIGNGS_PACKING_TARGET void round_pixels(const float* in, size_t padded, uint16_t* out) {
+  const size_t depth = padded_depth(padded);
+  for (size_t pixel = 0; pixel < kBlockPixels; ++pixel) {
+    const float* from = in + pixel * padded;
+    for (size_t c = 0; c < padded; c += 32) {
+      const __m512 second = c + 16 < padded ? _mm512_load_ps(from + c + 16) : _mm512_setzero_ps();
+      _mm512_store_si512(out + pixel * depth + c, round_32(_mm512_load_ps(from + c), second));
+    }
+  }
+}
+
+ALIGNGS_PACKING_TARGET void pack_pixels_transposed(const uint16_t* in, size_t depth, uint16_t* out) {
+  for (size_t c = 0; c < depth; c += 32) {
     for (size_t pixel = 0; pixel < kBlockPixels; pixel += 16) {
       __m512i rows[16], transposed[16];
-      for (size_t p = 0; p < 16; ++p) {
-        const float* from = in + (pixel + p) * padded + c;
-        rows[p] = round_32(_mm512_load_ps(from), c + 16 < padded ? _mm512_load_ps(from + 16) : _mm512_setzero_ps());
-      }
+      for (size_t p = 0; p < 16; ++p) rows[p] = _mm512_load_si512(in + (pixel + p) * depth + c);
       transpose_16x16(rows, transposed);
       uint16_t* to = out + c * kBlockPixels + (pixel / 16) * kTileNumbers;
       for (size_t p = 0; p < 16; ++p) _mm512_store_si512(to + 32 * p, transposed[p]);
@@ -172,12 +165,11 @@ namespace {
 [[noreturn]] void no_packing() { throw_usage("this build has no matrix tiles"); }
 }  // namespace
 
-void pack_weights_by_pixel(const BlockWeights&, uint16_t*) { no_packing(); }
-void pack_weights_by_entry(const BlockWeights&, const uint32_t*, size_t, uint16_t*) { no_packing(); }
-void pack_row_pairs(const uint16_t* const*, size_t, size_t, uint16_t*) { no_packing(); }
-void copy_rows(const uint16_t* const*, size_t, size_t, uint16_t*) { no_packing(); }
+void pack_weights(const float* const*, size_t, uint16_t*, uint16_t*) { no_packing(); }
+void pack_rows(const uint16_t* const*, size_t, size_t, uint16_t*, uint16_t*) { no_packing(); }
 void pack_pixels(const float*, size_t, uint16_t*) { no_packing(); }
-void pack_pixels_transposed(const float*, size_t, uint16_t*) { no_packing(); }
+void round_pixels(const float*, size_t, uint16_t*) { no_packing(); }
+void pack_pixels_transposed(const uint16_t*, size_t, uint16_t*) { no_packing(); }
 
 #endif
 

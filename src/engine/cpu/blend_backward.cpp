@@ -90,7 +90,8 @@ HWY_ALIGN constexpr float kNoCoupling[kBlockPixels] = {};
 /// a Gaussian has cannot be foreseen, and every wrong guess costs as much as a strip.
 class StripCursor {
  public:
-  StripCursor(const TileWeights& tile, const float* const* coupling) {
+  StripCursor(const TileWeights& tile, const BackwardOptions& options) : coupling_rows_(options.coupling_rows) {
+    const float* const* coupling = options.coupling;
     for (size_t b = 0; b < kTileBlocks; ++b) {
       const BlockWeights& block = tile.blocks[b];
       left_[b] = block.count;
@@ -106,6 +107,7 @@ class StripCursor {
   /// The set of strips of Gaussian `index`; to be called for all of them, from the last on.
   uint32_t strips_of(uint32_t index) {
     uint32_t set = 0;
+    if (coupling_rows_ != nullptr) row_ = coupling_rows_[index];
     for (size_t b = 0; b < kTileBlocks; ++b) {
       if (left_[b] == 0) continue;
       const size_t e = left_[b] - 1;
@@ -123,12 +125,14 @@ class StripCursor {
   const float* gain(size_t at) const { return gain_[at / kBlockPixels] + offset(at); }
   const float* coupling(size_t at) const {
     const size_t b = at / kBlockPixels;
-    return coupling_[b] + entry_[b] * coupled_[b] + at % kBlockPixels;
+    return coupling_[b] + (coupling_rows_ != nullptr ? row_ : entry_[b]) * coupled_[b] + at % kBlockPixels;
   }
 
  private:
   size_t offset(size_t at) const { return entry_[at / kBlockPixels] * kBlockPixels + at % kBlockPixels; }
 
+  const uint32_t* coupling_rows_;
+  size_t row_ = 0;
   size_t left_[kTileBlocks], entry_[kTileBlocks] = {}, coupled_[kTileBlocks];
   const uint32_t* entries_[kTileBlocks];
   const uint8_t* sets_[kTileBlocks];
@@ -155,12 +159,12 @@ struct SplatLanes {
 
 template <bool kGeometry, bool kDensity, bool kCoupling, bool kSmooth>
 void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& raster, const TileGradients& in,
-           const float* const* coupling, const TileSlots& out) {
+           const BackwardOptions& options, const TileSlots& out) {
   const FloatTag d;
   const FloatVec zero = hn::Zero(d), alpha_max = hn::Set(d, raster.alpha_max);
   Behind behind;
   start_behind(raster, in, behind);
-  StripCursor cursor(tile, coupling);
+  StripCursor cursor(tile, options);
   HWY_ALIGN float sums[kSplatGradientFloats];
   for (size_t i = tile.count; i-- > 0;) {
     const Splat& g = tile.splats[i];
@@ -259,13 +263,13 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
 
 template <bool kGeometry, bool kDensity, bool kSmooth = false>
 void sweep_with(const TileWeights& tile, const TileRays& rays, const RasterSettings& raster, const TileGradients& in,
-                const float* const* coupling, const TileSlots& out) {
+                const BackwardOptions& options, const TileSlots& out) {
   bool any = false;
-  for (int b = 0; b < kTileBlocks; ++b) any |= coupling[b] != nullptr;
+  for (int b = 0; b < kTileBlocks; ++b) any |= options.coupling[b] != nullptr;
   if (any) {
-    sweep<kGeometry, kDensity, true, kSmooth>(tile, rays, raster, in, coupling, out);
+    sweep<kGeometry, kDensity, true, kSmooth>(tile, rays, raster, in, options, out);
   } else {
-    sweep<kGeometry, kDensity, false, kSmooth>(tile, rays, raster, in, coupling, out);
+    sweep<kGeometry, kDensity, false, kSmooth>(tile, rays, raster, in, options, out);
   }
 }
 
@@ -274,15 +278,15 @@ void BlendTileBackward(const TileWeights& tile, const ProjectionCamera<float>& c
   TileRays rays;
   tile_rays(tile, camera, options.density || raster.smooth_cutoff, in, rays);
   if (raster.smooth_cutoff) {  // for tests: one version that computes everything
-    sweep_with<true, true, true>(tile, rays, raster, in, options.coupling, out);
+    sweep_with<true, true, true>(tile, rays, raster, in, options, out);
   } else if (options.geometry && options.density) {
-    sweep_with<true, true>(tile, rays, raster, in, options.coupling, out);
+    sweep_with<true, true>(tile, rays, raster, in, options, out);
   } else if (options.geometry) {
-    sweep_with<true, false>(tile, rays, raster, in, options.coupling, out);
+    sweep_with<true, false>(tile, rays, raster, in, options, out);
   } else if (options.density) {
-    sweep_with<false, true>(tile, rays, raster, in, options.coupling, out);
+    sweep_with<false, true>(tile, rays, raster, in, options, out);
   } else {
-    sweep_with<false, false>(tile, rays, raster, in, options.coupling, out);
+    sweep_with<false, false>(tile, rays, raster, in, options, out);
   }
 }
 

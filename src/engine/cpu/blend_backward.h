@@ -39,8 +39,10 @@ struct TileGradients {
 struct BackwardOptions {
   bool geometry = false;  ///< some loss reached normal, distance or alpha
   bool density = false;   ///< collect weight, residual, unsupported and the absolute sums
-  /// Per block [count][64] q_k of the semantic coupling; nullptr: none.
+  /// Per block [rows][64] q_k of the semantic coupling; nullptr: none.
   const float* coupling[kTileBlocks] = {};
+  /// [TileWeights::count] the splat's row of q; nullptr: that of its entry in the block.
+  const uint32_t* coupling_rows = nullptr;
 };
 
 /// Where the sums of the tile's Gaussians go: slots[slot of the instance], see Splat.

@@ -104,6 +104,7 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
   PixelSums sums = load_sums<kGeometry>(maps, at);
   FloatVec t = hn::Load(d, maps.transmittance + at);
   bool open = true;
+  bool undecided = !hn::AllFalse(d, hn::Ge(t, half));  // some pixel has no median depth yet
   for (size_t i = 0; i < count && open; ++i) {
     const Splat& g = batch.splats[list[i]];
     const FloatVec before = t;
@@ -120,8 +121,11 @@ bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t coun
       sums.distance = hn::MulAdd(w, hn::Set(d, g.distance), sums.distance);
       const FloatVec z = intersection(d, g, ray.x, ray.y, ray.grazing);
       sums.expected = hn::MulAdd(w, z, sums.expected);
-      const auto crossing = hn::And(a.taken, hn::And(hn::Ge(before, half), hn::Lt(t, half)));
-      sums.median = hn::IfThenElse(crossing, z, sums.median);
+      if (undecided) {
+        const auto crossing = hn::And(a.taken, hn::And(hn::Ge(before, half), hn::Lt(t, half)));
+        sums.median = hn::IfThenElse(crossing, z, sums.median);
+        undecided = !hn::AllFalse(d, hn::Ge(t, half));
+      }
     }
     open = !hn::AllFalse(d, hn::Gt(t, zero));
   }

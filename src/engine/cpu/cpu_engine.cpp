@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "engine/cpu/adam.h"
 #include "engine/cpu/bf16_packing.h"
+#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/matrix_tiles.h"
 #include "engine/cpu/project.h"
 #include "engine/cpu/semantic_rows.h"
@@ -70,7 +71,12 @@ void clear_gradients(size_t pixels, ThreadPool& pool, MapGradients<float>& out) 
                                                          {&out.distance, pixels},
                                                          {&out.alpha, pixels}};
   pool.parallel_for(std::size(maps), 1,
-                    [&](size_t i, size_t, int) { maps[i].first->assign(maps[i].second, 0.0f); });
+                    [&](size_t i, size_t, int) {
+                      std::vector<float>& map = *maps[i].first;
+                      const bool grows = map.capacity() < maps[i].second;
+                      map.assign(maps[i].second, 0.0f);
+                      if (grows) ask_for_huge_pages(map);
+                    });
 }
 
 /// First row of `values` (width numbers per row) that is not finite, or -1.
@@ -100,15 +106,11 @@ void CpuEngine::prepare_frame(const Camera& camera, const RasterSettings& raster
   build_tile_lists(frame_.view, *pool_, frame_.lists);
 }
 
-void CpuEngine::prepare_features(SemanticBlend blend, Features kind, const uint8_t* touched) const {
+void CpuEngine::prepare_features(SemanticBlend blend, const uint8_t* touched) const {
   const size_t channels = static_cast<size_t>(model_.semantic_channels);
-  const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
-  const bool exact = kind != Features::kRounded, rounded = kind != Features::kExact;
-  if (exact) frame_.features.resize(frame_.lists.visible.size() * padded);
-  if (rounded) frame_.rounded.resize(frame_.lists.visible.size() * depth);
-  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
-    AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
-    scratch.resize(padded);
+  const size_t padded = padded_channels(model_.semantic_channels);
+  frame_.features.resize(frame_.lists.visible.size() * padded);
+  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
     const auto prefetch = [&](size_t i) {
       if (i < end && touched != nullptr && touched[i] != 0) prefetch_row(&model_.semantics[i * channels], channels);
     };
@@ -116,20 +118,31 @@ void CpuEngine::prepare_features(SemanticBlend blend, Features kind, const uint8
       prefetch(i + kRowsAhead);
       if (touched != nullptr ? touched[i] == 0 : frame_.view.rects[i].area() == 0) continue;
       const float* in = model_.semantics.data() + i * channels;
-      const size_t rank = frame_.lists.rank[i];
-      float* row = rounded ? scratch.data() : frame_.features.data() + rank * padded;
+      float* row = frame_.features.data() + size_t(frame_.lists.rank[i]) * padded;
       if (blend == SemanticBlend::kProbabilities) {
         softmax_row(in, channels, padded, counts_.last_log_count(), row);
       } else {
         copy_row(in, channels, padded, row);
       }
-      if (!rounded) continue;
-      if (exact) std::memcpy(frame_.features.data() + rank * padded, row, padded * sizeof(float));
-      // A softmax of blended logits does not see a shift of a row, but the rounding does.
-      const float shift = blend == SemanticBlend::kLogits ? row_mean(row, channels, padded) : 0.0f;
-      round_row(row, channels, padded, depth, shift, frame_.rounded.data() + rank * depth);
     }
   });
+}
+
+void CpuEngine::prepare_rounded(SemanticBlend blend) {
+  const size_t channels = static_cast<size_t>(model_.semantic_channels);
+  const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
+  if (rounded_for_ == blend) return;
+  rounded_.resize(model_.size() * depth);
+  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
+    AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
+    scratch.resize(padded);
+    for (size_t i = begin; i < end; ++i) {
+      round_features(model_.semantics.data() + i * channels, channels, padded, depth,
+                     blend == SemanticBlend::kProbabilities, counts_.last_log_count(), scratch.data(),
+                     rounded_.data() + i * depth);
+    }
+  });
+  rounded_for_ = blend;
 }
 
 bool CpuEngine::semantics_active(const StepRequest& request) {
@@ -191,8 +204,8 @@ StepReport CpuEngine::step(const StepRequest& request) {
   report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_);
   watch.lap("forward");
   if (semantics) {
-    const Features kind = !rounded ? Features::kExact : keep_features_ ? Features::kBoth : Features::kRounded;
-    prepare_features(request.losses.semantic_blend, kind, gradients_.touched.data());
+    if (rounded) prepare_rounded(request.losses.semantic_blend);
+    if (!rounded || keep_features_) prepare_features(request.losses.semantic_blend, gradients_.touched.data());
   }
   watch.lap("semantic_rows");
   const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_};
@@ -214,7 +227,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
                  strength != 0};
     pass.rank = frame_.lists.rank.data();
     pass.features = frame_.features.data();
-    pass.rounded = rounded ? frame_.rounded.data() : nullptr;
+    pass.rounded = rounded ? rounded_.data() : nullptr;
     pass.gradients = feature_gradients_.data();
     pass.written = &feature_written_;
     pass.visible = frame_.lists.visible.size();
@@ -265,8 +278,10 @@ StepReport CpuEngine::step(const StepRequest& request) {
   SemanticGradients semantic_gradients;
   if (semantics) {
     semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(), probabilities,
-                          probabilities && !rounded ? frame_.features.data() : nullptr, counts_.last_log_count()};
+                          probabilities && !rounded ? frame_.features.data() : nullptr, counts_.last_log_count(),
+                          rounded ? rounded_.data() : nullptr};
   }
+  if (!rounded) rounded_for_.reset();  // rows that this step changes are not rounded again
   model_.sh_degree = request.sh_degree;
   optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_);
   if (density) add_density_statistics(reduce, gradients_, *pool_, statistics_);

@@ -1,6 +1,7 @@
 // The multi-threaded float engine: orchestration of the operations in this folder.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,6 @@ struct Frame {
   RenderMaps<float> maps;
   BlendRecord record;
   AlignedArray<float> features;    ///< [visible][padded] semantic rows as they are blended
-  AlignedArray<uint16_t> rounded;  ///< the same in bfloat16, where the products use it
 };
 
 /// How the semantic products of a training step are formed.
@@ -72,13 +72,14 @@ class CpuEngine final : public Engine {
 
  private:
   void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
-  /// How blended rows are kept.
-  enum class Features { kExact, kRounded, kBoth };
   /// Rows of Gaussians in view, or only those with touched[row] == 1.
-  void prepare_features(SemanticBlend blend, Features kind, const uint8_t* touched) const;
+  void prepare_features(SemanticBlend blend, const uint8_t* touched) const;
+  /// Fills rounded_, unless it holds what this blend needs of the model as it is.
+  void prepare_rounded(SemanticBlend blend);
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
   void adopt(const GaussianModel& model, const Moments* moments);
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
+  void settle_memory();                                     ///< large pages for parameters and moments
   bool semantics_active(const StepRequest& request);
   int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
@@ -97,6 +98,10 @@ class CpuEngine final : public Engine {
   ActiveClasses map_;     ///< of the model: active_ or, for another number of classes, none
   ClassCounts counts_;    ///< of the model's channels
   SemanticProducts products_ = SemanticProducts::kAutomatic;
+
+  /// [N][padded_depth] semantic rows as the products on AMX tiles read them; steps keep them up to date.
+  AlignedArray<uint16_t> rounded_;
+  std::optional<SemanticBlend> rounded_for_;  ///< empty: rows of rounded_ are not those of the model
 
   // Scratch, kept between calls.
   mutable Frame frame_;

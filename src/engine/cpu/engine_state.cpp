@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "engine/cpu/cpu_engine.h"
+#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 
 namespace aligngs::cpu {
@@ -82,6 +83,7 @@ void CpuEngine::adopt(const GaussianModel& model, const Moments* moments) {
     to.semantic_channels = map_.channels();
   };
   take_in(model, RowKind::kLogits, model_);
+  rounded_for_.reset();
   counts_ = make_class_counts(model_.semantic_channels, map_.remainder());
   if (moments == nullptr) {
     moments_.reset(model_);
@@ -89,6 +91,13 @@ void CpuEngine::adopt(const GaussianModel& model, const Moments* moments) {
     take_in(moments->m, RowKind::kMoments, moments_.m);
     take_in(moments->v, RowKind::kMoments, moments_.v);
     moments_.sh_used = moments->sh_used;
+  }
+  settle_memory();
+}
+
+void CpuEngine::settle_memory() {
+  for (GaussianModel* m : {&model_, &moments_.m, &moments_.v}) {
+    for (const NamedArray& a : arrays_of(*m)) ask_for_huge_pages(*a.values);
   }
 }
 
@@ -176,10 +185,12 @@ void CpuEngine::restructure(const RestructurePlan& plan) {
     }
   }
   restructure_model(plan, model_);
+  rounded_for_.reset();
   for (GaussianModel* m : {&moments_.m, &moments_.v}) {
     for (const NamedArray& a : arrays_of(*m)) restructure_rows(plan, a.width, *a.values);
   }
   for (const NamedArray& a : arrays_of(statistics_)) restructure_rows(plan, a.width, *a.values);
+  settle_memory();
 }
 
 void CpuEngine::reset_opacity(float maximum) {

@@ -46,6 +46,7 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
       for (size_t c = 0; c < channels; ++c) row[c] -= static_cast<float>(mean / counts_.all_classes());
     }
   });
+  rounded_for_.reset();
   moments_.m.semantics.assign(model_.semantics.size(), 0.0f);
   moments_.v.semantics.assign(model_.semantics.size(), 0.0f);
 }

@@ -61,14 +61,17 @@ bool matrix_tiles_available() {
 MatrixTilesInUse::MatrixTilesInUse() { configure_tiles(); }
 MatrixTilesInUse::~MatrixTilesInUse() { release_tiles(); }
 
+namespace {
+
 // 2 x 2 tiles of sums: four products per four loads keep both the loads and the multipliers busy.
-__attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product_32(const TileProduct& p) {
-  memory_fence();
-  if (p.initial != nullptr) {
-    _tile_loadd(0, p.initial, 0);  // a stride of zero repeats the row
-    _tile_loadd(1, p.initial + kTileRows, 0);
-    _tile_loadd(2, p.initial, 0);
-    _tile_loadd(3, p.initial + kTileRows, 0);
+__attribute__((target("amx-tile,amx-bf16"), always_inline)) inline void product_32(const TileProduct& p,
+                                                                                   const uint16_t* b_column,
+                                                                                   const float* initial, float* c) {
+  if (initial != nullptr) {
+    _tile_loadd(0, initial, 0);  // a stride of zero repeats the row
+    _tile_loadd(1, initial + kTileRows, 0);
+    _tile_loadd(2, initial, 0);
+    _tile_loadd(3, initial + kTileRows, 0);
   } else {
     _tile_zero(0);
     _tile_zero(1);
@@ -78,7 +81,7 @@ __attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product_32(cons
   const size_t a_bytes = p.a_row * sizeof(uint16_t), lower = kTileRows * p.a_row;
   for (size_t i = 0; i < p.step_count; ++i) {
     const uint16_t* a = p.a + p.steps[i] * p.a_step;
-    const uint16_t* b = p.b + p.steps[i] * p.b_step;
+    const uint16_t* b = b_column + p.steps[i] * p.b_step;
     _tile_loadd(4, a, a_bytes);
     _tile_loadd(6, b, 64);
     _tile_loadd(7, b + kTileNumbers, 64);
@@ -89,18 +92,18 @@ __attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product_32(cons
     _tile_dpbf16ps(3, 5, 7);
   }
   const size_t c_bytes = p.c_row * sizeof(float);
-  _tile_stored(0, p.c, c_bytes);
-  _tile_stored(1, p.c + kTileRows, c_bytes);
-  _tile_stored(2, p.c + kTileRows * p.c_row, c_bytes);
-  _tile_stored(3, p.c + kTileRows * p.c_row + kTileRows, c_bytes);
-  memory_fence();
+  _tile_stored(0, c, c_bytes);
+  _tile_stored(1, c + kTileRows, c_bytes);
+  _tile_stored(2, c + kTileRows * p.c_row, c_bytes);
+  _tile_stored(3, c + kTileRows * p.c_row + kTileRows, c_bytes);
 }
 
-__attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product_16(const TileProduct& p) {
-  memory_fence();
-  if (p.initial != nullptr) {
-    _tile_loadd(0, p.initial, 0);
-    _tile_loadd(2, p.initial, 0);
+__attribute__((target("amx-tile,amx-bf16"), always_inline)) inline void product_16(const TileProduct& p,
+                                                                                   const uint16_t* b_column,
+                                                                                   const float* initial, float* c) {
+  if (initial != nullptr) {
+    _tile_loadd(0, initial, 0);
+    _tile_loadd(2, initial, 0);
   } else {
     _tile_zero(0);
     _tile_zero(2);
@@ -109,14 +112,31 @@ __attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product_16(cons
   for (size_t i = 0; i < p.step_count; ++i) {
     const uint16_t* a = p.a + p.steps[i] * p.a_step;
     _tile_loadd(4, a, a_bytes);
-    _tile_loadd(6, p.b + p.steps[i] * p.b_step, 64);
+    _tile_loadd(6, b_column + p.steps[i] * p.b_step, 64);
     _tile_loadd(5, a + lower, a_bytes);
     _tile_dpbf16ps(0, 4, 6);
     _tile_dpbf16ps(2, 5, 6);
   }
   const size_t c_bytes = p.c_row * sizeof(float);
-  _tile_stored(0, p.c, c_bytes);
-  _tile_stored(2, p.c + kTileRows * p.c_row, c_bytes);
+  _tile_stored(0, c, c_bytes);
+  _tile_stored(2, c + kTileRows * p.c_row, c_bytes);
+}
+
+}  // namespace
+
+__attribute__((target("amx-tile,amx-bf16"), noinline)) void tile_product(const TileProduct& p) {
+  memory_fence();
+  const uint16_t* b = p.b;
+  const float* initial = p.initial;
+  float* c = p.c;
+  size_t left = p.columns;
+  for (; left >= 2 * kTileRows; left -= 2 * kTileRows) {
+    product_32(p, b, initial, c);
+    b += 2 * kTileNumbers;
+    c += 2 * kTileRows;
+    if (initial != nullptr) initial += 2 * kTileRows;
+  }
+  if (left > 0) product_16(p, b, initial, c);
   memory_fence();
 }
 
@@ -129,8 +149,7 @@ namespace {
 bool matrix_tiles_available() { return false; }
 MatrixTilesInUse::MatrixTilesInUse() { no_tiles(); }
 MatrixTilesInUse::~MatrixTilesInUse() = default;
-void tile_product_32(const TileProduct&) { no_tiles(); }
-void tile_product_16(const TileProduct&) { no_tiles(); }
+void tile_product(const TileProduct&) { no_tiles(); }
 
 #endif
 

@@ -23,10 +23,10 @@ inline constexpr size_t kTileRows = 16;    ///< rows of a tile, and columns of a
 inline constexpr size_t kTileDepth = 32;   ///< terms of the inner sum per step: 64 bytes of bfloat16
 inline constexpr size_t kTileNumbers = kTileRows * kTileDepth;  ///< of one operand
 
-/// C = initial + sum over `steps` of A[step] B[step], for 32 rows and 32 (or 16) columns, float32 sums.
+/// C = initial + sum over `steps` of A[step] B[step], for 32 rows and a multiple of 16 columns, float32 sums.
 ///   A: bfloat16, row r of a step's 32 terms at a + step * a_step + r * a_row.
 ///   B: bfloat16, pairs of terms beside each other: columns 0 to 15 of a step at b + step * b_step as [16][16][2],
-///      columns 16 to 31 at kTileNumbers behind them.
+///      every further 16 columns at kTileNumbers behind the last.
 ///   C: row r at c + r * c_row.
 /// Offsets are in numbers, not bytes.
 struct TileProduct {
@@ -36,11 +36,11 @@ struct TileProduct {
   size_t b_step = 0;
   const uint32_t* steps = nullptr;  ///< [step_count] indices
   size_t step_count = 0;
-  const float* initial = nullptr;   ///< [32 or 16] one row, the same for all rows of C; nullptr: zeros
+  size_t columns = 0;
+  const float* initial = nullptr;   ///< [columns] one row, the same for all rows of C; nullptr: zeros
   float* c = nullptr;
   size_t c_row = 0;
 };
-void tile_product_32(const TileProduct& p);
-void tile_product_16(const TileProduct& p);
+void tile_product(const TileProduct& p);
 
 }  // namespace aligngs::cpu

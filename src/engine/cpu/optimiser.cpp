@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "engine/cpu/adam.h"
+#include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/shape_terms.h"
@@ -27,6 +28,53 @@ void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients
   pool.parallel_for(parameters.size(), kNumbersPerTask, [&](size_t begin, size_t end, int) {
     adam_range(step, gradients.data() + begin, end - begin, parameters.data() + begin, m.data() + begin,
                v.data() + begin);
+  });
+}
+
+void semantic_adam(const AdamStep<float>& step, bool skip_invisible, const SemanticGradients& semantics,
+                   const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments) {
+  const size_t channels = static_cast<size_t>(model.semantic_channels),
+               padded = padded_channels(model.semantic_channels), depth = padded_depth(padded);
+  std::vector<float> &m = moments.m.semantics, &v = moments.v.semantics;
+  const auto gradient_of = [&](size_t i) -> const float* {
+    if (semantics.gradients == nullptr || view.rects[i].area() == 0) return nullptr;
+    const size_t rank = semantics.rank[i];
+    return semantics.written[rank] != 0 ? semantics.gradients + rank * padded : nullptr;
+  };
+  pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+    thread_local AlignedArray<float> scratch;
+    scratch.resize(padded);
+    const auto prefetch = [&](size_t i) {
+      const float* g = i < end ? gradient_of(i) : nullptr;
+      if (g == nullptr) return;
+      prefetch_row(g, channels);
+      for (const std::vector<float>* x : {&model.semantics, &m, &v}) prefetch_row(x->data() + i * channels, channels);
+      if (semantics.rounded != nullptr) {
+        prefetch_row(reinterpret_cast<const float*>(semantics.rounded + i * depth), depth / 2);
+      }
+    };
+    for (size_t i = begin; i < end; ++i) {
+      prefetch(i + kRowsAhead);
+      const float* g = gradient_of(i);
+      if (g == nullptr && skip_invisible) continue;
+      float* row = model.semantics.data() + i * channels;
+      uint16_t* rounded = semantics.rounded != nullptr ? semantics.rounded + i * depth : nullptr;
+      if (rounded != nullptr && semantics.probabilities && g != nullptr) {
+        adam_semantic_row(step, g, rounded, channels, row, m.data() + i * channels, v.data() + i * channels);
+      } else {
+        const float* pi = nullptr;
+        if (g != nullptr && semantics.softmax != nullptr) {
+          pi = semantics.softmax + semantics.rank[i] * padded;
+        } else if (g != nullptr && semantics.probabilities) {
+          softmax_row(row, channels, padded, semantics.last_shift, scratch.data());
+          pi = scratch.data();
+        }
+        adam_semantic_row(step, g, pi, channels, row, m.data() + i * channels, v.data() + i * channels);
+      }
+      if (rounded == nullptr) continue;
+      round_features(row, channels, padded, depth, semantics.probabilities, semantics.last_shift, scratch.data(),
+                     rounded);
+    }
   });
 }
 
@@ -78,40 +126,9 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
                  model.sh.data() + kShRow * begin, m.sh.data() + kShRow * begin, v.sh.data() + kShRow * begin);
   });
 
-  const size_t channels = static_cast<size_t>(model.semantic_channels),
-               padded = padded_channels(model.semantic_channels);
-  if (channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
-    const AdamStep<float> step = step_of(rates.semantic);
-    pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
-      thread_local AlignedArray<float> probabilities;
-      probabilities.resize(padded);
-      const auto prefetch = [&](size_t i) {
-        if (i >= end || semantics.gradients == nullptr || view.rects[i].area() == 0) return;
-        if (semantics.written[semantics.rank[i]] == 0) return;
-        prefetch_row(semantics.gradients + semantics.rank[i] * padded, channels);
-        for (const std::vector<float>* x : {&model.semantics, &m.semantics, &v.semantics}) {
-          prefetch_row(x->data() + i * channels, channels);
-        }
-      };
-      for (size_t i = begin; i < end; ++i) {
-        prefetch(i + kRowsAhead);
-        const float *g = nullptr, *pi = nullptr;
-        if (semantics.gradients != nullptr && view.rects[i].area() > 0 && semantics.written[semantics.rank[i]] != 0) {
-          g = semantics.gradients + semantics.rank[i] * padded;
-          if (semantics.softmax != nullptr) {
-            pi = semantics.softmax + semantics.rank[i] * padded;
-          } else if (semantics.probabilities) {
-            softmax_row(model.semantics.data() + i * channels, channels, padded, semantics.last_shift,
-                        probabilities.data());
-            pi = probabilities.data();
-          }
-        } else if (request.adam.skip_invisible_semantics) {
-          continue;
-        }
-        adam_semantic_row(step, g, pi, channels, model.semantics.data() + i * channels,
-                          m.semantics.data() + i * channels, v.semantics.data() + i * channels);
-      }
-    });
+  if (model.semantic_channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
+    semantic_adam(step_of(rates.semantic), request.adam.skip_invisible_semantics, semantics, view, pool, model,
+                  moments);
   }
 
   const ShapeLimits& limits = request.limits;

@@ -27,9 +27,11 @@ struct SemanticGradients {
   const uint8_t* written = nullptr;  ///< [visible]
   const float* gradients = nullptr;  ///< [visible][padded] dL/dfeatures
   bool probabilities = false;        ///< features are pi = softmax(s), else s
-  const float* softmax = nullptr;    ///< [visible][padded] pi; nullptr: to be computed again, which costs less than
-                                     ///< taking it through memory
+  const float* softmax = nullptr;    ///< [visible][padded] pi; nullptr: to be taken from `rounded`, or computed again
   float last_shift = 0;              ///< of that softmax (semantic_rows.h)
+  /// [N][padded_depth(padded)] features in bfloat16 as round_features writes them, or nullptr. They are what the
+  /// gradient was taken at; rows that change are rounded again, while they are in the cache.
+  uint16_t* rounded = nullptr;
 };
 
 /// Throws Error{kUsage} when a rate, a beta or epsilon is outside what adam.h allows.

@@ -73,7 +73,7 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
   const int channels = model_.semantic_channels;
   if (!options.labels || channels == 0) return r;
 
-  prepare_features(options.semantic_blend, Features::kExact, nullptr);
+  prepare_features(options.semantic_blend, nullptr);
   r.label = Image<uint16_t>(w, h, 1, kNoLabel);
   r.label_probability = ImageF(w, h, 1);
   const size_t padded = padded_channels(channels);

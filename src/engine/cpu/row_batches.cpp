@@ -15,6 +15,9 @@ constexpr uint64_t kEntriesPerBatch = uint64_t(1) << 20;
 constexpr int kGroupSizeMax = 4;   ///< tiles: the sums of 16 tiles, some 2000 rows of 640 bytes, fit a cache of 2 MB
 constexpr int kGroupsWanted = 64;
 
+constexpr size_t kRectsAhead = 16;  ///< they lie anywhere in memory
+constexpr size_t kRowsAhead = 2;
+
 struct Grid {
   int size, columns, rows;
   Grid(int tiles_x, int tiles_y, int group)
@@ -119,7 +122,10 @@ bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
   };
   const size_t padded = sums.padded;
   size_t reaching_out = 0;
-  for (size_t i = 0; i < own.count; ++i) reaching_out += inside(view.rects[own.gaussians[i]]) ? 0 : 1;
+  for (size_t i = 0; i < own.count; ++i) {
+    if (i + kRectsAhead < own.count) __builtin_prefetch(&view.rects[own.gaussians[i + kRectsAhead]]);
+    reaching_out += inside(view.rects[own.gaussians[i]]) ? 0 : 1;
+  }
   bool harmless = true;
   shared.targets.clear();
   shared.rows.resize(std::max(shared.rows.size(), reaching_out * padded));
@@ -127,6 +133,7 @@ bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, 
     const uint32_t gaussian = own.gaussians[i];
     const uint32_t target = sums.target_of_row != nullptr ? sums.target_of_row[gaussian] : gaussian;
     float* row = own.rows.data() + i * padded;
+    prefetch_row(row + kRowsAhead * padded, padded);  // beyond the last one there are rows of zeros, or nothing to lose
     harmless = harmless && all_within(row, padded, kHarmless);
     if (!inside(view.rects[gaussian])) {
       stream_row(row, padded, shared.rows.data() + shared.targets.size() * padded);

@@ -39,6 +39,14 @@ struct SemanticStep {
   bool couple = false;  ///< the coupling direction is wanted
 };
 
+/// The part of the teacher's map under a block, when it is known there throughout: then bilinear sampling is separable.
+struct TeacherWindow {
+  bool separable = false;
+  int first_column = 0, columns = 0;
+  int row0[kBlockSize], row1[kBlockSize], column0[kBlockSize], column1[kBlockSize];  ///< of the map, per pixel
+  float row_share[kBlockSize], column_share[kBlockSize];  ///< weight of row1, column1
+};
+
 /// Scratch of one thread.
 struct SemanticBlock {
   AlignedArray<float> blended;     ///< [64][padded] in: W^T S; out: row gradient g, zero at pixels without a loss
@@ -48,6 +56,8 @@ struct SemanticBlock {
   AlignedArray<float> window;      ///< [teacher's rows][its columns under the block][padded]
   AlignedArray<float> columns;     ///< [teacher's columns under the block][padded] its rows blended for one pixel row
   AlignedArray<float> student;     ///< [padded] of one pixel
+  AlignedArray<float> zeros;       ///< [padded]
+  TeacherWindow teacher_window;
   alignas(64) float offset[kBlockPixels];  ///< h_0
   double soft = 0, hard = 0;  ///< sums over this block's pixels, not yet divided by the number of valid ones
 };

@@ -105,6 +105,17 @@ void copy_row(const float* in, size_t channels, size_t padded, float* out) {
 void round_row(const float* in, size_t channels, size_t padded, size_t depth, float shift, uint16_t* out) {
   HWY_DYNAMIC_DISPATCH(RoundRow)(in, channels, padded, depth, shift, out);
 }
+void round_features(const float* logits, size_t channels, size_t padded, size_t depth, bool probabilities,
+                    float last_shift, float* scratch, uint16_t* out) {
+  if (probabilities) {
+    softmax_row(logits, channels, padded, last_shift, scratch);
+  } else {
+    copy_row(logits, channels, padded, scratch);
+  }
+  // A softmax of blended logits does not see a shift of a row, but the rounding does.
+  const float shift = probabilities ? 0.0f : row_mean(scratch, channels, padded);
+  round_row(scratch, channels, padded, depth, shift, out);
+}
 float row_mean(const float* in, size_t channels, size_t padded) {
   return HWY_DYNAMIC_DISPATCH(RowMean)(in, channels, padded);
 }

@@ -5,6 +5,7 @@
 
 #include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/matrix_tiles.h"
+#include "engine/cpu/semantic_half_block.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
 
@@ -25,16 +26,8 @@ struct SetOrder {
 };
 constexpr SetOrder kPlaceOfSet;
 
-/// Calls the kernel for all 16-column groups of C and B.
-void tile_product_columns(TileProduct p, size_t columns) {
-  for (; columns >= 2 * kTileRows; columns -= 2 * kTileRows) {
-    tile_product_32(p);
-    p.b += 2 * kTileNumbers;
-    p.c += 2 * kTileRows;
-    if (p.initial != nullptr) p.initial += 2 * kTileRows;
-  }
-  if (columns > 0) tile_product_16(p);
-}
+/// The weights of an entry that a block does not have.
+alignas(64) constexpr float kNoWeights[kBlockPixels] = {};
 
 }  // namespace
 
@@ -56,20 +49,17 @@ SemanticVisit::SemanticVisit(const SemanticPass& pass, const TileWeights& tile, 
     s_.tile_rows.assign(tile.count, nullptr);
     return;
   }
-  const size_t depth = padded_depth(pass.step.padded);
-  s_.tile_rounded.resize(tile.count);
-  for (size_t i = 0; i < tile.count; ++i) s_.tile_rounded[i] = pass.rounded + size_t(pass.rank[tile.rows[i]]) * depth;
   order_by_blocks();
+  pack_tile_rows();
+  tiles_.emplace();
 }
 
-/// Sorts the splats that take part by the set of their blocks and writes their weights in that order.
+/// Sorts the splats that take part by the set of their blocks.
 void SemanticVisit::order_by_blocks() {
   s_.block_set.assign(tile_.count, 0);
-  size_t most = 0;
   for (int b = 0; b < kTileBlocks; ++b) {
     if (!has_teacher_[b]) continue;
     const BlockWeights& block = tile_.blocks[b];
-    most = std::max(most, block.count);
     for (size_t e = 0; e < block.count; ++e) s_.block_set[block.entry[e]] |= static_cast<uint8_t>(1u << b);
   }
   size_t begin[kBlockSets + 1] = {};
@@ -77,34 +67,43 @@ void SemanticVisit::order_by_blocks() {
   begin[1] = 0;  // splats without any weight take no part
   for (size_t place = 1; place <= kBlockSets; ++place) begin[place] += begin[place - 1];
   const size_t taking_part = begin[kBlockSets];
-  s_.order.resize(taking_part);
+  s_.order.resize(taking_part + 1);  // those without a weight are written behind the others
   s_.row_of.resize(tile_.count);
   for (size_t i = 0; i < tile_.count; ++i) {
     const uint8_t set = s_.block_set[i];
-    if (set == 0) continue;
-    const size_t row = begin[kPlaceOfSet.place[set]]++;
+    const size_t row = set != 0 ? begin[kPlaceOfSet.place[set]] : taking_part;
+    begin[kPlaceOfSet.place[set]] += set != 0 ? 1 : 0;
     s_.order[row] = static_cast<uint32_t>(i);
-    s_.row_of[i] = static_cast<uint32_t>(row);
+    s_.row_of[i] = set != 0 ? static_cast<uint32_t>(row) : 0;
   }
-  const size_t rows = padded_entries(taking_part);
+  s_.order.resize(taking_part);
+  const size_t groups = padded_entries(taking_part) / kGroup;
+  s_.group_set.assign(groups, 0);
+  for (size_t row = 0; row < taking_part; ++row) s_.group_set[row / kGroup] |= s_.block_set[s_.order[row]];
+}
+
+/// Takes the semantic rows of the tile from wherever they lie.
+void SemanticVisit::pack_tile_rows() {
+  const size_t padded = pass_.step.padded, depth = padded_depth(padded), count = s_.order.size();
+  const size_t rows = padded_entries(count);
+  s_.rounded.resize(count);
+  for (size_t r = 0; r < count; ++r) {
+    const uint32_t gaussian = tile_.rows[s_.order[r]];
+    s_.rounded[r] = pass_.rounded + size_t(gaussian) * depth;
+    rows_.prefetch(gaussian);
+  }
+  s_.tile_plain.resize(rows * depth);
+  s_.tile_pairs.resize(rows * padded);
+  pack_rows(s_.rounded.data(), count, padded, s_.tile_plain.data(), s_.tile_pairs.data());
   s_.weights_by_entry.resize(rows * kTilePixels);
-  s_.group_set.resize(rows / kGroup);
-  for (size_t first = 0; first < rows; first += kGroup) {
-    uint8_t all = 0;
-    for (size_t row = first; row < std::min(first + kGroup, taking_part); ++row) all |= s_.block_set[s_.order[row]];
-    s_.group_set[first / kGroup] = all;
-    for (size_t row = first; row < first + kGroup; ++row) {  // zeros where others of the group have weights
-      const unsigned missing = row < taking_part ? all & ~unsigned(s_.block_set[s_.order[row]]) : all;
-      for (int b = 0; b < kTileBlocks; ++b) {
-        if (((missing >> b) & 1u) == 0) continue;
-        std::memset(s_.weights_by_entry.data() + row * kTilePixels + b * kBlockPixels, 0,
-                    kBlockPixels * sizeof(uint16_t));
-      }
-    }
+  s_.weights_by_pixel.resize(rows * kBlockPixels);
+  s_.weights_of_row.resize(rows);
+  s_.gradient_pairs.resize(kTilePixels * padded);
+  s_.directions.resize(kBlockPixels * depth);
+  s_.direction_pairs.resize(kBlockPixels * depth);
+  while (s_.depth_steps.size() < depth / kTileDepth) {
+    s_.depth_steps.push_back(static_cast<uint32_t>(s_.depth_steps.size()));
   }
-  const size_t steps = std::max({padded_entries(most) / kTileDepth, padded_depth(pass_.step.padded) / kTileDepth});
-  while (s_.steps.size() < steps) s_.steps.push_back(static_cast<uint32_t>(s_.steps.size()));
-  s_.gradient_pairs.resize(kTilePixels * pass_.step.padded);
 }
 
 const float* SemanticVisit::visit_block(int index) {
@@ -140,56 +139,77 @@ const float* SemanticVisit::visit_float(const BlockWeights& block, int index) {
   return q.data();
 }
 
-const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
-  const size_t padded = pass_.step.padded, depth = padded_depth(padded), entries = padded_entries(block.count);
-  const MatrixTilesInUse tiles;
-  s_.rounded.resize(block.count);
-  for (size_t e = 0; e < block.count; ++e) s_.rounded[e] = s_.tile_rounded[block.entry[e]];
-  s_.weights_by_pixel.resize(entries * kBlockPixels);
-  s_.row_pairs.resize(entries * padded);
-  pack_weights_by_entry(block, s_.row_of.data(), kTilePixels, s_.weights_by_entry.data() + index * kBlockPixels);
-  pack_weights_by_pixel(block, s_.weights_by_pixel.data());
-  pack_row_pairs(s_.rounded.data(), block.count, padded, s_.row_pairs.data());
-
-  TileProduct blend;  // P = W^T S
-  blend.a_row = kTileDepth;
-  blend.a_step = kTileDepth * kBlockPixels;
-  blend.b_step = kTileDepth * padded;
-  blend.steps = s_.steps.data();
-  blend.step_count = entries / kTileDepth;
-  blend.c_row = padded;
-  for (size_t column = 0; column < padded; column += kGroup) {  // B of the columns stays in the nearest cache
-    blend.b = s_.row_pairs.data() + column * kTileDepth;
-    for (size_t pixel = 0; pixel < kBlockPixels; pixel += kGroup) {
-      blend.a = s_.weights_by_pixel.data() + pixel * kTileDepth;
-      blend.c = s_.block.blended.data() + pixel * padded + column;
-      tile_product_columns(blend, std::min(kGroup, padded - column));
-    }
+/// Packs the block's weights and lists the groups of 32 rows that have some.
+void SemanticVisit::pack_block_weights(const BlockWeights& block, int index) {
+  std::fill(s_.weights_of_row.begin(), s_.weights_of_row.end(), kNoWeights);
+  for (size_t e = 0; e < block.count; ++e) {
+    s_.weights_of_row[s_.row_of[block.entry[e]]] = block.weight.data() + e * kBlockPixels;
   }
-  semantic_block_loss(pass_.step, block, s_.block);
-  pack_pixels(s_.block.blended.data(), padded, s_.gradient_pairs.data() + size_t(index) * kBlockPixels * padded);
+  s_.block_groups.clear();
+  for (size_t group = 0; group < s_.group_set.size(); ++group) {
+    if (((s_.group_set[group] >> index) & 1u) == 0) continue;
+    s_.block_groups.push_back(static_cast<uint32_t>(group));
+    pack_weights(s_.weights_of_row.data() + group * kGroup, kTilePixels,
+                 s_.weights_by_entry.data() + group * kGroup * kTilePixels + size_t(index) * kBlockPixels,
+                 s_.weights_by_pixel.data() + group * kGroup * kBlockPixels);
+  }
+}
+
+/// Blended rows of pixels [first, first + 32), as P = W^T S.
+void SemanticVisit::blend_pixels(size_t first, float* out) const {
+  const size_t padded = pass_.step.padded;
+  TileProduct p;
+  p.a = s_.weights_by_pixel.data() + first * kTileDepth;
+  p.a_row = kTileDepth;
+  p.a_step = kTileDepth * kBlockPixels;
+  p.b = s_.tile_pairs.data();
+  p.b_step = kTileDepth * padded;
+  p.steps = s_.block_groups.data();
+  p.step_count = s_.block_groups.size();
+  p.columns = padded;
+  p.c = out;
+  p.c_row = padded;
+  tile_product(p);
+}
+
+const float* SemanticVisit::visit_tiles(const BlockWeights& block, int index) {
+  const size_t padded = pass_.step.padded, depth = padded_depth(padded);
+  uint16_t* pairs = s_.gradient_pairs.data() + size_t(index) * kBlockPixels * padded;
+  pack_block_weights(block, index);
+  if (begin_half_blocks(pass_.step, block, s_.block)) {
+    for (size_t first = 0; first < kBlockPixels; first += kHalfBlockPixels) {
+      blend_pixels(first, s_.block.blended.data());
+      half_block_loss(pass_.step, block, first, s_.block,
+                      {pairs + first * padded, s_.directions.data() + first * depth, depth});
+    }
+  } else {
+    for (size_t first = 0; first < kBlockPixels; first += kHalfBlockPixels) {
+      blend_pixels(first, s_.block.blended.data() + first * padded);
+    }
+    semantic_block_loss(pass_.step, block, s_.block);
+    pack_pixels(s_.block.blended.data(), padded, pairs);
+    if (pass_.step.couple) round_pixels(coupling_direction(), padded, s_.directions.data());
+  }
   if (block.count == 0 || !pass_.step.couple) return nullptr;
 
   TileProduct coupling;  // Q = S H^T - h_0
-  s_.rows_of_group.resize(kGroup * depth);
-  s_.direction_pairs.resize(kBlockPixels * depth);
-  pack_pixels_transposed(coupling_direction(), padded, s_.direction_pairs.data());
+  pack_pixels_transposed(s_.directions.data(), depth, s_.direction_pairs.data());
   AlignedArray<float>& q = s_.q[index];
-  q.resize(entries * kBlockPixels);
+  q.resize(s_.weights_of_row.size() * kBlockPixels);
   for (float& offset : s_.block.offset) offset = -offset;
   coupling.a_row = depth;
   coupling.a_step = kTileDepth;
   coupling.b = s_.direction_pairs.data();
   coupling.b_step = kTileDepth * kBlockPixels;
-  coupling.steps = s_.steps.data();
+  coupling.steps = s_.depth_steps.data();
   coupling.step_count = depth / kTileDepth;
+  coupling.columns = kBlockPixels;
   coupling.initial = s_.block.offset;
   coupling.c_row = kBlockPixels;
-  for (size_t e = 0; e < entries; e += kGroup) {
-    copy_rows(s_.rounded.data() + e, std::min(kGroup, block.count - e), depth, s_.rows_of_group.data());
-    coupling.a = s_.rows_of_group.data();
-    coupling.c = q.data() + e * kBlockPixels;
-    tile_product_columns(coupling, kBlockPixels);
+  for (const uint32_t group : s_.block_groups) {
+    coupling.a = s_.tile_plain.data() + group * kGroup * depth;
+    coupling.c = q.data() + group * kGroup * kBlockPixels;
+    tile_product(coupling);
   }
   return q.data();
 }
@@ -211,20 +231,23 @@ void SemanticVisit::row_gradients_of_group(size_t first, float* out, size_t stri
   p.b = s_.gradient_pairs.data();
   p.b_step = kTileDepth * padded;
   p.steps = steps;
+  p.columns = padded;
   p.c = out;
   p.c_row = stride;
-  tile_product_columns(p, padded);
+  tile_product(p);
 }
 
 void SemanticVisit::finish() {
   if (pass_.rounded == nullptr || s_.order.empty()) return;
   const size_t padded = pass_.step.padded, count = s_.order.size();
-  const MatrixTilesInUse tiles;
   s_.group_sums.resize(kGroup * padded);
   for (size_t first = 0; first < count; first += kGroup) {
     float* rows[kGroup];
     const size_t n = std::min(kGroup, count - first);
-    for (size_t i = 0; i < n; ++i) rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]]);
+    for (size_t i = 0; i < n; ++i) {
+      rows[i] = rows_.sums_of(tile_.rows[s_.order[first + i]]);
+      prefetch_row(rows[i], padded);  // from the second-level cache, while the product runs
+    }
     row_gradients_of_group(first, s_.group_sums.data(), padded);
     for (size_t i = 0; i < n; ++i) add_row(s_.group_sums.data() + i * padded, padded, rows[i]);
   }

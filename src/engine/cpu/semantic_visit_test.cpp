@@ -97,9 +97,13 @@ class HandMadeTile {
       soft += scratch.block.soft;
       hard += scratch.block.hard;
       coupling[b].assign(tile.blocks[b].count * kBlockPixels, 0.0f);
-      if (q != nullptr) std::copy(q, q + coupling[b].size(), coupling[b].data());
+      for (size_t e = 0; q != nullptr && e < tile.blocks[b].count; ++e) {
+        const size_t row = semantic.coupling_rows() != nullptr ? semantic.coupling_rows()[tile.blocks[b].entry[e]] : e;
+        std::copy_n(q + row * kBlockPixels, kBlockPixels, coupling[b].data() + e * kBlockPixels);
+      }
       backward.coupling[b] = q;
     }
+    backward.coupling_rows = semantic.coupling_rows();
     auto none = std::make_unique<TileGradients>();
     std::memset(static_cast<void*>(none.get()), 0, sizeof *none);
     blend_tile_backward(tile, ProjectionCamera<float>{}, RasterSettings{}, *none, backward, {sums.data(), 0, 0});

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/memory_budget.h"
+#include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 
 namespace aligngs::cpu {
@@ -55,18 +56,24 @@ void prefetch_tile(const float* plane, const ProjectedView& view, int tile_x, in
   }
 }
 
+void size_map(size_t count, std::vector<float>& map) {
+  const bool grows = map.capacity() < count;
+  map.resize(count);
+  if (grows) ask_for_huge_pages(map);
+}
+
 void size_maps(int width, int height, bool geometry, RenderMaps<float>& maps) {
   const size_t n = size_t(width) * height;
   maps.width = width;
   maps.height = height;
-  maps.color.resize(3 * n);
-  maps.alpha.resize(n);
+  size_map(3 * n, maps.color);
+  size_map(n, maps.alpha);
   for (auto [plane, count] : {std::pair<std::vector<float>*, size_t>{&maps.normal, 3 * n},
                               {&maps.distance, n},
                               {&maps.expected, n},
                               {&maps.median, n}}) {
     if (geometry) {
-      plane->resize(count);
+      size_map(count, *plane);
     } else {
       plane->assign(count, 0.0f);
     }
@@ -203,6 +210,7 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
         hard[tile] += s.semantic.block.hard;
       }
       semantic.finish();
+      options.coupling_rows = semantic.coupling_rows();
     }
     if (s.weights.count == 0) return;
     load_gradients(s.weights, view, maps, geometry, density, s.gradients);
