@@ -41,6 +41,8 @@ struct RunConfig {
   int64_t seed = 0;
   int64_t sh_degree = 0;  ///< highest degree; -1: 1, and 2 above 30 training views
   int64_t sh_every = 0;   ///< [ref] one degree more after so many
+  double coarse_scale = 1;   ///< resolution of the first steps / working resolution; 1 = all steps are alike
+  int64_t coarse_stop = 0;   ///< [ref] steps at that resolution
   double near_plane = 0;  ///< / E
   bool random_background = false;  ///< a new colour behind the scene every step; false: black
   double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off

@@ -111,6 +111,27 @@ TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   }
 }
 
+TEST_F(TrainOnCpu, CoarseStepsResumeByteIdentical) {
+  const auto coarse = [&](const std::string& name) {
+    TrainOptions o = options(name, "default");
+    o.config.sets.push_back("train.coarse_scale=0.5");
+    o.config.sets.push_back("train.coarse_stop=200");  // steps 1 to 20
+    return o;
+  };
+  const TrainOptions whole = coarse("coarse"), fine = options("fine", "default");
+  train_run(whole);
+  train_run(fine);
+  EXPECT_FALSE(ply(whole) == ply(fine));
+  EXPECT_NE(read_file(RunFolder(whole.run).events()).find("views at 1 of the working resolution"), std::string::npos);
+  for (const int64_t at : {15, 20, 21}) {  // checkpoints stand at 10 and 20
+    TrainOptions o = coarse("coarse" + std::to_string(at));
+    EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+    o.resume = true;
+    train_run(o);
+    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
+  }
+}
+
 TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {
   const TrainOptions one = options("one", "default", 1), three = options("three", "default", 3);
   train_run(one);

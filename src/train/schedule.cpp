@@ -132,6 +132,10 @@ bool Schedule::lifts_semantics(int64_t iteration) const {
   return facts_.semantics && config_.semantic.lift && iteration == scaled(config_.semantic.lift_at) + 1;
 }
 
+double Schedule::view_scale(int64_t iteration) const {
+  return iteration <= scaled(config_.train.coarse_stop) ? config_.train.coarse_scale : 1.0;
+}
+
 DensityRule Schedule::density_rule(int64_t iteration) const {
   const DensifyConfig& d = config_.densify;
   DensityRule rule;

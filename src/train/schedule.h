@@ -47,6 +47,10 @@ class Schedule {
   /// Before the step of this iteration.
   bool lifts_semantics(int64_t iteration) const;
 
+  /// Resolution of the views in the step of this iteration / working resolution. A function of the settings alone, so
+  /// that a resumed run sees the same views.
+  double view_scale(int64_t iteration) const;
+
   DensityRule density_rule(int64_t iteration) const;
   int64_t iterations() const { return config_.train.iterations; }
 

@@ -68,6 +68,18 @@ TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViews) {
   EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 2);
 }
 
+TEST(Schedule, CoarseViewsScaleWithTheRunAndEnd) {
+  TrainConfig c = standard();
+  EXPECT_EQ(Schedule(c, room()).view_scale(1), 1);  // off unless asked for
+  c.train.coarse_scale = 0.5;
+  c.train.coarse_stop = 3000;
+  c.train.iterations = 1400;  // a fifth of the reference length
+  const Schedule s(c, room());
+  EXPECT_EQ(s.view_scale(1), 0.5);
+  EXPECT_EQ(s.view_scale(600), 0.5);
+  EXPECT_EQ(s.view_scale(601), 1);
+}
+
 TEST(Schedule, PaperDensityControlAndOpacityResets) {
   const Schedule s(paper(), room());
   std::vector<int64_t> densify, reset;

@@ -194,6 +194,16 @@ TrainResult Run::train() {
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
   engine->limit_classes(static_cast<int>(config_.semantic.active_top));
+  inputs.load_views = [this](double scale) {
+    TrainConfig at_scale = config_;
+    at_scale.data.scale *= scale;
+    return load_training_views(scene_, at_scale, use_, *pool_);
+  };
+  const double scale = Schedule(config_, inputs.facts).view_scale(state.iteration + 1);
+  if (scale != 1) {
+    views.clear();
+    views = inputs.load_views(scale);
+  }
   engine->set_training_views(std::move(views));
   if (fresh) {
     engine->load(state.engine.model);

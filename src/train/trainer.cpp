@@ -80,6 +80,7 @@ TrainingState Trainer::run(TrainingState state) {
   in_.facts.normals_at_start = state_.normals_at_start;
   schedule_ = Schedule(in_.config, in_.facts);
 
+  view_scale_ = schedule_.view_scale(state_.iteration + 1);
   const int64_t last = in_.config.train.iterations;
   EventLog events(folder_.events(), state_.iteration);
   Progress progress(in_.progress, "train", static_cast<uint64_t>(last), static_cast<uint64_t>(state_.iteration));
@@ -100,6 +101,11 @@ TrainingState Trainer::run(TrainingState state) {
 void Trainer::iterate(int64_t iteration, EventLog& events) {
   const double begun = now_seconds();
   StepRequest request = schedule_.request(iteration);
+  if (schedule_.view_scale(iteration) != view_scale_) {
+    view_scale_ = schedule_.view_scale(iteration);
+    engine_.set_training_views(in_.load_views(view_scale_));
+    events.message(iteration, "resolution", fmt::format("views at {} of the working resolution", view_scale_));
+  }
   if (schedule_.lifts_semantics(iteration)) engine_.lift_semantics(request.raster);
   request.view = order_.next();
   request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];

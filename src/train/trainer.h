@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct TrainerInputs {
   std::string fingerprint;           ///< of the scene
   std::string resume_command;        ///< shown when the run is interrupted
   ProgressStyle progress;
+  /// The training views at this share of the working resolution; called when Schedule::view_scale changes.
+  std::function<std::vector<TrainingView>(double scale)> load_views;
 };
 
 /// Three non-finite steps end a run: one may be an accident, the third is a cause that will not go away.
@@ -36,7 +39,7 @@ inline constexpr int64_t kNonFiniteLimit = 3;
 
 class Trainer {
  public:
-  /// The engine already has the training views. References must outlive the trainer.
+  /// The engine already has the training views of the first step to come. References must outlive the trainer.
   Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, RunRecord& record, ThreadPool& pool);
 
   /// State before the first step of a new run whose engine holds the start model.
@@ -71,6 +74,7 @@ class Trainer {
   Random density_random_;
   TrainingState state_;
   StepReport report_;          ///< of the last step
+  double view_scale_ = 1;      ///< of the views that the engine has
   int64_t checkpointed_ = -1;  ///< iteration of the newest checkpoint of this process
   double seconds_before_ = 0;  ///< training time of earlier processes
   int64_t iterations_before_ = 0;
