@@ -108,7 +108,7 @@ HWY_INLINE V block_sums(D d, V a, V b, V c, V e) {
 
 /// out[0..16) = lane sums of v[0..16); `out` on a cache line.
 HWY_INLINE void store_lane_sums(const FloatVec* v, float* HWY_RESTRICT out) {
-  const FloatTag d;
+  [[maybe_unused]] const FloatTag d;  // not used with one lane
 #if HWY_TARGET == HWY_SCALAR
   for (int i = 0; i < 16; ++i) out[i] = hn::GetLane(v[i]);
 #else
