@@ -1,6 +1,6 @@
-// Kernel of blend_backward.h. One thread per pixel of a tile sweeps from the back and leaves weights and gradients of the
-// power of eight Gaussians in shared memory; then one warp per Gaussian adds them up over the pixels. Each sum of an
-// instance is formed by one warp in a fixed order, so nothing is added atomically.
+// Kernel of blend_backward.h. One thread per pixel of a tile sweeps from the back and leaves weights and gradients of
+// the power of eight Gaussians in shared memory; then one warp per Gaussian adds them up over the pixels. Each sum of
+// an instance is formed by one warp in a fixed order, so nothing is added atomically.
 //
 // The sweep from the back, B_{k-1} = alpha_k v_k + (1 - alpha_k) B_k and dL/dalpha_k = T_k (v_k - B_k), does not cancel
 // where T is small (engine/cpu/blend_backward.h). T_k is what is left behind divided by 1 - alpha_k >= 1 - alpha_max.

@@ -20,7 +20,7 @@ using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
 using cpu::testing_scene::SceneOptions;
 
-/// Both engines compute the same sums of a few hundred float32 terms in different orders. Relative to a field's largest.
+/// Relative to a field's largest: both engines compute the same sums of a few hundred float32 terms, in other orders.
 constexpr double kSumTolerance = 2e-5;
 
 struct Options {

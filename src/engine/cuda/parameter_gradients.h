@@ -35,7 +35,7 @@ struct ParameterGradientOutputs {
   /// whole rows. The shape terms are not in them.
   ModelSpans gradients;
   DeviceSpan<DensitySums> density;  ///< [N], touched rows only; empty: not wanted
-  /// [2] sums over touched rows of |dL/dmean|^2, pixels^-2: of the colour losses, and of the coupling before its factor.
+  /// [2] sums over touched rows of |dL/dmean|^2, pixels^-2: of the colour losses, of the coupling before its factor.
   DeviceSpan<double> squares;
   DeviceSpan<double> scratch;  ///< [square_scratch(N)]
   /// [1] lowered to bad_gradient_key of the first row and class beyond kGradientLimit; to be set to kNoBadGradient.

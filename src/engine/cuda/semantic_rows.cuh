@@ -20,7 +20,7 @@ __device__ __forceinline__ void load_logits(const SemanticRowInputs& in, size_t 
   }
 }
 
-/// softmax of the channels, the last of which stands for `remainder` classes, in place; NaN where a logit is not finite.
+/// softmax in place of the channels, the last of which stands for `remainder` classes; NaN where one is not finite.
 __device__ __forceinline__ void softmax_lanes(int channels, int remainder, float (&x)[kLaneChannels]) {
   const float shift = remainder > 1 ? std::log(static_cast<float>(remainder)) : 0.0f;
   float top = -3.0e38f, sum = 0;
@@ -67,8 +67,8 @@ __global__ void semantic_rows_kernel(SemanticRowInputs in, DeviceSpan<uint16_t> 
 }
 
 /// Adds the seen slots of [begin, end) in their order; true when there is one.
-__device__ __forceinline__ bool add_row_slots(const SemanticGradientInputs& in, uint32_t begin, uint32_t end, int padded,
-                                              float (&sum)[kLaneChannels]) {
+__device__ __forceinline__ bool add_row_slots(const SemanticGradientInputs& in, uint32_t begin, uint32_t end,
+                                              int padded, float (&sum)[kLaneChannels]) {
   bool any = false;
   for (uint32_t first = begin; first < end; first += kWarp) {
     const uint32_t mine = first + lane_index();
@@ -110,7 +110,8 @@ __global__ void __launch_bounds__(kRowWarps* kWarp)
     const uint32_t first = begins[w], last = ends[w];
     if (first == last) continue;
     const uint32_t share = (last - first + kRowWarps - 1) / kRowWarps;
-    const uint32_t from = std::min(first + share * static_cast<uint32_t>(warp), last), to = std::min(from + share, last);
+    const uint32_t from = std::min(first + share * static_cast<uint32_t>(warp), last);
+    const uint32_t to = std::min(from + share, last);
     float part[kLaneChannels] = {};
     const bool found = add_row_slots(in, from, to, padded, part);
     for (int k = 0; k < kLaneChannels; ++k) parts[warp][lane_channel(k)] = part[k];

@@ -1,5 +1,5 @@
-// What the semantic visit holds of a tile: its shared memory, and the Gaussians, rows and weights of 32 at a time. Thread t
-// stands for pixel t % 64 of a block of 8 x 8 and for every fourth part of 32 Gaussians.
+// What the semantic visit holds of a tile: its shared memory, and the Gaussians, rows and weights of 32 at a time.
+// Thread t stands for pixel t % 64 of a block of 8 x 8 and for a quarter, t / 64, of the 32 Gaussians.
 #pragma once
 
 #include "engine/cuda/runtime/tile_mma.cuh"

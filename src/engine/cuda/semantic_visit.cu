@@ -36,7 +36,7 @@ size_t shared_memory_of(const DeviceContext& context) {
 void check_semantic_channels(const DeviceContext& context, int channels) {
   const VisitLayout layout{padded_channels(channels)};
   if (channels <= kMaxSemanticChannels && layout.bytes() <= shared_memory_of(context)) return;
-  throw_resources({}, std::to_string(channels) + " semantic channels are more than the visit to a tile holds on this device",
+  throw_resources({}, std::to_string(channels) + " semantic channels are more than this device holds at a time",
                   "train fewer classes: keep the limit on active classes on, or train on the CPU (--device cpu)");
 }
 

@@ -2,8 +2,8 @@
 //   forwards, 32 Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
 //   P to shared memory, the loss by one warp per pixel, dP and H in bfloat16 into the place of P;
 //   backwards, 32 Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
-// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes: the
-// first of its blocks sets them, later ones add. So every sum has a fixed order.
+// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes:
+// the first of its blocks sets them, later ones add. So every sum has a fixed order.
 #pragma once
 
 #include "engine/cuda/semantic_pixel.cuh"
@@ -60,8 +60,8 @@ __device__ __forceinline__ float blend_rows(const Visit& v, int b, uint32_t pixe
   return t;
 }
 
-/// The loss of block b in place: row i of blended becomes dP and, with the bounded coupling, H, in bfloat16. Adds to the
-/// terms of this warp. Warp w takes pixels [8 w, 8 w + 8).
+/// The loss of block b in place: row i of blended becomes dP and, with the bounded coupling, H, in bfloat16. Adds to
+/// the terms of this warp. Warp w takes pixels [8 w, 8 w + 8).
 template <int kGroups>
 __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, double& hard) {
   constexpr int kPixels = kBlockPixels / kVisitWarps;
@@ -122,8 +122,8 @@ __device__ __forceinline__ void coupling_values(const Visit& v) {
   q.clear();
   for (int c = 0; c < v.layout.padded; c += kMmaTile) {
     const TileOperand left = load_left(v.rows + entry_tile * kMmaTile * stride + c, stride);
-    multiply_add(q, left,
-                 load_right_transposed(direction + pixel_tile * kMmaTile * v.gradient_stride() + c, v.gradient_stride()));
+    const Bf16* right = direction + pixel_tile * kMmaTile * v.gradient_stride() + c;
+    multiply_add(q, left, load_right_transposed(right, v.gradient_stride()));
   }
   for (int k = 0; k < 8; ++k) {
     const int entry = entry_tile * kMmaTile + TileSum::row_of(k), pixel = pixel_tile * kMmaTile + TileSum::column_of(k);
@@ -199,8 +199,8 @@ __device__ __forceinline__ void row_gradients(const Visit& v, int n) {
       sum.clear();
       for (int pixel = 0; pixel < kBlockPixels; pixel += kMmaTile) {
         const TileOperand left = load_left(v.s.weights + first * kWeightStride + pixel, kWeightStride);
-        multiply_add(sum, left,
-                     load_right(v.gradient_rows() + pixel * v.gradient_stride() + column * kMmaTile, v.gradient_stride()));
+        const Bf16* right = v.gradient_rows() + pixel * v.gradient_stride() + column * kMmaTile;
+        multiply_add(sum, left, load_right(right, v.gradient_stride()));
       }
       for (int k = 0; k < 8; ++k) {
         v.sums[TileSum::row_of(k) * stride + column * kMmaTile + TileSum::column_of(k)] = sum.value[k];

@@ -3,8 +3,8 @@
 //   P = W S,  dP and the coupling direction H from the loss at each pixel,  dS = W^T dP,  Q = S H^T - h_0,
 // in bfloat16 with float32 sums; P never leaves shared memory. The loss is formed in float32.
 //
-// The coupling reaches alpha by a sweep from the back, dL/dalpha_k = T_k (q_k - B_k) with B_k the sum of the same rounded
-// q_k behind k: nothing cancels behind an opaque surface, whatever the rounding of q.
+// The coupling reaches alpha by a sweep from the back, dL/dalpha_k = T_k (q_k - B_k) with B_k the blend of the same
+// rounded q behind k: nothing cancels behind an opaque surface, whatever the rounding of q.
 #pragma once
 
 #include "engine/cuda/runtime/device_memory.h"
@@ -41,8 +41,8 @@ struct SemanticVisitOutputs {
   DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
 };
 
-/// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels: more than kMaxSemanticChannels, or
-/// more than the shared memory of the device has room for (about 220 where it is 99 KB a block, as on GeForce).
+/// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels: more than
+/// kMaxSemanticChannels, or than the device's shared memory has room for (224 where a block has 99 KB, as on GeForce).
 void check_semantic_channels(const DeviceContext& context, int channels);
 
 /// Fills `out`. The channels must have passed check_semantic_channels. Nothing waits for the host.

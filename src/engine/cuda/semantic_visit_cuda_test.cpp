@@ -129,7 +129,8 @@ class CudaSemanticVisit : public DeviceTest {
       for (uint64_t slot = view->lists.slot_begin[i]; slot < view->lists.slot_begin[i + 1] && options.couple; ++slot) {
         if (view->record.seen[slot] == 0) continue;
         const cpu::SplatGradient& s = slots[slot];
-        const float moments[6] = {s.coupling_p, s.coupling_r, s.coupling_one, s.coupling_pp, s.coupling_pr, s.coupling_rr};
+        const float moments[6] = {s.coupling_p,  s.coupling_r,  s.coupling_one,
+                                  s.coupling_pp, s.coupling_pr, s.coupling_rr};
         for (size_t k = 0; k < 6; ++k) out.moments[6 * i + k] += moments[k];
       }
       if (out.written[i] == 0) continue;

@@ -1,5 +1,5 @@
 // A view's semantic teacher on the device, in compact form: float16 probabilities of the channels at the teacher's own
-// resolution (engine/cpu/active_classes.h says what that costs against the full maps), and 6 bytes per pixel of the image.
+// resolution (engine/cpu/active_classes.h says what that costs against the full maps), and ten bytes per image pixel.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@
 
 namespace aligngs::cuda {
 
-/// A tile of 16 x 16 pixels is four blocks of 8 x 8, a block two strips of 8 x 4: pixel number i of a tile lies in block
-/// i / 64 (x first) at column i % 8, row i % 64 / 8. A strip is 32 consecutive pixels, which is one warp.
+/// A tile of 16 x 16 pixels is four blocks of 8 x 8, a block two strips of 8 x 4: pixel number i of a tile lies in
+/// block i / 64 (x first) at column i % 8, row i % 64 / 8. A strip is 32 consecutive pixels, which is one warp.
 inline constexpr int kBlockSize = 8;                           ///< pixels, edge of a block
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;
 inline constexpr int kTilePixels = kTileSize * kTileSize;
@@ -23,7 +23,9 @@ static_assert(kTileStrips == 8, "BlendRecordSpans::strips has a bit for each");
 
 /// Column and row of pixel i within its tile.
 ALIGNGS_HD inline int tile_pixel_x(int i) { return (i / kBlockPixels % 2) * kBlockSize + i % kBlockSize; }
-ALIGNGS_HD inline int tile_pixel_y(int i) { return (i / kBlockPixels / 2) * kBlockSize + i % kBlockPixels / kBlockSize; }
+ALIGNGS_HD inline int tile_pixel_y(int i) {
+  return (i / kBlockPixels / 2) * kBlockSize + i % kBlockPixels / kBlockSize;
+}
 
 /// The projected Gaussians. Entries whose rectangle is empty are culled; their other fields are stale.
 struct ViewSpans {
@@ -49,7 +51,7 @@ struct TileListSpans {
 struct BlendRecordSpans {
   DeviceSpan<uint8_t> strips;        ///< [instances, by place] bit s: some pixel of strip s of the tile took it
   DeviceSpan<uint8_t> seen;          ///< [instances, by slot] 1: some pixel of the tile took it, else 0
-  DeviceSpan<uint32_t> last;         ///< [tiles][256] place within the tile's list, plus one, of the last taken; 0: none
+  DeviceSpan<uint32_t> last;         ///< [tiles][256] place in the tile's list, plus one, of the last taken; 0: none
   DeviceSpan<float> transmittance;   ///< [tiles][256] what is left behind the last one
 };
 

@@ -7,8 +7,8 @@ namespace aligngs::cuda {
 
 inline constexpr int kWarp = 32;
 
-/// The sum over the lanes of v[l], to lane l; v is used up. 31 shuffles for 32 sums: at each step a lane hands on half of
-/// what it still holds.
+/// The sum over the lanes of v[l], to lane l; v is used up. 31 shuffles for 32 sums: at each step a lane hands on half
+/// of what it still holds.
 __device__ __forceinline__ float warp_sums(float (&v)[kWarp]) {
   const int lane = static_cast<int>(lane_index());
 #pragma unroll
@@ -23,8 +23,8 @@ __device__ __forceinline__ float warp_sums(float (&v)[kWarp]) {
   return v[0];
 }
 
-/// Appends `value` of the threads with `keep` to list[length ...) in the order of the threads and returns the new length
-/// to all of them. All threads of the block call it; `counts` holds a number per warp. Ends with a barrier.
+/// Appends `value` of the threads with `keep` to list[length ...) in the order of the threads and returns the new
+/// length to all of them. All threads of the block call it; `counts` holds a number per warp. Ends with a barrier.
 template <class T>
 __device__ __forceinline__ int append(bool keep, T value, T* list, int length, int* counts) {
   const int lane = static_cast<int>(lane_index()), warp = static_cast<int>(warp_index());

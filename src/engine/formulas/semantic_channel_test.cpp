@@ -60,8 +60,8 @@ TEST(SemanticChannel, ProbabilitiesOfARemainderAreThoseOfItsClasses) {
       const ProbabilityChannel<double> channel =
           probability_channel(p.channels[c], rest, count_of(c), semantic_floor<double>(kClasses));
       // What the channel's one row receives is what each of its equal classes' rows does.
-      EXPECT_NEAR(probability_gradient(channel, p.channel_teacher[c], weights.soft, c == top ? weights.hard : 0.0), g[c],
-                  kTolerance);
+      const double hard = c == top ? weights.hard : 0.0;
+      EXPECT_NEAR(probability_gradient(channel, p.channel_teacher[c], weights.soft, hard), g[c], kTolerance);
       EXPECT_NEAR(bounded_probability_direction(p.channels[c], 1 / alpha, p.channel_teacher[c], omega, count_of(c)),
                   h[c], kTolerance);
     }

@@ -1,5 +1,5 @@
-// Opacity of a Gaussian at a pixel and its derivatives in whitened coordinates (splat.h): the same values as alpha_at of
-// blending.h and the conic of projection.h, without their cancellation for needles in float.
+// Opacity of a Gaussian at a pixel and its derivatives in whitened coordinates (splat.h): the same values as alpha_at
+// of blending.h and the conic of projection.h, without their cancellation for needles in float.
 #pragma once
 
 #include <cmath>
