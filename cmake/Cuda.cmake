@@ -30,7 +30,10 @@ else()
   elseif(version VERSION_LESS 12)
     aligngs_no_cuda("${ALIGNGS_NVCC} is version ${version}, and 12 is needed")
   else()
-    if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
+    if(NOT CMAKE_CUDA_ARCHITECTURES AND DEFINED ENV{CUDAARCHS})
+      set(CMAKE_CUDA_ARCHITECTURES $ENV{CUDAARCHS})  # CMake itself looks at it in a new build folder only
+    endif()
+    if(NOT CMAKE_CUDA_ARCHITECTURES)
       # Ampere, Ada and Hopper; Blackwell from the toolkit on that knows it. The last one also as PTX for what comes.
       set(CMAKE_CUDA_ARCHITECTURES 80-real 86-real 89-real 90)
       if(version VERSION_GREATER_EQUAL 12.8)
