@@ -10,6 +10,7 @@
 
 #include "cli/photo_options.h"
 #include "core/memory_budget.h"
+#include "engine/cuda/runtime/cuda_device.h"
 #include "nn/cpu/matrix_backend.h"
 
 namespace aligngs {
@@ -117,13 +118,25 @@ std::vector<Check> check_weights(const ModelStore& store) {
   return found;
 }
 
+/// What `--device auto` takes.
+Check check_device() {
+  const cuda::CudaDevices found = cuda::list_cuda_devices();
+  if (found.devices.empty()) return {"device", true, "cpu: " + found.reason, ""};
+  std::string value;
+  for (const cuda::CudaDevice& d : found.devices) {
+    value += fmt::format("cuda:{} {}, compute capability {}.{}, {} of {} free; ", d.index, d.name, d.major, d.minor,
+                         format_bytes(d.free_bytes), format_bytes(d.memory_bytes));
+  }
+  return {"device", true, value + cuda::cuda_build(), ""};
+}
+
 std::vector<Check> run_checks(const ModelStore& store) {
   std::vector<Check> checks;
   checks.push_back({"processor", true, fmt::format("{}, {} hardware threads", cpu_model(), std::thread::hardware_concurrency()), ""});
   checks.push_back(check_instructions());
   checks.push_back(check_memory());
   checks.push_back(check_writable());
-  checks.push_back({"device", true, "cpu (this version has no CUDA engine)", ""});
+  checks.push_back(check_device());
   checks.push_back(check_networks());
   for (Check& check : check_weights(store)) checks.push_back(std::move(check));
   const bool colmap = on_path("colmap");

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/device_option.h"
 #include "cli/stages/render_stage.h"
 
 namespace aligngs {
@@ -13,14 +14,15 @@ void add_render_command(CLI::App& program, CommandContext& context) {
   command->group("Measure");
   command->footer("Example: aligngs render demo_run --split all");
   struct Options {
-    std::string run, scene, split = "test";
+    std::string run, scene, split = "test", device = "auto";
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
   command->add_option("--split", options->split, "which views")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
+  add_device_option(*command, options->device);
   command->callback([&context, options] {
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     RenderStageOptions stage;
     stage.test = options->split != "train";
     stage.train = options->split != "test";

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "cli/device_option.h"
 #include "core/error.h"
 
 namespace aligngs {
@@ -16,7 +17,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   command.add_flag("--resume", options->resume, "go on with the run in the output folder; -n beyond its end extends it");
   command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder");
   command.add_flag("--require-priors", options->require_priors, "missing depth or semantics are an error (status 4)");
-  command.add_option("--device", options->device, "auto, cpu or cuda:N")->capture_default_str();
+  add_device_option(command, options->device);
   command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
   command.add_flag("--view", options->view, "show the page of `aligngs view` meanwhile, and afterwards until Ctrl-C");
   command.add_option("--view-port", options->view_port, "its port on 127.0.0.1 (default: the first free one from 7860 on)")
@@ -33,12 +34,9 @@ void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOpt
 }
 
 TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context) {
-  if (options.device.rfind("cuda", 0) == 0) {
-    throw Error({ErrorKind::kResources, "this version has no CUDA engine", {}, "--device " + options.device, "use --device cpu"});
-  }
-  if (options.device != "auto" && options.device != "cpu") throw_usage("--device must be auto, cpu or cuda:N", "for example --device cpu");
   if (options.resume && options.overwrite) throw_usage("--resume and --overwrite contradict each other", "give one of them");
   TrainOptions train;
+  train.make_engine = engine_of_device(options.device);
   train.run = options.output;
   train.config.preset = options.preset;
   train.config.config_file = options.config_file;

@@ -249,7 +249,9 @@ void Run::record_end(const std::string& status, const std::string& reason) {
 
 }  // namespace
 
-TrainResult train_run(const TrainOptions& options) { return train_run(options, make_cpu_engine); }
+TrainResult train_run(const TrainOptions& options) {
+  return train_run(options, options.make_engine ? options.make_engine : EngineFactory(make_cpu_engine));
+}
 
 TrainResult train_run(const TrainOptions& options, const EngineFactory& make_engine) {
   const RunFolder folder(options.run);

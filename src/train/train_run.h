@@ -14,10 +14,14 @@
 
 namespace aligngs {
 
+/// Makes the engine. threads as in TrainOptions.
+using EngineFactory = std::function<std::unique_ptr<Engine>(int threads)>;
+
 struct TrainOptions {
   std::filesystem::path scene;  ///< may be empty when resuming: run.json knows it
   std::filesystem::path run;
   ConfigSources config;         ///< preset, config file, --set, -n, --seed
+  EngineFactory make_engine;    ///< of the device to train on; empty: the CPU
   int threads = 0;              ///< 0: all hardware threads; the result does not depend on it
   bool resume = false, overwrite = false;
   bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
@@ -36,15 +40,13 @@ struct TrainResult {
   std::vector<std::string> warnings;
 };
 
-/// Makes the engine; replaced in tests. threads as in TrainOptions.
-using EngineFactory = std::function<std::unique_ptr<Engine>(int threads)>;
-
 /// Checks every file of the scene first, then the memory, then trains. The settings of a run that is resumed
 /// come from its config.toml; settings given as well must agree with it, except iterations, which may grow:
 /// the schedules then keep their old end and the rates their final values.
 /// Errors: kUsage (folder rules, settings), kBadInput (scene), kWeights (require_priors), kResources, kInterrupted
 /// (checkpoint written), kFailed. After the folder has been prepared every end is recorded in run.json.
 TrainResult train_run(const TrainOptions& options);
+/// With another engine than the options'.
 TrainResult train_run(const TrainOptions& options, const EngineFactory& make_engine);
 
 /// The settings a run would have: of its config.toml when it is resumed, else from the sources.

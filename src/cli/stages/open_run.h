@@ -9,12 +9,14 @@
 #include "engine/engine.h"
 #include "scene/scene.h"
 #include "train/config.h"
+#include "train/train_run.h"
 
 namespace aligngs {
 
 struct OpenRunOptions {
   std::filesystem::path scene;  ///< where the scene went, when it is not where run.json says; may be empty
   int threads = 0;
+  EngineFactory make_engine = {};  ///< of the device to render on; empty: the CPU
 };
 
 struct OpenRun {

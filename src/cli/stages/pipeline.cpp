@@ -38,7 +38,7 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   if (trained.already_finished) log_info("the training was finished already");
   std::optional<RunLock> lock(std::in_place, options.run);
   enter_stage(options.run, "render");
-  OpenRun run = open_run(options.run, {options.scene, options.threads});
+  OpenRun run = open_run(options.run, {options.scene, options.threads, options.make_engine});
 
   RenderStageOptions render;
   render.progress = options.progress;
