@@ -30,8 +30,9 @@ struct DeviceChoice {
   std::string message;  ///< why `auto` takes the CPU; empty otherwise
 };
 
-/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes the device with most free memory, or the CPU with
-/// a message that says why. Throws Error{kUsage} for any other text and Error{kResources} when cuda:N is not there.
+/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes the CPU, with a message that says why: no device, or
+/// an engine that has only run on an emulated one. Throws Error{kUsage} for any other text and Error{kResources} when
+/// cuda:N is not there.
 DeviceChoice choose_device(const std::string& request, const CudaDevices& devices);
 
 }  // namespace aligngs::cuda
