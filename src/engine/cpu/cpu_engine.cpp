@@ -14,6 +14,7 @@
 #include "engine/cpu/project.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
+#include "engine/engine_arrays.h"
 
 namespace aligngs::cpu {
 namespace {
@@ -171,16 +172,7 @@ NonFinite CpuEngine::locate(NonFinite symptom) const {
 }
 
 StepReport CpuEngine::step(const StepRequest& request) {
-  if (request.view < 0 || static_cast<size_t>(request.view) >= views_.size()) {
-    throw Error({ErrorKind::kFailed,
-                 "training view " + std::to_string(request.view) + " does not exist",
-                 {},
-                 "view",
-                 "set the training views before the first step"});
-  }
-  if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
-    throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
-  }
+  check_step_request(request, views_.size());
   check_optimiser_settings(request);
   const TrainingView& view = views_[static_cast<size_t>(request.view)];
   const bool geometry = needs_geometry(request.losses), density = request.collect_density;

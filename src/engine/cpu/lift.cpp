@@ -1,16 +1,11 @@
 // The closed-form start of the semantic rows, and what a run needs in memory.
-#include <cmath>
-
 #include "engine/cpu/cpu_engine.h"
 #include "engine/cpu/tile_products.h"
+#include "engine/formulas/semantic_start.h"
 
 namespace aligngs::cpu {
 namespace {
 
-/// epsilon of guidance 2.1 for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The first, in
-/// pixels per class, keeps a row that hardly any pixel saw near uniform; the second keeps absent classes just above the
-/// floor of the loss (semantic_floor), below which training could not change the row's mind.
-constexpr float kPseudoCount = 0.01f, kShare = 2e-3f;
 constexpr size_t kRowsPerTask = 512;
 
 }  // namespace
@@ -34,16 +29,8 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
   pool_->parallel_for(n, kRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       if (written[i] == 0) continue;
-      const float* sum = sums.data() + i * padded;
-      float* row = model_.semantics.data() + i * channels;
-      double mass = 0, mean = 0;
-      for (size_t c = 0; c < channels; ++c) mass += static_cast<double>(sum[c]);
-      const float epsilon = kPseudoCount + kShare * static_cast<float>(mass);
-      for (size_t c = 0; c < channels; ++c) {
-        row[c] = std::log(sum[c] * counts_.inverse[c] + epsilon);  // of the remainder: the mean of its classes
-        mean += static_cast<double>(counts_.count[c] * row[c]);
-      }
-      for (size_t c = 0; c < channels; ++c) row[c] -= static_cast<float>(mean / counts_.all_classes());
+      semantic_start(sums.data() + i * padded, model_.semantic_channels, map_.remainder(),
+                     model_.semantics.data() + i * channels);
     }
   });
   rounded_for_.reset();
