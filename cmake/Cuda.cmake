@@ -12,6 +12,32 @@ function(aligngs_no_cuda reason)
   endif()
 endfunction()
 
+# A macro: what enable_language sets must reach the folder that asked.
+macro(aligngs_enable_cuda)
+  if(CCACHE_PROGRAM AND NOT CMAKE_CUDA_COMPILER_LAUNCHER)
+    set(CMAKE_CUDA_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  endif()
+  enable_language(CUDA)
+  if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc has it
+    set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
+    set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
+  endif()
+  # nvcc calls the C++ compiler, whose own folders must not come again as -isystem: #include_next would miss them.
+  list(APPEND CMAKE_CUDA_IMPLICIT_INCLUDE_DIRECTORIES ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
+  set(CMAKE_CUDA_STANDARD 20)
+  set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+  set(CMAKE_CUDA_EXTENSIONS OFF)
+  set(CMAKE_CUDA_RUNTIME_LIBRARY None)  # linked by name, below
+  # CMake asks nvcc where its toolkit is: the nvcc on the path may be a script that calls another.
+  find_package(CUDAToolkit QUIET)
+  if(TARGET CUDA::cudart_static)  # static: the program starts where there is no CUDA
+    set(ALIGNGS_CUDA ON)
+    message(STATUS "CUDA: ${version}, architectures ${CMAKE_CUDA_ARCHITECTURES}")
+  else()
+    aligngs_no_cuda("the toolkit of ${ALIGNGS_NVCC} has no cudart_static")
+  endif()
+endmacro()
+
 if(ALIGNGS_WITH_CUDA STREQUAL "OFF")
   message(STATUS "CUDA: off, as asked for")
 elseif(ALIGNGS_SANITIZE OR ALIGNGS_SCALAR_ONLY)
@@ -40,27 +66,15 @@ else()
         set(CMAKE_CUDA_ARCHITECTURES 80-real 86-real 89-real 90-real 100-real 120)
       endif()
     endif()
-    set(CMAKE_CUDA_COMPILER ${ALIGNGS_NVCC} CACHE FILEPATH "CUDA compiler")
-    if(CCACHE_PROGRAM AND NOT CMAKE_CUDA_COMPILER_LAUNCHER)
-      set(CMAKE_CUDA_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+    set(ENV{CUDACXX} ${ALIGNGS_NVCC})
+    include(CheckLanguage)
+    check_language(CUDA)  # a toolkit that refuses this C++ compiler, or of which parts are missing, is no toolkit
+    if(NOT CMAKE_CUDA_COMPILER)
+      unset(CMAKE_CUDA_COMPILER CACHE)
+      aligngs_no_cuda("${ALIGNGS_NVCC} cannot compile here: CMakeFiles/CMakeError.log of the build folder says why")
+    else()
+      aligngs_enable_cuda()
     endif()
-    enable_language(CUDA)
-    if(NOT DEFINED CMAKE_CUDA20_STANDARD_COMPILE_OPTION)  # CMake 3.25 does not know that nvcc has it
-      set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION -std=c++20)
-      set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION -std=c++20)
-    endif()
-    # nvcc calls the C++ compiler, whose own folders must not come again as -isystem: #include_next would miss them.
-    list(APPEND CMAKE_CUDA_IMPLICIT_INCLUDE_DIRECTORIES ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
-    set(CMAKE_CUDA_STANDARD 20)
-    set(CMAKE_CUDA_STANDARD_REQUIRED ON)
-    set(CMAKE_CUDA_EXTENSIONS OFF)
-    set(CMAKE_CUDA_RUNTIME_LIBRARY None)  # linked by name, with its folder
-    get_filename_component(toolkit ${ALIGNGS_NVCC} REALPATH)
-    get_filename_component(toolkit ${toolkit}/../.. ABSOLUTE)
-    find_library(ALIGNGS_CUDART cudart_static HINTS ${toolkit}/lib64 ${toolkit}/lib ${toolkit}/targets/x86_64-linux/lib
-                 REQUIRED)  # static: the program starts where there is no CUDA
-    set(ALIGNGS_CUDA ON)
-    message(STATUS "CUDA: ${version}, architectures ${CMAKE_CUDA_ARCHITECTURES}")
   endif()
 endif()
 
@@ -76,7 +90,7 @@ function(aligngs_cuda_library)
     add_library(aligngs_cuda STATIC ${device} ${host})
     list(JOIN CMAKE_CUDA_ARCHITECTURES " " architectures)
     target_compile_definitions(aligngs_cuda PRIVATE ALIGNGS_CUDA_ARCHITECTURES="${architectures}")
-    target_link_libraries(aligngs_cuda PUBLIC ${ALIGNGS_CUDART} Threads::Threads ${CMAKE_DL_LIBS} rt)
+    target_link_libraries(aligngs_cuda PUBLIC CUDA::cudart_static)
   else()
     file(GLOB absent CONFIGURE_DEPENDS ${folder}/absent/*.cpp)
     add_library(aligngs_cuda STATIC ${absent} ${folder}/runtime/device_choice.cpp)
