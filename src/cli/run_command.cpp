@@ -12,6 +12,7 @@
 #include "cli/train_options.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "io/colmap.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 
@@ -27,13 +28,6 @@ struct RunCommandOptions {
   std::string source, semantics = "auto", depth = "auto";
   std::vector<std::string> fail_under;
 };
-
-bool is_scene(const fs::path& folder) {
-  for (const char* name : {"sparse", "cameras.bin", "cameras.txt"}) {
-    if (fs::exists(folder / name)) return true;
-  }
-  return false;
-}
 
 /// Weights that were asked for by name must be there before anything else starts.
 void require_weights(const ModelStore& store, const RunCommandOptions& options, bool photos) {
@@ -78,7 +72,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   TrainOptions train = train_options(options.train, context);
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
   if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
-  const bool photos = options.photos.method == "given" || !is_scene(source);
+  const bool photos = options.photos.method == "given" || !may_hold_colmap_model(source);
   if (photos && !has_photos(source)) {
     throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG or PNG) are here",
                     "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
@@ -95,7 +89,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   const bool owns = photos || refine || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
   const fs::path scene = owns ? own : source;
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, scene, train.threads);
-  if (photos && !(begun && is_scene(scene))) {
+  if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
     ScenePhotosOptions poses = photo_options(options.photos, context);
     poses.overwrite = fs::exists(scene);

@@ -188,6 +188,13 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
   return model;
 }
 
+bool may_hold_colmap_model(const fs::path& scene_folder) {
+  for (const char* name : {"sparse", "cameras.bin", "cameras.txt"}) {
+    if (fs::exists(scene_folder / name)) return true;
+  }
+  return false;
+}
+
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder) {
   for (const fs::path& folder : {scene_folder / "sparse", scene_folder}) {
     if (const auto numbered = best_numbered_model(folder)) return *numbered;

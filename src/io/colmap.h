@@ -50,6 +50,8 @@ ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& 
                                  const std::filesystem::path& folder_for_errors);
 /// Finds sparse/0, sparse or the folder itself; of several numbered models the one with most images.
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder);
+/// Whether find_colmap_folder() is worth trying: sparse/ or a file of cameras is there.
+bool may_hold_colmap_model(const std::filesystem::path& scene_folder);
 void write_colmap_binary(const std::filesystem::path& folder, const ColmapModel& model);
 
 }  // namespace aligngs

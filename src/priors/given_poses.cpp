@@ -14,28 +14,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has_model(const fs::path& folder) {
-  for (const char* const name : {"sparse", "cameras.bin", "cameras.txt"}) {
-    if (fs::exists(folder / name)) return true;
-  }
-  return false;
-}
-
 /// A model's cameras and points; unlike read_colmap_capture() it does not look for the images.
 Capture capture_of_model(const fs::path& folder) {
   Capture capture;
   capture.layout = layout_name(CaptureLayout::kColmap);
   capture.folder = folder;
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
-  std::map<uint32_t, const ColmapCamera*> cameras;
-  for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
-  for (const ColmapImage& image : model.images) {
-    CapturedFrame frame;
-    frame.name = fs::path(image.name).stem().string();
-    frame.camera = *cameras.at(image.camera_id);
-    frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
-    capture.frames.push_back(std::move(frame));
-  }
+  capture.frames = frames_of_model(model);
   capture.cloud = reliable_points(model);
   return capture;
 }
@@ -61,14 +46,14 @@ ColmapCamera camera_for(const CapturedFrame& frame, const Photo& listed, const P
 fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
   if (!given.empty()) {
     const bool file = given.filename() == "transforms.json" && fs::is_regular_file(given);
-    if (file || fs::exists(given / "transforms.json") || has_model(given)) return given;
+    if (file || fs::exists(given / "transforms.json") || may_hold_colmap_model(given)) return given;
     throw_bad_input(given, "--cameras", "there are no cameras here",
                     "give a COLMAP model (sparse/, cameras.bin or cameras.txt) or a transforms.json");
   }
   const fs::path folder = fs::absolute(photos).lexically_normal() / "";
   const fs::path above = folder.parent_path().parent_path();
   for (const fs::path& place : {folder.parent_path(), above}) {
-    if (fs::exists(place / "transforms.json") || has_model(place)) return place;
+    if (fs::exists(place / "transforms.json") || may_hold_colmap_model(place)) return place;
   }
   throw_bad_input(photos, "--method given",
                   fmt::format("no cameras are here or in {}", above.string()),

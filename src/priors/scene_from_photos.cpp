@@ -54,11 +54,6 @@ class WorkFolder {
   fs::path path_;
 };
 
-void require_free(const fs::path& scene, bool overwrite) {
-  if (fs::exists(scene) && !overwrite && !(fs::is_directory(scene) && fs::is_empty(scene)))
-    throw_usage(scene.string() + " exists", "give another folder, or --overwrite");
-}
-
 bool is_test(size_t index, int test_every) {
   return test_every > 0 && index % size_t(test_every) == 0;
 }
@@ -247,7 +242,7 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
                                          const ScenePhotosOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const std::vector<Photo> listed = list_photos(source);
-  require_free(scene, options.overwrite);
+  require_scene_place(scene, options.overwrite);
   fs::path cameras;
   if (options.method == PosesMethod::kGiven)
     cameras = find_given_cameras(listed.front().file.parent_path(), options.cameras);

@@ -32,10 +32,7 @@ CaptureLayout detect_layout(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return CaptureLayout::kSevenScenes;
   }
-  for (const char* file : {"sparse", "cameras.bin", "cameras.txt"}) {
-    if (fs::exists(folder / file)) return CaptureLayout::kColmap;
-  }
-  return CaptureLayout::kAuto;
+  return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
 }
 
 void require_unique_names(const Capture& capture) {

@@ -65,6 +65,9 @@ Capture read_replica(const std::filesystem::path& folder);
 Capture read_transforms(const std::filesystem::path& folder);
 Capture read_colmap_capture(const std::filesystem::path& folder);
 
+/// One frame per image of a COLMAP model, in its order; `image` is left empty.
+std::vector<CapturedFrame> frames_of_model(const ColmapModel& model);
+
 /// Depth of a frame in scene units, registered to the (undistorted) colour camera, 0 = none; empty image when the
 /// frame has none. 0 and 65535 are "no value" in every layout.
 ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame);

@@ -10,21 +10,31 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+std::vector<CapturedFrame> frames_of_model(const ColmapModel& model) {
+  std::map<uint32_t, const ColmapCamera*> cameras;
+  for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
+  std::vector<CapturedFrame> frames;
+  for (const ColmapImage& image : model.images) {
+    CapturedFrame frame;
+    frame.name = fs::path(image.name).stem().string();
+    frame.camera = *cameras.at(image.camera_id);
+    frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
 Capture read_colmap_capture(const fs::path& folder) {
   Capture capture;
   capture.layout = layout_name(CaptureLayout::kColmap);
   capture.folder = folder;
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
-  std::map<uint32_t, const ColmapCamera*> cameras;
-  for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
-  for (const ColmapImage& image : model.images) {
-    CapturedFrame frame;
+  capture.frames = frames_of_model(model);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    const ColmapImage& image = model.images[i];
+    CapturedFrame& frame = capture.frames[i];
     frame.image = first_existing({folder / "images" / image.name, folder / image.name});
     if (frame.image.empty()) throw_bad_input(folder / "images" / image.name, "", "the model's image is missing", "put the images that COLMAP used into images/");
-    frame.name = frame.image.stem().string();
-    frame.camera = *cameras.at(image.camera_id);
-    frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
-    capture.frames.push_back(std::move(frame));
   }
   std::sort(capture.frames.begin(), capture.frames.end(),
             [](const CapturedFrame& a, const CapturedFrame& b) { return natural_less(a.name, b.name); });
