@@ -116,11 +116,19 @@ void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const 
   write_colmap_binary(folder / "sparse", model);
 }
 
+constexpr const char* kRefined = "cameras_refined";  // of scene.json
+
+/// An empty object when there is none.
+nlohmann::ordered_json read_description(const fs::path& file) {
+  if (!fs::exists(file)) return nlohmann::ordered_json::object();
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(read_file(file), nullptr, false);
+  return json.is_object() ? json : nlohmann::ordered_json::object();
+}
+
 void note_refinement(const RefineResult& result, const fs::path& folder) {
   const fs::path file = folder / "scene.json";
-  nlohmann::ordered_json json = fs::exists(file) ? nlohmann::ordered_json::parse(read_file(file), nullptr, false) : nlohmann::ordered_json::object();
-  if (!json.is_object()) json = nlohmann::ordered_json::object();
-  json["cameras_refined"] = {{"tracks", result.tracks},
+  nlohmann::ordered_json json = read_description(file);
+  json[kRefined] = {{"tracks", result.tracks},
                              {"reprojection_median_before_px", result.bundle.start_median},
                              {"reprojection_median_px", result.bundle.end_median},
                              {"focal_factor", result.focal_factor}};
@@ -163,5 +171,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   replacement.commit();
   return report;
 }
+
+bool is_refined_scene(const fs::path& folder) { return read_description(folder / "scene.json").contains(kRefined); }
 
 }  // namespace aligngs

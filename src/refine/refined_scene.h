@@ -31,4 +31,7 @@ struct RefineSceneReport {
 RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 
+/// scene.json says that refine_scene() made this scene.
+bool is_refined_scene(const std::filesystem::path& folder);
+
 }  // namespace aligngs

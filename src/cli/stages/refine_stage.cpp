@@ -1,9 +1,6 @@
 #include "cli/stages/refine_stage.h"
 
-#include <nlohmann/json.hpp>
-
 #include "core/log.h"
-#include "io/atomic_file.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/refined_scene.h"
 #include "train/training_set.h"
@@ -12,20 +9,8 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// scene.json says that its cameras were refined.
-bool is_refined(const fs::path& scene) {
-  const fs::path file = scene / "scene.json";
-  if (!fs::exists(file)) return false;
-  const nlohmann::json json = nlohmann::json::parse(read_file(file), nullptr, false);
-  return json.is_object() && json.contains("cameras_refined");
-}
-
-}  // namespace
-
 bool should_refine(const fs::path& scene, const TrainConfig& config) {
-  if (!config.data.refine_cameras || is_refined(scene)) return false;
+  if (!config.data.refine_cameras || is_refined_scene(scene)) return false;
   const Scene opened = open_scene(scene);
   if (opened.prior_source == "sensor") {
     log_info("cameras stay as they are: the depth is a sensor's, and they came with it (`aligngs refine` corrects them all the same)");
@@ -42,18 +27,16 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   return true;
 }
 
-fs::path refine_into_run(const fs::path& scene, const fs::path& run, const CommandContext& context) {
-  const fs::path target = run / "scene";
+void refine_into_run(const fs::path& scene, const fs::path& run, const CommandContext& context) {
   RefineSceneOptions options;
   options.overwrite = true;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const RefineSceneReport report = refine_scene(open_scene(scene), target, options, pool);
+  const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
   const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
-  return target;
 }
 
 }  // namespace aligngs
