@@ -98,13 +98,7 @@ __device__ __forceinline__ void sweep_backward(const Splat& g, uint32_t place, c
   }
   px.transmittance = before;
   if (kDensity) {
-    Projection<float> plane;
-    plane.normal = {g.normal[0], g.normal[1], g.normal[2]};
-    plane.distance = g.distance;
-    plane.z = g.z;
-    plane.z_min = g.z_min;
-    plane.z_max = g.z_max;
-    if (prior_unsupported(px.prior, intersection_depth(plane, px.ray))) weight = -weight;
+    if (prior_unsupported(px.prior, intersection_depth(plane_of(g), px.ray))) weight = -weight;
   }
 }
 

@@ -8,17 +8,6 @@
 namespace aligngs::cuda {
 namespace {
 
-/// intersection_depth of formulas/blending.h on a splat.
-__device__ __forceinline__ float splat_depth(const Splat& g, const Vec3<float>& ray) {
-  Projection<float> plane;
-  plane.normal = {g.normal[0], g.normal[1], g.normal[2]};
-  plane.distance = g.distance;
-  plane.z = g.z;
-  plane.z_min = g.z_min;
-  plane.z_max = g.z_max;
-  return intersection_depth(plane, ray);
-}
-
 template <bool kGeometry>
 struct PixelSums {
   float color[3] = {}, alpha = 0, normal[3] = {}, distance = 0, expected = 0, median = 0;
@@ -30,7 +19,7 @@ struct PixelSums {
     if constexpr (kGeometry) {
       for (int k = 0; k < 3; ++k) normal[k] = std::fma(weight, g.normal[k], normal[k]);
       distance = std::fma(weight, g.distance, distance);
-      const float z = splat_depth(g, ray);
+      const float z = intersection_depth(plane_of(g), ray);
       expected = std::fma(weight, z, expected);
       if (before >= float(kMedianTransmittance) && after < float(kMedianTransmittance)) median = z;
     }

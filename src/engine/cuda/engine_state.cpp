@@ -9,6 +9,7 @@
 #include "engine/cuda/optimiser.h"
 #include "engine/cuda/restructure.h"
 #include "engine/cuda/semantic_rows.h"
+#include "engine/cuda/semantic_visit.h"
 
 namespace aligngs::cuda {
 
@@ -107,11 +108,7 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
   for (TrainingView& view : views) {
     const SemanticTarget& target = view.data.semantics;
     cpu::compress_target(active_, *pool_, view.data.semantics);
-    if (!target.empty() && target.channels > kMaxSemanticChannels) {
-      throw_resources({}, std::to_string(target.channels) + " classes are more than the " +
-                              std::to_string(kMaxSemanticChannels) + " that the device's matrix products take",
-                      "set semantic.active_top lower, which merges classes that no teacher ranks high, or use --device cpu");
-    }
+    if (!target.empty()) check_semantic_channels(*context_, target.channels);
     ViewOnDevice on_device;
     on_device.camera = view.data.camera;
     on_device.maps = TrainingMaps(*context_, view);
@@ -125,7 +122,6 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
       view_bytes_ += TeacherMaps::bytes(
           target.channels, static_cast<size_t>(target.width) * static_cast<size_t>(target.height), pixels);
     }
-    context_->synchronise();  // the view is gone on return
     views_.push_back(std::move(on_device));
     view = {};
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/host_device.h"
+#include "engine/formulas/projection.h"
 
 namespace aligngs {
 
@@ -27,6 +28,17 @@ struct alignas(16) Splat {
   }
 };
 static_assert(sizeof(Splat) == 80, "one and a quarter cache lines");
+
+/// What intersection_depth (blending.h) reads of a projection.
+ALIGNGS_HD inline Projection<float> plane_of(const Splat& g) {
+  Projection<float> plane;
+  plane.normal = {g.normal[0], g.normal[1], g.normal[2]};
+  plane.distance = g.distance;
+  plane.z = g.z;
+  plane.z_min = g.z_min;
+  plane.z_max = g.z_max;
+  return plane;
+}
 
 /// Half-open range of tiles.
 struct TileRect {
