@@ -1,13 +1,10 @@
 #include "io/byte_source.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "core/error.h"
+#include "io/mapped_file.h"
 
 namespace aligngs {
 namespace {
@@ -28,42 +25,38 @@ class MemorySource : public ByteSource {
 
 class FileSource : public ByteSource {
  public:
-  FileSource(const std::filesystem::path& path, int descriptor, uint64_t size)
-      : ByteSource(path, size), descriptor_(descriptor) {}
-  ~FileSource() override { ::close(descriptor_); }
+  FileSource(const std::filesystem::path& path, std::unique_ptr<const MappedFile> file)
+      : ByteSource(path, file->size()), file_(std::move(file)) {}
 
  protected:
   void copy(uint64_t offset, size_t count, char* out) const override {
-    while (count > 0) {
-      const ssize_t got = ::pread(descriptor_, out, count, static_cast<off_t>(offset));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0)
-        throw_bad_input(name(), "", std::string("cannot read: ") + std::strerror(errno),
-                        "check the disk");
-      if (got == 0)
-        throw_bad_input(name(), "", "the file became shorter while it was read", "try again");
-      offset += static_cast<uint64_t>(got);
-      out += got;
-      count -= static_cast<size_t>(got);
-    }
+    file_->copy(offset, count, out);
   }
 
  private:
-  int descriptor_;
+  std::unique_ptr<const MappedFile> file_;
 };
 
 }  // namespace
 
+void ByteSource::require(uint64_t offset, uint64_t count) const {
+  if (offset <= size_ && count <= size_ - offset) return;
+  throw_bad_input(name_, "offset " + std::to_string(offset),
+                  std::to_string(count) + " bytes are needed there, the file has " +
+                      std::to_string(size_) + " in all",
+                  "the file is truncated or damaged; copy or create it again");
+}
+
 std::string ByteSource::read(uint64_t offset, uint64_t count) const {
-  if (offset > size_ || count > size_ - offset) {
-    throw_bad_input(name_, "offset " + std::to_string(offset),
-                    std::to_string(count) + " bytes are needed there, the file has " +
-                        std::to_string(size_) + " in all",
-                    "the file is truncated or damaged; copy or create it again");
-  }
+  require(offset, count);
   std::string bytes(static_cast<size_t>(count), '\0');
   copy(offset, bytes.size(), bytes.data());
   return bytes;
+}
+
+void ByteSource::read_into(uint64_t offset, size_t count, char* out) const {
+  require(offset, count);
+  copy(offset, count, out);
 }
 
 std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
@@ -72,16 +65,7 @@ std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
 }
 
 std::unique_ptr<ByteSource> file_source(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
-    throw_bad_input(path, "", std::string("cannot open: ") + std::strerror(errno),
-                    "check the path");
-  struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
-    throw_bad_input(path, "", "not a file", "check the path");
-  }
-  return std::make_unique<FileSource>(path, descriptor, static_cast<uint64_t>(status.st_size));
+  return std::make_unique<FileSource>(path, std::make_unique<const MappedFile>(path));
 }
 
 }  // namespace aligngs

@@ -18,12 +18,16 @@ class ByteSource {
   /// A copy of `count` bytes from `offset`. Error{kBadInput} when they are not all within the
   /// source.
   std::string read(uint64_t offset, uint64_t count) const;
+  /// The same into memory of the caller.
+  void read_into(uint64_t offset, size_t count, char* out) const;
 
  protected:
   ByteSource(std::filesystem::path name, uint64_t size) : name_(std::move(name)), size_(size) {}
   virtual void copy(uint64_t offset, size_t count, char* out) const = 0;
 
  private:
+  void require(uint64_t offset, uint64_t count) const;
+
   std::filesystem::path name_;
   uint64_t size_;
 };
@@ -31,7 +35,8 @@ class ByteSource {
 /// `bytes` must outlive the source.
 std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
                                           std::filesystem::path name_for_errors);
-/// Error{kBadInput} when the file cannot be opened.
+/// The file is mapped into memory. Error{kBadInput} when it cannot be opened, and on reading when
+/// it has become shorter.
 std::unique_ptr<ByteSource> file_source(const std::filesystem::path& path);
 
 }  // namespace aligngs

@@ -21,6 +21,9 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the reference implementation's limit
+// Tensors are converted in pieces that stay in the second-level cache; a multiple of every item
+// size.
+constexpr uint64_t kPieceBytes = uint64_t(256) << 10;
 const char* const kMetadata = "__metadata__";
 const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
@@ -132,13 +135,34 @@ void require_no_holes(std::vector<Placement> places, uint64_t data_bytes,
 }
 
 template <class T>
-std::vector<float> convert_all(const TensorBytes& tensor) {
-  std::vector<float> values(tensor.bytes.size() / sizeof(T));
-  const char* bytes = reinterpret_cast<const char*>(tensor.bytes.data());
-  for (size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<float>(load_number<T>(bytes + i * sizeof(T), false));
-  }
-  return values;
+void convert_numbers(const char* bytes, size_t count, float* out) {
+  for (size_t i = 0; i < count; ++i)
+    out[i] = static_cast<float>(load_number<T>(bytes + i * sizeof(T), false));
+}
+
+template <float (*kConvert)(uint16_t)>
+void convert_halves(const char* bytes, size_t count, float* out) {
+  for (size_t i = 0; i < count; ++i) out[i] = kConvert(load_number<uint16_t>(bytes + 2 * i, false));
+}
+
+using ConvertToFloats = void (*)(const char* bytes, size_t count, float* out);
+
+/// Error{kBadInput} for types without a conversion.
+ConvertToFloats converter_of(const std::string& dtype, const std::filesystem::path& name,
+                             const std::string& tensor) {
+  if (dtype == "F32") return convert_numbers<float>;
+  if (dtype == "F16") return convert_halves<half_to_float>;
+  if (dtype == "BF16") return convert_halves<bfloat16_to_float>;
+  if (dtype == "F64") return convert_numbers<double>;
+  if (dtype == "I64") return convert_numbers<int64_t>;
+  if (dtype == "U64") return convert_numbers<uint64_t>;
+  if (dtype == "I32") return convert_numbers<int32_t>;
+  if (dtype == "U32") return convert_numbers<uint32_t>;
+  if (dtype == "I16") return convert_numbers<int16_t>;
+  if (dtype == "U16") return convert_numbers<uint16_t>;
+  if (dtype == "I8") return convert_numbers<int8_t>;
+  if (dtype == "U8" || dtype == "BOOL") return convert_numbers<uint8_t>;
+  throw_bad_input(name, tensor, "cannot convert a tensor of type " + dtype + " to float");
 }
 
 /// Offsets in the result count from the start of the data.
@@ -183,8 +207,7 @@ TensorDirectory read_safetensors_directory(const ByteSource& source) {
       checked_header_bytes(load_number<uint64_t>(length.data(), false), source.name());
   const std::string header = source.read(kLengthBytes, header_bytes);
   const uint64_t data_offset = kLengthBytes + header_bytes;
-  TensorDirectory directory =
-      parse_directory(header, source.size() - data_offset, source.name());
+  TensorDirectory directory = parse_directory(header, source.size() - data_offset, source.name());
   for (auto& tensor : directory.tensors) tensor.second.offset += data_offset;
   return directory;
 }
@@ -209,7 +232,16 @@ TensorFile decode_safetensors(const std::string& bytes,
 }
 
 TensorFile read_safetensors(const std::filesystem::path& path) {
-  return decode_safetensors(read_file(path), path);
+  const std::unique_ptr<const ByteSource> source = file_source(path);
+  const TensorDirectory directory = read_safetensors_directory(*source);
+  TensorFile file;
+  file.metadata = directory.metadata;
+  for (const auto& [key, place] : directory.tensors) {
+    TensorBytes& tensor = file.tensors[key];
+    tensor = {place.dtype, place.shape, std::vector<uint8_t>(place.bytes)};
+    source->read_into(place.offset, place.bytes, reinterpret_cast<char*>(tensor.bytes.data()));
+  }
+  return file;
 }
 
 void write_safetensors(const std::filesystem::path& path, const TensorFile& file) {
@@ -280,26 +312,24 @@ TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> sha
 }
 
 std::vector<float> floats_of(const TensorBytes& tensor, const std::string& name_for_errors) {
-  const std::string& dtype = tensor.dtype;
-  if (dtype == "F32") return convert_all<float>(tensor);
-  if (dtype == "F64") return convert_all<double>(tensor);
-  if (dtype == "I64") return convert_all<int64_t>(tensor);
-  if (dtype == "U64") return convert_all<uint64_t>(tensor);
-  if (dtype == "I32") return convert_all<int32_t>(tensor);
-  if (dtype == "U32") return convert_all<uint32_t>(tensor);
-  if (dtype == "I16") return convert_all<int16_t>(tensor);
-  if (dtype == "U16") return convert_all<uint16_t>(tensor);
-  if (dtype == "I8") return convert_all<int8_t>(tensor);
-  if (dtype == "U8" || dtype == "BOOL") return convert_all<uint8_t>(tensor);
-  if (dtype == "F16" || dtype == "BF16") {
-    std::vector<float> values(tensor.bytes.size() / 2);
-    for (size_t i = 0; i < values.size(); ++i) {
-      const auto bits = uint16_t(tensor.bytes[2 * i] | tensor.bytes[2 * i + 1] << 8);
-      values[i] = dtype == "F16" ? half_to_float(bits) : bfloat16_to_float(bits);
-    }
-    return values;
+  const ConvertToFloats convert = converter_of(tensor.dtype, {}, name_for_errors);
+  std::vector<float> values(tensor.bytes.size() / item_bytes(tensor.dtype));
+  convert(reinterpret_cast<const char*>(tensor.bytes.data()), values.size(), values.data());
+  return values;
+}
+
+std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place,
+                               const std::string& name_for_errors) {
+  const ConvertToFloats convert = converter_of(place.dtype, source.name(), name_for_errors);
+  const size_t bytes = item_bytes(place.dtype);
+  std::vector<float> values(place.bytes / bytes);
+  std::vector<char> piece(std::min<uint64_t>(kPieceBytes, place.bytes));
+  for (uint64_t done = 0; done < place.bytes; done += piece.size()) {
+    const size_t count = std::min<uint64_t>(piece.size(), place.bytes - done);
+    source.read_into(place.offset + done, count, piece.data());
+    convert(piece.data(), count / bytes, values.data() + done / bytes);
   }
-  throw_bad_input({}, name_for_errors, "cannot convert a tensor of type " + dtype + " to float");
+  return values;
 }
 
 }  // namespace aligngs

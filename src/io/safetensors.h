@@ -37,6 +37,10 @@ class ByteSource;
 
 /// The header alone, checked as below; the tensors are left where they are.
 TensorDirectory read_safetensors_directory(const ByteSource& source);
+/// One tensor of the directory, converted to float piece by piece: no copy of its bytes is made.
+/// Error{kBadInput} for types that are no numbers.
+std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place,
+                               const std::string& name_for_errors);
 
 /// Error{kBadInput} on a malformed header, overlapping or out-of-range offsets, or a truncated file; never
 /// allocates more than the file could hold.

@@ -20,28 +20,30 @@ const char* const kTensor = "torch._utils _rebuild_tensor_v2";
 const char* const kParameter = "torch._utils _rebuild_parameter";
 
 template <class T>
-float convert_number(const char* item, bool big_endian) {
-  return static_cast<float>(load_number<T>(item, big_endian));
+void convert_numbers(const char* items, uint64_t count, bool big_endian, float* out) {
+  for (uint64_t i = 0; i < count; ++i)
+    out[i] = static_cast<float>(load_number<T>(items + i * sizeof(T), big_endian));
 }
-float convert_half(const char* item, bool big_endian) {
-  return half_to_float(load_number<uint16_t>(item, big_endian));
+template <float (*kConvert)(uint16_t)>
+void convert_halves(const char* items, uint64_t count, bool big_endian, float* out) {
+  for (uint64_t i = 0; i < count; ++i)
+    out[i] = kConvert(load_number<uint16_t>(items + 2 * i, big_endian));
 }
-float convert_bfloat16(const char* item, bool big_endian) {
-  return bfloat16_to_float(load_number<uint16_t>(item, big_endian));
+void convert_bools(const char* items, uint64_t count, bool, float* out) {
+  for (uint64_t i = 0; i < count; ++i) out[i] = items[i] != 0 ? 1.0f : 0.0f;
 }
-float convert_bool(const char* item, bool) { return *item != 0 ? 1.0f : 0.0f; }
 
 constexpr TorchStorageType kStorageTypes[] = {
-    {"torch FloatStorage", "float32", 4, convert_number<float>},
-    {"torch HalfStorage", "float16", 2, convert_half},
-    {"torch BFloat16Storage", "bfloat16", 2, convert_bfloat16},
-    {"torch DoubleStorage", "float64", 8, convert_number<double>},
-    {"torch LongStorage", "int64", 8, convert_number<int64_t>},
-    {"torch IntStorage", "int32", 4, convert_number<int32_t>},
-    {"torch ShortStorage", "int16", 2, convert_number<int16_t>},
-    {"torch CharStorage", "int8", 1, convert_number<int8_t>},
-    {"torch ByteStorage", "uint8", 1, convert_number<uint8_t>},
-    {"torch BoolStorage", "bool", 1, convert_bool}};
+    {"torch FloatStorage", "float32", 4, convert_numbers<float>},
+    {"torch HalfStorage", "float16", 2, convert_halves<half_to_float>},
+    {"torch BFloat16Storage", "bfloat16", 2, convert_halves<bfloat16_to_float>},
+    {"torch DoubleStorage", "float64", 8, convert_numbers<double>},
+    {"torch LongStorage", "int64", 8, convert_numbers<int64_t>},
+    {"torch IntStorage", "int32", 4, convert_numbers<int32_t>},
+    {"torch ShortStorage", "int16", 2, convert_numbers<int16_t>},
+    {"torch CharStorage", "int8", 1, convert_numbers<int8_t>},
+    {"torch ByteStorage", "uint8", 1, convert_numbers<uint8_t>},
+    {"torch BoolStorage", "bool", 1, convert_bools}};
 
 [[noreturn]] void fail(const std::filesystem::path& name, const std::string& field,
                        const std::string& message) {
@@ -86,6 +88,17 @@ void require_within_storage(const TorchView& view, const std::filesystem::path& 
          shape_text(view.shape) + " repeats a storage of " + std::to_string(elements) +
              " elements; call contiguous() before saving");
   }
+}
+
+/// Whether the elements follow each other in the storage, in C order.
+bool in_order(const TorchView& view) {
+  uint64_t step = 1;
+  for (size_t i = view.shape.size(); i-- > 0;) {
+    if (view.shape[i] == 1) continue;
+    if (uint64_t(view.strides[i]) != step) return false;
+    step *= uint64_t(view.shape[i]);
+  }
+  return true;
 }
 
 }  // namespace
@@ -164,9 +177,15 @@ FloatArray torch_values(const TorchView& view, const std::string& storage, bool 
   const TorchStorageType& type = *view.storage.type;
   FloatArray array;
   array.shape = view.shape;
-  array.data.reserve(view.count);
+  array.data.resize(view.count);
+  if (view.count == 0) return array;  // its offset may lie anywhere
+  float* out = array.data.data();
+  if (in_order(view)) {
+    type.convert(storage.data() + view.offset * type.bytes, view.count, big_endian, out);
+    return array;
+  }
   for_each_strided(view.shape, view.strides, view.offset, [&](uint64_t i) {
-    array.data.push_back(type.convert(storage.data() + i * type.bytes, big_endian));
+    type.convert(storage.data() + i * type.bytes, 1, big_endian, out++);
   });
   return array;
 }

@@ -15,7 +15,7 @@ struct TorchStorageType {
   const char* global;  ///< "torch FloatStorage"
   const char* dtype;   ///< "float32"
   unsigned bytes;      ///< of one element
-  float (*convert)(const char* element, bool big_endian);
+  void (*convert)(const char* elements, uint64_t count, bool big_endian, float* out);
 };
 
 /// A storage that a pickle refers to; its elements lie elsewhere in the file.

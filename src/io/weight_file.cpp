@@ -26,9 +26,7 @@ class SafetensorsWeights : public WeightFile {
   std::vector<float> read(const std::string& tensor) const override {
     const auto found = directory_.tensors.find(tensor);
     if (found == directory_.tensors.end()) throw_unknown(name(), tensor);
-    const TensorPlace& place = found->second;
-    const std::string bytes = source_->read(place.offset, place.bytes);
-    return floats_of({place.dtype, place.shape, {bytes.begin(), bytes.end()}}, tensor);
+    return read_floats(*source_, found->second, tensor);
   }
 
  private:

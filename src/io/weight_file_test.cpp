@@ -88,6 +88,33 @@ TEST(WeightFile, ReadsSafetensors) {
   EXPECT_THAT(weights->read("b"), ElementsAre(1));
 }
 
+TEST(WeightFile, ReadsTensorsLargerThanAPiece) {
+  std::vector<float> values(200'003);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = float(i);
+  TensorFile file;
+  file.tensors["before"] = {"U8", {3}, {1, 2, 3}};
+  file.tensors["long"] = tensor_of(values);
+  write_safetensors(folder() / "long.safetensors", file);
+  EXPECT_EQ(WeightFile::open(folder() / "long.safetensors")->read("long"), values);
+}
+
+TEST(WeightFile, AFileThatShrinksWhileItIsOpenIsAnError) {
+  TensorFile file;
+  file.tensors["a"] = tensor_of(std::vector<float>(100'000, 1.f));
+  const fs::path path = folder() / "shrinking.safetensors";
+  write_safetensors(path, file);
+  const auto weights = WeightFile::open(path);
+  fs::resize_file(path, 5000);
+  try {
+    weights->read("a");
+    FAIL() << "read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    EXPECT_EQ(error.details().path, path);
+    EXPECT_THAT(error.details().message, HasSubstr("shorter"));
+  }
+}
+
 TEST(WeightFile, ReadsAStateDict) {
   const std::string bytes = archive("}" + entry("a", tensor("0", 2)) + entry("b", tensor("1", 3)));
   const auto weights = WeightFile::from_memory(bytes, "");
