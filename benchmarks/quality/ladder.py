@@ -4,9 +4,11 @@
     benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...] [--refined]
 
 Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
-Finished runs in OUTPUT are not repeated: the command can be stopped and started again. It writes
+Finished runs in OUTPUT are not repeated: the command can be stopped and started again, with other rows or rooms too; what
+results.csv holds stays. It writes
 
     results.csv    a line per row, room and seed
+    settings.json  the program's version and what each row sets
     table.md       means, and paired differences with 95 % intervals (percentile bootstrap over the pairs)
     ROOM_SEED.html pictures of all rows side by side (`aligngs compare`)
     acceptance/    what the simulated teachers of each scene measure
@@ -19,6 +21,7 @@ import json
 import math
 import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
@@ -35,11 +38,11 @@ NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_bound
 
 
 class Row:
-    """One way to train: which cloud and labels the scene has, and the settings."""
+    """One way to train: which cloud and labels the scene has, how `aligngs refine` goes before, and the settings."""
 
-    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refined=False, compare_with=None):
+    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refine=None, compare_with=None):
         self.name, self.preset, self.settings = name, preset, list(settings)
-        self.cloud, self.labels, self.refined, self.compare_with = cloud, labels, refined, compare_with
+        self.cloud, self.labels, self.refine, self.compare_with = cloud, labels, refine, compare_with
 
     @property
     def folder(self):
@@ -63,18 +66,19 @@ ROWS = [
     Row("default, placebo constant", "default", labels="constant", compare_with="default, uncoupled"),
     Row("default, placebo shuffled", "default", labels="shuffled", compare_with="default, uncoupled"),
     Row("default, true labels", "default", labels="true", compare_with="default, uncoupled"),
-    Row("default, refined cameras", "default", refined=True, compare_with="default"),
+    Row("default, refined", "default", refine=[], compare_with="default"),
 ]
 PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
 YARDSTICKS = [(PRIOR, "--from-prior"), (CEILING, "--from-truth")]
-# Rows that have yardsticks with the same cameras and prior depth; only their scenes and fusion settings matter.
-YARDSTICK_ROWS = {"default": "", "default, refined cameras": ", refined cameras"}
+# What the yardsticks of a row are called, and how `refine` goes before them: what counts as the prior is the network's own
+# depth (a smooth factor per photo at most), so cameras alone are refined for it.
+YARDSTICK_ROWS = {"default": ("", None), "default, refined": (", refined cameras", ["--no-stereo"])}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("between", "between", 2, "nvs.interpolating.psnr"),
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
     ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
     ("precision", "Prec", 3, "geometry.precision"), ("recall", "Recall", 3, "geometry.recall"),
-    ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("seconds", "seconds", 0, "train.seconds"),
+    ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("seconds", "processor s", 0, None),
 ]
 GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore")
 
@@ -87,6 +91,12 @@ def run(*arguments):
     return done.stdout
 
 
+def processor_seconds():
+    """Of all programs that this script has waited for: other work on the machine changes it less than the time on the wall."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def value_at(document, path):
     for part in path.split("."):
         document = document.get(part) if isinstance(document, dict) else None
@@ -94,7 +104,7 @@ def value_at(document, path):
 
 
 def scores(metrics, only=None):
-    return {key: value_at(metrics, path) if only is None or key in only else math.nan for key, _, _, path in COLUMNS}
+    return {key: value_at(metrics, path) if path and (only is None or key in only) else math.nan for key, _, _, path in COLUMNS}
 
 
 def make_scene(output, room, room_seed, seed, row):
@@ -106,31 +116,43 @@ def make_scene(output, room, room_seed, seed, row):
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
             (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text)
-    if not row.refined:
-        return folder
-    better = folder.with_name(folder.name + "_refined")
+    return folder if row.refine is None else refined_scene(folder, row.refine)
+
+
+def refined_scene(folder, options):
+    better = folder.with_name("_".join([folder.name, "refined"] + [o.strip("-") for o in options]))
     if not better.exists():
-        run("refine", folder, "-o", better)
+        run("refine", folder, "-o", better, *options)
     return better
 
 
 def train(output, room, room_seed, seed, row, iterations):
     folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+    spent = folder / "processor_seconds"
     if not (folder / "metrics.json").exists():
         scene = make_scene(output, room, room_seed, seed, row)
         settings = [text for s in row.settings for text in ("--set", s)]
+        before = processor_seconds()
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *settings)
-    return scores(json.loads((folder / "metrics.json").read_text()))
+        spent.write_text(str(processor_seconds() - before))
+    result = scores(json.loads((folder / "metrics.json").read_text()))
+    result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan  # unknown after an interrupted run
+    return result
 
 
-def yardstick(output, room, room_seed, seed, row, option):
-    source = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
-    result = source / f"yardstick{option}.json"
+def yardstick(output, room, room_seed, seed, row, option, refine):
+    """Scores of a mesh that no training has touched. The run that it needs is one of a single iteration."""
+    scene = make_scene(output, room, room_seed, seed, row) if refine is None else refined_scene(
+        make_scene(output, room, room_seed, seed, Row("", row.preset)), refine)
+    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
+    result = folder / f"yardstick{option}.json"
     if not result.exists():
-        mesh = source / f"yardstick{option}.ply"
-        run("mesh", source, option, "-o", mesh)
+        if not (folder / "metrics.json").exists():
+            run("run", scene, "-o", folder, "--preset", row.preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite")
+        mesh = folder / f"yardstick{option}.ply"
+        run("mesh", folder, option, "-o", mesh)
         partial = result.with_suffix(".partial")
-        partial.write_text(run("eval", source, "--mesh", mesh, "--json"))
+        partial.write_text(run("eval", folder, "--mesh", mesh, "--json"))
         partial.rename(result)
         mesh.unlink()
     return scores(json.loads(result.read_text()), GEOMETRY)
@@ -164,23 +186,49 @@ def difference_cell(results, row, base, key, digits):
     return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
 
 
+def read_results(output):
+    """Of earlier calls: {row: {(room, room_seed, seed): scores}}."""
+    results = {}
+    file = output / "results.csv"
+    if file.exists():
+        with open(file, newline="") as text:
+            for line in csv.DictReader(text):
+                key = (line["room"], int(line["room_seed"]), int(line["seed"]))
+                results.setdefault(line["row"], {})[key] = {k: float(line[k]) if line[k] else math.nan for k, *_ in COLUMNS}
+    return results
+
+
+def write_settings(output, arguments):
+    """What made the numbers; a table must not mix lengths or rooms."""
+    file = output / "settings.json"
+    now = {"program": run("--version").strip(), "rooms": arguments.rooms, "iterations": arguments.iterations,
+           "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine} for r in ROWS}}
+    if file.exists():
+        before = json.loads(file.read_text())
+        for key in ("rooms", "iterations"):
+            if before[key] != now[key]:
+                sys.exit(f"{file}: {key} is {before[key]}, and {now[key]} was asked for; give another OUTPUT")
+    file.write_text(json.dumps(now, indent=2) + "\n")
+
+
 def write_tables(output, results, rows, arguments):
+    order = [r.name for r in ROWS]
+    results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
     with open(output / "results.csv", "w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(["row", "room", "room_seed", "seed"] + [key for key, *_ in COLUMNS])
         for name, by_pair in results.items():
             for (room, room_seed, seed), values in by_pair.items():
                 writer.writerow([name, room, room_seed, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
-    lines = [f"{arguments.rooms} rooms, seeds {' '.join(map(str, arguments.seeds))}, {arguments.iterations} iterations, "
-             "320x240, 20 training and 8 test views, **simulated** teachers of the medium level"
-             + (", cameras refined by `aligngs refine`" if arguments.refined else "") + ". Means over room and seed.", "",
-             "| row | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+    lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, 320x240, 20 training and 8 test views, **simulated** "
+             "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says.", "",
+             "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
     for name, by_pair in results.items():
-        lines.append(f"| {name} | " + " | ".join(number(mean([v[key] for v in by_pair.values()]), digits)
+        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(number(mean([v[key] for v in by_pair.values()]), digits)
                                                  for key, _, digits, _ in COLUMNS) + " |")
     lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
               "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
-    for row in rows:
+    for row in ROWS:
         if row.compare_with in results and row.name in results:
             cells = [difference_cell(results, row.name, row.compare_with, *column) for column in (("psnr", 2), ("fscore", 3), ("miou", 3))]
             lines.append(f"| {row.name} | {row.compare_with} | " + " | ".join(cells) + " |")
@@ -191,7 +239,7 @@ def write_tables(output, results, rows, arguments):
 def gap_lines(results):
     """Which share of the way from the prior's own surface to the ceiling a row goes."""
     lines = []
-    for row, suffix in YARDSTICK_ROWS.items():
+    for row, (suffix, _) in YARDSTICK_ROWS.items():
         prior, ceiling = results.get(PRIOR + suffix, {}), results.get(CEILING + suffix, {})
         shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
                   for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
@@ -210,30 +258,32 @@ def main():
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
     parser.add_argument("--iterations", type=int, default=2000)
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
-    parser.add_argument("--refined", action="store_true", help="cameras and prior depth through `aligngs refine` first, for all rows")
     parser.add_argument("--keep-scenes", action="store_true", help="keep the scenes (some 100 MB each) after their last row")
     arguments = parser.parse_args()
     rows = [r for r in ROWS if arguments.rows is None or r.name in arguments.rows]
     if not rows:
         parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
-    for row in rows:
-        row.refined = row.refined or arguments.refined
     output = arguments.output
     output.mkdir(parents=True, exist_ok=True)
-    results = {}
+    write_settings(output, arguments)
+    results = read_results(output)
     for room, room_seed in ROOMS[arguments.rooms]:
         if arguments.kinds and room not in arguments.kinds:
             continue
         for seed in arguments.seeds:
             key = (room, room_seed, seed)
             for row in rows:
-                print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
-                results.setdefault(row.name, {})[key] = train(output, room, room_seed, seed, row, arguments.iterations)
+                if key not in results.setdefault(row.name, {}):
+                    print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
+                    results[row.name][key] = train(output, room, room_seed, seed, row, arguments.iterations)
+                    write_tables(output, results, rows, arguments)
             for row in (r for r in rows if r.name in YARDSTICK_ROWS):
+                suffix, refine = YARDSTICK_ROWS[row.name]
                 for name, option in YARDSTICKS:
-                    results.setdefault(name + YARDSTICK_ROWS[row.name], {})[key] = yardstick(output, room, room_seed, seed, row, option)
-            folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in rows]
-            for folder in folders:  # the largest part of a run; the yardsticks were the last to need it
+                    if key not in results.setdefault(name + suffix, {}):
+                        results[name + suffix][key] = yardstick(output, room, room_seed, seed, row, option, refine)
+            folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if f.exists()]
+            for folder in folders:  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)
             if len(folders) > 1:
                 run("compare", *folders, "--html", output / f"{room}_{room_seed}_{seed}.html")
