@@ -103,6 +103,15 @@ TEST_F(ModelsProgram, ImportTakesAFileOfTheRightNetworkOnly) {
   EXPECT_EQ(run("models path vggt-1b").status, 0);
 }
 
+TEST_F(ModelsProgram, TheCacheOfHuggingFaceIsUsedBeforeAnImportedFile) {
+  const fs::path cached = folder / "hub" / "models--facebook--VGGT-1B" / "snapshots" / "r1" / "model.safetensors";
+  write_file_atomically(cached, file_with("aggregator.camera_token"));
+  const ProcessResult imported = run("models import vggt-1b " + out("one.safetensors"));
+  EXPECT_EQ(imported.status, 0);
+  EXPECT_THAT(imported.err, HasSubstr(cached.string() + " is used instead"));
+  EXPECT_THAT(run("models path vggt-1b").out, HasSubstr(cached.string()));
+}
+
 TEST_F(ModelsProgram, DoctorSaysWhichWeightsAreWhere) {
   const ProcessResult none = run("doctor");
   EXPECT_THAT(none.out, AllOf(HasSubstr("0 of "), HasSubstr((folder / "models").string()), HasSubstr((folder / "hub").string())));

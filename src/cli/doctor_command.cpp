@@ -108,10 +108,10 @@ std::vector<Check> check_weights(const ModelStore& store) {
     found.push_back({"weights", true, model.name + ": " + places,
                      missing.empty() ? "" : fmt::format("of no use yet without{}: aligngs models download {}", missing, model.name)});
   }
-  std::string looked = store.options().folder.string();
-  for (const auto* folders : {&store.options().huggingface, &store.options().torch}) {
-    for (const fs::path& folder : *folders) looked += ", " + folder.string();
-  }
+  std::string looked;
+  for (const fs::path& folder : store.options().huggingface) looked += folder.string() + ", ";
+  looked += store.options().folder.string();
+  for (const fs::path& folder : store.options().torch) looked += ", " + folder.string();
   const std::string summary = fmt::format("{} of {} models are complete; looked in {}", whole, published_models().size(), looked);
   found.insert(found.begin(), {"network weights", true, summary,
                                whole > 0 ? "" : "without them: cameras from COLMAP, no class labels, no lpips; `aligngs models list` shows what there is"});

@@ -77,8 +77,9 @@ void list_models(const CommandContext& context) {
       std::printf("%-41s %s\n%-41s sha256 %s\n", "", file.url.c_str(), "", digest.c_str());
     }
   }
-  std::printf("folder: %s (ALIGNGS_MODELS changes it); the caches of Hugging Face and torch are looked into as well\n",
-              store.options().folder.c_str());
+  const auto first = [](const std::vector<std::filesystem::path>& folders) { return folders.empty() ? "-" : folders.front().c_str(); };
+  std::printf("looked for, in this order: %s (HF_HUB_CACHE, HF_HOME), %s (ALIGNGS_MODELS), %s (TORCH_HOME)\n", first(store.options().huggingface),
+              store.options().folder.c_str(), first(store.options().torch));
 }
 
 /// The licence is shown; going on without having said yes is not possible.
@@ -178,6 +179,11 @@ void import_files(const CommandContext& context, const std::string& name, const 
     const std::filesystem::path path = import_model_file(store, model, file);
     document.push_back(path.string());
     if (!context.global.json) std::printf("%s: %s\n", model.name.c_str(), path.c_str());
+    for (const ModelFile& part : model.files) {
+      const auto used = store.find(model, part);
+      if (used && store.own_path(model, part) == path && used->path != path)
+        log_warning("{} is used instead: the {} is looked in first", used->path.string(), name_of(used->place));
+    }
   }
   if (context.global.json) std::printf("%s\n", document.dump(2).c_str());
   if (!store.installed(model)) log_warning("{} is not complete yet: {}", model.name, how_to_get(store, model));

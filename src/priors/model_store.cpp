@@ -113,8 +113,6 @@ fs::path ModelStore::own_path(const PublishedModel& model, const ModelFile& file
 
 std::optional<LocatedModelFile> ModelStore::find(const PublishedModel& model,
                                                  const ModelFile& file) const {
-  const fs::path own = own_path(model, file);
-  if (is_file(own)) return LocatedModelFile{own, ModelPlace::kOurs};
   if (!file.huggingface.empty()) {
     for (const fs::path& cache : options_.huggingface) {
       for (const fs::path& snapshot : snapshots(cache / huggingface_folder(file.huggingface))) {
@@ -125,6 +123,8 @@ std::optional<LocatedModelFile> ModelStore::find(const PublishedModel& model,
       }
     }
   }
+  const fs::path own = own_path(model, file);
+  if (is_file(own)) return LocatedModelFile{own, ModelPlace::kOurs};
   // Names on Hugging Face ("model.pt") say nothing outside of their repository.
   if (file.url.find("huggingface.co") == std::string::npos) {
     for (const fs::path& cache : options_.torch) {
@@ -135,13 +135,14 @@ std::optional<LocatedModelFile> ModelStore::find(const PublishedModel& model,
 }
 
 std::vector<fs::path> ModelStore::places(const PublishedModel& model, const ModelFile& file) const {
-  std::vector<fs::path> paths = {own_path(model, file)};
+  std::vector<fs::path> paths;
   if (!file.huggingface.empty()) {
     for (const fs::path& cache : options_.huggingface) {
       const fs::path snapshot = cache / huggingface_folder(file.huggingface) / "snapshots" / "*";
       for (const std::string& name : huggingface_names(file)) paths.push_back(snapshot / name);
     }
   }
+  paths.push_back(own_path(model, file));
   if (file.url.find("huggingface.co") == std::string::npos) {
     for (const fs::path& cache : options_.torch) paths.push_back(cache / file.name);
   }

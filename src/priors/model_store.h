@@ -1,4 +1,4 @@
-// Where weights lie on this machine: our own folder, Hugging Face's cache, torch's cache.
+// Where weights lie on this machine: Hugging Face's cache, our own folder, torch's cache.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 namespace aligngs {
 
 struct ModelStoreOptions {
-  std::filesystem::path folder;  ///< ours: <folder>/<model>/<file>
+  std::filesystem::path folder;                    ///< ours: <folder>/<model>/<file>
   std::vector<std::filesystem::path> huggingface;  ///< folders with models--<owner>--<name>
   std::vector<std::filesystem::path> torch;        ///< folders with files as torch.hub names them
   bool offline = false;                            ///< never touch the network
@@ -38,7 +38,8 @@ class ModelStore {
   const ModelStoreOptions& options() const { return options_; }
   /// Where download and import put a file.
   std::filesystem::path own_path(const PublishedModel& model, const ModelFile& file) const;
-  /// Looks at the disk only; the first place that has the file wins: ours, Hugging Face's, torch's.
+  /// Looks at the disk only; the first place that has the file wins: Hugging Face's cache, whose
+  /// files other programs of the user read as well, then ours, then torch's.
   std::optional<LocatedModelFile> find(const PublishedModel& model, const ModelFile& file) const;
   /// Every path that find() looks at, in its order ("*" for any revision).
   std::vector<std::filesystem::path> places(const PublishedModel& model,

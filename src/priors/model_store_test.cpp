@@ -90,10 +90,26 @@ TEST_F(Models, AMistypedNameGetsASuggestion) {
   EXPECT_THAT(error_of(ErrorKind::kUsage, [] { published_model("vgt-1b"); }), HasSubstr("vggt-1b"));
 }
 
-TEST_F(Models, OwnFolderWins) {
-  put(options.folder / "toy" / "toy.safetensors");
-  put(options.huggingface[0] / "models--acme--toy" / "snapshots" / "r1" / "model.pt");
+TEST_F(Models, HuggingFaceCacheIsLookedInFirstThenOwnFolderThenTorch) {
+  const fs::path theirs = options.huggingface[0] / "models--acme--toy" / "snapshots" / "r1" / "model.pt";
+  const fs::path own = options.folder / "toy" / "toy.safetensors";
+  put(theirs);
+  put(own);
+  put(options.torch[0] / "toy.safetensors");
+  EXPECT_EQ(store().find(model, file())->place, ModelPlace::kHuggingFace);
+  fs::remove(theirs);
   EXPECT_EQ(store().find(model, file())->place, ModelPlace::kOurs);
+  fs::remove(own);
+  EXPECT_EQ(store().find(model, file())->place, ModelPlace::kTorch);
+}
+
+TEST_F(Models, PlacesAreNamedInTheOrderInWhichTheyAreLookedAt) {
+  const std::vector<fs::path> places = store().places(model, file());
+  ASSERT_EQ(places.size(), 4u);
+  EXPECT_EQ(places[0], options.huggingface[0] / "models--acme--toy/snapshots/*/toy.safetensors");
+  EXPECT_EQ(places[1], options.huggingface[0] / "models--acme--toy/snapshots/*/model.pt");
+  EXPECT_EQ(places[2], options.folder / "toy" / "toy.safetensors");
+  EXPECT_EQ(places[3], options.torch[0] / "toy.safetensors");
 }
 
 TEST_F(Models, HuggingFaceCacheIsReadAtTheRevisionOfMain) {
