@@ -247,6 +247,26 @@ TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
   EXPECT_EQ(report.written, 3u);
 }
 
+TEST_F(FromPhotos, NetworksThatDoNotFitInMemoryAreRefusedBeforeAnythingIsReplaced) {
+  three_photos();
+  install_vggt();
+  install_linear();
+  make();
+  const ModelStore store(store_options);
+  fill.overwrite = true;
+  fill.memory_limit = 1'000'000;
+  const auto refusal_of = [&](const auto& work) {
+    const std::string text = error_of(ErrorKind::kResources, work);
+    EXPECT_THAT(text, HasSubstr("weights of the network"));
+    EXPECT_THAT(text, HasSubstr("--memory"));
+  };
+  refusal_of([&] { fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill); });
+  refusal_of([&] { fill_semantics(folder / "scene", store, semantic_model("ms-s"), fill); });
+  refusal_of([&] { fill_depth(folder / "scene", store, depth_model("linear-s"), fill); });
+  refusal_of([&] { fill_depth(folder / "scene", store, depth_model("vggt"), fill); });
+  EXPECT_TRUE(open_scene(folder / "scene").has_prior_depth());
+}
+
 TEST_F(FromPhotos, AnUnknownNetworkIsAUsageError) {
   for (const char* name : {"linear-x", "m3f", "ms-", ""})
     EXPECT_THROW(semantic_model(name), Error) << name;

@@ -14,6 +14,7 @@
 #include "nn/depther.h"
 #include "nn/huggingface.h"
 #include "nn/preprocess/pillow_resize.h"
+#include "priors/network_memory.h"
 #include "priors/semantic_teacher.h"
 #include "priors/vggt_prediction.h"
 #include "scene/prior_maps.h"
@@ -117,7 +118,7 @@ void fill_with_vggt(const Scene& scene, const fs::path& file, const PriorsJson& 
   MemoryBudget budget(options.memory_limit);
   add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
                   inputs.images[0].height);
-  budget.require("VGGT", "use fewer views, or --depth dpt-s");
+  budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true});
   const nn::Vggt network(compute, weights);
   const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
@@ -136,19 +137,31 @@ void fill_with_vggt(const Scene& scene, const fs::path& file, const PriorsJson& 
   }
 }
 
-std::unique_ptr<nn::DepthNetwork> load_depther(const nn::Compute& compute, const ModelStore& store,
-                                               const PublishedModel& model) {
+struct DepthWeights {
+  nn::Weights backbone, head;
+};
+
+DepthWeights depth_weights(const ModelStore& store, const PublishedModel& model) {
   const auto located = store.find(model, model.files[0]);
   if (located) {
     const std::shared_ptr<const WeightFile> file = WeightFile::open(located->path);
     if (nn::is_huggingface_dpt(*file)) {
-      return nn::make_depth_network(compute, nn::dinov2_from_huggingface(file, "backbone."),
-                                    nn::dpt_head_from_huggingface(file));
+      return {nn::dinov2_from_huggingface(file, "backbone."), nn::dpt_head_from_huggingface(file)};
     }
   }
   const fs::path head = store.require(model).at(0);
   const fs::path backbone = store.require(published_model(model.needs.at(0))).at(0);
-  return nn::make_depth_network(compute, nn::Weights::open(backbone), nn::Weights::open(head));
+  return {nn::Weights::open(backbone), nn::Weights::open(head)};
+}
+
+/// Pixels of the training photos.
+std::vector<NetworkInput> photo_sizes(const Scene& scene) {
+  std::vector<NetworkInput> sizes;
+  for (const int i : scene.train) {
+    const Camera& camera = scene.views[size_t(i)].camera;
+    sizes.push_back({camera.width, camera.height});
+  }
+  return sizes;
 }
 
 /// Depth at 1/2 of the photo's size: the heads decide at 1/14 to 1/4, the rest is interpolation.
@@ -168,8 +181,19 @@ ImageF halved(const nn::FeatureMap& depth) {
 void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model,
                        const PriorsJson& notes, const ScenePriorsOptions& options,
                        ThreadPool& pool, ScenePriorsReport& report) {
+  const DepthWeights weights = depth_weights(store, model);
+  NetworkInput largest;
+  for (const NetworkInput& size : photo_sizes(scene)) {
+    if (size.width * size.height > largest.width * largest.height) largest = size;
+  }
+  MemoryBudget budget(options.memory_limit);
+  add_depth_network_memory(budget, weights.backbone, weights.head, largest,
+                           {options.precision, pool.size()});
+  budget.require(model.name, "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
+                             "more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true});
-  const std::unique_ptr<nn::DepthNetwork> network = load_depther(compute, store, model);
+  const std::unique_ptr<nn::DepthNetwork> network =
+      nn::make_depth_network(compute, weights.backbone, weights.head);
   begin_fill(scene, &View::prior_depth, notes);
   Progress progress(options.progress, "depth", scene.train.size());
   for (const int i : scene.train) {
@@ -240,6 +264,13 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
     return report;
   }
   ThreadPool pool(options.threads);
+  MemoryBudget budget(options.memory_limit);
+  add_semantic_memory(budget, store, model, options.augment, photo_sizes(scene),
+                      {options.precision, pool.size()});
+  budget.require(model.name,
+                 model.name == "ade20k-linear-s"
+                     ? "give it more memory with --memory, or leave classes out: --semantics none"
+                     : "use a light network (--semantics linear-s), or more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true});
   const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment,
                                                         options.mask2former_heads);

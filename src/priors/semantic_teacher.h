@@ -6,6 +6,7 @@
 
 #include "nn/segmentation.h"
 #include "priors/model_store.h"
+#include "priors/network_memory.h"
 #include "scene/scene.h"
 
 namespace aligngs {
@@ -16,9 +17,18 @@ struct SemanticTeacher {
   SemanticKind kind = SemanticKind::kLogits;
 };
 
-/// Loads the network from the store. Error{kWeights} when its weights are missing. `augment`: of the
-/// multi-scale heads; `mask2former_heads`: of attention in Mask2Former's head, which its tensors do
-/// not tell; 0: as many as its deformable attention has.
+/// How a photo is shown to the network of a model.
+nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment);
+
+/// What load_semantic_teacher() and the largest of `photos` (pixels) will need. Reads the headers
+/// of the weight files only; Error{kWeights} when they are missing.
+void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                         bool augment, const std::vector<NetworkInput>& photos,
+                         const NetworkMemoryOptions& options);
+
+/// Loads the network from the store. Error{kWeights} when its weights are missing. `augment`: of
+/// the multi-scale heads; `mask2former_heads`: of attention in Mask2Former's head, which its
+/// tensors do not tell; 0: as many as its deformable attention has.
 SemanticTeacher load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
                                       const PublishedModel& model, bool augment,
                                       int mask2former_heads = 0);

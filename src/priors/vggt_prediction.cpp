@@ -75,9 +75,12 @@ void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Preci
   const uint64_t tokens = frames * (patches + 1 + registers);
   constexpr uint64_t kKept = 4, kStream = 3;  // layers for the dense heads; copies of the stream
   budget.add("tokens kept for the dense heads", kKept * tokens * 2 * channels * 4);
-  budget.add("tokens in work", tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4));
+  // The heads begin when the tokens are done: the larger of the two counts.
+  const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);
   constexpr uint64_t kDensePerPixel = 2200;  // bytes: the widest maps of a dense head
-  budget.add("one frame in the dense head", kDensePerPixel * uint64_t(width) * uint64_t(height));
+  const uint64_t dense = kDensePerPixel * uint64_t(width) * uint64_t(height);
+  budget.add(in_work > dense ? "tokens in work" : "one frame in the dense head",
+             std::max(in_work, dense));
   constexpr uint64_t kMapsPerPixel = 12 + 12 + 8;  // input, its copy, depth and confidence
   budget.add("photos and their maps", frames * kMapsPerPixel * uint64_t(width) * uint64_t(height));
 }

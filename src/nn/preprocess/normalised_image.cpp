@@ -20,17 +20,32 @@ void normalise_unit_image(FeatureMap& image) {
     image.data[i] = (image.data[i] - kMean[i % 3]) / kStd[i % 3];
 }
 
-Image<uint8_t> segmentation_image(const Image<uint8_t>& rgb, const SegmentationResize& resize) {
-  const auto [low, high] = std::minmax(rgb.width, rgb.height);
+namespace {
+
+ImageSize kept_ratio(int width, int height, const SegmentationResize& resize) {
+  const auto [low, high] = std::minmax(width, height);
   const auto [short_side, long_side] = std::minmax(resize.short_side, resize.long_side);
   const double scale = std::min(double(long_side) / high, double(short_side) / low);
-  Image<uint8_t> out =
-      opencv_resize_linear(rgb, int(rgb.width * scale + 0.5), int(rgb.height * scale + 0.5));
-  if (resize.multiple <= 0) return out;
+  return {int(width * scale + 0.5), int(height * scale + 0.5)};
+}
+
+}  // namespace
+
+ImageSize segmentation_size(int width, int height, const SegmentationResize& resize) {
+  const ImageSize size = kept_ratio(width, height, resize);
+  if (resize.multiple <= 0) return size;
   const auto up = [&](int n) {
     return (n + resize.multiple - 1) / resize.multiple * resize.multiple;
   };
-  return opencv_resize_linear(out, up(out.width), up(out.height));
+  return {up(size.width), up(size.height)};
+}
+
+Image<uint8_t> segmentation_image(const Image<uint8_t>& rgb, const SegmentationResize& resize) {
+  const ImageSize kept = kept_ratio(rgb.width, rgb.height, resize);
+  Image<uint8_t> out = opencv_resize_linear(rgb, kept.width, kept.height);
+  if (resize.multiple <= 0) return out;
+  const ImageSize size = segmentation_size(rgb.width, rgb.height, resize);
+  return opencv_resize_linear(out, size.width, size.height);
 }
 
 FeatureMap centre_padded(const FeatureMap& image, int64_t multiple) {

@@ -22,6 +22,12 @@ struct SegmentationResize {
 };
 Image<uint8_t> segmentation_image(const Image<uint8_t>& rgb, const SegmentationResize& resize);
 
+struct ImageSize {
+  int width = 0, height = 0;
+};
+/// The size of segmentation_image() of a photo of width x height pixels.
+ImageSize segmentation_size(int width, int height, const SegmentationResize& resize);
+
 /// Zeros around a normalised image so that its sides are multiples, the smaller margin first.
 FeatureMap centre_padded(const FeatureMap& image, int64_t multiple);
 
