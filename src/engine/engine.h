@@ -71,6 +71,8 @@ class Engine {
   /// one channel that stands for them all. Everything that goes in and out keeps every class. 0, or an engine that does
   /// not offer it: every class has a channel of its own.
   virtual void limit_classes(int /*top_k*/) {}
+  /// Whether steps may have a neighbour; if not, step() throws Error{kUsage} for one that has multi-view terms.
+  virtual bool offers_multi_view() const { return false; }
   virtual void set_training_views(std::vector<TrainingView> views) = 0;
   /// Forward, losses, backward, optimiser for one view. On a non-finite value the parameters and moments
   /// are as before the call and report.non_finite says where.

@@ -68,6 +68,15 @@ void check_step_request(const StepRequest& request, size_t views) {
                  "view",
                  "set the training views before the first step"});
   }
+  if (request.has_multi_view_terms() &&
+      (static_cast<size_t>(request.neighbour.view) >= views || request.neighbour.view == request.view)) {
+    throw Error({ErrorKind::kFailed,
+                 "view " + std::to_string(request.neighbour.view) + " cannot be the neighbour of training view " +
+                     std::to_string(request.view),
+                 {},
+                 "neighbour",
+                 "choose another training view"});
+  }
   if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
     throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
   }

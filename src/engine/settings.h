@@ -51,6 +51,9 @@ struct LossSettings {
   float normal_boundary_weight = 0.0f;     ///< paper L_nb with alpha = 100
   float crease_weight = 0.0f;        ///< guidance 2.3: one-sided normal supervision at label edges
   float prior_normal_weight = 0.0f;  ///< 1 - n . n_prior
+  /// PGSR's terms against the neighbour of the step (StepRequest::neighbour); without one they do not act.
+  float multi_view_geometric_weight = 0.0f;    ///< mean forward-backward reprojection error, pixels
+  float multi_view_photometric_weight = 0.0f;  ///< mean 1 - NCC^2 of patches across the rendered planes
   bool paper_normals = false;        ///< L_ng and L_nb exactly as printed, without discontinuity guards
 
   float opacity_l1_weight = 0.0f;    ///< mean opacity (MCMC regulariser)
@@ -75,6 +78,13 @@ struct ShapeLimits {
   float scale_max = 0;         ///< largest scale, scene units
 };
 
+/// The other view of a step's multi-view terms; nothing of it is trained in this step.
+struct NeighbourRequest {
+  int view = -1;         ///< index into the training views, not that of the step; -1: the step has no neighbour
+  float near_plane = 0;  ///< RasterSettings::near_plane of that view
+  uint64_t seed = 0;     ///< draws the pixels of the photometric term
+};
+
 struct StepRequest {
   int view = 0;        ///< index into the training views
   int64_t step = 1;    ///< 1-based, for Adam's bias correction
@@ -86,6 +96,11 @@ struct StepRequest {
   RasterSettings raster;
   bool collect_density = true;  ///< accumulate density statistics (photometric gradients only)
   float extent = 1;             ///< robust scene extent, scene units
+  NeighbourRequest neighbour;
+
+  bool has_multi_view_terms() const {
+    return neighbour.view >= 0 && (losses.multi_view_geometric_weight != 0 || losses.multi_view_photometric_weight != 0);
+  }
 };
 
 }  // namespace aligngs

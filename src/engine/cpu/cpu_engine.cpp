@@ -52,6 +52,8 @@ const char* bad_loss(const LossTerms& t) {
                                                   {"prior_normal", t.prior_normal},
                                                   {"opacity_l1", t.opacity_l1},
                                                   {"scale_l1", t.scale_l1},
+                                                  {"multi_view_geometric", t.multi_view_geometric},
+                                                  {"multi_view_photometric", t.multi_view_photometric},
                                                   {"total", t.total}};
   for (const auto& [name, value] : terms) {
     if (!std::isfinite(value)) return name;
@@ -60,8 +62,9 @@ const char* bad_loss(const LossTerms& t) {
 }
 
 /// Some loss looks at normal, distance or alpha.
-bool needs_geometry(const LossSettings& s) {
-  return s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 ||
+bool needs_geometry(const StepRequest& request) {
+  const LossSettings& s = request.losses;
+  return request.has_multi_view_terms() || s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 ||
          s.normal_boundary_weight != 0 || s.crease_weight != 0 || s.prior_normal_weight != 0;
 }
 
@@ -171,14 +174,35 @@ NonFinite CpuEngine::locate(NonFinite symptom) const {
   return symptom;
 }
 
+bool CpuEngine::render_neighbour(const StepRequest& request) {
+  const TrainingView& view = views_[static_cast<size_t>(request.neighbour.view)];
+  RasterSettings raster = request.raster;
+  raster.near_plane = request.neighbour.near_plane;
+  prepare_frame(view.data.camera, raster, request.sh_degree);
+  if (frame_.view.non_finite >= 0) return false;
+  forward_pass({frame_.view, frame_.lists, raster}, true, *pool_, scratch_, frame_.maps, nullptr);
+  keep_neighbour_depth<float>({frame_.maps, view, request.losses, pool_.get(), nullptr}, loss_workspace_);
+  return true;
+}
+
 StepReport CpuEngine::step(const StepRequest& request) {
   check_step_request(request, views_.size());
   check_optimiser_settings(request);
   const TrainingView& view = views_[static_cast<size_t>(request.view)];
-  const bool geometry = needs_geometry(request.losses), density = request.collect_density;
+  const bool geometry = needs_geometry(request), density = request.collect_density;
   StepReport report;
   Stopwatch watch(report.seconds);
 
+  std::optional<NeighbourView<float>> neighbour;
+  if (request.has_multi_view_terms()) {
+    if (!render_neighbour(request)) {
+      report.non_finite = locate({true, frame_.view.non_finite, "parameters"});
+      return report;
+    }
+    neighbour.emplace(NeighbourView<float>{views_[static_cast<size_t>(request.neighbour.view)],
+                                           loss_workspace_.neighbour_depth.data(), request.neighbour.seed});
+    watch.lap("neighbour");
+  }
   project_view(model_, view.data.camera, request.raster, request.sh_degree, *pool_, frame_.view);
   watch.lap("project");
   if (frame_.view.non_finite >= 0) {
@@ -200,7 +224,8 @@ StepReport CpuEngine::step(const StepRequest& request) {
     if (!rounded || keep_features_) prepare_features(request.losses.semantic_blend, gradients_.touched.data());
   }
   watch.lap("semantic_rows");
-  const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_};
+  const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_,
+                                    neighbour ? &*neighbour : nullptr};
   clear_gradients(frame_.maps.pixels(), *pool_, map_gradients_);
   map_losses(inputs, report.losses, map_gradients_);
   if (density) color_residual(inputs, residual_);

@@ -45,6 +45,7 @@ class CpuEngine final : public Engine {
   size_t size() const override { return model_.size(); }
 
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
+  bool offers_multi_view() const override { return true; }
   void set_training_views(std::vector<TrainingView> views) override;
   StepReport step(const StepRequest& request) override;
 
@@ -81,6 +82,8 @@ class CpuEngine final : public Engine {
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
   void settle_memory();                                     ///< large pages for parameters and moments
   bool semantics_active(const StepRequest& request);
+  /// Renders the neighbour's plane depth into loss_workspace_. False when a Gaussian in its view is not finite.
+  bool render_neighbour(const StepRequest& request);
   int64_t first_bad_feature_gradient() const;  ///< row of the model, or -1
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
   NonFinite locate(NonFinite symptom) const;

@@ -182,6 +182,10 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
 StepReport CudaEngine::step(const StepRequest& request) {
   check_step_request(request, views_.size());
   cpu::check_optimiser_settings(request);
+  if (request.has_multi_view_terms()) {
+    throw_usage("the CUDA engine does not have the multi-view terms",
+                "use --device cpu, or set loss.multi_view_geometric=0 and loss.multi_view_photometric=0");
+  }
   const auto start = std::chrono::steady_clock::now();
   ViewOnDevice& view = views_[static_cast<size_t>(request.view)];
   const bool semantics = semantics_active(request, view);

@@ -7,6 +7,8 @@
 #include "engine/losses/depth_log.h"
 #include "engine/losses/depth_map.h"
 #include "engine/losses/depth_pearson.h"
+#include "engine/losses/multi_view_geometric.h"
+#include "engine/losses/multi_view_photometric.h"
 #include "engine/losses/normal_boundary.h"
 #include "engine/losses/normal_consistency.h"
 #include "engine/losses/photometric.h"
@@ -57,7 +59,9 @@ void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& g
 
   photometric_losses(in, workspace, terms, gradients);
 
-  const bool depth_terms = s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0;
+  const bool multi_view = in.neighbour && (s.multi_view_geometric_weight != 0 || s.multi_view_photometric_weight != 0);
+  const bool depth_terms =
+      s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 || multi_view;
   if (depth_terms || (s.normal_boundary_weight != 0 && !s.paper_normals)) compute_depth_map(in, workspace);
   if (s.normal_consistency_weight != 0 || s.normal_boundary_weight != 0 || s.crease_weight != 0 ||
       s.prior_normal_weight != 0) {
@@ -79,6 +83,13 @@ void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& g
   add(s.crease_weight, terms.crease, [&](double w) { return crease_loss(in, w, workspace, gradients); });
   add(s.prior_normal_weight, terms.prior_normal,
       [&](double w) { return prior_normal_loss(in, w, workspace, gradients); });
+  if (multi_view) {
+    const ViewAgreement agreement = compare_with_neighbour(in, workspace);
+    add(s.multi_view_geometric_weight, terms.multi_view_geometric,
+        [&](double w) { return multi_view_geometric_loss(in, w, agreement, workspace); });
+    add(s.multi_view_photometric_weight, terms.multi_view_photometric,
+        [&](double w) { return multi_view_photometric_loss(in, w, agreement, workspace, gradients); });
+  }
   if (depth_terms) chain_depth_map(in, workspace, gradients);
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/thread_pool.h"
 #include "engine/loss_terms.h"
+#include "engine/losses/neighbour_view.h"
 #include "engine/losses/workspace.h"
 #include "engine/maps.h"
 #include "engine/settings.h"
@@ -18,6 +19,7 @@ struct MapLossInputs {
   const LossSettings& settings;
   ThreadPool* pool = nullptr;  ///< nullptr: on the calling thread; results do not depend on it
   MapLossWorkspace<T>* workspace = nullptr;  ///< nullptr: buffers are allocated for this call
+  const NeighbourView<T>* neighbour = nullptr;  ///< nullptr: no multi-view term, whatever its weight
 };
 
 /// Adds the terms to `terms` (values unweighted, `total` weighted) and their weighted gradients to `gradients`,

@@ -7,7 +7,7 @@
 namespace aligngs {
 
 /// Owned by whoever calls map_losses; used by one call at a time. Sizes itself to the maps, carries nothing
-/// from one call to the next.
+/// from one call to the next but neighbour_depth.
 template <class T>
 struct MapLossWorkspace {
   std::vector<T> truth;           ///< 3 planes: the photo
@@ -20,6 +20,13 @@ struct MapLossWorkspace {
   std::vector<uint8_t> validity;  ///< DepthValidity per pixel
   std::vector<uint8_t> stencil;   ///< which neighbours the depth normal of a pixel uses
   std::vector<double> row_sums;
+
+  // Of the multi-view terms.
+  std::vector<T> neighbour_depth;  ///< of the neighbour's camera; kept until the next keep_neighbour_depth
+  std::vector<T> agreement, agreement_slope;  ///< w = exp(-phi), 0 = none; w dphi/dz
+  std::vector<T> grey, neighbour_grey;
+  std::vector<T> patch_gradient;  ///< [H * W][4] by normal and distance; only where patch_used is 1
+  std::vector<uint8_t> patch_used;
 };
 
 }  // namespace aligngs

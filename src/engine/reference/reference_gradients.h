@@ -277,12 +277,24 @@ Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view,
   return out;
 }
 
-/// The same with the map losses of engine/losses.
+/// The plane depth of the request's neighbour, as the multi-view terms take it.
+template <class T>
+std::vector<T> neighbour_depth(const GaussianModelT<T>& model, const TrainingView& neighbour,
+                               const StepRequest& request) {
+  RasterSettings raster = request.raster;
+  raster.near_plane = request.neighbour.near_plane;
+  const RenderMaps<T> maps = render_maps(make_splats(model, neighbour.data.camera, raster, request.sh_degree), raster);
+  MapLossWorkspace<T> workspace;
+  keep_neighbour_depth(MapLossInputs<T>{maps, neighbour, request.losses}, workspace);
+  return workspace.neighbour_depth;
+}
+
+/// The same with the map losses of engine/losses; nullptr: without multi-view terms.
 template <class T>
 Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view, const StepRequest& request,
-                       double bounded_scale) {
+                       double bounded_scale, const NeighbourView<T>* neighbour = nullptr) {
   const MapLossFunction<T> losses = [&](const RenderMaps<T>& maps, LossTerms& terms, MapGradients<T>& dmap) {
-    map_losses(MapLossInputs<T>{maps, view, request.losses}, terms, dmap);
+    map_losses(MapLossInputs<T>{maps, view, request.losses, nullptr, nullptr, neighbour}, terms, dmap);
   };
   return gradients(model, view, request, bounded_scale, losses);
 }
