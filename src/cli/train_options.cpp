@@ -9,8 +9,8 @@ namespace aligngs {
 
 void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
   command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")->check(CLI::PositiveNumber);
-  command.add_option("--preset", options->preset, "preview, default, paper or high")
-      ->check(CLI::IsMember({"preview", "default", "paper", "high"}));
+  command.add_option("--preset", options->preset, "preview, default, paper, high or pgsr")
+      ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}));
   command.add_option("--config", options->config_file, "TOML file with settings");
   command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; --print-config lists them)");
   command.add_option("--seed", options->seed, "seed of everything random")->check(CLI::NonNegativeNumber);

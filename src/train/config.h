@@ -6,6 +6,7 @@
 // train.reference_iterations (7000) and scale with the run's length.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -58,6 +59,9 @@ struct LossConfig {
   double normal_consistency = 0, normal_boundary = 0, crease = 0;
   int64_t normal_start = 0;  ///< [ref] those three act after it
   double prior_normal = 0, prior_normal_end = 0;
+  double multi_view_geometric = 0, multi_view_photometric = 0;
+  int64_t multi_view_from = 0;   ///< [ref] those two act after it
+  int64_t multi_view_every = 1;  ///< in every so-manieth iteration
   bool paper_normals = false;
   double opacity_l1 = 0, scale_l1 = 0;
 };
@@ -122,9 +126,10 @@ struct TrainConfig {
   MeshConfig mesh;
 };
 
-enum class Preset { kPreview, kDefault, kPaper, kHigh };
+enum class Preset { kPreview, kDefault, kPaper, kHigh, kPgsr };
+inline constexpr size_t kPresets = 5;
 
-/// "preview", "default", "paper", "high"; Error{kUsage} for anything else.
+/// "preview", "default", "paper", "high", "pgsr"; Error{kUsage} for anything else.
 Preset parse_preset(const std::string& name);
 std::string preset_name(Preset preset);
 TrainConfig make_preset(Preset preset);

@@ -112,7 +112,7 @@ std::vector<std::string> config_differences(const TrainConfig& a, const TrainCon
 }
 
 std::string config_reference_markdown() {
-  std::string text = "| key | preview | default | paper | high | meaning |\n|---|---|---|---|---|---|\n";
+  std::string text = "| key | preview | default | paper | high | pgsr | meaning |\n|---|---|---|---|---|---|---|\n";
   for (const ConfigKey& key : config_keys()) {
     text += fmt::format("| `{}` |", key.name);
     for (const ConfigValue& v : key.presets) text += fmt::format(" {} |", config_value_text(v));

@@ -159,11 +159,11 @@ std::string config_value_text(const ConfigValue& value) {
 }
 
 Preset parse_preset(const std::string& name) {
-  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh}) {
+  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh, Preset::kPgsr}) {
     if (preset_name(p) == name) return p;
   }
   throw Error({ErrorKind::kUsage, fmt::format("unknown preset '{}'", name), {}, "--preset",
-               "use preview, default, paper or high"});
+               "use preview, default, paper, high or pgsr"});
 }
 
 std::string preset_name(Preset preset) {
@@ -172,6 +172,7 @@ std::string preset_name(Preset preset) {
     case Preset::kDefault: return "default";
     case Preset::kPaper: return "paper";
     case Preset::kHigh: return "high";
+    case Preset::kPgsr: return "pgsr";
   }
   return {};
 }

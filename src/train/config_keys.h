@@ -21,7 +21,7 @@ struct ConfigKey {
   ConfigField (*field)(TrainConfig&);        ///< where it lives
   double low, high;                          ///< inclusive range of numbers
   std::string_view choices;                  ///< of strings: "a|b|c"; empty: any
-  std::array<ConfigValue, 4> presets;        ///< indexed by Preset
+  std::array<ConfigValue, kPresets> presets;        ///< indexed by Preset
   std::string_view doc;                      ///< one line
 };
 
@@ -52,19 +52,26 @@ inline ConfigValue value(int v) { return static_cast<int64_t>(v); }
 inline ConfigValue value(bool v) { return v; }
 inline ConfigValue value(const char* v) { return std::string(v); }
 
-using PresetValues = std::array<ConfigValue, 4>;
+using PresetValues = std::array<ConfigValue, kPresets>;
 template <class T>
 PresetValues all(T v) {
-  return {value(v), value(v), value(v), value(v)};
+  return {value(v), value(v), value(v), value(v), value(v)};
 }
+/// `pgsr` is as `paper` where nothing else is said (with_pgsr): the paper builds on it.
 template <class T>
 PresetValues each(T preview, T standard, T paper, T high) {
-  return {value(preview), value(standard), value(paper), value(high)};
+  return {value(preview), value(standard), value(paper), value(high), value(paper)};
 }
 /// The guidance's value in preview, default and high; the paper's in paper.
 template <class T>
 PresetValues ours_paper(T ours, T paper) {
   return each(ours, ours, paper, ours);
+}
+
+template <class T>
+PresetValues with_pgsr(PresetValues values, T pgsr) {
+  values[static_cast<size_t>(Preset::kPgsr)] = value(pgsr);
+  return values;
 }
 
 inline constexpr double kAny = std::numeric_limits<double>::infinity();

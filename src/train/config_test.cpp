@@ -41,7 +41,7 @@ TEST(ConfigKeys, NamesAreUniqueAndDocumented) {
 }
 
 TEST(ConfigKeys, EveryPresetValueHasTheTypeAndRangeOfItsKey) {
-  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh}) {
+  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh, Preset::kPgsr}) {
     const TrainConfig config = make_preset(p);  // set_config throws otherwise
     EXPECT_NO_THROW(check_config(config));
     EXPECT_EQ(config.train.preset, preset_name(p));
@@ -65,6 +65,28 @@ TEST(ConfigKeys, PaperPresetHasThePrintedNumbers) {
   EXPECT_EQ(c.semantic.blend, "logits");
   EXPECT_EQ(c.optimizer.semantic, 1e-3);
   EXPECT_EQ(c.densify.opacity_reset_every, 3000);
+}
+
+TEST(ConfigKeys, PgsrPresetIsTheBaseOfThePaperWithItsOwnTerms) {
+  const TrainConfig c = make_preset(Preset::kPgsr);
+  EXPECT_EQ(c.loss.multi_view_geometric, 0.03);
+  EXPECT_EQ(c.loss.multi_view_photometric, 0.15);
+  EXPECT_EQ(c.loss.normal_consistency, 0.015);
+  EXPECT_NEAR(double(c.loss.multi_view_from) / double(c.train.reference_iterations), 7000.0 / 30000, 1e-3);
+  EXPECT_EQ(c.loss.normal_start, c.loss.multi_view_from);
+  EXPECT_EQ(c.data.prior_depth, "none");
+  EXPECT_FALSE(c.data.semantics);
+  const TrainConfig paper = make_preset(Preset::kPaper);
+  EXPECT_EQ(c.loss.flatten, paper.loss.flatten);
+  EXPECT_EQ(c.densify.gradient_abs, paper.densify.gradient_abs);
+  EXPECT_EQ(c.init.start, paper.init.start);
+}
+
+TEST(ConfigKeys, MultiViewTermsAreOffInEveryOtherPreset) {
+  for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh}) {
+    EXPECT_EQ(make_preset(p).loss.multi_view_geometric, 0);
+    EXPECT_EQ(make_preset(p).loss.multi_view_photometric, 0);
+  }
 }
 
 TEST(ConfigKeys, PreviewWorksAtHalfWidthAndHeight) {

@@ -54,7 +54,7 @@ class TrainOnCpu : public testing::Test {
     // Everything that changes state happens within 42 iterations: density control, free space, alignment, coupling.
     o.config.sets = {"checkpoint.every=10", "train.reference_iterations=420", "densify.every=60", "densify.start=60",
                      "densify.min_epochs=0", "densify.stop=350", "densify.free_space_every=130", "loss.depth_align_every=110",
-                     "loss.normal_start=50", "loss.depth_start=20", "semantic.coupling_start=50", "semantic.coupling_stop=380",
+                     "loss.normal_start=50", "loss.multi_view_from=60", "loss.depth_start=20", "semantic.coupling_start=50", "semantic.coupling_stop=380",
                      "densify.opacity_reset_every=200", "train.sh_every=100"};
     o.progress.enabled = false;
     o.threads = threads;
@@ -81,6 +81,7 @@ class MortalEngine final : public Engine {
   void save_state(EngineState& state) const override { engine_->save_state(state); }
   void load_state(const EngineState& state) override { engine_->load_state(state); }
   size_t size() const override { return engine_->size(); }
+  bool offers_multi_view() const override { return engine_->offers_multi_view(); }
   void set_training_views(std::vector<TrainingView> views) override { engine_->set_training_views(std::move(views)); }
   DensityStatistics density_statistics() const override { return engine_->density_statistics(); }
   void reset_density_statistics() override { engine_->reset_density_statistics(); }
@@ -98,7 +99,7 @@ class MortalEngine final : public Engine {
 };
 
 TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
-  for (const char* preset : {"default", "paper"}) {
+  for (const char* preset : {"default", "paper", "pgsr"}) {
     const TrainOptions whole = options(std::string(preset) + "_whole", preset);
     train_run(whole);
     for (const int64_t at : {5, 16, 37}) {
@@ -109,6 +110,21 @@ TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
       EXPECT_TRUE(ply(o) == ply(whole)) << preset << " killed at " << at;
     }
   }
+}
+
+TEST_F(TrainOnCpu, MultiViewTermsActAndAreLogged) {
+  TrainOptions o = options("pgsr", "pgsr");
+  o.config.sets.push_back("train.log_every=1");
+  train_run(o);
+  const std::string events = read_file(RunFolder(o.run).events());
+  const auto is_zero = [&](int step) {
+    const size_t begin = events.find("\"step\":" + std::to_string(step) + ",");
+    const std::string line = events.substr(begin, events.find('\n', begin) - begin);
+    EXPECT_NE(line.find("\"multi_view_geometric\":"), std::string::npos) << line;
+    return line.find("\"multi_view_geometric\":0.0,") != std::string::npos;
+  };
+  EXPECT_TRUE(is_zero(6));
+  for (int step = 7; step < 20; ++step) EXPECT_FALSE(is_zero(step)) << step;
 }
 
 TEST_F(TrainOnCpu, CoarseStepsResumeByteIdentical) {

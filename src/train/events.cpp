@@ -42,7 +42,9 @@ Json losses_of(const LossTerms& l) {
           {"crease", l.crease},
           {"prior_normal", l.prior_normal},
           {"opacity_l1", l.opacity_l1},
-          {"scale_l1", l.scale_l1}};
+          {"scale_l1", l.scale_l1},
+          {"multi_view_geometric", l.multi_view_geometric},
+          {"multi_view_photometric", l.multi_view_photometric}};
 }
 
 }  // namespace

@@ -90,6 +90,11 @@ LossSettings Schedule::losses(int64_t iteration) const {
   l.normal_consistency_weight = normal_terms ? to_float(c.normal_consistency) : 0;
   l.normal_boundary_weight = normal_terms && facts_.semantics ? to_float(c.normal_boundary) : 0;
   l.crease_weight = normal_terms && facts_.semantics && metric ? to_float(c.crease) : 0;
+  // The same argument holds for depth that is compared with another view's.
+  const bool multi_view = iteration > scaled(c.multi_view_from) && iteration % c.multi_view_every == 0 &&
+                          (facts_.normals_at_start || normal_terms);
+  l.multi_view_geometric_weight = multi_view ? to_float(c.multi_view_geometric) : 0;
+  l.multi_view_photometric_weight = multi_view ? to_float(c.multi_view_photometric) : 0;
   return l;
 }
 

@@ -35,7 +35,7 @@ class Schedule {
  public:
   Schedule(const TrainConfig& config, const ScheduleFacts& facts);
 
-  /// Everything but `view` and the view's prior depth scale.
+  /// Everything but `view`, its neighbour and its prior depth scale.
   StepRequest request(int64_t iteration) const;
 
   /// After the step of this iteration. Nothing is restructured after the last step of a run: rows that no

@@ -53,6 +53,39 @@ TEST(Schedule, PaperTurnsGuidanceOnAt1501) {
   EXPECT_FLOAT_EQ(after.flatten_weight, 50);  // 100 / extent
 }
 
+TEST(Schedule, MultiViewTermsActFromTheirShareOfTheRun) {
+  TrainConfig c = make_preset(Preset::kPgsr);
+  c.train.iterations = 3000;  // 1633 of 7000 are 700 of 3000, as the published 7000 of 30000
+  ScheduleFacts cloud = room();
+  cloud.normals_at_start = false;
+  const Schedule s(c, cloud);
+  EXPECT_EQ(s.request(700).losses.multi_view_geometric_weight, 0);
+  EXPECT_EQ(s.request(700).losses.multi_view_photometric_weight, 0);
+  EXPECT_FLOAT_EQ(s.request(701).losses.multi_view_geometric_weight, 0.03f);
+  EXPECT_FLOAT_EQ(s.request(701).losses.multi_view_photometric_weight, 0.15f);
+  EXPECT_FLOAT_EQ(s.request(701).losses.normal_consistency_weight, 0.015f);
+}
+
+TEST(Schedule, MultiViewTermsWaitForNormals) {
+  TrainConfig c = standard();
+  c.loss.multi_view_photometric = 0.15;
+  c.loss.multi_view_from = 0;
+  EXPECT_GT(Schedule(c, room()).request(1).losses.multi_view_photometric_weight, 0);
+  ScheduleFacts cloud = room();
+  cloud.normals_at_start = false;
+  EXPECT_EQ(Schedule(c, cloud).request(500).losses.multi_view_photometric_weight, 0);  // loss.normal_start
+  EXPECT_GT(Schedule(c, cloud).request(501).losses.multi_view_photometric_weight, 0);
+}
+
+TEST(Schedule, MultiViewTermsMayRestBetweenIterations) {
+  TrainConfig c = make_preset(Preset::kPgsr);
+  c.loss.multi_view_every = 5;
+  const Schedule s(c, room());
+  int active = 0;
+  for (int64_t i = 4000; i < 4100; ++i) active += s.request(i).losses.multi_view_geometric_weight > 0 ? 1 : 0;
+  EXPECT_EQ(active, 20);
+}
+
 TEST(Schedule, PaperShDegreeGrowsEvery1000) {
   const Schedule s(paper(), room());
   EXPECT_EQ(s.request(999).sh_degree, 0);

@@ -13,6 +13,7 @@
 #include "train/camera_outputs.h"
 #include "train/live_snapshot.h"
 #include "train/memory_fit.h"
+#include "train/neighbour_choice.h"
 #include "train/run_control.h"
 #include "train/run_outputs.h"
 #include "train/start_model.h"
@@ -56,6 +57,7 @@ class Run {
   /// The state to go on from, or that of a new start (`fresh`).
   TrainingState start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh);
   void warn(const std::string& message);
+  std::vector<std::vector<int>> neighbours_of(const std::vector<GuideView>& guides);
 
   const TrainOptions& options_;
   TrainConfig config_;
@@ -170,9 +172,27 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   return state;
 }
 
+std::vector<std::vector<int>> Run::neighbours_of(const std::vector<GuideView>& guides) {
+  std::vector<Camera> cameras;
+  for (const GuideView& guide : guides) cameras.push_back(guide.camera);
+  std::vector<std::vector<int>> neighbours = choose_neighbours(cameras, extent_);
+  const auto alone = std::count_if(neighbours.begin(), neighbours.end(), [](const auto& n) { return n.empty(); });
+  if (alone > 0) {
+    warn(fmt::format("{} of {} training views have no neighbour: there the multi-view terms do not act", alone,
+                     neighbours.size()));
+  }
+  return neighbours;
+}
+
 TrainResult Run::train() {
   pool_.emplace(options_.threads);
   std::unique_ptr<Engine> engine = make_engine_(options_.threads);
+  const bool multi_view = config_.loss.multi_view_geometric > 0 || config_.loss.multi_view_photometric > 0;
+  if (multi_view && !engine->offers_multi_view()) {
+    throw Error({ErrorKind::kUsage, fmt::format("{} does not have the multi-view terms", engine->device_name()), folder_.path(),
+                 "loss.multi_view_photometric",
+                 "use --device cpu, or set loss.multi_view_geometric=0 and loss.multi_view_photometric=0"});
+  }
   record_.device = engine->device_name();
   write_run_record(folder_.record(), record_);
   write_camera_outputs(folder_, scene_, config_);  // where the photos stand can be looked at from the start
@@ -191,6 +211,9 @@ TrainResult Run::train() {
   inputs.progress = options_.progress;
   std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
   inputs.guides = guides_of(views, use_, config_, extent_);
+  if (multi_view) {
+    inputs.neighbours = neighbours_of(inputs.guides);
+  }
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
   engine->limit_classes(static_cast<int>(config_.semantic.active_top));

@@ -83,6 +83,18 @@ class TrainRun : public testing::Test {
   fs::path scene_, base_;
 };
 
+TEST_F(TrainRun, AnEngineWithoutMultiViewTermsSaysSoBeforeTheFirstStep) {
+  TrainOptions o = options("pgsr");
+  o.config.preset = "pgsr";
+  try {
+    train_run(o, plain_engine());
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kUsage);
+    EXPECT_THAT(e.details().remedy, HasSubstr("--device cpu"));
+  }
+}
+
 TEST_F(TrainRun, LeavesACompleteRunFolder) {
   const TrainOptions o = options("a");
   const TrainResult result = train_run(o, plain_engine());

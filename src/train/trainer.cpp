@@ -12,6 +12,7 @@
 #include "core/memory_budget.h"
 #include "core/stop_signal.h"
 #include "train/live_snapshot.h"
+#include "train/neighbour_choice.h"
 #include "train/upkeep.h"
 
 namespace aligngs {
@@ -22,7 +23,8 @@ constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a 
 constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
 constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
 constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
-// Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp.
+// Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp,
+// neighbours use kRandomNeighbour in neighbour_choice.cpp.
 constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4;
 
 double now_seconds() {
@@ -111,6 +113,13 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];
   request.raster.near_plane = in_.guides[static_cast<size_t>(request.view)].near_plane;
   if (in_.config.train.random_background) set_random_background(in_.config, iteration, request.raster);
+  if (!in_.neighbours.empty()) {
+    const DrawnNeighbour drawn = draw_neighbour(in_.neighbours[static_cast<size_t>(request.view)],
+                                                static_cast<uint64_t>(in_.config.train.seed), iteration);
+    if (drawn.view >= 0) {
+      request.neighbour = {drawn.view, in_.guides[static_cast<size_t>(drawn.view)].near_plane, drawn.seed};
+    }
+  }
   report_ = engine_.step(request);
   state_.iteration = iteration;
   if (report_.non_finite.found) {
@@ -242,6 +251,8 @@ void Trainer::update_progress(const StepReport& report, Progress& progress) cons
   if (l.log_depth > 0) text += fmt::format(", depth {:.4f}", l.log_depth);
   if (l.pearson > 0) text += fmt::format(", 1-rho {:.3f}", l.pearson);
   if (l.normal_consistency > 0) text += fmt::format(", normal {:.3f}", l.normal_consistency);
+  if (l.multi_view_geometric > 0) text += fmt::format(", views {:.3f} px", l.multi_view_geometric);
+  if (l.multi_view_photometric > 0) text += fmt::format(", 1-NCC2 {:.3f}", l.multi_view_photometric);
   progress.update(static_cast<uint64_t>(state_.iteration), fmt::format("{})  {} Gaussians ", text, engine_.size()));
 }
 

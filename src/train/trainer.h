@@ -25,6 +25,7 @@ struct TrainerInputs {
   TrainConfig config;
   ScheduleFacts facts;               ///< dense_start, normals_at_start and max_gaussians come from the state
   std::vector<GuideView> guides;     ///< one per training view, in the engine's order
+  std::vector<std::vector<int>> neighbours;  ///< of every view, for the multi-view terms (neighbour_choice.h); empty: none
   std::vector<uint8_t> from_points;  ///< views whose prior scale the points determine (upkeep.h)
   LabelSet labels;                   ///< of the scene, for live snapshots
   std::string fingerprint;           ///< of the scene
