@@ -62,7 +62,7 @@ ROWS = [
         compare_with="base (sparse start)"),
     Row("pgsr", "pgsr", compare_with="+ feed-forward start"),
     Row("pgsr + prior depth", "pgsr", ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
-                                       "loss.depth_align_every=500"], compare_with="pgsr"),
+                                       "loss.depth_align_every=500", "loss.normal_start=500"], compare_with="pgsr"),
     Row("default, no semantics", "default", [NO_SEMANTICS], compare_with="+ feed-forward start"),
     Row("default, uncoupled", "default", ["semantic.coupling_strength=0"], compare_with="default, no semantics"),
     Row("default", "default", compare_with="default, uncoupled"),
