@@ -222,10 +222,17 @@ class Fusion {
              report_.blocks, format_bytes(report_.predicted_bytes), format_bytes(report_.budget_bytes));
     volume.allocate();
     // Interpolated views last: they only touch what training views have observed.
+    std::vector<TsdfView> views;
     for (const bool interpolated : {false, true}) {
       for (size_t i = 0; i < frames_.size(); ++i) {
-        if (frames_[i].interpolated == interpolated) volume.integrate(view(i), pool_);
+        if (frames_[i].interpolated == interpolated) views.push_back(view(i));
       }
+    }
+    if (options_.device) {
+      log_info("fusion: on {}", options_.device->name());
+      volume.integrate(views, *options_.device);
+    } else {
+      for (const TsdfView& v : views) volume.integrate(v, pool_);
     }
     return extract_surface(volume, pool_, {options_.min_weight});
   }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/thread_pool.h"
 #include "mesh/fusion_frame.h"
 #include "mesh/mesh_cleaning.h"
+#include "mesh/tsdf_device.h"
 #include "mesh/view_consistency.h"
 
 namespace aligngs {
@@ -35,6 +37,7 @@ struct FusionOptions {
   double min_component_area = 0;    ///< 0: 25 cm^2; negative: keep all
   double min_component_extent = 0;  ///< 0: 10 cm; negative: keep all
   uint64_t max_bytes = 0;   ///< of the volume and its surface; 0: 80 % of the memory that is free now
+  std::shared_ptr<TsdfDevice> device;  ///< where views are fused; none: on the CPU. The result is the same
 };
 
 inline constexpr double kTypicalExtent = 3;  ///< metres: half the diagonal of a room of 4.5 x 3 x 2.5 m

@@ -65,34 +65,6 @@ void walk_blocks(const Vec3d& a, const Vec3d& b, const Visit& visit) {
   }
 }
 
-/// Depth at image point (u, v): bilinear where the four pixels around it belong to one surface, else the nearest
-/// pixel's. `jump` is the largest difference within one surface.
-float sample_depth(const ImageF& depth, float u, float v, int x, int y, float jump) {
-  const float nearest = valid_depth(depth, x, y);
-  if (nearest == 0) return 0;
-  const float gx = u - 0.5f, gy = v - 0.5f;
-  const int x0 = static_cast<int>(std::floor(gx)), y0 = static_cast<int>(std::floor(gy));
-  if (x0 < 0 || y0 < 0 || x0 + 1 >= depth.width || y0 + 1 >= depth.height) return nearest;
-  const float a = valid_depth(depth, x0, y0), b = valid_depth(depth, x0 + 1, y0);
-  const float c = valid_depth(depth, x0, y0 + 1), d = valid_depth(depth, x0 + 1, y0 + 1);
-  const float low = std::min(std::min(a, b), std::min(c, d)), high = std::max(std::max(a, b), std::max(c, d));
-  if (low == 0 || high - low > jump) return nearest;
-  const float s = gx - static_cast<float>(x0), t = gy - static_cast<float>(y0);
-  return (a * (1 - s) + b * s) * (1 - t) + (c * (1 - s) + d * s) * t;
-}
-
-void add_color(Voxel& voxel, const float* rgb, float weight) {
-  const float units = std::clamp(weight / kColorWeightUnit, 1.0f, 65535.0f);
-  const float total = std::min(static_cast<float>(voxel.color_weight) + units, 65535.0f);
-  const float share = units / total;
-  for (int c = 0; c < 3; ++c) {
-    const float value = rgb[c] > 0 ? std::min(rgb[c], 1.0f) * 65535.0f : 0.0f;
-    const float mean = static_cast<float>(voxel.color[c]);
-    voxel.color[c] = static_cast<uint16_t>(std::lround(std::clamp(mean + (value - mean) * share, 0.0f, 65535.0f)));
-  }
-  voxel.color_weight = static_cast<uint16_t>(total);
-}
-
 }  // namespace
 
 TsdfVolume::TsdfVolume(const TsdfOptions& options) : options_(options) {
@@ -176,75 +148,72 @@ void TsdfVolume::allocate() {
   while (blocks_.size() < coordinates_.size()) blocks_.push_back(std::make_unique<Block>());
 }
 
-void TsdfVolume::integrate(const TsdfView& view, ThreadPool& pool) {
+VoxelView TsdfVolume::voxel_view(const TsdfView& view) const {
   const Camera& camera = *view.camera;
-  float farthest = 0;
+  VoxelView out;
+  out.depth = view.depth->data.data();
+  out.color = view.color ? view.color->data.data() : nullptr;
+  out.weight = view.weight->data.data();
+  out.width = camera.width;
+  out.height = camera.height;
+  out.fx = static_cast<float>(camera.fx);
+  out.fy = static_cast<float>(camera.fy);
+  out.cx = static_cast<float>(camera.cx);
+  out.cy = static_cast<float>(camera.cy);
+  out.truncation = static_cast<float>(options_.truncation);
+  out.observed_only = view.observed_only;
+  out.carve = options_.carve;
+  out.voxel = options_.voxel;
+  out.world_to_camera = camera.world_to_camera;
+  out.planes[0] = normalized(Vec3d{camera.fx, 0, camera.cx});
+  out.planes[1] = normalized(Vec3d{-camera.fx, 0, camera.width - camera.cx});
+  out.planes[2] = normalized(Vec3d{0, camera.fy, camera.cy});
+  out.planes[3] = normalized(Vec3d{0, -camera.fy, camera.height - camera.cy});
+  const Mat3d& rotation = camera.world_to_camera.rotation;
+  out.along_x = (rotation.column(0) * options_.voxel).cast<float>();
+  out.along_y = (rotation.column(1) * options_.voxel).cast<float>();
+  out.along_z = (rotation.column(2) * options_.voxel).cast<float>();
+  out.radius = 0.5 * std::sqrt(3.0) * (options_.voxel * kBlockSide);
+  float deepest = 0;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const float d = valid_depth(*view.depth, x, y);
-      if (d == 0 || !(view.weight->at(x, y) > 0)) continue;
-      farthest = std::max(farthest, d);
+      const float d = out.depth_at(x, y);
+      if (d > deepest && view.weight->at(x, y) > 0) deepest = d;
     }
   }
-  if (farthest == 0) return;
-  const double block = options_.voxel * kBlockSide, radius = 0.5 * std::sqrt(3.0) * block;
-  // Planes through the camera centre and the image borders, normals pointing inwards.
-  const Vec3d planes[4] = {normalized(Vec3d{camera.fx, 0, camera.cx}),
-                           normalized(Vec3d{-camera.fx, 0, camera.width - camera.cx}),
-                           normalized(Vec3d{0, camera.fy, camera.cy}),
-                           normalized(Vec3d{0, -camera.fy, camera.height - camera.cy})};
+  if (deepest > 0) out.farthest = deepest + options_.truncation + out.radius;
+  return out;
+}
+
+void TsdfVolume::integrate(const TsdfView& view, ThreadPool& pool) {
+  const VoxelView seen = voxel_view(view);
+  if (seen.farthest == 0) return;
   pool.parallel_for(blocks_.size(), kBlockGrain, [&](size_t begin, size_t end, int) {
     for (size_t b = begin; b < end; ++b) {
-      const BlockCoordinate& at = coordinates_[b];
-      const Vec3d centre =
-          camera.world_to_camera * Vec3d{(at.x + 0.5) * block, (at.y + 0.5) * block, (at.z + 0.5) * block};
-      if (centre.z < -radius || centre.z > farthest + options_.truncation + radius) continue;
-      bool inside = true;
-      for (const Vec3d& plane : planes) inside = inside && dot(plane, centre) > -radius;
-      if (inside) integrate_block(b, view);
+      if (!seen.sees(coordinates_[b])) continue;
+      const Vec3f origin = seen.origin(coordinates_[b]);
+      Voxel* voxel = blocks_[b]->data();
+      for (int k = 0; k < kBlockSide; ++k) {
+        for (int j = 0; j < kBlockSide; ++j) {
+          const Vec3f row = seen.row(origin, j, k);
+          for (int i = 0; i < kBlockSide; ++i, ++voxel) {
+            fuse_voxel(seen, row + seen.along_x * static_cast<float>(i), *voxel);
+          }
+        }
+      }
     }
   });
 }
 
-void TsdfVolume::integrate_block(size_t block, const TsdfView& view) {
-  const Camera& camera = *view.camera;
-  const BlockCoordinate& at = coordinates_[block];
-  const Mat3d& rotation = camera.world_to_camera.rotation;
-  const Vec3f origin =
-      (camera.world_to_camera * position(at.x * kBlockSide, at.y * kBlockSide, at.z * kBlockSide)).cast<float>();
-  const Vec3f along_x = (rotation.column(0) * options_.voxel).cast<float>();
-  const Vec3f along_y = (rotation.column(1) * options_.voxel).cast<float>();
-  const Vec3f along_z = (rotation.column(2) * options_.voxel).cast<float>();
-  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
-  const auto truncation = static_cast<float>(options_.truncation);
-  Voxel* voxel = blocks_[block]->data();
-  for (int k = 0; k < kBlockSide; ++k) {
-    for (int j = 0; j < kBlockSide; ++j) {
-      const Vec3f row = origin + along_y * static_cast<float>(j) + along_z * static_cast<float>(k);
-      for (int i = 0; i < kBlockSide; ++i, ++voxel) {
-        const Vec3f p = row + along_x * static_cast<float>(i);
-        if (!(p.z > 0)) continue;
-        const float inverse = 1 / p.z;
-        const float u = fx * p.x * inverse + cx, v = fy * p.y * inverse + cy;
-        if (!(u >= 0 && v >= 0 && u < width && v < height)) continue;
-        const int x = static_cast<int>(u), y = static_cast<int>(v);
-        const float weight = view.weight->at(x, y);
-        if (!(weight > 0) || (view.observed_only && voxel->weight == 0)) continue;
-        const float depth = sample_depth(*view.depth, u, v, x, y, truncation);
-        const float distance = depth - p.z;
-        if (depth == 0 || distance < -truncation) continue;
-        const bool near = distance <= truncation;
-        if (!near && !options_.carve) continue;
-        const float total = voxel->weight + weight;
-        const float value = near ? distance / truncation : 1.0f;
-        voxel->tsdf += (value - voxel->tsdf) * (weight / total);
-        voxel->weight = total;
-        if (near && view.color) add_color(*voxel, view.color->pixel(x, y), weight);
-      }
-    }
+void TsdfVolume::integrate(const std::vector<TsdfView>& views, TsdfDevice& device) {
+  std::vector<VoxelView> seen;
+  for (const TsdfView& view : views) {
+    seen.push_back(voxel_view(view));
+    if (seen.back().farthest == 0) seen.pop_back();
   }
+  std::vector<Voxel*> blocks;
+  for (const auto& block : blocks_) blocks.push_back(block->data());
+  device.fuse(seen, coordinates_, blocks);
 }
 
 }  // namespace aligngs

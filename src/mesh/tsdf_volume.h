@@ -10,31 +10,17 @@
 
 #include "core/image.h"
 #include "core/thread_pool.h"
+#include "mesh/tsdf_device.h"
+#include "mesh/tsdf_voxel.h"
 #include "scene/camera.h"
 
 namespace aligngs {
-
-inline constexpr int kBlockSide = 8;                                       // voxels
-inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
-
-struct Voxel {
-  float tsdf = 1;                    ///< signed distance / truncation in [-1, 1]; positive in front of the surface
-  float weight = 0;                  ///< 0: never observed
-  std::array<uint16_t, 3> color{};   ///< mean sRGB, 65535 = 1
-  uint16_t color_weight = 0;         ///< in units of kColorWeightUnit, saturating; 0: no colour
-};
-inline constexpr float kColorWeightUnit = 1.0f / 1024;
 
 struct TsdfOptions {
   double voxel = 0.01;        ///< scene units
   double truncation = 0.04;   ///< scene units, at most 64 voxels
   uint64_t max_bytes = 0;     ///< 0: 80 % of the memory that is free now
   bool carve = true;          ///< views also push voxels of other views towards free space in front of their surface
-};
-
-/// Integer coordinates of a block, in units of kBlockSide voxels.
-struct BlockCoordinate {
-  int x = 0, y = 0, z = 0;
 };
 
 /// One depth map to be fused.
@@ -62,6 +48,8 @@ class TsdfVolume {
   void allocate();
   /// Fuses a view into the allocated blocks.
   void integrate(const TsdfView& view, ThreadPool& pool);
+  /// The same for many views in their order, on a device.
+  void integrate(const std::vector<TsdfView>& views, TsdfDevice& device);
 
   const TsdfOptions& options() const { return options_; }
   size_t blocks() const { return coordinates_.size(); }
@@ -77,7 +65,8 @@ class TsdfVolume {
 
  private:
   using Block = std::array<Voxel, kBlockVoxels>;
-  void integrate_block(size_t block, const TsdfView& view);
+  /// Nothing is seen of the view when its `farthest` is 0.
+  VoxelView voxel_view(const TsdfView& view) const;
   void require_budget(size_t blocks) const;
 
   TsdfOptions options_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "nn/ops/blocks.h"
 #include "nn/ops/resize.h"
 
 namespace aligngs::nn {
@@ -64,9 +65,7 @@ FeatureMap BnHeadNetwork::grid_logits(Compute& compute, const FeatureMap& image)
   FeatureMap joined(tokens.grid_height, tokens.grid_width, c * int64_t(layers_.size()));
   for (size_t k = 0; k < layers_.size(); ++k) {
     const FeatureMap map = tokens.patches(vit_.normed(compute, tokens.blocks[k]));
-    for (int64_t p = 0; p < map.places(); ++p)
-      std::copy_n(map.data.data() + p * c, c,
-                  joined.data.data() + p * joined.channels + int64_t(k) * c);
+    copy_block(joined.data, {int64_t(k) * c, joined.channels}, map.data, {0, c}, map.places(), c);
   }
   return classify_(compute, joined);
 }

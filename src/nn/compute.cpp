@@ -5,8 +5,33 @@
 
 #include "nn/cpu/amx_attention.h"
 #include "nn/cpu/matrix_backend.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
+
+namespace {
+
+/// Weights on a device.
+class DeviceMatrices : public MatrixBackend {
+ public:
+  DeviceMatrices(std::shared_ptr<NetworkDevice> device, Precision precision)
+      : device_(std::move(device)), precision_(precision) {}
+  std::string name() const override { return device_->name(); }
+  std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const override {
+    return device_->pack(weights, outputs, inputs, precision_);
+  }
+
+ private:
+  std::shared_ptr<NetworkDevice> device_;
+  Precision precision_;
+};
+
+std::shared_ptr<MatrixBackend> matrices_of(const ComputeOptions& options) {
+  if (options.device) return std::make_shared<DeviceMatrices>(options.device, options.precision);
+  return make_matrix_backend(options);
+}
+
+}  // namespace
 
 AlignedBytes::AlignedBytes(size_t bytes) : size_(bytes) {
   constexpr size_t kAlignment = 64;  // a cache line, and a vector of AVX-512
@@ -28,14 +53,14 @@ void* Scratch::bytes(size_t count) {
 Compute::Compute(ThreadPool& pool, const ComputeOptions& options)
     : pool_(pool),
       options_(options),
-      amx_(options.precision == Precision::kBfloat16 && options.amx && amx_attention_usable()),
-      matrices_(make_matrix_backend(options)),
+      amx_(!options.device && options.precision == Precision::kBfloat16 && options.amx && amx_attention_usable()),
+      matrices_(matrices_of(options)),
       exact_matrices_(matrices_),
       scratch_(static_cast<size_t>(pool.size())) {
   if (options.precision == Precision::kFloat32) return;
   ComputeOptions exact = options;
   exact.precision = Precision::kFloat32;
-  exact_matrices_ = make_matrix_backend(exact);
+  exact_matrices_ = matrices_of(exact);
 }
 
 Compute::~Compute() = default;

@@ -58,12 +58,17 @@ class Scratch {
 };
 
 class MatrixBackend;  // cpu/matrix_backend.h
+class NetworkDevice;  // network_device.h
+
+/// Makes a device when there is work for it; it goes when nobody uses it any more. Empty, or null made: the processor.
+using DeviceFactory = std::function<std::shared_ptr<NetworkDevice>()>;
 
 /// What may be used of this machine.
 struct ComputeOptions {
   Precision precision = Precision::kFloat32;
   bool onednn = true;  ///< when built with it; otherwise the portable kernels
   bool amx = true;     ///< when the processor has it
+  std::shared_ptr<NetworkDevice> device = nullptr;  ///< runs the operators; none: the processor does
 };
 
 class Compute {
@@ -76,6 +81,9 @@ class Compute {
   Precision precision() const { return options_.precision; }
   /// Whether attention runs on the matrix unit (bfloat16 only).
   bool amx() const { return amx_; }
+  /// Where operators run, or nullptr for the processor. Tensors stay there until code of the host looks at them.
+  NetworkDevice* device() const { return options_.device.get(); }
+  const ComputeOptions& options() const { return options_; }
   const std::shared_ptr<MatrixBackend>& matrices() const { return matrices_; }
   /// The same in float32, for the few places that rounding would move far.
   const std::shared_ptr<MatrixBackend>& exact_matrices() const { return exact_matrices_; }

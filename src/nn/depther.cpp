@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "nn/ops/blocks.h"
 #include "nn/ops/resize.h"
 #include "nn/preprocess/normalised_image.h"
 
@@ -18,14 +19,11 @@ std::vector<int> published_layers(int64_t depth) {
 
 /// The map with the cls token beside every place.
 FeatureMap with_cls(const VitTokens& tokens, size_t layer) {
-  const FeatureMap map = tokens.patches(tokens.blocks[layer]);
-  const std::vector<float> cls = tokens.cls(tokens.blocks[layer]);
-  FeatureMap out(map.height, map.width, 2 * map.channels);
-  for (int64_t p = 0; p < map.places(); ++p) {
-    float* to = std::copy_n(map.data.data() + p * map.channels, map.channels,
-                            out.data.data() + p * out.channels);
-    std::copy(cls.begin(), cls.end(), to);
-  }
+  const Matrix& all = tokens.blocks[layer];
+  const int64_t c = all.columns;
+  FeatureMap out(tokens.grid_height, tokens.grid_width, 2 * c);
+  copy_block(out.data, {0, 2 * c}, all.data, {(1 + tokens.registers) * c, c}, out.places(), c);
+  copy_block(out.data, {c, 2 * c}, all.data, {0, 0}, out.places(), c);
   return out;
 }
 
@@ -129,10 +127,8 @@ class LinearDepth : public DepthNetwork {
     FeatureMap joined(tokens.grid_height, tokens.grid_width, bins_.inputs());
     for (size_t j = 0; j < options_.layers.size(); ++j) {
       const FeatureMap map = with_cls(tokens, j);
-      for (int64_t p = 0; p < map.places(); ++p) {
-        std::copy_n(map.data.data() + p * map.channels, map.channels,
-                    joined.data.data() + p * joined.channels + int64_t(j) * map.channels);
-      }
+      copy_block(joined.data, {int64_t(j) * map.channels, joined.channels}, map.data, {0, map.channels},
+                 map.places(), map.channels);
     }
     // The 1x1 convolution commutes with the resizing of its input.
     const FeatureMap logits = resize_bilinear_map(compute, bins_(compute, joined),

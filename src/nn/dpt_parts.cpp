@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "nn/ops/blocks.h"
 
 namespace aligngs::nn {
 
-void add_map(FeatureMap& x, const FeatureMap& y) {
+void add_map(FeatureMap& x, const FeatureMap& y, bool rectified) {
   if (x.height != y.height || x.width != y.width || x.channels != y.channels)
     throw Error({ErrorKind::kFailed, "maps of different sizes cannot be added", {}, "size", ""});
-  for (size_t i = 0; i < x.data.size(); ++i) x.data[i] += y.data[i];
+  add_values(x.data, y.data, rectified);
 }
 
 ResidualUnit::ResidualUnit(const Compute& compute, const Weights& weights, const std::string& first,
@@ -20,8 +21,7 @@ ResidualUnit::ResidualUnit(const Compute& compute, const Weights& weights, const
 
 FeatureMap ResidualUnit::operator()(Compute& compute, const FeatureMap& x) const {
   FeatureMap y = conv2_(compute, conv1_(compute, x, {true, Activation::kRelu}));
-  for (size_t i = 0; i < y.data.size(); ++i)
-    y.data[i] += rectified_skip_ ? std::max(x.data[i], 0.0f) : x.data[i];
+  add_map(y, x, rectified_skip_);
   return y;
 }
 

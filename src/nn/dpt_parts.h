@@ -44,7 +44,7 @@ class DptLevel {
   Convolution shrink_, features_;
 };
 
-/// x += y; both of one size.
-void add_map(FeatureMap& x, const FeatureMap& y);
+/// x += y, or x += max(y, 0); both of one size.
+void add_map(FeatureMap& x, const FeatureMap& y, bool rectified = false);
 
 }  // namespace aligngs::nn

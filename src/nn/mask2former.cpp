@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/ops/blocks.h"
 #include "nn/ops/position_encoding.h"
 #include "nn/ops/resize.h"
 
@@ -13,7 +14,7 @@ constexpr float kEps = 1e-5f;
 
 Matrix sum(const Matrix& a, const Matrix& b) {
   Matrix out = a;
-  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] += b.data[i];
+  add_values(out.data, b.data);
   return out;
 }
 
@@ -29,6 +30,7 @@ Mask2Former::Mask2Former(Compute& compute, const Weights& weights,
     : backbone_(compute, weights.sub("backbone."), options.adapter) {
   ComputeOptions exact;
   exact.onednn = compute.matrices()->name() != "portable";
+  exact.device = compute.options().device;
   exact_ = std::make_unique<Compute>(compute.pool(), exact);
   const Weights head = weights.sub("decode_head.");
   pixel_decoder_ = std::make_unique<PixelDecoder>(

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "nn/attention.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
 
@@ -31,6 +32,14 @@ Matrix MultiheadAttention::operator()(Compute& compute, const Matrix& query, con
                                       const Matrix& value, int64_t masks,
                                       const uint8_t* masked) const {
   const int64_t channels = query.columns, dim = channels / heads_;
+  if (NetworkDevice* const device = compute.device()) {
+    const Matrix q = query_(compute, query), k = key_(compute, key), v = value_(compute, value);
+    Matrix seen(query.rows, channels);
+    const auto rows = [&](const Matrix& m) { return AttentionRows{m.data.on(*device), channels}; };
+    device->attention({1, heads_, dim, query.rows, key.rows, masks}, rows(q), rows(k), rows(v), masked,
+                      compute.precision(), seen.data.write_on(*device));
+    return out_(compute, seen);
+  }
   AttentionOperands operands(compute, {1, heads_, dim, query.rows, key.rows, masks});
   const auto project = [&](const Linear& linear, const Matrix& x,
                            void (AttentionOperands::*set)(int64_t, int64_t, const float*)) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nn/dpt_parts.h"
+#include "nn/ops/blocks.h"
 #include "nn/ops/position_encoding.h"
 #include "nn/ops/resize.h"
 
@@ -57,22 +58,28 @@ PixelDecoder::Output PixelDecoder::operator()(Compute& compute,
   for (size_t i = 0; i < 3; ++i) {
     FeatureMap level = inputs_[i](compute, maps[3 - i]);
     input_norms_[i].apply(compute, level);
-    std::copy(level.data.begin(), level.data.end(), x.row(first));
+    copy_block(x.data, {first * f, 0}, level.data, {}, 1, level.places() * f);
     const FeatureMap sine = sine_encoding(level.height, level.width, f / 2);
     const Matrix points = reference_points(level.height, level.width);
     std::copy(points.data.begin(), points.data.end(), reference.row(first));
+    const float* from = sine.data.data();
+    float* to = position.row(first);
     for (int64_t p = 0; p < level.places(); ++p) {
-      for (int64_t k = 0; k < f; ++k) {
-        position.row(first + p)[k] =
-            sine.data[size_t(p * f + k)] + level_encoding_[i * size_t(f) + size_t(k)];
-      }
+      for (int64_t k = 0; k < f; ++k) *to++ = *from++ + level_encoding_[i * size_t(f) + size_t(k)];
     }
     first += level.places();
   }
   for (const Layer& layer : layers_) {
     Matrix query = x;
-    for (size_t i = 0; i < query.data.size(); ++i) query.data[i] += position.data[i];
+    add_values(query.data, position.data);
     const Matrix update = layer.attention(compute, query, reference, x, sizes);
+    if (compute.device()) {
+      add_values(x.data, update.data);
+      x = layer.norm1(compute, x);
+      add_values(x.data, layer.fc2(compute, layer.fc1(compute, x, Activation::kRelu)).data);
+      x = layer.norm2(compute, x);
+      continue;
+    }
     compute.for_rows(places, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
       float* rows = x.row(begin);
       float* hidden = scratch.floats(size_t(count * layer.fc1.outputs()));
@@ -89,7 +96,7 @@ PixelDecoder::Output PixelDecoder::operator()(Compute& compute,
   first = 0;
   for (size_t i = 0; i < 3; ++i) {
     out.memories[i] = FeatureMap(sizes[i].height, sizes[i].width, f);
-    std::copy_n(x.row(first), out.memories[i].data.size(), out.memories[i].data.data());
+    copy_block(out.memories[i].data, {}, x.data, {first * f, 0}, 1, sizes[i].places() * f);
     first += sizes[i].places();
   }
   FeatureMap fine = lateral_(compute, maps[0]);

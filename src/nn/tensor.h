@@ -6,12 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "nn/values.h"
+
 namespace aligngs::nn {
 
 /// Rows of features (tokens, queries), row after row.
 struct Matrix {
   int64_t rows = 0, columns = 0;
-  std::vector<float> data;
+  Values data;
 
   Matrix() = default;
   Matrix(int64_t r, int64_t c) : rows(r), columns(c), data(static_cast<size_t>(r * c)) {}
@@ -23,7 +25,7 @@ struct Matrix {
 /// row per place, row-major from the top left.
 struct FeatureMap {
   int64_t height = 0, width = 0, channels = 0;
-  std::vector<float> data;
+  Values data;
 
   FeatureMap() = default;
   FeatureMap(int64_t h, int64_t w, int64_t c)

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "nn/attention.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
 namespace {
@@ -15,7 +16,7 @@ std::vector<float> layer_scale(const Weights& weights, const char* name, const c
   return {};
 }
 
-const float* or_null(const std::vector<float>& values) {
+const float* or_null(const Values& values) {
   return values.empty() ? nullptr : values.data();
 }
 
@@ -94,8 +95,58 @@ void TransformerBlock::attend(Compute& compute, const Matrix& x, int64_t sequenc
   attention(compute, operands, out.data.data());
 }
 
+void TransformerBlock::forward_on(NetworkDevice& device, Compute& compute, Matrix& x,
+                                  int64_t sequences, const TokenPlaces* places) const {
+  const int64_t c = config_.channels, tokens = x.rows / sequences, dim = c / config_.heads;
+  const auto add = [&](const Linear& linear, const Matrix& from, const Values& scale) {
+    const Matrix update = linear.product_on(device, from);
+    device.add_scaled(x.data.change_on(device), update.data.on(device), x.rows, c,
+                      linear.bias_values().on(device), scale.on(device));
+  };
+  Matrix qkv = qkv_(compute, norm1_(compute, x));
+  HeadPreparation heads{x.rows, config_.heads, dim};
+  std::vector<int> at;
+  if (q_norm_.channels() > 0) {
+    heads.q_weight = q_norm_.weight().on(device);
+    heads.q_bias = q_norm_.bias().on(device);
+    heads.k_weight = k_norm_.weight().on(device);
+    heads.k_bias = k_norm_.bias().on(device);
+    heads.eps = q_norm_.eps();
+  }
+  if (places) {
+    // Every sequence begins at the first place again.
+    for (int64_t t = 0; t < tokens; ++t) {
+      const TokenPlaces::Place place = places->places[size_t(t) % places->places.size()];
+      at.push_back(place.y);
+      at.push_back(place.x);
+    }
+    heads.cosines = places->rope.cosines().on(device);
+    heads.sines = places->rope.sines().on(device);
+    heads.places = &at;
+  }
+  device.prepare_heads(heads, qkv.data.change_on(device));
+  Matrix attended(x.rows, c);
+  const float* const rows = qkv.data.on(device);
+  device.attention({sequences, config_.heads, dim, tokens, tokens}, {rows, 3 * c}, {rows + c, 3 * c},
+                   {rows + 2 * c, 3 * c}, nullptr, compute.precision(), attended.data.write_on(device));
+  add(proj_, attended, scale1_);
+  const Matrix normed = norm2_(compute, x);
+  if (!gated_) {
+    add(fc2_, fc1_(compute, normed, Activation::kGelu), scale2_);
+    return;
+  }
+  const Matrix wide = fc1_(compute, normed);
+  Matrix gated(x.rows, fc2_.inputs());
+  device.swiglu(wide.data.on(device), x.rows, gated.columns, gated.data.write_on(device));
+  add(fc2_, gated, scale2_);
+}
+
 void TransformerBlock::forward(Compute& compute, Matrix& x, int64_t sequences,
                                const TokenPlaces* places) const {
+  if (NetworkDevice* const device = compute.device()) {
+    forward_on(*device, compute, x, sequences, places);
+    return;
+  }
   const int64_t c = config_.channels, hidden = fc2_.inputs();
   Matrix attended(x.rows, c);
   attend(compute, x, sequences, places, attended);

@@ -36,10 +36,12 @@ class TransformerBlock {
  private:
   void attend(Compute& compute, const Matrix& x, int64_t sequences, const TokenPlaces* places,
               Matrix& out) const;
+  void forward_on(NetworkDevice& device, Compute& compute, Matrix& x, int64_t sequences,
+                  const TokenPlaces* places) const;
 
   Config config_;
   LayerNorm norm1_, norm2_, q_norm_, k_norm_;
-  std::vector<float> scale1_, scale2_;
+  Values scale1_, scale2_;
   Linear qkv_, proj_, fc1_, fc2_;
   bool gated_ = false;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "nn/ops/blocks.h"
 #include "nn/preprocess/normalised_image.h"
 
 namespace aligngs::nn {
@@ -57,10 +58,13 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
     if (keep_patch_tokens) out.patch_tokens = Matrix(out.frames * patches, c);
     for (int64_t f = 0; f < out.frames; ++f) {
       const std::vector<float>& special = special_[f == 0 ? 0 : 1];
-      const float* from = normed.row((f + 1) * encoded.per_image() - patches);
-      std::copy_n(from, patches * c,
-                  std::copy(special.begin(), special.end(), x.row(f * out.per_frame())));
-      if (keep_patch_tokens) std::copy_n(from, patches * c, out.patch_tokens.row(f * patches));
+      std::copy(special.begin(), special.end(), x.row(f * out.per_frame()));
+    }
+    for (int64_t f = 0; f < out.frames; ++f) {
+      const Block from{((f + 1) * encoded.per_image() - patches) * c, 0};
+      copy_block(x.data, {(f * out.per_frame() + out.special) * c, 0}, normed.data, from, 1, patches * c);
+      if (keep_patch_tokens)
+        copy_block(out.patch_tokens.data, {f * patches * c, 0}, normed.data, from, 1, patches * c);
     }
   }
   // Special tokens stand at (0, 0), patches from (1, 1) on.
@@ -76,11 +80,11 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
     const bool wanted = std::find(keep.begin(), keep.end(), int(layer)) != keep.end();
     if (wanted) {
       joined = Matrix(x.rows, 2 * c);
-      for (int64_t i = 0; i < x.rows; ++i) std::copy_n(x.row(i), c, joined.row(i));
+      copy_block(joined.data, {0, 2 * c}, x.data, {0, c}, x.rows, c);
     }
     global_blocks_[layer].forward(compute, x, 1, &places);
     if (!wanted) continue;
-    for (int64_t i = 0; i < x.rows; ++i) std::copy_n(x.row(i), c, joined.row(i) + c);
+    copy_block(joined.data, {c, 2 * c}, x.data, {0, c}, x.rows, c);
     for (size_t k = 0; k < keep.size(); ++k) {
       if (keep[k] == int(layer)) out.layers[k] = joined;
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nn/ops/blocks.h"
 #include "nn/ops/position_encoding.h"
 #include "nn/ops/resize.h"
 
@@ -16,8 +17,9 @@ constexpr float kEmbeddingRatio = 0.1f;  // of the uv embedding
 
 /// x += 0.1 uv embedding.
 void add_uv_embedding(FeatureMap& x, double aspect) {
-  const FeatureMap uv = uv_embedding(x.height, x.width, x.channels, aspect);
-  for (size_t i = 0; i < x.data.size(); ++i) x.data[i] += kEmbeddingRatio * uv.data[i];
+  FeatureMap uv = uv_embedding(x.height, x.width, x.channels, aspect);
+  for (float& v : uv.data) v *= kEmbeddingRatio;
+  add_values(x.data, uv.data);
 }
 
 }  // namespace
@@ -121,11 +123,10 @@ FeatureMap VggtDenseHead::level(Compute& compute, const AggregatedTokens& tokens
                                 size_t index) const {
   const Matrix& layer = tokens.layers[index];
   const int64_t patches = tokens.grid_height * tokens.grid_width;
-  Matrix normed(patches, layer.columns);
-  const float* from = layer.row(frame * tokens.per_frame() + tokens.special);
-  compute.for_rows(patches, 0, [&](int64_t begin, int64_t count, Scratch&) {
-    norm_.rows(from + begin * layer.columns, count, normed.row(begin));
-  });
+  Matrix part(patches, layer.columns);
+  copy_block(part.data, {}, layer.data, {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
+             patches * layer.columns);
+  Matrix normed = norm_(compute, part);
   const DptLevel& level = levels_[index];
   FeatureMap map =
       level.project(compute, FeatureMap(tokens.grid_height, tokens.grid_width, std::move(normed)));

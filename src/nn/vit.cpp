@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/array_shape.h"
+#include "nn/ops/blocks.h"
 #include "nn/ops/resize.h"
 
 namespace aligngs::nn {
@@ -19,14 +20,15 @@ int64_t square_side(int64_t places) {
 
 FeatureMap VitTokens::patches(const Matrix& of, int64_t image) const {
   FeatureMap map(grid_height, grid_width, of.columns);
-  const float* from = of.row(image * per_image() + 1 + registers);
-  std::copy_n(from, map.data.size(), map.data.data());
+  const int64_t first = (image * per_image() + 1 + registers) * of.columns;
+  copy_block(map.data, {}, of.data, {first, 0}, 1, map.places() * map.channels);
   return map;
 }
 
 std::vector<float> VitTokens::cls(const Matrix& of, int64_t image) const {
-  const float* row = of.row(image * per_image());
-  return {row, row + of.columns};
+  Values row(static_cast<size_t>(of.columns));
+  copy_block(row, {}, of.data, {image * per_image() * of.columns, 0}, 1, of.columns);
+  return row;
 }
 
 Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& options)
@@ -109,12 +111,20 @@ VitTokens Vit::embed(Compute& compute, const std::vector<FeatureMap>& images) co
   out.registers = int64_t(registers_.size()) / channels_;
   out.tokens = Matrix(out.images * out.per_image(), channels_);
   const Matrix position = positions(compute, out.grid_height, out.grid_width);
+  // What every image begins with, then the patches are added.
+  Matrix base(out.per_image(), channels_);
+  const float* const first_place = position.row(0);
+  float* to = base.row(0);
+  for (int64_t c = 0; c < channels_; ++c) to[c] = cls_[size_t(c)] + first_place[c];
+  to = std::copy(registers_.begin(), registers_.end(), to + channels_);
+  std::copy_n(position.row(1), (position.rows - 1) * channels_, to);
+  const int64_t size = out.per_image() * channels_, special = (1 + out.registers) * channels_;
+  for (int64_t i = 0; i < out.images; ++i) {
+    copy_block(out.tokens.data, {i * size, 0}, base.data, {}, 1, size);
+  }
   for (int64_t i = 0; i < out.images; ++i) {
     const FeatureMap patches = patch_embed_(compute, images[size_t(i)]);
-    float* to = out.tokens.row(i * out.per_image());
-    for (int64_t c = 0; c < channels_; ++c) to[c] = cls_[size_t(c)] + position.row(0)[c];
-    to = std::copy(registers_.begin(), registers_.end(), to + channels_);
-    for (size_t k = 0; k < patches.data.size(); ++k) to[k] = patches.data[k] + position.row(1)[k];
+    add_block(out.tokens.data, {i * size + special, 0}, patches.data, {}, 1, size - special);
   }
   return out;
 }

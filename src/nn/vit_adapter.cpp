@@ -4,6 +4,8 @@
 
 #include "core/error.h"
 #include "nn/dpt_parts.h"
+#include "nn/network_device.h"
+#include "nn/ops/blocks.h"
 #include "nn/ops/position_encoding.h"
 #include "nn/ops/resize.h"
 
@@ -33,14 +35,15 @@ Convolution normed_convolution(const Compute& compute, const Weights& weights,
 
 Matrix rows_below(const Matrix& above, const Matrix& below) {
   Matrix out(above.rows + below.rows, above.columns);
-  std::copy(below.data.begin(), below.data.end(),
-            std::copy(above.data.begin(), above.data.end(), out.data.begin()));
+  const auto size = [](const Matrix& m) { return m.rows * m.columns; };
+  copy_block(out.data, {}, above.data, {}, 1, size(above));
+  copy_block(out.data, {size(above), 0}, below.data, {}, 1, size(below));
   return out;
 }
 
 Matrix rows_of(const Matrix& m, int64_t first, int64_t count) {
   Matrix out(count, m.columns);
-  std::copy_n(m.row(first), count * m.columns, out.data.begin());
+  copy_block(out.data, {}, m.data, {first * m.columns, 0}, 1, count * m.columns);
   return out;
 }
 
@@ -125,6 +128,11 @@ void VitAdapter::inject(Compute& compute, const Injector& injector, Matrix& toke
                         const std::vector<MapSize>& sizes) const {
   const Matrix update = injector.attention(compute, injector.query_norm(compute, tokens), reference,
                                            injector.feature_norm(compute, prior), sizes);
+  if (NetworkDevice* const device = compute.device()) {
+    device->add_scaled(tokens.data.change_on(*device), update.data.on(*device), tokens.rows, tokens.columns, nullptr,
+                       injector.gamma.on(*device));
+    return;
+  }
   add_scaled(tokens.data.data(), update.data.data(), tokens.rows, tokens.columns, nullptr,
              injector.gamma.data());
 }
@@ -134,18 +142,28 @@ void VitAdapter::extract(Compute& compute, const Extractor& extractor, Matrix& p
                          const std::vector<MapSize>& sizes, const MapSize& grid) const {
   Matrix update = extractor.attention(compute, extractor.query_norm(compute, prior), reference,
                                       extractor.feature_norm(compute, tokens), {grid});
-  add_scaled(prior.data.data(), update.data.data(), prior.rows, prior.columns, nullptr, nullptr);
+  add_values(prior.data, update.data);
   const Matrix hidden = extractor.fc1(compute, extractor.ffn_norm(compute, prior));
   Matrix mixed(hidden.rows, hidden.columns);
   int64_t first = 0;
+  NetworkDevice* const device = compute.device();
   for (const MapSize& size : sizes) {
-    extractor.depthwise.apply(compute, hidden.row(first), size.height, size.width,
-                              mixed.row(first));
+    if (device) {
+      extractor.depthwise.apply_on(*device, hidden.data.on(*device) + first * hidden.columns, size.height, size.width,
+                                   mixed.data.change_on(*device) + first * mixed.columns);
+    } else {
+      extractor.depthwise.apply(compute, hidden.row(first), size.height, size.width,
+                                mixed.row(first));
+    }
     first += size.places();
   }
-  add_bias_and_activate(mixed.data.data(), mixed.rows, mixed.columns, nullptr, Activation::kGelu);
+  if (device) {
+    device->add_bias_and_activate(mixed.data.change_on(*device), mixed.rows, mixed.columns, nullptr, Activation::kGelu);
+  } else {
+    add_bias_and_activate(mixed.data.data(), mixed.rows, mixed.columns, nullptr, Activation::kGelu);
+  }
   update = extractor.fc2(compute, mixed);
-  add_scaled(prior.data.data(), update.data.data(), prior.rows, prior.columns, nullptr, nullptr);
+  add_values(prior.data, update.data);
 }
 
 std::array<FeatureMap, 4> VitAdapter::operator()(Compute& compute, const FeatureMap& image) const {

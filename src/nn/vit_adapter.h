@@ -31,7 +31,7 @@ class VitAdapter {
   struct Injector {
     LayerNorm query_norm, feature_norm;
     DeformableAttention attention;
-    std::vector<float> gamma;
+    Values gamma;
   };
   /// Brings what the tokens know back.
   struct Extractor {

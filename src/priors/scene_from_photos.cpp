@@ -193,7 +193,7 @@ void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, cons
   budget.require("VGGT", "use fewer photos, or --method colmap");
   std::vector<VggtView> views;
   {
-    nn::Compute compute(pool, {options.precision, true, true});
+    nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
     const nn::Vggt network(compute, weights);
     views = predict_vggt_views(compute, network, photos, std::move(inputs),
                                {options.shared_focal, options.progress});

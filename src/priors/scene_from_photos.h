@@ -27,6 +27,7 @@ struct ScenePhotosOptions {
   bool shared_focal = false;
   size_t max_points = 250000;      ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
+  nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
   uint64_t memory_limit = 0;       ///< bytes; 0: 80 % of what is free
 
   // Given: a COLMAP model's folder or a transforms.json; empty: looked for beside the photos.

@@ -119,7 +119,7 @@ void fill_with_vggt(const Scene& scene, const fs::path& file, const PriorsJson& 
   add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
                   inputs.images[0].height);
   budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
-  nn::Compute compute(pool, {options.precision, true, true});
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Vggt network(compute, weights);
   const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
                                                          std::move(inputs), {false, options.progress});
@@ -191,7 +191,7 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
                            {options.precision, pool.size()});
   budget.require(model.name, "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
                              "more memory with --memory");
-  nn::Compute compute(pool, {options.precision, true, true});
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const std::unique_ptr<nn::DepthNetwork> network =
       nn::make_depth_network(compute, weights.backbone, weights.head);
   begin_fill(scene, &View::prior_depth, notes);
@@ -271,7 +271,7 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
                  model.name == "ade20k-linear-s"
                      ? "give it more memory with --memory, or leave classes out: --semantics none"
                      : "use a light network (--semantics linear-s), or more memory with --memory");
-  nn::Compute compute(pool, {options.precision, true, true});
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment,
                                                         options.mask2former_heads);
   const int64_t classes = teacher.network->classes();

@@ -14,6 +14,7 @@ namespace aligngs {
 
 struct ScenePriorsOptions {
   nn::Precision precision = nn::Precision::kBfloat16;
+  nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
   bool overwrite = false;     ///< replace priors that are there
   bool augment = false;       ///< multi-scale head: five sizes, mirrored as well (ten passes)
   int mask2former_heads = 0;  ///< of its attention; 0: from the tensors, with 4 points per level

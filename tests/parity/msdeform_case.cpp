@@ -9,7 +9,7 @@ nn::Matrix matrix_of(const FloatArray& array, int64_t n) {
   const int64_t size = int64_t(array.data.size()) / array.shape.at(0);
   const float* const from = array.data.data() + n * size;
   nn::Matrix m(array.shape.at(1), size / array.shape.at(1));
-  m.data.assign(from, from + size);
+  m.data = std::vector<float>(from, from + size);
   return m;
 }
 

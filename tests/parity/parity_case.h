@@ -29,6 +29,9 @@ struct Mode {
   double label_limit;  ///< fraction of labels that may differ
 };
 
+/// What every case of a network is run in; the others in the first only. None: skip everything.
+const std::vector<Mode>& modes();
+
 class Case {
  public:
   Case(std::filesystem::path folder, const Mode& mode);

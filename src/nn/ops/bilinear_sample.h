@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/host_device.h"
+
 namespace aligngs::nn {
 
 struct SampledMap {
@@ -14,7 +16,8 @@ struct SampledMap {
 };
 
 /// sum[channels] += weight * map(x, y); the centre of the first place is (0, 0).
-inline void add_bilinear_sample(const SampledMap& map, float x, float y, float weight, float* sum) {
+ALIGNGS_HD inline void add_bilinear_sample(const SampledMap& map, float x, float y, float weight,
+                                           float* sum) {
   // Also false for NaN and for places so far away that their integer part overflows.
   if (!(x > -1 && y > -1 && x < float(map.width) && y < float(map.height))) return;
   const auto left = int64_t(std::floor(x)), top = int64_t(std::floor(y));

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
 namespace {
@@ -44,7 +45,7 @@ Convolution::Convolution(const Compute& compute, const Weights& weights, const s
       weights.load(name + ".weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel});
   if (weights.has(name + ".bias")) bias_ = weights.load(name + ".bias", {shape.outputs});
   if (norm) {
-    bias_.resize(static_cast<size_t>(shape.outputs), 0.0f);
+    if (bias_.empty()) bias_ = Values(static_cast<size_t>(shape.outputs));
     const size_t size = weight.size() / static_cast<size_t>(shape.outputs);
     for (size_t o = 0; o < bias_.size(); ++o) {
       for (size_t i = 0; i < size; ++i) weight[o * size + i] *= norm->scale[o];
@@ -77,6 +78,11 @@ FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x,
     throw Error({ErrorKind::kFailed, "the map does not fit the convolution", {}, "channels", ""});
   FeatureMap y((x.height + 2 * pad - k) / shape_.stride + 1,
                (x.width + 2 * pad - k) / shape_.stride + 1, shape_.outputs);
+  if (NetworkDevice* const device = compute.device()) {
+    device->convolution(*matrix_, x.data.on(*device), {x.height, x.width, x.channels, k, shape_.stride, pad},
+                        {bias_.on(*device), options.activation, options.relu_input}, y.data.write_on(*device));
+    return y;
+  }
   const AlignedBytes operands = operands_of(compute, x, options.relu_input, matrix_->precision());
   const size_t item = matrix_->precision() == Precision::kBfloat16 ? 2 : 4;
   const size_t pixel = size_t(x.channels) * item;
@@ -141,6 +147,13 @@ TransposedConvolution::TransposedConvolution(const Compute& compute, const Weigh
 
 FeatureMap TransposedConvolution::operator()(Compute& compute, const FeatureMap& x) const {
   FeatureMap y(x.height * kernel_, x.width * kernel_, outputs_);
+  if (NetworkDevice* const device = compute.device()) {
+    Values products(size_t(x.places() * kernel_ * kernel_ * outputs_));
+    float* const made = products.write_on(*device);
+    device->product(*matrix_, x.data.on(*device), x.places(), {}, made);
+    device->spread_patches(made, x.height, x.width, outputs_, kernel_, bias_.on(*device), y.data.write_on(*device));
+    return y;
+  }
   compute.for_rows(x.places(), 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
     const int64_t taps = kernel_ * kernel_;
     float* products = scratch.floats(size_t(count * taps * outputs_));
@@ -162,8 +175,9 @@ DepthwiseConvolution::DepthwiseConvolution(const std::vector<float>& weight,
                                            std::vector<float> bias)
     : weight_(weight.size()), bias_(std::move(bias)) {
   const size_t channels = bias_.size();
+  float* const ordered = weight_.data();
   for (size_t c = 0; c < channels; ++c) {
-    for (size_t t = 0; t < 9; ++t) weight_[t * channels + c] = weight[c * 9 + t];
+    for (size_t t = 0; t < 9; ++t) ordered[t * channels + c] = weight[c * 9 + t];
   }
 }
 
@@ -171,6 +185,11 @@ DepthwiseConvolution::DepthwiseConvolution(const Weights& weights, const std::st
                                            int64_t channels)
     : DepthwiseConvolution(weights.load(name + ".weight", {channels, 1, 3, 3}),
                            weights.load(name + ".bias", {channels})) {}
+
+void DepthwiseConvolution::apply_on(NetworkDevice& device, const float* x, int64_t height,
+                                    int64_t width, float* y) const {
+  device.depthwise(x, height, width, int64_t(bias_.size()), weight_.on(device), bias_.on(device), y);
+}
 
 void DepthwiseConvolution::apply(Compute& compute, const float* x, int64_t height, int64_t width,
                                  float* y) const {
@@ -192,6 +211,10 @@ void DepthwiseConvolution::apply(Compute& compute, const float* x, int64_t heigh
 
 FeatureMap max_pool_3x3_stride_2(Compute& compute, const FeatureMap& x) {
   FeatureMap y((x.height - 1) / 2 + 1, (x.width - 1) / 2 + 1, x.channels);
+  if (NetworkDevice* const device = compute.device()) {
+    device->max_pool(x.data.on(*device), {x.height, x.width, x.channels, 3, 2, 1}, y.data.write_on(*device));
+    return y;
+  }
   compute.for_rows(y.height, 1, [&](int64_t row, int64_t, Scratch&) {
     for (int64_t column = 0; column < y.width; ++column) {
       float* out = y.at(row, column);
@@ -209,6 +232,10 @@ FeatureMap max_pool_3x3_stride_2(Compute& compute, const FeatureMap& x) {
 
 FeatureMap max_pool_2x2(Compute& compute, const FeatureMap& x) {
   FeatureMap y(x.height / 2, x.width / 2, x.channels);
+  if (NetworkDevice* const device = compute.device()) {
+    device->max_pool(x.data.on(*device), {x.height, x.width, x.channels, 2, 2, 0}, y.data.write_on(*device));
+    return y;
+  }
   compute.for_rows(y.height, 1, [&](int64_t row, int64_t, Scratch&) {
     for (int64_t column = 0; column < y.width; ++column) {
       float* out = y.at(row, column);

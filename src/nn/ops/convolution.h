@@ -47,7 +47,7 @@ class Convolution {
 
   ConvolutionShape shape_;
   std::shared_ptr<const PackedMatrix> matrix_;
-  std::vector<float> bias_;
+  Values bias_;
 };
 
 /// Transposed convolution whose stride is its kernel: a product, then a shuffle.
@@ -64,7 +64,7 @@ class TransposedConvolution {
  private:
   int64_t outputs_ = 0, kernel_ = 1;
   std::shared_ptr<const PackedMatrix> matrix_;
-  std::vector<float> bias_;
+  Values bias_;
 };
 
 /// Each channel with its own 3x3 kernel, stride 1, zeros of one pixel around.
@@ -76,9 +76,11 @@ class DepthwiseConvolution {
   DepthwiseConvolution(const Weights& weights, const std::string& name, int64_t channels);
   /// x and y hold height * width rows of channels.
   void apply(Compute& compute, const float* x, int64_t height, int64_t width, float* y) const;
+  /// The same where x and y are memory of the device.
+  void apply_on(NetworkDevice& device, const float* x, int64_t height, int64_t width, float* y) const;
 
  private:
-  std::vector<float> weight_, bias_;  ///< weight [3][3][channels]
+  Values weight_, bias_;  ///< weight [3][3][channels]
 };
 
 /// 3x3, stride 2, padding 1 that never wins.

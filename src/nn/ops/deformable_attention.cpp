@@ -1,6 +1,7 @@
 #include "nn/ops/deformable_attention.h"
 
 #include "core/error.h"
+#include "nn/network_device.h"
 #include "nn/ops/bilinear_sample.h"
 
 namespace aligngs::nn {
@@ -35,6 +36,19 @@ Matrix DeformableAttention::operator()(Compute& compute, const Matrix& query,
   const Matrix values = value_(compute, value);
   const int64_t width = values.columns, dim = width / heads_, samples = levels_ * points_;
   const int64_t reference_levels = reference.columns / 2;
+  if (NetworkDevice* const device = compute.device()) {
+    Matrix offsets = offsets_(compute, query), attention = weights_(compute, query);
+    device->softmax_rows(attention.data.change_on(*device), query.rows * heads_, samples);
+    DeformableSamples places{query.rows, heads_, dim, points_, reference.data.on(*device), reference_levels,
+                             offsets.data.on(*device), attention.data.on(*device), values.data.on(*device), {}};
+    for (const MapSize& size : levels) {
+      places.sizes.push_back(size.height);
+      places.sizes.push_back(size.width);
+    }
+    Matrix gathered(query.rows, width);
+    device->deformable(places, gathered.data.write_on(*device));
+    return output_(compute, gathered);
+  }
   Matrix out(query.rows, output_.outputs());
   compute.for_rows(query.rows, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
     float* offsets = scratch.floats(size_t(count * offsets_.outputs()));

@@ -1,5 +1,7 @@
 #include "nn/ops/linear.h"
 
+#include "nn/network_device.h"
+
 namespace aligngs::nn {
 
 Linear::Linear(const Compute& compute, const std::vector<float>& weight, int64_t outputs,
@@ -22,22 +24,35 @@ void Linear::rows(const float* x, int64_t rows, float* y, Scratch& scratch,
   add_bias_and_activate(y, rows, outputs(), bias(), activation);
 }
 
-void Linear::apply(Compute& compute, const float* x, int64_t row_count, float* y,
+Matrix Linear::product_on(NetworkDevice& device, const Matrix& x) const {
+  Matrix y(x.rows, outputs());
+  device.product(*matrix_, x.data.on(device), x.rows, {}, y.data.write_on(device));
+  return y;
+}
+
+void Linear::apply(Compute& compute, const Values& x, int64_t row_count, Values& y,
                    Activation activation) const {
+  if (NetworkDevice* const device = compute.device()) {
+    const ProductEnds ends{bias_.on(*device), activation, false};
+    device->product(*matrix_, x.on(*device), row_count, ends, y.write_on(*device));
+    return;
+  }
+  const float* const from = x.data();
+  float* const to = y.data();
   compute.for_rows(row_count, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
-    rows(x + begin * inputs(), count, y + begin * outputs(), scratch, activation);
+    rows(from + begin * inputs(), count, to + begin * outputs(), scratch, activation);
   });
 }
 
 Matrix Linear::operator()(Compute& compute, const Matrix& x, Activation activation) const {
   Matrix y(x.rows, outputs());
-  apply(compute, x.data.data(), x.rows, y.data.data(), activation);
+  apply(compute, x.data, x.rows, y.data, activation);
   return y;
 }
 
 FeatureMap Linear::operator()(Compute& compute, const FeatureMap& x, Activation activation) const {
   FeatureMap y(x.height, x.width, outputs());
-  apply(compute, x.data.data(), x.places(), y.data.data(), activation);
+  apply(compute, x.data, x.places(), y.data, activation);
   return y;
 }
 

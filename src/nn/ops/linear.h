@@ -36,17 +36,20 @@ class Linear {
   /// On the calling thread.
   void rows(const float* x, int64_t rows, float* y, Scratch& scratch,
             Activation activation = Activation::kNone) const;
-  /// On all threads.
+  /// The product alone, on a device.
+  Matrix product_on(NetworkDevice& device, const Matrix& x) const;
+  const Values& bias_values() const { return bias_; }
+  /// On all threads, or on the device.
   Matrix operator()(Compute& compute, const Matrix& x,
                     Activation activation = Activation::kNone) const;
   FeatureMap operator()(Compute& compute, const FeatureMap& x,
                         Activation activation = Activation::kNone) const;
 
  private:
-  void apply(Compute& compute, const float* x, int64_t rows, float* y, Activation activation) const;
+  void apply(Compute& compute, const Values& x, int64_t rows, Values& y, Activation activation) const;
 
   std::shared_ptr<const PackedMatrix> matrix_;
-  std::vector<float> bias_;
+  Values bias_;
 };
 
 }  // namespace aligngs::nn

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "nn/cpu/row_kernels.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
 namespace {
@@ -25,6 +26,11 @@ void LayerNorm::rows(const float* x, int64_t rows, float* y) const {
 
 Matrix LayerNorm::operator()(Compute& compute, const Matrix& x) const {
   Matrix y(x.rows, x.columns);
+  if (NetworkDevice* const device = compute.device()) {
+    device->layer_norm(x.data.on(*device), x.rows, x.columns, weight_.on(*device), bias_.on(*device), eps_,
+                       y.data.write_on(*device));
+    return y;
+  }
   compute.for_rows(x.rows, kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
     rows(x.row(begin), count, y.row(begin));
   });
@@ -49,6 +55,11 @@ GroupNorm::GroupNorm(const Weights& weights, const std::string& name, int64_t ch
                 weights.load(name + ".bias", {channels}), groups) {}
 
 void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
+  if (NetworkDevice* const device = compute.device()) {
+    device->group_norm(x.data.change_on(*device), x.places(), x.channels, groups_, weight_.on(*device),
+                       bias_.on(*device), kEps, relu);
+    return;
+  }
   const int64_t size = x.channels / groups_, places = x.places();
   // Sums per fixed chunk of places, added in order: the same for any number of threads.
   const int64_t chunks = (places + kRowChunk - 1) / kRowChunk;
@@ -115,6 +126,10 @@ BatchNorm::BatchNorm(const Weights& weights, const std::string& name, int64_t ch
                 weights.load(name + ".running_var", {channels})) {}
 
 void BatchNorm::apply(Compute& compute, FeatureMap& x) const {
+  if (NetworkDevice* const device = compute.device()) {
+    device->scale_columns(x.data.change_on(*device), x.places(), x.channels, scale.on(*device), shift.on(*device));
+    return;
+  }
   compute.for_rows(x.places(), kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
     for (int64_t p = begin; p < begin + count; ++p) {
       float* row = x.data.data() + p * x.channels;

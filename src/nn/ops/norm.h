@@ -19,9 +19,12 @@ class LayerNorm {
   /// On the calling thread; y may be x.
   void rows(const float* x, int64_t rows, float* y) const;
   Matrix operator()(Compute& compute, const Matrix& x) const;
+  const Values& weight() const { return weight_; }
+  const Values& bias() const { return bias_; }
+  float eps() const { return eps_; }
 
  private:
-  std::vector<float> weight_, bias_;
+  Values weight_, bias_;
   float eps_ = 0;
 };
 
@@ -34,13 +37,13 @@ class GroupNorm {
   void apply(Compute& compute, FeatureMap& x, bool relu = false) const;
 
  private:
-  std::vector<float> weight_, bias_;
+  Values weight_, bias_;
   int64_t groups_ = 1;
 };
 
 /// Inference form: y = scale x + shift per channel; eps 1e-5.
 struct BatchNorm {
-  std::vector<float> scale, shift;
+  Values scale, shift;
 
   BatchNorm() = default;
   /// weight, bias, running_mean, running_var below `name`.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "nn/network_device.h"
 
 namespace aligngs::nn {
 namespace {
@@ -96,6 +97,10 @@ ResampleAxis area_axis(int64_t inputs, int64_t outputs) {
 FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& vertical,
                     const ResampleAxis& horizontal) {
   FeatureMap y(vertical.outputs(), horizontal.outputs(), x.channels);
+  if (NetworkDevice* const device = compute.device()) {
+    device->resample(x.data.on(*device), x.height, x.width, x.channels, vertical, horizontal, y.data.write_on(*device));
+    return y;
+  }
   const int64_t line = x.width * x.channels;
   compute.for_rows(y.height, 1, [&](int64_t row, int64_t, Scratch& scratch) {
     float* mixed = scratch.floats(size_t(line));  // the input rows, mixed for this output row

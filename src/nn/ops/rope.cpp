@@ -5,13 +5,16 @@
 namespace aligngs::nn {
 
 Rope2d::Rope2d(int64_t head_dim, int64_t largest, double frequency) : quarter_(head_dim / 4) {
+  std::vector<float> cosines, sines;
   for (int64_t p = 0; p <= largest; ++p) {
     for (int64_t j = 0; j < quarter_; ++j) {
       const double angle = double(p) * std::pow(frequency, -double(j) / double(quarter_));
-      cos_.push_back(float(std::cos(angle)));
-      sin_.push_back(float(std::sin(angle)));
+      cosines.push_back(float(std::cos(angle)));
+      sines.push_back(float(std::sin(angle)));
     }
   }
+  cos_ = std::move(cosines);
+  sin_ = std::move(sines);
 }
 
 void Rope2d::rotate_half(float* half, int64_t position) const {

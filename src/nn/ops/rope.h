@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "nn/values.h"
+
 namespace aligngs::nn {
 
 /// The first half of a head rotates with y, the second with x. For a half of size D the frequencies
@@ -13,12 +15,14 @@ class Rope2d {
   /// head_dim is a multiple of 4; positions are integers in [0, largest].
   Rope2d(int64_t head_dim, int64_t largest, double frequency = 100);
   void rotate(float* head, int64_t y, int64_t x) const;
+  const Values& cosines() const { return cos_; }  ///< [position][head_dim / 4]
+  const Values& sines() const { return sin_; }
 
  private:
   void rotate_half(float* half, int64_t position) const;
 
   int64_t quarter_;
-  std::vector<float> cos_, sin_;  ///< [position][quarter]
+  Values cos_, sin_;  ///< [position][quarter]
 };
 
 }  // namespace aligngs::nn

@@ -1,6 +1,7 @@
 // Stands in for the CUDA sources in builds without CUDA.
 #include "core/error.h"
 #include "engine/cuda/make_engine.h"
+#include "engine/cuda/networks/network_device.h"
 
 namespace aligngs::cuda {
 
@@ -12,6 +13,18 @@ std::string cuda_build() { return "built without CUDA"; }
 namespace aligngs {
 
 std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int) {
+  throw Error({ErrorKind::kResources,
+               "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
+               {},
+               {},
+               "use --device cpu"});
+}
+
+}  // namespace aligngs
+
+namespace aligngs {
+
+std::shared_ptr<nn::NetworkDevice> make_cuda_network_device(int index, uint64_t) {
   throw Error({ErrorKind::kResources,
                "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
                {},

@@ -1,0 +1,24 @@
+// On a CUDA device, or on its emulation. The limits are those of the processor.
+#include <cstdio>
+
+#include "engine/cuda/networks/network_device.h"
+#include "engine/cuda/runtime/cuda_device.h"
+#include "parity_case.h"
+
+namespace aligngs::parity {
+
+const std::vector<Mode>& modes() {
+  static const std::vector<Mode> list = [] {
+    const cuda::CudaDevices found = cuda::list_cuda_devices();
+    if (found.devices.empty()) {
+      std::printf("skipped: %s\n", found.reason.c_str());
+      return std::vector<Mode>();
+    }
+    const auto device = make_cuda_network_device(found.devices.front().index);
+    return std::vector<Mode>{{"float32 CUDA", {nn::Precision::kFloat32, false, false, device}, 2e-5, 2e-5, 0},
+                             {"bfloat16 CUDA", {nn::Precision::kBfloat16, false, false, device}, 6e-2, 2e-2, 0.03}};
+  }();
+  return list;
+}
+
+}  // namespace aligngs::parity
