@@ -58,6 +58,14 @@ TEST_F(Program, AnUnknownOptionNamesTheHelp) {
   EXPECT_THAT(result.err, HasSubstr("aligngs doctor --help"));
 }
 
+TEST_F(Program, ADeviceThatIsNotThereIsStatus5) {
+  for (const char* command : {"train scene -o run", "run scene -o run", "render run", "mesh run", "poses photos -o scene", "priors scene"}) {
+    const ProcessResult result = run(std::string(command) + " --device cuda:99");
+    EXPECT_EQ(result.status, 5) << command << ": " << result.err;
+    EXPECT_THAT(result.err, HasSubstr("--device cpu")) << command;
+  }
+}
+
 TEST_F(Program, VersionIsPrinted) {
   const ProcessResult result = run("--version");
   EXPECT_EQ(result.status, 0);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_option.h"
 #include "cli/page_server.h"
 #include "cli/stages/pipeline.h"
 #include "cli/stages/refine_stage.h"
@@ -38,7 +39,7 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   if (!begun && should_refine(scene, resolve_run(train).config)) refine_into_run(scene, run, context);
   train.scene = scene;
   train.resume_command = "aligngs demo -o " + options.output + " --resume";
-  run_pipeline(train, context);
+  run_pipeline(train, context, fusion_of_device(options.device));
   go_on_serving(page);
 }
 

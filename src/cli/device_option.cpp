@@ -4,6 +4,8 @@
 
 #include "core/log.h"
 #include "engine/cuda/make_engine.h"
+#include "engine/cuda/networks/network_device.h"
+#include "mesh/cuda/tsdf_fusion.h"
 
 namespace aligngs {
 
@@ -11,11 +13,33 @@ void add_device_option(CLI::App& command, std::string& device) {
   command.add_option("--device", device, "auto, cpu or cuda:N")->capture_default_str();
 }
 
-EngineFactory engine_of_device(const std::string& device) {
-  if (device == "cpu") return make_cpu_engine;  // without asking for devices, which takes a moment
+namespace {
+
+cuda::DeviceChoice choose(const std::string& device, bool say) {
+  if (device == "cpu") return {};  // without asking for devices, which takes a moment
   const cuda::DeviceChoice choice = cuda::choose_device(device, cuda::list_cuda_devices());
-  if (!choice.message.empty()) log_info("{}", choice.message);
+  if (say && !choice.message.empty()) log_info("{}", choice.message);
+  return choice;
+}
+
+}  // namespace
+
+EngineFactory engine_of_device(const std::string& device) {
+  const cuda::DeviceChoice choice = choose(device, true);
+  if (!choice.cuda) return make_cpu_engine;
   return [choice](int threads) { return make_engine(choice, threads); };
+}
+
+nn::DeviceFactory networks_of_device(const std::string& device, bool say) {
+  const cuda::DeviceChoice choice = choose(device, say);
+  if (!choice.cuda) return {};
+  return [choice] { return make_cuda_network_device(choice.index); };
+}
+
+TsdfDeviceFactory fusion_of_device(const std::string& device) {
+  const cuda::DeviceChoice choice = choose(device, false);
+  if (!choice.cuda) return {};
+  return [choice] { return std::shared_ptr<TsdfDevice>(make_cuda_tsdf_device(choice.index)); };
 }
 
 }  // namespace aligngs

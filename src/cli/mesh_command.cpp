@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/device_option.h"
 #include "cli/stages/mesh_stage.h"
 #include "train/config_file.h"
 
@@ -14,7 +15,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->group("Measure");
   command->footer("Example: aligngs mesh demo_run --set mesh.voxel=0.01");
   struct Options {
-    std::string run, scene, output;
+    std::string run, scene, output, device = "auto";
     bool from_prior = false, from_truth = false;
     std::vector<std::string> sets;
   };
@@ -27,14 +28,16 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras: the ceiling")
       ->excludes(prior);
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
+  add_device_option(*command, options->device);
   command->callback([&context, options] {
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);
     MeshStageOptions stage;
     stage.source = options->from_prior   ? DepthSource::kPrior
                    : options->from_truth ? DepthSource::kTruth
                                          : DepthSource::kRendered;
     stage.output = options->output;
+    stage.make_device = fusion_of_device(options->device);
     const MeshStageResult result = mesh_run(run, stage);
     const FusionReport& f = result.fusion;
     if (context.global.json) {

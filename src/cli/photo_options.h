@@ -11,7 +11,7 @@
 namespace aligngs {
 
 struct PhotoCommandOptions {
-  std::string method = "vggt", model = "vggt-1b", precision = "auto", cameras;
+  std::string method = "vggt", model = "vggt-1b", precision = "auto", cameras, device = "auto";
   bool per_photo_camera = false;
   double memory_gigabytes = 0;
   ScenePhotosOptions poses;

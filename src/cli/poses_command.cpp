@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_option.h"
 #include "cli/photo_options.h"
 #include "core/error.h"
 
@@ -49,10 +50,13 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   command->add_option("-o,--output", *scene, "scene folder to write")->required();
   command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that stands there");
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+  add_device_option(*command, options->device);
   add_photo_options(*command, options);
   command->callback([&context, options, photos, scene] {
     try {
-      print_report(context, *scene, run_poses(*photos, *scene, photo_options(*options, context), model_store(context)));
+      ScenePhotosOptions poses = photo_options(*options, context);
+      if (poses.method == PosesMethod::kVggt) put_networks_on(options->device, options->precision, true, poses);
+      print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::kWeights && options->method == "vggt") offer_colmap(error, *photos, *scene);
       throw;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_option.h"
 #include "cli/photo_options.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -13,7 +14,7 @@ namespace aligngs {
 namespace {
 
 struct Options {
-  std::string scene, depth = "auto", semantics = "auto", precision = "auto";
+  std::string scene, depth = "auto", semantics = "auto", precision = "auto", device = "auto";
   double memory_gigabytes = 0;
   ScenePriorsOptions fill;
 };
@@ -28,6 +29,8 @@ std::string line_of(const ScenePriorsReport& report) {
 }
 
 void run_priors(const CommandContext& context, Options& options) {
+  options.fill.precision = precision_of(options.precision);
+  put_networks_on(options.device, options.precision, true, options.fill);
   const ModelStore store = model_store(context);
   const Scene scene = open_scene(options.scene);
   // Everything that is asked for must be there before the first network runs.
@@ -54,7 +57,6 @@ void run_priors(const CommandContext& context, Options& options) {
     const PublishedModel& light = published_model("ade20k-linear-b");
     throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "", how_to_get(store, light)});
   }
-  options.fill.precision = precision_of(options.precision);
   options.fill.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
   options.fill.threads = context.global.threads;
   options.fill.progress = context.progress();
@@ -97,6 +99,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str();
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
   command->add_flag("--overwrite", options->fill.overwrite, "replace priors that are there");
+  add_device_option(*command, options->device);
   command->callback([&context, options] { run_priors(context, *options); });
 }
 

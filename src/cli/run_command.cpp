@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/device_option.h"
 #include "cli/page_server.h"
 #include "cli/photo_options.h"
 #include "cli/stages/eval_stage.h"
@@ -49,6 +50,7 @@ void fill_priors(const fs::path& folder, const ModelStore& store, const RunComma
   const Scene scene = open_scene(folder);
   ScenePriorsOptions fill;
   fill.precision = precision_of(options.photos.precision);
+  put_networks_on(options.train.device, options.photos.precision, false, fill);
   fill.drop_percent = options.photos.poses.drop_percent;
   fill.memory_limit = static_cast<uint64_t>(options.train.memory_gigabytes * 1e9);
   fill.threads = context.global.threads;
@@ -92,6 +94,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
     ScenePhotosOptions poses = photo_options(options.photos, context);
+    if (poses.method == PosesMethod::kVggt) put_networks_on(options.train.device, options.photos.precision, false, poses);
     poses.overwrite = fs::exists(scene);
     fs::create_directories(run);
     const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
@@ -101,7 +104,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   }
   if (refine) refine_into_run(photos ? scene : source, run, context);
   train.scene = scene;
-  const nlohmann::json metrics = run_pipeline(train, context);
+  const nlohmann::json metrics = run_pipeline(train, context, fusion_of_device(options.train.device));
   go_on_serving(page);
   return metrics;
 }

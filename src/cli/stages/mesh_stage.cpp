@@ -114,7 +114,9 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   const bool rendered = options.source == DepthSource::kRendered;
   if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
-  FusionResult fused = fuse_depth(frames, fusion_options(run), *run.pool);
+  FusionOptions fusion = fusion_options(run);
+  if (options.make_device) fusion.device = options.make_device();
+  FusionResult fused = fuse_depth(frames, fusion, *run.pool);
   if (fused.mesh.empty()) {
     throw Error({ErrorKind::kFailed, "fusion found no surface", run.folder, {}, "look at the renders: is there anything in them?"});
   }

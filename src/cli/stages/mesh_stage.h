@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 
 #include "cli/stages/open_run.h"
 #include "mesh/fusion.h"
 #include "mesh/mesh_labels.h"
+#include "mesh/tsdf_device.h"
 
 namespace aligngs {
 
@@ -16,9 +19,13 @@ enum class DepthSource {
   kTruth      ///< truth/depth with the true cameras: the ceiling of what these views can show
 };
 
+/// Makes the device to fuse on when the views are there; empty: the CPU.
+using TsdfDeviceFactory = std::function<std::shared_ptr<TsdfDevice>()>;
+
 struct MeshStageOptions {
   DepthSource source = DepthSource::kRendered;
   std::filesystem::path output;  ///< empty: mesh/mesh.ply of the run
+  TsdfDeviceFactory make_device = {};
 };
 
 struct MeshStageResult {

@@ -6,7 +6,6 @@
 
 #include "cli/report/html_report.h"
 #include "cli/stages/eval_stage.h"
-#include "cli/stages/mesh_stage.h"
 #include "cli/stages/render_stage.h"
 #include "cli/summary.h"
 #include "core/error.h"
@@ -33,7 +32,8 @@ void stop_here_if_asked(const std::filesystem::path& run, const std::string& res
 
 }  // namespace
 
-nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context) {
+nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context,
+                            const TsdfDeviceFactory& make_tsdf_device) {
   const TrainResult trained = train_run(options);
   if (trained.already_finished) log_info("the training was finished already");
   std::optional<RunLock> lock(std::in_place, options.run);
@@ -46,7 +46,9 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   render_views(run, render);
   stop_here_if_asked(options.run, options.resume_command);
   enter_stage(options.run, "mesh");
-  mesh_run(run, {});
+  MeshStageOptions mesh;
+  mesh.make_device = make_tsdf_device;
+  mesh_run(run, mesh);
   stop_here_if_asked(options.run, options.resume_command);
   enter_stage(options.run, "measure");
   EvalStageOptions eval;
