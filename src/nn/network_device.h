@@ -61,7 +61,7 @@ class NetworkDevice {
   virtual ~NetworkDevice() = default;
   virtual std::string name() const = 0;
 
-  /// Error{kResources} when there is no room.
+  /// The memory keeps the device alive. Error{kResources} when there is no room.
   virtual std::shared_ptr<float> allocate(size_t count) = 0;
   virtual void upload(float* to, const float* host, size_t count) = 0;
   virtual void download(float* host, const float* from, size_t count) = 0;

@@ -31,9 +31,9 @@ class CudaNetworkDevice;
 /// Weights on the device: float32, or bfloat16 in rows of padded_depth(inputs).
 class CudaMatrix : public nn::PackedMatrix {
  public:
-  CudaMatrix(CudaNetworkDevice& device, std::shared_ptr<DevicePool> pool, const float* weights, int64_t outputs,
-             int64_t inputs, Precision precision)
-      : PackedMatrix(outputs, inputs, precision), device_(device), pool_(std::move(pool)) {
+  CudaMatrix(std::shared_ptr<CudaNetworkDevice> device, std::shared_ptr<DevicePool> pool, const float* weights,
+             int64_t outputs, int64_t inputs, Precision precision)
+      : PackedMatrix(outputs, inputs, precision), device_(std::move(device)), pool_(std::move(pool)) {
     const DeviceContext& context = pool_->context();
     if (precision == Precision::kFloat32) {
       count_ = outputs * inputs;
@@ -59,13 +59,13 @@ class CudaMatrix : public nn::PackedMatrix {
   DeviceSpan<const uint16_t> as_halves() const { return {static_cast<const uint16_t*>(memory_.get()), size_t(count_)}; }
 
  private:
-  CudaNetworkDevice& device_;
+  std::shared_ptr<CudaNetworkDevice> device_;
   std::shared_ptr<DevicePool> pool_;
   std::shared_ptr<void> memory_;
   int64_t count_ = 0;
 };
 
-class CudaNetworkDevice : public nn::NetworkDevice {
+class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_from_this<CudaNetworkDevice> {
  public:
   CudaNetworkDevice(int device, uint64_t budget_bytes) : pool_(std::make_shared<DevicePool>(device, budget_bytes)) {
     for (const CudaDevice& d : list_cuda_devices().devices) {
@@ -74,7 +74,12 @@ class CudaNetworkDevice : public nn::NetworkDevice {
   }
 
   std::string name() const override { return name_; }
-  std::shared_ptr<float> allocate(size_t count) override { return pool_->take<float>(count, "a tensor"); }
+  std::shared_ptr<float> allocate(size_t count) override {
+    // A tensor may be looked at when nothing else holds the device any more.
+    auto piece = pool_->take<float>(count, "a tensor");
+    float* const memory = piece.get();
+    return {memory, [piece = std::move(piece), device = shared_from_this()](float*) mutable { piece.reset(); }};
+  }
   void upload(float* to, const float* host, size_t count) override {
     context().copy_to_device(to, host, count * sizeof(float));
   }
@@ -94,7 +99,7 @@ class CudaNetworkDevice : public nn::NetworkDevice {
 
   std::unique_ptr<nn::PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs,
                                          Precision precision) override {
-    return std::make_unique<CudaMatrix>(*this, pool_, weights, outputs, inputs, precision);
+    return std::make_unique<CudaMatrix>(shared_from_this(), pool_, weights, outputs, inputs, precision);
   }
 
   void product(const nn::PackedMatrix& matrix, const float* x, int64_t rows, const nn::ProductEnds& ends,
@@ -317,7 +322,7 @@ class CudaNetworkDevice : public nn::NetworkDevice {
 };
 
 void CudaMatrix::multiply_operands(const void* x, int64_t rows, float* y, nn::Scratch&) const {
-  device_.multiply_host(*this, x, rows, y);
+  device_->multiply_host(*this, x, rows, y);
 }
 
 }  // namespace

@@ -206,6 +206,15 @@ TEST_F(CudaNetworks, TensorsStayWhereTheyWereWrittenUntilSomeoneLooks) {
   EXPECT_TRUE(sum == Values({2, 9, 6}));
 }
 
+TEST_F(CudaNetworks, ATensorOutlivesWhoeverMadeItsDevice) {
+  auto own = make_cuda_network_device(context().device());
+  Values x{1, 2};
+  nn::add_values(x, Values{1, 1});
+  x.change_on(*own);
+  own.reset();
+  EXPECT_TRUE(x == Values({2, 3}));
+}
+
 TEST_F(CudaNetworks, BlocksAreCopiedAndAddedWhereTheyAre) {
   const Values from{1, 2, 3, 4, 5, 6};
   Values there(8), here(8);
