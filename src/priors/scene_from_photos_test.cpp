@@ -11,6 +11,7 @@
 #include "io/safetensors.h"
 #include "nn/random_weights.h"
 #include "priors/scene_priors.h"
+#include "scene/scene_json.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -233,6 +234,9 @@ TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
   EXPECT_EQ(fill_depth(folder / "scene", store, depther, fill).written, 3u);
   const Scene scene = open_scene(folder / "scene");
   EXPECT_EQ(scene.prior_source, "nyu-linear4-s");
+  const PriorsJson notes = read_priors_json(folder / "scene" / "priors.json");
+  constexpr size_t kDigest = 64;
+  EXPECT_EQ(notes.depth->weights.size(), 2 * kDigest + 1) << "of backbone and head";
   const ViewData data = load_view(scene, 0);
   for (const float z : data.prior_depth.data) EXPECT_TRUE(z > 0 && z <= 10);
 }

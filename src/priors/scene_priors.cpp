@@ -109,16 +109,17 @@ std::vector<Photo> photos_of(const Scene& scene) {
   return photos;
 }
 
-void fill_with_vggt(const Scene& scene, const fs::path& file, const PriorsJson& notes,
-                    const ScenePriorsOptions& options, ThreadPool& pool,
+void fill_with_vggt(const Scene& scene, const ModelStore& store, const PublishedModel& model,
+                    PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
                     ScenePriorsReport& report) {
   const std::vector<Photo> photos = photos_of(scene);
-  const nn::Weights weights = nn::Weights::open(file);
+  const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   VggtInputs inputs = vggt_inputs(photos, pool);
   MemoryBudget budget(options.memory_limit);
   add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
                   inputs.images[0].height);
   budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
+  notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Vggt network(compute, weights);
   const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
@@ -179,8 +180,8 @@ ImageF halved(const nn::FeatureMap& depth) {
 }
 
 void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model,
-                       const PriorsJson& notes, const ScenePriorsOptions& options,
-                       ThreadPool& pool, ScenePriorsReport& report) {
+                       PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
+                       ScenePriorsReport& report) {
   const DepthWeights weights = depth_weights(store, model);
   NetworkInput largest;
   for (const NetworkInput& size : photo_sizes(scene)) {
@@ -191,6 +192,7 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
                            {options.precision, pool.size()});
   budget.require(model.name, "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
                              "more memory with --memory");
+  notes.depth->weights = digest_of(store, model);
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const std::unique_ptr<nn::DepthNetwork> network =
       nn::make_depth_network(compute, weights.backbone, weights.head);
@@ -244,10 +246,10 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
   }
   ThreadPool pool(options.threads);
   const bool vggt = begins(model.name, "vggt");
-  notes.depth = PriorJson{model.name, digest_of(store, model), {}};
+  notes.depth = PriorJson{model.name, "", {}};
   if (vggt) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
   notes.depth->settings["units"] = vggt ? "arbitrary" : "metres";
-  if (vggt) fill_with_vggt(scene, store.require(model).at(0), notes, options, pool, report);
+  if (vggt) fill_with_vggt(scene, store, model, notes, options, pool, report);
   else fill_with_depther(scene, store, model, notes, options, pool, report);
   return report;
 }
