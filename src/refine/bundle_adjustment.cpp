@@ -56,14 +56,15 @@ constexpr double kNearest = 1e-6;  // scene units; nearer points have no project
 struct Reprojection {
   const Camera& camera;
   Vec2d pixel;
+  double sigma;
   template <class T>
   bool operator()(const T* pose, const T* focal, const T* point, T* residual) const {
     T p[3];
     to_camera(camera, pose, point, p);
     if (p[2] < T(kNearest)) return false;
     const T factor = exp(focal[0]) / p[2];
-    residual[0] = camera.fx * factor * p[0] + (camera.cx - pixel.x);
-    residual[1] = camera.fy * factor * p[1] + (camera.cy - pixel.y);
+    residual[0] = (camera.fx * factor * p[0] + (camera.cx - pixel.x)) / sigma;
+    residual[1] = (camera.fy * factor * p[1] + (camera.cy - pixel.y)) / sigma;
     return true;
   }
 };
@@ -143,6 +144,15 @@ void measure(const BundleProblem& problem, double& rms, double& median) {
   median = *middle;
 }
 
+/// Of one depth factor of each view, so that all of a view's together weigh as much as its independent ones.
+std::vector<double> depth_sigmas(const BundleProblem& problem, const BundleSettings& settings) {
+  std::vector<double> counts(problem.cameras.size(), 0.0);
+  for (const Observation& o : problem.observations) counts[static_cast<size_t>(o.view)] += o.prior_depth > 0;
+  std::vector<double> out;
+  for (const double count : counts) out.push_back(settings.depth * std::sqrt(std::max(1.0, count / settings.depth_independent)));
+  return out;
+}
+
 }  // namespace
 
 BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& settings) {
@@ -159,17 +169,18 @@ BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& setting
   ceres::Problem ceres_problem;
   std::vector<bool> used(views, false);
   bool any = false;
+  const std::vector<double> depth_sigma = depth_sigmas(problem, settings);
   for (const Observation& o : problem.observations) {
     const size_t v = static_cast<size_t>(o.view);
     double* point = &problem.points[static_cast<size_t>(o.point)].x;
     if (!((prior[v].world_to_camera * problem.points[static_cast<size_t>(o.point)]).z > kNearest)) continue;
     ceres_problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(new Reprojection{prior[v], o.pixel}),
-        new ceres::CauchyLoss(settings.pixel), &poses[v * kPoseSize], &focal, point);
+        new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(new Reprojection{prior[v], o.pixel, settings.pixel}),
+        new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &focal, point);
     if (o.prior_depth > 0) {
       ceres_problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LogDepth, 1, kPoseSize, 1, 3>(
-              new LogDepth{prior[v], std::log(o.prior_depth), settings.depth}),
+              new LogDepth{prior[v], std::log(o.prior_depth), depth_sigma[v]}),
           new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &scales[v], point);
     }
     if (problem.fixed_points) ceres_problem.SetParameterBlockConstant(point);

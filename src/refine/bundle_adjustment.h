@@ -18,12 +18,13 @@ struct Observation {
 
 /// How wrong the starting values are (standard deviations), and when an observation is an outlier.
 struct BundleSettings {
-  double rotation = 0.5;        ///< degrees, per camera
-  double centre = 0.01;         ///< of the extent, per camera
+  double rotation = 1;          ///< degrees, per camera
+  double centre = 0.02;         ///< of the extent, per camera
   double focal = 0.03;          ///< relative, of the shared focal length; 0 = fixed
   double depth = 0.03;          ///< relative, of prior depth at a pixel
+  double depth_independent = 12;  ///< a view's depth is bent, not noisy: its pixels are worth so many independent ones
   double depth_scale = 0.02;    ///< relative, of a view's prior depth as a whole
-  double pixel = 1.0;           ///< pixels, scale of the Cauchy loss on reprojection
+  double pixel = 0.3;           ///< pixels, of a match; from there on the Cauchy loss takes it for an outlier
   int iterations = 50;          ///< at most
 };
 

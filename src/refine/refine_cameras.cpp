@@ -156,7 +156,9 @@ class Refinement {
 
   void adjust() {
     BundleProblem first = problem();
-    const BundleReport report = adjust_bundle(first, settings_.bundle);
+    BundleSettings coarse = settings_.bundle;
+    coarse.pixel = settings_.coarse_pixel;
+    const BundleReport report = adjust_bundle(first, coarse);
     if (!adjusted_) bundle_ = report;
     take(first);
     drop_outliers();
@@ -247,12 +249,14 @@ class Refinement {
     for (const auto& own : found) resection.observations.insert(resection.observations.end(), own.begin(), own.end());
     BundleSettings settings = settings_.bundle;
     settings.focal = 0;
+    settings.pixel = settings_.coarse_pixel;
     adjust_bundle(resection, settings);
     const auto wrong = [&](const Observation& o) {
       return reprojection_error(resection.cameras[static_cast<size_t>(o.view)], resection.points[static_cast<size_t>(o.point)], o.pixel) > settings_.outlier;
     };
     auto& all = resection.observations;
     all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
+    settings.pixel = settings_.bundle.pixel;
     adjust_bundle(resection, settings);
     test_observations_.assign(views_.size(), 0);
     for (const Observation& o : all) ++test_observations_[static_cast<size_t>(o.view)];

@@ -30,10 +30,11 @@ struct RefineSettings {
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
   double later_search = 0.02;   ///< of the image width
-  int neighbours = 8;           ///< photos that a corner is looked for in: those that see most of the same
-  double least_overlap = 0.25;  ///< of a photo's pixels inside of the other
-  double largest_turn = 60;     ///< degrees between viewing directions
-  double outlier = 3;           ///< pixels: observations beyond are dropped before the last adjustment
+  int neighbours = 12;          ///< photos that a corner is looked for in: those that see most of the same
+  double least_overlap = 0.15;  ///< of a photo's pixels inside of the other
+  double largest_turn = 75;     ///< degrees between viewing directions
+  double coarse_pixel = 0.5;     ///< pixels: `bundle.pixel` of a first adjustment, which starts too far off for the exact one
+  double outlier = 3;           ///< pixels: observations beyond are dropped before the second adjustment
   int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
 };
