@@ -36,7 +36,8 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
     make_and_write_scene(synth_options(synth), scene, fs::exists(scene), context);
   }
   const bool begun = options.resume && fs::exists(RunFolder(run).record());
-  if (!begun && should_refine(scene, resolve_run(train).config)) refine_into_run(scene, run, context);
+  const TrainConfig config = resolve_run(train).config;
+  if (!begun && should_refine(scene, config)) refine_into_run(scene, run, config, context);
   train.scene = scene;
   train.resume_command = "aligngs demo -o " + options.output + " --resume";
   run_pipeline(train, context, fusion_of_device(options.device));

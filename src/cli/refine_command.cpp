@@ -11,7 +11,7 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, keep_tests = false, own_focal = false, overwrite = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, keep_tests = false, own_focal = false, overwrite = false;
 };
 
 void refine(const CommandContext& context, const RefineCommandOptions& options) {
@@ -19,6 +19,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   RefineSceneOptions refine_options;
   refine_options.correct_depth = !options.keep_depth;
   refine_options.stereo = !options.no_stereo;
+  refine_options.planes = !options.no_planes;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
   refine_options.overwrite = options.overwrite;
@@ -38,13 +39,17 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
     const nlohmann::ordered_json document = {{"scene", options.output}, {"tracks", result.tracks},
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
-                                             {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"views", views}};
+                                             {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
+                                             {"on_planes", report.on_planes}, {"views", views}};
     std::printf("%s\n", document.dump(2).c_str());
     return;
   }
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
+  if (!report.planes.empty()) {
+    std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", report.planes.size(), 100 * report.on_planes);
+  }
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
     std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),
@@ -64,6 +69,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_option("-o,--output", options->output, "scene folder to write")->required();
   command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
   command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo only, not by multi-view stereo");
+  command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
   command->add_flag("--overwrite", options->overwrite, "replace a scene that stands there");

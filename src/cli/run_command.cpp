@@ -102,7 +102,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     fill_priors(scene, store, options, context);
     refine = should_refine(scene, config);
   }
-  if (refine) refine_into_run(photos ? scene : source, run, context);
+  if (refine) refine_into_run(photos ? scene : source, run, config, context);
   train.scene = scene;
   const nlohmann::json metrics = run_pipeline(train, context, fusion_of_device(options.train.device));
   go_on_serving(page);

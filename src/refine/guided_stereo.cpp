@@ -145,6 +145,7 @@ std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& vie
       for (const int k : partners[i]) theirs.push_back(&measurements[static_cast<size_t>(k)]);
       StereoResult& result = results[i];
       result.certainty = confirmed(*views[i], measurements[i], photos_of(i), theirs, settings);
+      result.own_factor = measurements[i].log_factor;
       result.log_factor = spread_log_correction(views[i]->depth, measurements[i].log_factor, result.certainty, settings.spread);
       size_t with_depth = 0, sure = 0;
       for (size_t p = 0; p < result.certainty.pixels(); ++p) {

@@ -28,6 +28,7 @@ struct StereoSettings {
 /// What the photos say about one of them.
 struct StereoResult {
   ImageF log_factor;    ///< H x W, on the prior depth, spread over all of it
+  ImageF own_factor;    ///< H x W: the pixel's own measurement of it, where the certainty is not 0
   ImageF certainty;     ///< H x W in [0, 1]: of the pixel's own measurement
   double measured = 0;  ///< share of pixels with prior depth whose own measurement was confirmed by another photo
 };

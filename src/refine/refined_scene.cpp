@@ -55,33 +55,32 @@ void require_depth(const Scene& scene) {
 }
 
 /// Log factors that turn the prior depth of a training view into the corrected one; empty: none.
-ImageF log_correction(const RefinedView& view, const StereoResult& stereo, int width, int height) {
+ImageF log_correction(const RefinedView& view, const ImageF& measured, int width, int height) {
   ImageF out(width, height, 1);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) out.at(x, y) = static_cast<float>(view.depth.at((x + 0.5) / width, (y + 0.5) / height));
   }
-  if (stereo.log_factor.empty()) return out;
-  const ImageF fine = resize_bilinear(stereo.log_factor, width, height);
+  if (measured.empty()) return out;
+  const ImageF fine = resize_bilinear(measured, width, height);
   for (size_t i = 0; i < out.data.size(); ++i) out.data[i] += fine.data[i];
   return out;
 }
 
-void write_depth(const Scene& scene, int view, const RefinedView& refined, const StereoResult& stereo, const fs::path& folder) {
+void write_depth(const Scene& scene, int view, const RefinedView& refined, const ImageF& measured, const fs::path& folder) {
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
   if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
   ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
   map.data = stored.data;
-  const ImageF correction = log_correction(refined, stereo, map.width, map.height);
+  const ImageF correction = log_correction(refined, measured, map.width, map.height);
   for (size_t i = 0; i < map.data.size(); ++i) {
     if (map.data[i] > 0 && std::isfinite(map.data[i])) map.data[i] *= std::exp(correction.data[i]);
   }
   write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
 }
 
-/// What stereo says about each training view, with the refined cameras and the prior depth as their grids correct it.
-std::vector<StereoResult> measure_depth(const std::vector<RefineView>& views, size_t training, const RefineResult& refined,
-                                        const RefineSceneOptions& options, ThreadPool& pool) {
+/// The training photos with the refined cameras and the prior depth as their grids correct it.
+std::vector<MatchView> corrected_photos(const std::vector<RefineView>& views, size_t training, const RefineResult& refined) {
   std::vector<MatchView> photos;
   for (size_t i = 0; i < training; ++i) {
     MatchView photo = views[i].match;
@@ -89,11 +88,68 @@ std::vector<StereoResult> measure_depth(const std::vector<RefineView>& views, si
     refined.views[i].depth.apply(photo.depth);
     photos.push_back(std::move(photo));
   }
+  return photos;
+}
+
+std::vector<StereoResult> measure_depth(const std::vector<MatchView>& photos, const RefineSceneOptions& options, ThreadPool& pool) {
   std::vector<const MatchView*> pointers;
   for (const MatchView& photo : photos) pointers.push_back(&photo);
-  Progress progress(options.progress, "measure depth", training);
+  Progress progress(options.progress, "measure depth", photos.size());
   return guided_stereo(pointers, options.stereo_settings, pool,
-                       [&](double share) { progress.update(static_cast<uint64_t>(share * static_cast<double>(training))); });
+                       [&](double share) { progress.update(static_cast<uint64_t>(share * static_cast<double>(photos.size()))); });
+}
+
+Image<uint16_t> load_labels(const Scene& scene, int view) {
+  LoadOptions load;
+  load.prior_depth = false;
+  return load_view(scene, view, load).labels;
+}
+
+/// Log factors on the photos' depth: stereo's measurements and the planes of the room, each as sure as it is, spread together.
+std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<StereoResult>& stereo,
+                                        const RefineSceneOptions& options, ThreadPool& pool, RefineSceneReport& report) {
+  std::vector<PlaneView> views(photos.size());
+  pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      views[i].camera = photos[i].camera;
+      views[i].depth = photos[i].depth;
+      for (size_t p = 0; p < stereo[i].log_factor.data.size(); ++p) views[i].depth.data[p] *= std::exp(stereo[i].log_factor.data[p]);
+      views[i].certainty = stereo[i].certainty;
+      views[i].labels = load_labels(scene, scene.train[i]);
+    }
+  });
+  const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels), options.plane_settings, pool);
+  report.planes = planes.planes;
+  report.on_planes = planes.share;
+  std::vector<ImageF> factors(photos.size());
+  pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const StereoResult& own = stereo[i];
+      const PlaneMeasurement& plane = planes.views[i];
+      ImageF given(plane.weight.width, plane.weight.height, 1), weight = plane.weight;
+      for (size_t p = 0; p < weight.data.size(); ++p) {
+        const float certainty = own.certainty.empty() ? 0 : own.certainty.data[p], spread = own.log_factor.empty() ? 0 : own.log_factor.data[p];
+        weight.data[p] += certainty;
+        if (weight.data[p] <= 0) continue;
+        const float measured = certainty > 0 ? certainty * own.own_factor.data[p] : 0;
+        given.data[p] = (measured + plane.weight.data[p] * (spread + plane.log_factor.data[p])) / weight.data[p];
+      }
+      factors[i] = spread_log_correction(photos[i].depth, given, weight, options.stereo_settings.spread);
+    }
+  });
+  return factors;
+}
+
+/// Log factors on the grid-corrected depth of each training view, at the photos' size; empty images: none.
+std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos, const RefineSceneOptions& options,
+                                     ThreadPool& pool, RefineSceneReport& report) {
+  std::vector<StereoResult> stereo(photos.size());
+  if (options.stereo) stereo = measure_depth(photos, options, pool);
+  for (const StereoResult& result : stereo) report.measured += result.measured / static_cast<double>(photos.size());
+  if (options.planes && scene.has_semantics()) return factors_with_planes(scene, photos, stereo, options, pool, report);
+  std::vector<ImageF> factors;
+  for (StereoResult& result : stereo) factors.push_back(std::move(result.log_factor));
+  return factors;
 }
 
 void require_outside(const fs::path& scene, const fs::path& output) {
@@ -151,8 +207,8 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
     result = refine_cameras(views, robust_extent(scene), options.settings, pool,
                             [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
   }
-  std::vector<StereoResult> stereo(training);
-  if (options.correct_depth && options.stereo) stereo = measure_depth(views, training, result, options, pool);
+  std::vector<ImageF> factors(training);
+  if (options.correct_depth) factors = measured_factors(scene, corrected_photos(views, training, result), options, pool, report);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -164,8 +220,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   copy_scene(scene.folder, folder);
   write_sparse(scene, cameras, scene.cloud, folder);
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
-    write_depth(scene, scene.train[i], result.views[i], stereo[i], folder);
-    report.measured += stereo[i].measured / static_cast<double>(training);
+    write_depth(scene, scene.train[i], result.views[i], factors[i], folder);
   }
   note_refinement(result, folder);
   replacement.commit();

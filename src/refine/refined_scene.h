@@ -5,6 +5,7 @@
 
 #include "core/progress.h"
 #include "refine/guided_stereo.h"
+#include "refine/plane_depth.h"
 #include "refine/refine_cameras.h"
 #include "scene/scene.h"
 
@@ -15,6 +16,8 @@ struct RefineSceneOptions {
   StereoSettings stereo_settings;
   bool correct_depth = true;     ///< pred_depths/ of the training views are multiplied by their DepthGrid
   bool stereo = true;            ///< and then by what multi-view stereo finds with the refined cameras
+  PlaneDepthSettings plane_settings;
+  bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
   bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
   ProgressStyle progress;
@@ -23,6 +26,8 @@ struct RefineSceneOptions {
 struct RefineSceneReport {
   RefineResult cameras;
   double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
+  std::vector<ScenePlane> planes;
+  double on_planes = 0; ///< share of the pixels with depth that lie on one of them
 };
 
 /// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views

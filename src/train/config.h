@@ -16,6 +16,8 @@ struct DataConfig {
   double scale = 1;               ///< working resolution / image resolution
   std::string prior_depth;        ///< auto, metric, relative, none
   bool refine_cameras = false;    ///< `run` and `demo`: correct cameras and prior depth before training
+  bool refine_stereo = false;     ///< and the depth by multi-view stereo
+  bool refine_planes = false;     ///< and by the planes of walls, floor and ceiling
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
   bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them

@@ -27,9 +27,11 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   return true;
 }
 
-void refine_into_run(const fs::path& scene, const fs::path& run, const CommandContext& context) {
+void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
   RefineSceneOptions options;
   options.overwrite = true;
+  options.stereo = config.data.refine_stereo;
+  options.planes = config.data.refine_planes && config.data.semantics;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
@@ -37,6 +39,9 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const CommandCo
   const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  if (!report.planes.empty()) {
+    log_info("{} planes of walls, floor and ceiling; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
+  }
 }
 
 }  // namespace aligngs

@@ -15,6 +15,7 @@ bool should_refine(const std::filesystem::path& scene, const TrainConfig& config
 
 /// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far the
 /// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
-void refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const CommandContext& context);
+void refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+                     const CommandContext& context);
 
 }  // namespace aligngs

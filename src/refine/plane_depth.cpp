@@ -1,0 +1,204 @@
+#include "refine/plane_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/depth_normals.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+constexpr uint64_t kSeed = 1;  // the same planes every time
+constexpr int kNormalRadius = 4;  // pixels: only a rough direction is needed, and noise is worse than a rounded corner
+
+struct NamedClass {
+  const char* name;
+  PlaneClass what;
+};
+constexpr NamedClass kNamedClasses[] = {
+    {"wall", {PlaneKind::kWall, false}},      {"floor", {PlaneKind::kFloor, false}},
+    {"rug", {PlaneKind::kFloor, false}},      {"ceiling", {PlaneKind::kCeiling, false}},
+    {"door", {PlaneKind::kWall, false}},      {"painting", {PlaneKind::kWall, false}},
+    {"poster", {PlaneKind::kWall, false}},    {"bulletin board", {PlaneKind::kWall, false}},
+    {"windowpane", {PlaneKind::kWall, true}}, {"mirror", {PlaneKind::kWall, true}},
+};
+
+/// The class that stands at each pixel, kNoLabel near the edge to something of another place and where no plane is.
+Image<uint16_t> class_map(const PlaneView& view, const std::vector<PlaneClass>& classes, int edge) {
+  const int width = view.camera.width, height = view.camera.height;
+  const auto place = [&](int x, int y) {
+    const uint16_t label = view.labels.at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1));
+    const PlaneClass what = label < classes.size() ? classes[label] : PlaneClass{};
+    return 2 * static_cast<int>(what.kind) + (what.glass ? 1 : 0);
+  };
+  Image<uint16_t> out(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int own = place(x, y);
+      bool inside = own != 0;
+      for (int dy = -edge; inside && dy <= edge; ++dy) {
+        for (int dx = -edge; inside && dx <= edge; ++dx) inside = place(x + dx, y + dy) == own;
+      }
+      out.at(x, y) = inside ? view.labels.at(x, y) : kNoLabel;
+    }
+  }
+  return out;
+}
+
+struct PreparedView {
+  Image<uint16_t> classes;
+  ImageF normals;  // camera frame
+};
+
+PreparedView prepare(const PlaneView& view, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& s) {
+  PreparedView out;
+  if (view.labels.data.empty() || view.depth.empty()) return out;
+  out.classes = class_map(view, classes, s.label_edge);
+  DepthNormalOptions options;
+  options.radius = kNormalRadius;
+  out.normals = camera_normals(view.depth, view.camera, options);
+  return out;
+}
+
+Vec3d normal_at(const ImageF& normals, int x, int y) { return {normals.at(x, y, 0), normals.at(x, y, 1), normals.at(x, y, 2)}; }
+
+void collect_points(const PlaneView& view, const PreparedView& prepared, const std::vector<PlaneClass>& classes, int index, int stride,
+                    std::vector<PlanePoint>& points) {
+  const Rigidd to_world = view.camera.world_to_camera.inverse();
+  for (int y = stride / 2; y < prepared.classes.height; y += stride) {
+    for (int x = stride / 2; x < prepared.classes.width; x += stride) {
+      const uint16_t label = prepared.classes.at(x, y);
+      const float z = view.depth.at(x, y);
+      const Vec3d normal = normal_at(prepared.normals, x, y);
+      if (label == kNoLabel || classes[label].glass || !(z > 0) || !std::isfinite(z) || dot(normal, normal) == 0) continue;
+      PlanePoint p;
+      p.position = to_world * (view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z));
+      p.normal = to_world.rotation * normal;
+      p.depth = z;
+      p.certainty = view.certainty.empty() ? 0 : view.certainty.at(x, y);
+      p.view = index;
+      p.kind = classes[label].kind;
+      points.push_back(p);
+    }
+  }
+}
+
+/// A plane in a camera's frame: depth along ray r is -offset / (normal . r).
+struct CameraPlane {
+  Vec3d normal;
+  double offset;
+  PlaneKind kind;
+};
+
+std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes) {
+  std::vector<CameraPlane> out;
+  const Vec3d centre = camera.centre();
+  for (const ScenePlane& plane : planes) {
+    const double before = plane.distance(centre);
+    if (before > 0) out.push_back({camera.world_to_camera.rotation * plane.normal, before, plane.kind});  // else seen from behind
+  }
+  return out;
+}
+
+/// Depth of a plane along a ray with z = 1; 0: not in front.
+double depth_of(const CameraPlane& plane, const Vec3d& ray) {
+  const double slope = -dot(plane.normal, ray);
+  return slope > 0 ? plane.offset / slope : 0;
+}
+
+/// Tukey's biweight.
+double biweight(double share) { return std::abs(share) < 1 ? (1 - share * share) * (1 - share * share) : 0; }
+
+struct PixelMeasurement {
+  double log_factor = 0, weight = 0;
+};
+
+/// Glass is in the wall that the ray meets first, whatever its depth looks like.
+PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, double z, const PlaneDepthSettings& s) {
+  double nearest = 0;
+  for (const CameraPlane& plane : planes) {
+    const double depth = plane.kind == kind ? depth_of(plane, ray) : 0;
+    if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
+  }
+  const double factor = nearest > 0 ? std::log(nearest / z) : 0;
+  if (nearest == 0 || std::abs(factor) > s.glass_reach) return {};
+  return {factor, s.strength};
+}
+
+/// Everything else is on the plane that is nearest to its depth, if that is near and turned alike.
+PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, const Vec3d& normal, double z,
+                                 const PlaneDepthSettings& s) {
+  const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
+  PixelMeasurement best;
+  for (const CameraPlane& plane : planes) {
+    if (plane.kind != kind || dot(plane.normal, normal) < least_cosine) continue;
+    const double depth = depth_of(plane, ray);
+    if (!(depth > 0)) continue;
+    const double factor = std::log(depth / z), weight = s.strength * biweight(factor / s.reach);
+    if (weight > best.weight) best = {factor, weight};
+  }
+  return best;
+}
+
+PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, const std::vector<PlaneClass>& classes,
+                         const std::vector<ScenePlane>& planes, const PlaneDepthSettings& s) {
+  const int width = view.camera.width, height = view.camera.height;
+  PlaneMeasurement out{ImageF(width, height, 1), ImageF(width, height, 1)};
+  if (prepared.classes.data.empty()) return out;
+  const std::vector<CameraPlane> local = in_frame_of(view.camera, planes);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const uint16_t label = prepared.classes.at(x, y);
+      const float z = view.depth.at(x, y);
+      if (label == kNoLabel || !(z > 0) || !std::isfinite(z)) continue;
+      const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5);
+      const PixelMeasurement m = classes[label].glass
+                                     ? measure_glass(local, classes[label].kind, ray, z, s)
+                                     : measure_surface(local, classes[label].kind, ray, normal_at(prepared.normals, x, y), z, s);
+      out.log_factor.at(x, y) = static_cast<float>(m.log_factor);
+      out.weight.at(x, y) = static_cast<float>(m.weight);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<PlaneClass> plane_classes(const LabelSet& labels) {
+  std::vector<PlaneClass> out(labels.classes.size());
+  for (const NamedClass& named : kNamedClasses) {
+    const int index = labels.find(named.name);
+    if (index >= 0) out[static_cast<size_t>(index)] = named.what;
+  }
+  return out;
+}
+
+PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
+                                const PlaneDepthSettings& settings, ThreadPool& pool) {
+  PlaneDepthResult result;
+  result.views.resize(views.size());
+  std::vector<PreparedView> prepared(views.size());
+  const auto for_each_view = [&](auto&& work) {
+    pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) work(i);
+    });
+  };
+  for_each_view([&](size_t i) { prepared[i] = prepare(views[i], classes, settings); });
+  std::vector<PlanePoint> points;
+  for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
+  result.planes = find_planes(points, settings.planes, kSeed);
+  for_each_view([&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
+  size_t with_depth = 0, on_plane = 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (size_t p = 0; p < result.views[i].weight.data.size() && p < views[i].depth.data.size(); ++p) {
+      with_depth += views[i].depth.data[p] > 0;
+      on_plane += result.views[i].weight.data[p] > 0;
+    }
+  }
+  result.share = with_depth == 0 ? 0 : static_cast<double>(on_plane) / static_cast<double>(with_depth);
+  return result;
+}
+
+}  // namespace aligngs

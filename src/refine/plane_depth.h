@@ -1,0 +1,56 @@
+// Prior depth brought to the planes of the room where the labels say wall, floor or ceiling (guidance 2.4).
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/thread_pool.h"
+#include "refine/scene_planes.h"
+#include "scene/camera.h"
+#include "scene/label_set.h"
+
+namespace aligngs {
+
+/// One photo. Maps have the camera's size.
+struct PlaneView {
+  Camera camera;
+  ImageF depth;              ///< scene units, 0 = none
+  ImageF certainty;          ///< in [0, 1]: of the depth, where stereo measured it; may be empty
+  Image<uint16_t> labels;    ///< class per pixel, kNoLabel = none; empty: the photo has no say
+};
+
+struct PlaneDepthSettings {
+  PlaneSettings planes;
+  int stride = 3;              ///< pixels between the points that planes are found with
+  int label_edge = 3;          ///< pixels from another label: a teacher's outlines are wrong by so much
+  double reach = 0.12;         ///< |log(plane / depth)| within which a pixel is on a plane
+  double glass_reach = 0.5;    ///< and within which a window or mirror is in its wall: networks see through or behind it
+  double normal_angle = 30;    ///< degrees between the depth's own normal and the plane's
+  double strength = 3;         ///< weight of a pixel on a plane, where a sure stereo measurement weighs 1
+};
+
+/// Per view what planes say: the log factor that takes the depth to its plane, and its weight; 0 where none.
+struct PlaneMeasurement {
+  ImageF log_factor, weight;
+};
+
+struct PlaneDepthResult {
+  std::vector<ScenePlane> planes;
+  std::vector<PlaneMeasurement> views;
+  double share = 0;  ///< of the pixels with depth that lie on a plane
+};
+
+/// What a class says of the place of a surface.
+struct PlaneClass {
+  PlaneKind kind = PlaneKind::kNone;
+  bool glass = false;  ///< its depth says nothing of the plane
+};
+
+/// For each class of a label set, by name: rugs lie on the floor; doors, pictures, windows and mirrors are part of walls.
+std::vector<PlaneClass> plane_classes(const LabelSet& labels);
+
+/// Deterministic for any number of threads. No labels, or nothing flat: no planes, and weights of 0.
+PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
+                                const PlaneDepthSettings& settings, ThreadPool& pool);
+
+}  // namespace aligngs

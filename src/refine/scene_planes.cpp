@@ -1,0 +1,163 @@
+#include "refine/scene_planes.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/random.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
+constexpr int kRefinements = 12;   // of reweighted least squares; it settles after six to ten
+constexpr size_t kScored = 4000;   // points that candidates are compared on: more do not change which one wins
+constexpr std::array<PlaneKind, 3> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall};
+
+using Indices = std::vector<size_t>;
+
+bool belongs(const PlanePoint& p, const ScenePlane& plane, double tolerance, double least_cosine) {
+  return std::abs(plane.distance(p.position)) < tolerance * p.depth && dot(plane.normal, p.normal) > least_cosine;
+}
+
+Indices members(const std::vector<PlanePoint>& points, const Indices& of, const ScenePlane& plane, const PlaneSettings& s,
+                double tolerance_factor = 1) {
+  const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
+  Indices out;
+  for (const size_t i : of) {
+    if (belongs(points[i], plane, tolerance_factor * s.inlier, least_cosine)) out.push_back(i);
+  }
+  return out;
+}
+
+/// Weights of points in a fit: what a photo's network depth says of a plane counts as few samples, however many pixels.
+std::vector<double> fit_weights(const std::vector<PlanePoint>& points, const Indices& of, const PlaneSettings& s) {
+  std::map<int, double> per_view;
+  for (const size_t i : of) per_view[points[i].view] += 1;
+  std::vector<double> out;
+  for (const size_t i : of) {
+    const PlanePoint& p = points[i];
+    const double prior = std::min(1.0, s.prior_independent / per_view[p.view]) / (s.prior_sigma * s.prior_sigma);
+    const double measured = p.certainty / s.measured_together / (s.measured_sigma * s.measured_sigma);
+    out.push_back((prior + measured) / (p.depth * p.depth));
+  }
+  return out;
+}
+
+/// Robust (Cauchy) total least squares from a first guess, with the points that are near it.
+ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane, const PlaneSettings& s) {
+  const std::vector<double> base = fit_weights(points, near, s);
+  for (int round = 0; round < kRefinements; ++round) {
+    double sum = 0;
+    Vec3d mean{};
+    std::vector<double> weights(near.size());
+    for (size_t k = 0; k < near.size(); ++k) {
+      const PlanePoint& p = points[near[k]];
+      const double residual = plane.distance(p.position) / (s.prior_sigma * p.depth);
+      weights[k] = base[k] / (1 + residual * residual);
+      sum += weights[k];
+      mean += p.position * weights[k];
+    }
+    if (!(sum > 0)) return plane;
+    mean *= 1 / sum;
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (size_t k = 0; k < near.size(); ++k) {
+      const Vec3d d = points[near[k]].position - mean;
+      const Eigen::Vector3d e(d.x, d.y, d.z);
+      scatter += weights[k] * e * e.transpose();
+    }
+    const Eigen::Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+    const Vec3d normal{n.x(), n.y(), n.z()};
+    plane.normal = dot(normal, plane.normal) < 0 ? -normal : normal;
+    plane.offset = -dot(plane.normal, mean);
+  }
+  return plane;
+}
+
+ScenePlane best_candidate(const std::vector<PlanePoint>& points, const Indices& of, const PlaneSettings& s, Random& random) {
+  Indices scored = of;
+  random.shuffle(scored);
+  scored.resize(std::min(scored.size(), kScored));
+  ScenePlane best;
+  size_t most = 0;
+  for (int c = 0; c < s.candidates; ++c) {
+    const PlanePoint& p = points[of[static_cast<size_t>(random.below(static_cast<int>(of.size())))]];
+    ScenePlane plane;
+    plane.normal = p.normal;
+    plane.offset = -dot(p.normal, p.position);
+    plane.kind = p.kind;
+    const size_t count = members(points, scored, plane, s).size();
+    if (count > most) {
+      most = count;
+      best = plane;
+    }
+  }
+  return best;
+}
+
+Indices without(const Indices& all, const Indices& taken) {
+  Indices out;
+  std::set_difference(all.begin(), all.end(), taken.begin(), taken.end(), std::back_inserter(out));
+  return out;
+}
+
+int views_of(const std::vector<PlanePoint>& points, const Indices& of) {
+  std::set<int> views;
+  for (const size_t i : of) views.insert(points[i].view);
+  return static_cast<int>(views.size());
+}
+
+bool same_plane(const ScenePlane& a, const ScenePlane& b, const std::vector<PlanePoint>& points, const Indices& of_b,
+                const PlaneSettings& s) {
+  if (dot(a.normal, b.normal) < std::cos(s.merge_angle * kRadiansPerDegree)) return false;
+  std::vector<double> apart;
+  for (const size_t i : of_b) apart.push_back(std::abs(a.distance(points[i].position)) / points[i].depth);
+  const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+  std::nth_element(apart.begin(), middle, apart.end());
+  return *middle < s.merge_distance;
+}
+
+void find_planes_of(PlaneKind kind, const std::vector<PlanePoint>& points, const PlaneSettings& s, Random random,
+                    std::vector<ScenePlane>& planes) {
+  Indices left;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const PlanePoint& p = points[i];
+    if (p.kind == kind && p.depth > 0 && std::isfinite(p.position.x + p.position.y + p.position.z)) left.push_back(i);
+  }
+  const size_t first = planes.size();
+  const size_t least = std::max(s.least_points, static_cast<size_t>(s.least_share * static_cast<double>(left.size())));
+  while (left.size() >= least) {
+    ScenePlane plane = best_candidate(points, left, s, random);
+    Indices near = members(points, left, plane, s);
+    if (near.size() < least) return;
+    plane = refine(points, near, plane, s);
+    near = members(points, left, plane, s);
+    plane = refine(points, near, plane, s);
+    // What lies a little farther off is the same surface with a worse depth, and would come again as a plane beside it.
+    const Indices taken = members(points, left, plane, s, 2);
+    if (taken.empty()) return;
+    left = without(left, taken);
+    plane.views = views_of(points, near);
+    plane.points = near.size();
+    if (near.size() < least || plane.views < s.least_views) continue;
+    const bool known = std::any_of(planes.begin() + static_cast<std::ptrdiff_t>(first), planes.end(),
+                                   [&](const ScenePlane& p) { return same_plane(p, plane, points, near, s); });
+    if (!known) planes.push_back(plane);
+  }
+}
+
+}  // namespace
+
+std::vector<ScenePlane> find_planes(const std::vector<PlanePoint>& points, const PlaneSettings& settings, uint64_t seed) {
+  std::vector<ScenePlane> planes;
+  for (const PlaneKind kind : kKinds) {
+    find_planes_of(kind, points, settings, Random(seed).fork(static_cast<uint64_t>(kind)), planes);
+  }
+  std::sort(planes.begin(), planes.end(), [](const ScenePlane& a, const ScenePlane& b) { return a.points > b.points; });
+  return planes;
+}
+
+}  // namespace aligngs

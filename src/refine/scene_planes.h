@@ -1,0 +1,55 @@
+// The planes of a room: walls, floor and ceiling, from labelled points of all photos (guidance 2.4).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/vec.h"
+
+namespace aligngs {
+
+/// What a plane is the surface of. Points of one kind never make a plane of another.
+enum class PlaneKind : uint8_t { kNone, kWall, kFloor, kCeiling };
+
+/// One place on a surface, as one photo has it.
+struct PlanePoint {
+  Vec3d position;         ///< world
+  Vec3d normal;           ///< world, unit, towards the camera; only its rough direction is used
+  double depth = 0;       ///< from its camera; errors of depth grow with it
+  double certainty = 0;   ///< in [0, 1]: of a measurement by stereo; 0: the network's depth alone
+  int view = 0;
+  PlaneKind kind = PlaneKind::kNone;
+};
+
+/// Points x with normal . x + offset = 0; the normal points into the room.
+struct ScenePlane {
+  Vec3d normal;
+  double offset = 0;
+  PlaneKind kind = PlaneKind::kNone;
+  int views = 0;          ///< photos that show it
+  size_t points = 0;
+  double distance(const Vec3d& x) const { return dot(normal, x) + offset; }
+};
+
+struct PlaneSettings {
+  double inlier = 0.06;          ///< distance / depth within which a point may belong to a plane
+  double normal_angle = 25;      ///< degrees between a point's normal and the plane's
+  int candidates = 300;          ///< planes tried for each one found
+  size_t least_points = 150;     ///< of a plane
+  double least_share = 0.04;     ///< of all points of its kind
+  int least_views = 2;
+  double merge_angle = 8;        ///< degrees; planes of a kind this parallel
+  double merge_distance = 0.04;  ///< and this near, relative to the depth of their points, are one
+  /// A network's depth of one photo is bent: its points on one plane are wrong together. They count as so many independent
+  /// ones with this relative error.
+  double prior_sigma = 0.02;
+  double prior_independent = 4;
+  double measured_sigma = 0.008;     ///< relative error of what stereo measured with certainty 1
+  double measured_together = 50;     ///< points that count as one
+};
+
+/// Planes by falling number of points, found one after the other by random candidates and refined by robust least squares.
+/// Deterministic for a seed. Points without finite position are ignored; too few points of a kind: no plane of it.
+std::vector<ScenePlane> find_planes(const std::vector<PlanePoint>& points, const PlaneSettings& settings, uint64_t seed);
+
+}  // namespace aligngs
