@@ -35,6 +35,12 @@ ROOMS = {
 NO_SEMANTICS = "data.semantics=false"
 PHOTOMETRIC = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0", "data.prior_depth=none"]
 NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
+# The multi-view terms as preset pgsr has them, every fifth step, where they cost a fifth.
+MULTI_VIEW = ["loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15", "loss.multi_view_every=5"]
+# The prior depth as the default preset uses it, acting as early.
+PGSR_PRIOR = ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
+              "loss.depth_align_every=500", "loss.normal_start=500"]
+CAMERAS_ONLY = ["--no-stereo", "--no-planes"]  # options of `aligngs refine`
 
 
 class Row:
@@ -61,21 +67,25 @@ ROWS = [
     Row("3dgs", "paper", PHOTOMETRIC + [NO_SEMANTICS, "loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"],
         compare_with="base (sparse start)"),
     Row("pgsr", "pgsr", compare_with="+ feed-forward start"),
-    Row("pgsr + prior depth", "pgsr", ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
-                                       "loss.depth_align_every=500", "loss.normal_start=500"], compare_with="pgsr"),
+    Row("pgsr + prior depth", "pgsr", PGSR_PRIOR, compare_with="pgsr"),
     Row("default, no semantics", "default", [NO_SEMANTICS], compare_with="+ feed-forward start"),
     Row("default, uncoupled", "default", ["semantic.coupling_strength=0"], compare_with="default, no semantics"),
     Row("default", "default", compare_with="default, uncoupled"),
     Row("default, placebo constant", "default", labels="constant", compare_with="default, uncoupled"),
     Row("default, placebo shuffled", "default", labels="shuffled", compare_with="default, uncoupled"),
     Row("default, true labels", "default", labels="true", compare_with="default, uncoupled"),
-    Row("default, refined", "default", refine=[], compare_with="default"),
+    Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
+    Row("default, refined cameras and stereo", "default", refine=["--no-planes"], compare_with="default, refined cameras"),
+    Row("default, refined", "default", refine=[], compare_with="default, refined cameras and stereo"),
+    Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="default, refined cameras and stereo"),
+    Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
+    Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="default, refined"),
 ]
 PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
 YARDSTICKS = [(PRIOR, "--from-prior"), (CEILING, "--from-truth")]
 # What the yardsticks of a row are called, and how `refine` goes before them: what counts as the prior is the network's own
 # depth (a smooth factor per photo at most), so cameras alone are refined for it.
-YARDSTICK_ROWS = {"default": ("", None), "default, refined": (", refined cameras", ["--no-stereo"])}
+YARDSTICK_ROWS = {"default": ("", None), "default, refined": (", refined cameras", CAMERAS_ONLY)}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("between", "between", 2, "nvs.interpolating.psnr"),
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),

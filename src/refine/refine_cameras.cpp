@@ -293,10 +293,7 @@ class Refinement {
       out.by_neighbour = !by_neighbour_.empty() && by_neighbour_[i];
       out.observations = views_[i].test ? (test_observations_.empty() ? 0 : test_observations_[i]) : count_observations(v);
       if (!views_[i].test) out.depth = depth_correction(v);
-      const Vec3d shift = out.camera.centre() - prior_[i].centre();
-      out.shifted = std::sqrt(dot(shift, shift));
-      const Mat3d turn = out.camera.world_to_camera.rotation * transpose(prior_[i].world_to_camera.rotation);
-      out.turned = std::acos(std::clamp(0.5 * (turn(0, 0) + turn(1, 1) + turn(2, 2) - 1), -1.0, 1.0)) * kDegreesPerRadian;
+      measure_change(prior_[i], out);
       result.views.push_back(out);
     }
     for (const Track& t : tracks_) {
@@ -325,6 +322,12 @@ class Refinement {
 };
 
 }  // namespace
+
+void measure_change(const Camera& prior, RefinedView& view) {
+  view.shifted = norm(view.camera.centre() - prior.centre());
+  const Mat3d turn = view.camera.world_to_camera.rotation * transpose(prior.world_to_camera.rotation);
+  view.turned = std::acos(std::clamp(0.5 * (turn(0, 0) + turn(1, 1) + turn(2, 2) - 1), -1.0, 1.0)) * kDegreesPerRadian;
+}
 
 RefineResult refine_cameras(const std::vector<RefineView>& views, double extent, const RefineSettings& settings,
                             ThreadPool& pool, const RefineProgress& progress) {

@@ -49,6 +49,9 @@ struct RefinedView {
   bool by_neighbour = false;  ///< too few observations: follows its nearest neighbour
 };
 
+/// Fills in how far the camera of `view` is from `prior`.
+void measure_change(const Camera& prior, RefinedView& view);
+
 struct RefineResult {
   std::vector<RefinedView> views;
   PointCloud points;       ///< tracks of at least three photos, coloured

@@ -54,28 +54,34 @@ void require_depth(const Scene& scene) {
   }
 }
 
-/// Log factors that turn the prior depth of a training view into the corrected one; empty: none.
-ImageF log_correction(const RefinedView& view, const ImageF& measured, int width, int height) {
+/// The grid's log factor at every pixel.
+ImageF grid_factor(const DepthGrid& grid, int width, int height) {
   ImageF out(width, height, 1);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) out.at(x, y) = static_cast<float>(view.depth.at((x + 0.5) / width, (y + 0.5) / height));
+    for (int x = 0; x < width; ++x) out.at(x, y) = static_cast<float>(grid.at((x + 0.5) / width, (y + 0.5) / height));
   }
-  if (measured.empty()) return out;
-  const ImageF fine = resize_bilinear(measured, width, height);
-  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] += fine.data[i];
   return out;
 }
 
-void write_depth(const Scene& scene, int view, const RefinedView& refined, const ImageF& measured, const fs::path& folder) {
+void add_to(ImageF& sum, const ImageF& factor) {
+  for (size_t i = 0; i < factor.data.size(); ++i) sum.data[i] += factor.data[i];
+}
+
+/// Multiplies valid depth by exp(log_factor), a map of the same shape or not.
+void apply(const ImageF& log_factor, ImageF& depth) {
+  const ImageF factor = resize_bilinear(log_factor, depth.width, depth.height);
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    if (depth.data[i] > 0 && std::isfinite(depth.data[i])) depth.data[i] *= std::exp(factor.data[i]);
+  }
+}
+
+void write_depth(const Scene& scene, int view, const ImageF& log_factor, const fs::path& folder) {
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
   if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
   ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
   map.data = stored.data;
-  const ImageF correction = log_correction(refined, measured, map.width, map.height);
-  for (size_t i = 0; i < map.data.size(); ++i) {
-    if (map.data[i] > 0 && std::isfinite(map.data[i])) map.data[i] *= std::exp(correction.data[i]);
-  }
+  apply(log_factor, map);
   write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
 }
 
@@ -145,6 +151,7 @@ std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<Match
                                      ThreadPool& pool, RefineSceneReport& report) {
   std::vector<StereoResult> stereo(photos.size());
   if (options.stereo) stereo = measure_depth(photos, options, pool);
+  report.measured = 0;
   for (const StereoResult& result : stereo) report.measured += result.measured / static_cast<double>(photos.size());
   if (options.planes && scene.has_semantics()) return factors_with_planes(scene, photos, stereo, options, pool, report);
   std::vector<ImageF> factors;
@@ -193,36 +200,65 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
 
 }  // namespace
 
+namespace {
+
+/// One pass over all photos: cameras, then depth. `views` come out as they are known afterwards.
+void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, std::vector<RefineView>& views,
+                 std::vector<ImageF>& log_factors, RefineSceneReport& report) {
+  const size_t training = scene.train.size();
+  const BundleReport before = report.cameras.bundle;
+  const double focal_before = report.cameras.focal_factor;
+  const bool first = report.cameras.views.empty();
+  {
+    constexpr uint64_t kSteps = 100;
+    Progress progress(options.progress, "refine cameras", kSteps);
+    report.cameras = refine_cameras(views, robust_extent(scene), options.settings, pool,
+                                    [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
+  }
+  if (!first) {  // the report is about the cameras as they came
+    report.cameras.bundle.start_rms = before.start_rms;
+    report.cameras.bundle.start_median = before.start_median;
+    report.cameras.focal_factor *= focal_before;
+  }
+  std::vector<ImageF> measured(training);
+  if (options.correct_depth) measured = measured_factors(scene, corrected_photos(views, training, report.cameras), options, pool, report);
+  for (size_t i = 0; i < views.size(); ++i) {
+    views[i].match.camera = report.cameras.views[i].camera;
+    if (i >= training || !options.correct_depth) continue;
+    ImageF factor = grid_factor(report.cameras.views[i].depth, views[i].match.depth.width, views[i].match.depth.height);
+    add_to(factor, measured[i]);
+    apply(factor, views[i].match.depth);
+    add_to(log_factors[i], factor);
+  }
+}
+
+}  // namespace
+
 RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
   require_depth(scene);
   require_outside(scene.folder, output);
   require_scene_place(output, options.overwrite);
-  const std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
+  std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
   const size_t training = scene.train.size();
+  const auto index_of = [&](size_t i) { return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]); };
+  std::vector<ImageF> log_factors;
+  for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
-  RefineResult& result = report.cameras;
-  {
-    constexpr uint64_t kSteps = 100;
-    Progress progress(options.progress, "refine cameras", kSteps);
-    result = refine_cameras(views, robust_extent(scene), options.settings, pool,
-                            [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
-  }
-  std::vector<ImageF> factors(training);
-  if (options.correct_depth) factors = measured_factors(scene, corrected_photos(views, training, result), options, pool, report);
+  for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, views, log_factors, report);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
   for (size_t i = 0; i < views.size(); ++i) {
-    const int index = i < training ? scene.train[i] : scene.test[i - training];
-    cameras[static_cast<size_t>(index)] = result.views[i].camera;
+    cameras[index_of(i)] = report.cameras.views[i].camera;
+    measure_change(scene.views[index_of(i)].camera, report.cameras.views[i]);
   }
   FolderReplacement replacement(output);
   const fs::path& folder = replacement.path();
   copy_scene(scene.folder, folder);
   write_sparse(scene, cameras, scene.cloud, folder);
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
-    write_depth(scene, scene.train[i], result.views[i], factors[i], folder);
+    write_depth(scene, scene.train[i], log_factors[i], folder);
   }
-  note_refinement(result, folder);
+  note_refinement(report.cameras, folder);
   replacement.commit();
   return report;
 }
