@@ -12,6 +12,7 @@ namespace {
 struct RefineCommandOptions {
   std::string scene, output;
   bool keep_depth = false, no_stereo = false, no_planes = false, keep_tests = false, own_focal = false, overwrite = false;
+  int passes = RefineSceneOptions{}.passes;
 };
 
 void refine(const CommandContext& context, const RefineCommandOptions& options) {
@@ -23,6 +24,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
   refine_options.overwrite = options.overwrite;
+  refine_options.passes = options.passes;
   refine_options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   const RefineSceneReport report = refine_scene(scene, options.output, refine_options, pool);
@@ -72,6 +74,9 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
+  command->add_option("--passes", options->passes, "times that all of it is done; a second pass finds more matches and costs as much again")
+      ->check(CLI::Range(1, 5))
+      ->capture_default_str();
   command->add_flag("--overwrite", options->overwrite, "replace a scene that stands there");
   command->callback([&context, options] { refine(context, *options); });
 }
