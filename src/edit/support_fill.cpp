@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/random.h"
+#include "scene/plane_fit.h"
 
 namespace aligngs {
 namespace {
@@ -53,24 +54,13 @@ Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<ui
   return out;
 }
 
-/// Least-squares plane through points: the normal is the direction of least variance.
+/// The plane that fits its carriers best.
 void refit(const LabelledGaussians& room, SupportPlane& plane) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const uint32_t i : plane.carriers) {
-    const Vec3f p = position(room.model, i);
-    mean += Eigen::Vector3d(p.x, p.y, p.z);
-  }
-  mean /= static_cast<double>(plane.carriers.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const uint32_t i : plane.carriers) {
-    const Vec3f p = position(room.model, i);
-    const Eigen::Vector3d d = Eigen::Vector3d(p.x, p.y, p.z) - mean;
-    scatter += d * d.transpose();
-  }
-  const Eigen::Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  const double sign = n.dot(Eigen::Vector3d(plane.normal.x, plane.normal.y, plane.normal.z)) < 0 ? -1 : 1;
-  plane.normal = Vec3d{n.x(), n.y(), n.z()} * sign;
-  plane.offset = dot(plane.normal, Vec3d{mean.x(), mean.y(), mean.z()});
+  std::vector<Vec3d> points;
+  for (const uint32_t i : plane.carriers) points.push_back(position(room.model, i).cast<double>());
+  const PlaneFit fit = fit_plane(points, {}, plane.normal);
+  plane.normal = fit.normal;
+  plane.offset = dot(fit.normal, fit.centre);
 }
 
 std::vector<uint32_t> carriers_of(const LabelledGaussians& room, const std::vector<uint32_t>& rows, const Vec3d& normal,

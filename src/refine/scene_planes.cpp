@@ -1,18 +1,19 @@
 #include "refine/scene_planes.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "core/angles.h"
+#include "core/median.h"
 #include "core/random.h"
+#include "scene/plane_fit.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 constexpr int kRefinements = 12;   // of reweighted least squares; it settles after six to ten
 constexpr size_t kScored = 4000;   // points that candidates are compared on: more do not change which one wins
 constexpr std::array<PlaneKind, 3> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall};
@@ -50,29 +51,17 @@ std::vector<double> fit_weights(const std::vector<PlanePoint>& points, const Ind
 /// Robust (Cauchy) total least squares from a first guess, with the points that are near it.
 ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane, const PlaneSettings& s) {
   const std::vector<double> base = fit_weights(points, near, s);
-  for (int round = 0; round < kRefinements; ++round) {
-    double sum = 0;
-    Vec3d mean{};
-    std::vector<double> weights(near.size());
+  std::vector<Vec3d> positions;
+  for (const size_t i : near) positions.push_back(points[i].position);
+  std::vector<double> weights(near.size());
+  for (int round = 0; round < kRefinements && !near.empty(); ++round) {
     for (size_t k = 0; k < near.size(); ++k) {
-      const PlanePoint& p = points[near[k]];
-      const double residual = plane.distance(p.position) / (s.prior_sigma * p.depth);
+      const double residual = plane.distance(positions[k]) / (s.prior_sigma * points[near[k]].depth);
       weights[k] = base[k] / (1 + residual * residual);
-      sum += weights[k];
-      mean += p.position * weights[k];
     }
-    if (!(sum > 0)) return plane;
-    mean *= 1 / sum;
-    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-    for (size_t k = 0; k < near.size(); ++k) {
-      const Vec3d d = points[near[k]].position - mean;
-      const Eigen::Vector3d e(d.x, d.y, d.z);
-      scatter += weights[k] * e * e.transpose();
-    }
-    const Eigen::Vector3d n = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-    const Vec3d normal{n.x(), n.y(), n.z()};
-    plane.normal = dot(normal, plane.normal) < 0 ? -normal : normal;
-    plane.offset = -dot(plane.normal, mean);
+    const PlaneFit fit = fit_plane(positions, weights, plane.normal);
+    plane.normal = fit.normal;
+    plane.offset = -dot(fit.normal, fit.centre);
   }
   return plane;
 }
@@ -115,9 +104,7 @@ bool same_plane(const ScenePlane& a, const ScenePlane& b, const std::vector<Plan
   if (dot(a.normal, b.normal) < std::cos(s.merge_angle * kRadiansPerDegree)) return false;
   std::vector<double> apart;
   for (const size_t i : of_b) apart.push_back(std::abs(a.distance(points[i].position)) / points[i].depth);
-  const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
-  std::nth_element(apart.begin(), middle, apart.end());
-  return *middle < s.merge_distance;
+  return median_of(std::move(apart)) < s.merge_distance;
 }
 
 void find_planes_of(PlaneKind kind, const std::vector<PlanePoint>& points, const PlaneSettings& s, Random random,
