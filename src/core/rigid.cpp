@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace aligngs {
 namespace {
 
@@ -113,7 +115,7 @@ double rotation_angle_between_degrees(const Mat3d& a, const Mat3d& b) {
   const Mat3d r = a * transpose(b);
   const double cosine = (r(0, 0) + r(1, 1) + r(2, 2) - 1) / 2;
   const Vec3d axis{r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1)};
-  return std::atan2(norm(axis) / 2, cosine) * 180.0 / 3.14159265358979323846;
+  return std::atan2(norm(axis) / 2, cosine) * 180.0 / kPi;
 }
 
 }  // namespace aligngs

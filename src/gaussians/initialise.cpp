@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "scene/kd_tree.h"
 #include "scene/voxel_merge.h"
 
@@ -37,9 +38,7 @@ std::vector<float> neighbour_distances(const std::vector<Vec3f>& points) {
 float smallest_scale(std::vector<float> distances) {
   distances.erase(std::remove(distances.begin(), distances.end(), 0.0f), distances.end());
   if (distances.empty()) return kLoneScale;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return kSmallestShare * *middle;
+  return kSmallestShare * median_of(std::move(distances));
 }
 
 void check(const PointCloud& cloud, const InitialiseOptions& options) {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/disjoint_sets.h"
+#include "core/median.h"
 #include "gaussians/point_tree.h"
 #include "gaussians/soft_labels.h"
 #include "scene/triangle_mesh.h"
@@ -13,13 +14,6 @@ namespace {
 
 constexpr uint16_t kMostInstances = 65535;  // ushort in the file
 constexpr size_t kGrain = 512;              // Gaussians per chunk
-
-float median(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Group of each point (the smallest member's index), or kNone for noise.
 std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, const InstanceOptions& options,
@@ -39,7 +33,7 @@ std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, c
   });
   // The limits keep apart what a coarse class would join, but never fall below the spacing itself.
   constexpr double kLeastSpacings = 1.2;
-  const double typical = median(spacing);
+  const double typical = median_of(spacing);
   const double most = std::max(options.link_max * extent, kLeastSpacings * typical);
   const float link =
       static_cast<float>(std::clamp(options.link_spacings * typical, std::min(options.link_min * extent, most), most));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
+
 namespace aligngs {
 namespace {
 
@@ -122,10 +124,7 @@ double two_view_residual(const std::vector<FusionFrame>& frames, const std::vect
   });
   std::vector<float> all;
   for (const auto& r : residuals) all.insert(all.end(), r.begin(), r.end());
-  if (all.empty()) return 0;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  return median_of(std::move(all));
 }
 
 }  // namespace aligngs

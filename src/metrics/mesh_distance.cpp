@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/median.h"
 #include "metrics/point_index.h"
 
 namespace aligngs {
@@ -40,9 +41,7 @@ OneWay measure(const PointSet& from, const PointSet& to, const PointIndex& index
       ++result.normal_count;
     }
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  result.median = *middle;
+  result.median = median_of(std::move(distances));
   result.mean = sum / static_cast<double>(nearest.size());
   result.share = static_cast<double>(within) / static_cast<double>(nearest.size());
   return result;

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/angles.h"
+
 namespace aligngs {
 
 ViewNovelty view_novelty(const Camera& view, const std::vector<Camera>& training) {
-  constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
   ViewNovelty out{std::numeric_limits<double>::infinity(), 180};
   for (const Camera& camera : training) {
     const Vec3d apart = view.centre() - camera.centre();

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/error.h"
+#include "core/median.h"
 #include "io/image_file.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Fields of view that a photograph can have, radians: a long telephoto lens, an ultra-wide one.
 constexpr double kNarrowest = 2 * kPi / 180, kWidest = 160 * kPi / 180;
 
@@ -35,11 +36,6 @@ nn::FeatureMap unit_image(const Image<uint8_t>& image) {
   nn::FeatureMap map(image.height, image.width, 3);
   for (size_t i = 0; i < image.data.size(); ++i) map.data[i] = float(image.data[i]) / 255.f;
   return map;
-}
-
-float median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return float(values[values.size() / 2]);
 }
 
 }  // namespace
@@ -176,7 +172,7 @@ std::vector<VggtView> predict_vggt_views(nn::Compute& compute, const nn::Vggt& n
       relative.push_back((view.camera.fx + view.camera.fy) / 2 /
                          std::max(view.camera.width, view.camera.height));
     }
-    const double median = double(median_of(relative));
+    const double median = double(float(median_of(relative)));
     for (VggtView& view : views) {
       view.camera.fx = view.camera.fy =
           median * std::max(view.camera.width, view.camera.height);

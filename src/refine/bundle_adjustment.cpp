@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/angles.h"
 #include "core/error.h"
+#include "core/median.h"
 
 #ifdef ALIGNGS_WITH_CERES
 #include <ceres/ceres.h>
@@ -35,7 +37,6 @@ bool bundle_adjustment_available() { return true; }
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr int kPoseSize = 6;  // rotation vector, then shift of the centre, both relative to the prior pose
 
 /// Point in the frame of a camera that left its prior pose by `pose`.
@@ -103,7 +104,7 @@ struct PosePrior {
 };
 
 PosePrior* pose_prior(const Camera& now, const Camera& anchor, const BundleSettings& settings, double extent) {
-  auto* prior = new PosePrior{settings.rotation * kDegree, settings.centre * extent, {}};
+  auto* prior = new PosePrior{settings.rotation * kRadiansPerDegree, settings.centre * extent, {}};
   const Mat3d turn = now.world_to_camera.rotation * transpose(anchor.world_to_camera.rotation);
   ceres::RotationMatrixToAngleAxis(ceres::RowMajorAdapter3x3(turn.m), prior->offset);
   const Vec3d shift = now.centre() - anchor.centre();
@@ -137,11 +138,7 @@ void measure(const BundleProblem& problem, double& rms, double& median) {
     squares += e * e;
   }
   rms = errors.empty() ? 0 : std::sqrt(squares / static_cast<double>(errors.size()));
-  median = 0;
-  if (errors.empty()) return;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  median = *middle;
+  median = median_of(std::move(errors));
 }
 
 /// Of one depth factor of each view, so that all of a view's together weigh as much as its independent ones.

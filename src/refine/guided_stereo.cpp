@@ -4,12 +4,12 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/angles.h"
+#include "core/median.h"
 #include "refine/view_overlap.h"
 
 namespace aligngs {
 namespace {
-
-constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
 
 /// A view's own measurement before others were asked.
 struct Measurement {
@@ -21,10 +21,7 @@ double median_depth(const ImageF& depth) {
   for (const float z : depth.data) {
     if (z > 0 && std::isfinite(z)) values.push_back(z);
   }
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median_of(std::move(values));
 }
 
 /// Offset of the minimum of a parabola through three equidistant values, in [-0.5, 0.5].

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "scene/depth_normals.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 constexpr uint64_t kSeed = 1;  // the same planes every time
 constexpr int kNormalRadius = 4;  // pixels: only a rough direction is needed, and noise is worse than a rounded corner
 

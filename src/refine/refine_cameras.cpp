@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/median.h"
 #include "refine/view_overlap.h"
 
 namespace aligngs {
 namespace {
-
-constexpr double kDegreesPerRadian = 180 / 3.14159265358979323846;
 
 /// A corner of one training photo and the places where others show it.
 struct Track {
@@ -53,11 +52,10 @@ class Refinement {
     std::vector<double> relative;
     for (const int v : train_) relative.push_back(match(v).camera.fx / std::max(match(v).camera.width, match(v).camera.height));
     if (relative.empty()) return;
-    const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
-    std::nth_element(relative.begin(), middle, relative.end());
+    const double median = median_of(std::move(relative));
     for (MatchView& m : matches_) {
       const double aspect = m.camera.fy / m.camera.fx;
-      m.camera.fx = *middle * std::max(m.camera.width, m.camera.height);
+      m.camera.fx = median * std::max(m.camera.width, m.camera.height);
       m.camera.fy = aspect * m.camera.fx;
     }
   }
@@ -325,8 +323,7 @@ class Refinement {
 
 void measure_change(const Camera& prior, RefinedView& view) {
   view.shifted = norm(view.camera.centre() - prior.centre());
-  const Mat3d turn = view.camera.world_to_camera.rotation * transpose(prior.world_to_camera.rotation);
-  view.turned = std::acos(std::clamp(0.5 * (turn(0, 0) + turn(1, 1) + turn(2, 2) - 1), -1.0, 1.0)) * kDegreesPerRadian;
+  view.turned = rotation_angle_between_degrees(view.camera.world_to_camera.rotation, prior.world_to_camera.rotation);
 }
 
 RefineResult refine_cameras(const std::vector<RefineView>& views, double extent, const RefineSettings& settings,

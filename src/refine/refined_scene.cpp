@@ -21,18 +21,31 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<RefineView> load_views(const Scene& scene, bool tests, ThreadPool& pool) {
+bool uses_planes(const Scene& scene, const RefineSceneOptions& options) {
+  return options.correct_depth && options.planes && scene.has_semantics();
+}
+
+/// What refinement works on: the training photos, then, if asked for, the test photos.
+struct Photos {
+  std::vector<RefineView> views;
+  std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for
+};
+
+Photos load_photos(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool) {
   std::vector<int> indices = scene.train;
   const size_t training = indices.size();
-  if (tests) indices.insert(indices.end(), scene.test.begin(), scene.test.end());
-  std::vector<RefineView> views(indices.size());
+  const bool labels = uses_planes(scene, options);
+  if (options.register_tests) indices.insert(indices.end(), scene.test.begin(), scene.test.end());
+  Photos photos;
+  photos.views.resize(indices.size());
+  photos.labels.resize(training);
   pool.parallel_for(indices.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       LoadOptions load;
       load.prior_depth = i < training;  // a test view's prior is not read
-      load.semantics = false;
+      load.semantics = labels && i < training;
       ViewData data = load_view(scene, indices[i], load);
-      RefineView& view = views[i];
+      RefineView& view = photos.views[i];
       view.name = data.name;
       view.match.camera = data.camera;
       view.match.luma = luma_of(data.color);
@@ -40,9 +53,10 @@ std::vector<RefineView> load_views(const Scene& scene, bool tests, ThreadPool& p
       view.color = std::move(data.color);
       view.mask = std::move(data.mask);
       view.test = i >= training;
+      if (i < training) photos.labels[i] = std::move(data.labels);
     }
   });
-  return views;
+  return photos;
 }
 
 void require_depth(const Scene& scene) {
@@ -105,15 +119,10 @@ std::vector<StereoResult> measure_depth(const std::vector<MatchView>& photos, co
                        [&](double share) { progress.update(static_cast<uint64_t>(share * static_cast<double>(photos.size()))); });
 }
 
-Image<uint16_t> load_labels(const Scene& scene, int view) {
-  LoadOptions load;
-  load.prior_depth = false;
-  return load_view(scene, view, load).labels;
-}
-
 /// Log factors on the photos' depth: stereo's measurements and the planes of the room, each as sure as it is, spread together.
-std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<StereoResult>& stereo,
-                                        const RefineSceneOptions& options, ThreadPool& pool, RefineSceneReport& report) {
+std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
+                                        const std::vector<StereoResult>& stereo, const RefineSceneOptions& options, ThreadPool& pool,
+                                        RefineSceneReport& report) {
   std::vector<PlaneView> views(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -121,7 +130,7 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       views[i].depth = photos[i].depth;
       for (size_t p = 0; p < stereo[i].log_factor.data.size(); ++p) views[i].depth.data[p] *= std::exp(stereo[i].log_factor.data[p]);
       views[i].certainty = stereo[i].certainty;
-      views[i].labels = load_labels(scene, scene.train[i]);
+      views[i].labels = labels[i];
     }
   });
   const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels), options.plane_settings, pool);
@@ -147,13 +156,13 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
 }
 
 /// Log factors on the grid-corrected depth of each training view, at the photos' size; empty images: none.
-std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos, const RefineSceneOptions& options,
-                                     ThreadPool& pool, RefineSceneReport& report) {
+std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
+                                     const RefineSceneOptions& options, ThreadPool& pool, RefineSceneReport& report) {
   std::vector<StereoResult> stereo(photos.size());
   if (options.stereo) stereo = measure_depth(photos, options, pool);
   report.measured = 0;
   for (const StereoResult& result : stereo) report.measured += result.measured / static_cast<double>(photos.size());
-  if (options.planes && scene.has_semantics()) return factors_with_planes(scene, photos, stereo, options, pool, report);
+  if (uses_planes(scene, options)) return factors_with_planes(scene, photos, labels, stereo, options, pool, report);
   std::vector<ImageF> factors;
   for (StereoResult& result : stereo) factors.push_back(std::move(result.log_factor));
   return factors;
@@ -202,9 +211,10 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
 
 namespace {
 
-/// One pass over all photos: cameras, then depth. `views` come out as they are known afterwards.
-void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, std::vector<RefineView>& views,
+/// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.
+void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, Photos& photos,
                  std::vector<ImageF>& log_factors, RefineSceneReport& report) {
+  std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
   const BundleReport before = report.cameras.bundle;
   const double focal_before = report.cameras.focal_factor;
@@ -221,7 +231,7 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
     report.cameras.focal_factor *= focal_before;
   }
   std::vector<ImageF> measured(training);
-  if (options.correct_depth) measured = measured_factors(scene, corrected_photos(views, training, report.cameras), options, pool, report);
+  if (options.correct_depth) measured = measured_factors(scene, corrected_photos(views, training, report.cameras), photos.labels, options, pool, report);
   for (size_t i = 0; i < views.size(); ++i) {
     views[i].match.camera = report.cameras.views[i].camera;
     if (i >= training || !options.correct_depth) continue;
@@ -238,13 +248,14 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   require_depth(scene);
   require_outside(scene.folder, output);
   require_scene_place(output, options.overwrite);
-  std::vector<RefineView> views = load_views(scene, options.register_tests, pool);
+  Photos photos = load_photos(scene, options, pool);
+  const std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
   const auto index_of = [&](size_t i) { return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]); };
   std::vector<ImageF> log_factors;
   for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
-  for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, views, log_factors, report);
+  for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, photos, log_factors, report);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
   for (size_t i = 0; i < views.size(); ++i) {

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace aligngs {
 namespace {
 
 constexpr int kGrid = 12;  // samples a side; 144 tell a quarter from a third
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 }  // namespace
 
 double view_overlap(const MatchView& from, const MatchView& to, double largest_turn) {
-  if (from.depth.empty() || dot(from.camera.forward(), to.camera.forward()) < std::cos(largest_turn * kDegree)) return 0;
+  if (from.depth.empty() || dot(from.camera.forward(), to.camera.forward()) < std::cos(largest_turn * kRadiansPerDegree)) return 0;
   const Rigidd to_other = to.camera.world_to_camera * from.camera.world_to_camera.inverse();
   int inside = 0, valid = 0;
   for (int j = 0; j < kGrid; ++j) {

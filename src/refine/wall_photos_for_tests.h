@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/random.h"
 #include "refine/refine_cameras.h"
 
@@ -66,7 +67,7 @@ inline RefineView photo(const Camera& camera) {
 }
 
 inline Camera disturbed(Camera camera, double degrees, double shift, Random& random) {
-  const double k = 3.14159265358979323846 / 180;
+  const double k = kRadiansPerDegree;
   const double a = degrees * k * random.normal(), b = degrees * k * random.normal();
   const Mat3d about_x{{1, 0, 0, 0, std::cos(a), -std::sin(a), 0, std::sin(a), std::cos(a)}};
   const Mat3d about_y{{std::cos(b), 0, std::sin(b), 0, 1, 0, -std::sin(b), 0, std::cos(b)}};
@@ -98,7 +99,7 @@ inline double pair_error(const std::vector<Camera>& cameras) {
       const Mat3d want = true_camera(static_cast<int>(i)).world_to_camera.rotation *
                          transpose(true_camera(static_cast<int>(j)).world_to_camera.rotation);
       const Mat3d d = got * transpose(want);
-      sum += std::acos(std::min(1.0, 0.5 * (d(0, 0) + d(1, 1) + d(2, 2) - 1))) * 180 / 3.14159265358979323846;
+      sum += std::acos(std::min(1.0, 0.5 * (d(0, 0) + d(1, 1) + d(2, 2) - 1))) * 180 / kPi;
       ++pairs;
     }
   }

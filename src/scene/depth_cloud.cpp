@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "scene/depth_normals.h"
 #include "scene/voxel_merge.h"
 
@@ -22,12 +23,6 @@ void check_view(const DepthCloudView& view) {
   if (!view.depth || !has_size(*view.depth, 1)) fail("depth");
   if (!view.color || !has_size(*view.color, 3)) fail("color");
   if (view.confidence && !has_size(*view.confidence, 1)) fail("confidence");
-}
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Whether a direct neighbour lies more than `jump` away: the pixel may mix two surfaces.
@@ -129,9 +124,9 @@ double median_pixel_footprint(const std::vector<DepthCloudView>& views) {
     for (float z : view.depth->data) {
       if (valid(z)) depths.push_back(z);
     }
-    if (!depths.empty()) footprints.push_back(static_cast<float>(median(depths) / view.camera.fx));
+    if (!depths.empty()) footprints.push_back(static_cast<float>(median_of(std::move(depths)) / view.camera.fx));
   }
-  return footprints.empty() ? 0.0 : median(footprints);
+  return median_of(std::move(footprints));
 }
 
 DepthCloud fuse_depth_cloud(const std::vector<DepthCloudView>& views, const DepthCloudOptions& options,

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "core/memory_budget.h"
 #include "core/thread_pool.h"
 #include "io/image_file.h"
@@ -168,12 +169,6 @@ int thread_count(const Scene& scene, const std::vector<int>& used) {
   const uint64_t fit = available_memory_bytes() / (largest * kExpansion);
   const uint64_t threads = std::max(1u, std::thread::hardware_concurrency());
   return static_cast<int>(std::clamp<uint64_t>(fit, 1, threads));
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Sharpness without the effect of exposure: a gain g scales the Laplacian's variance by g^2.

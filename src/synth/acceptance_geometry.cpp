@@ -1,13 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+#include "core/median.h"
 #include "scene/kd_tree.h"
 #include "synth/acceptance_measures.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kStep = 2;                  // pixels between the points that form a cloud
 constexpr size_t kMaxQueries = 60000;     // nearest-neighbour questions per direction
 constexpr double kConfidentQuantile = 0.3;  // pixels below a view's quantile of confidence are not fused
@@ -34,13 +35,6 @@ double mean_of(const std::vector<double>& v) {
   double sum = 0;
   for (const double x : v) sum += x;
   return v.empty() ? 0 : sum / static_cast<double>(v.size());
-}
-
-double median_of(std::vector<double> v) {
-  if (v.empty()) return 0;
-  const size_t k = v.size() / 2;
-  std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(k), v.end());
-  return v[k];
 }
 
 float quantile(const ImageF& confidence, double q) {

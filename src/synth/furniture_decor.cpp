@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "synth/furniture.h"
 #include "synth/noise.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 /// Light sources around a shade: four upright rectangles, and one to either end.
 void shade_lights(MeshBuilder& b, const Vec3d& centre, double radius, double height, double brightness) {

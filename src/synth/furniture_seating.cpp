@@ -1,12 +1,12 @@
 // Sofas, armchairs, chairs, stools.
 #include <cmath>
 
+#include "core/angles.h"
 #include "synth/furniture.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 void four_legs(MeshBuilder& b, double x, double y0, double y1, double height, double side) {
   for (const double sx : {-x, x - side}) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "scene/label_set.h"
 #include "synth/noise.h"
@@ -11,7 +12,6 @@
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 
 std::vector<double> even_lines(double low, double high, double cell = kCellSize) {
   const int n = std::max(1, static_cast<int>(std::ceil((high - low) / cell - 1e-9)));

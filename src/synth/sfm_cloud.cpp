@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "io/image_file.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// Where a photo sees the point.
 struct Sighting {
@@ -38,7 +38,7 @@ bool triangulate(const std::vector<SfmView>& views, const std::vector<Sighting>&
     normal += across;
     right += across * Eigen::Vector3d(c.x, c.y, c.z);
   }
-  if (smallest_cosine > std::cos(settings.smallest_parallax * kDegree)) return false;
+  if (smallest_cosine > std::cos(settings.smallest_parallax * kRadiansPerDegree)) return false;
   const Eigen::Vector3d x = normal.ldlt().solve(right);
   if (!x.allFinite()) return false;
   point = {x[0], x[1], x[2]};

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kShortest = 1.0, kLongest = 2.5;  // wavelengths, metres: pieces of furniture and parts of walls
 constexpr double kMeanExcess = 0.36;  // mean of excess times |side| where there is excess, for shares of 5 to 25 %
 constexpr double kLargestExcess = 1.2;  // nothing is misjudged by more than about three times the mean

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "synth/noise.h"
 #include "synth/shared_misjudgement.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kNetworkWidth = 518;  // input width of VGGT and DINOv2 heads, pixels
 constexpr int kPatch = 14;          // of their tokens, network pixels
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/error.h"
 #include "synth/free_space.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSurfacePoints = 2500;   // samples of the room's surface by which views are judged
 
 /// Everything the planning steps share.

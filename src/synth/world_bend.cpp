@@ -2,9 +2,10 @@
 
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace aligngs {
 namespace {
-constexpr double kPi = 3.14159265358979323846;
 
 Vec3d random_direction(Random& random) {
   return normalized(Vec3d{random.normal(), random.normal(), random.normal()});

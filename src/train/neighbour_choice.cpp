@@ -4,12 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/random.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr uint64_t kRandomNeighbour = 5;  // purpose of this generator among those of a run (trainer.cpp)
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/median.h"
+
 namespace aligngs {
 namespace {
 
@@ -21,9 +23,7 @@ class LogRatios {
 
   std::optional<float> scale() {
     if (ratios_.empty() || ratios_.size() < rule_.min_samples) return std::nullopt;
-    const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
-    std::nth_element(ratios_.begin(), middle, ratios_.end());
-    return static_cast<float>(std::clamp(std::exp(*middle), 1 - rule_.limit, 1 + rule_.limit));
+    return static_cast<float>(std::clamp(std::exp(median_of(ratios_)), 1 - rule_.limit, 1 + rule_.limit));
   }
 
  private:

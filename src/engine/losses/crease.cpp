@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "engine/losses/label_pairs.h"
 #include "engine/losses/prior_normal.h"
 #include "engine/losses/row_parallel.h"
@@ -11,7 +12,6 @@
 namespace aligngs {
 namespace {
 
-constexpr double kRadian = 3.14159265358979323846 / 180;
 
 bool same_label_out_to(const Image<uint16_t>& labels, int x, int y, int dx, int dy, int steps) {
   const int last_x = x + steps * dx, last_y = y + steps * dy;
@@ -53,8 +53,8 @@ EdgeKind classify_edge(const Vec3d& normal_before, const Vec3d& point_before, co
   if (!(z_before > 0) || !(z_after > 0)) return EdgeKind::kNothing;
   const double jump = std::abs(z_before - z_after) / std::min(z_before, z_after);
   const double cosine = dot(normal_before, normal_after);
-  if (cosine < std::cos(kCreaseAngleDegrees * kRadian) && jump < kCreaseJumpShare) return EdgeKind::kCrease;
-  if (cosine > std::cos(kCoplanarAngleDegrees * kRadian) && jump < kCoplanarJumpShare) return EdgeKind::kCoplanar;
+  if (cosine < std::cos(kCreaseAngleDegrees * kRadiansPerDegree) && jump < kCreaseJumpShare) return EdgeKind::kCrease;
+  if (cosine > std::cos(kCoplanarAngleDegrees * kRadiansPerDegree) && jump < kCoplanarJumpShare) return EdgeKind::kCoplanar;
   return EdgeKind::kNothing;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/error.h"
+#include "core/median.h"
 #include "io/image_file.h"
 #include "scene/image_quality.h"
 
@@ -95,10 +96,7 @@ double typical_depth(const Capture& capture, const std::vector<PinholeView>& vie
       if (p.z > 0) distances.push_back(p.z);
     }
   }
-  if (!distances.empty()) {
-    std::nth_element(distances.begin(), distances.begin() + static_cast<long>(distances.size() / 2), distances.end());
-    return distances[distances.size() / 2];
-  }
+  if (!distances.empty()) return median_of(std::move(distances));
   if (capture.metric) return 2.5;  // metres: half a room
   double spread = 0;
   for (const PinholeView& v : views) spread = std::max(spread, norm(v.centre - views[0].centre));
