@@ -35,6 +35,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
             {"height", room.height},
             {"gaussians", room.gaussians},
             {"channels", room.channels},
+            {"pixel_share", timing.pixel_share},
             {"visible", t.visible},
             {"pairs_per_tile", per(t.pairs, t.tiles)},
             {"used_per_tile", per(t.used, t.tiles)},
@@ -56,10 +57,11 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
 void print_table(const nlohmann::json& d) {
   const auto& scene = d["scene"];
   const auto& machine = d["machine"];
-  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels\n",
+  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, semantics of %.0f %% of the pixels\n",
               scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
               scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(),
-              scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>());
+              scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>(),
+              100 * scene["pixel_share"].get<double>());
   std::printf("machine  %d threads, %s: %.0f GFLOP/s float32", machine["threads"].get<int>(),
               machine["instructions"].get<std::string>().c_str(), machine["fma_gflops"].get<double>());
   if (machine["amx_gflops"].get<double>() > 0) {
@@ -96,6 +98,9 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   command->add_option("--height", options->room.height, "pixels")->capture_default_str();
   command->add_option("--gaussians", options->room.gaussians, "Gaussians of the made-up room")->capture_default_str();
   command->add_option("--channels", options->room.channels, "semantic classes, 0 without")->capture_default_str();
+  command->add_option("--pixel-share", options->pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
+      ->check(CLI::IsMember({1.0, 0.5, 0.25}))
+      ->capture_default_str();
   command->add_option("--steps", options->steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
   command->callback([&context, options] {
     options->threads = context.global.threads;

@@ -27,7 +27,7 @@ struct StepReport {
   LossTerms losses;
   size_t visible = 0;     ///< Gaussians that touched a pixel
   NonFinite non_finite;
-  double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (kBounded)
+  double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (is_balanced)
   std::map<std::string, double> seconds;  ///< wall time per stage
 };
 

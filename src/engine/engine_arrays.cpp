@@ -77,6 +77,10 @@ void check_step_request(const StepRequest& request, size_t views) {
                  "neighbour",
                  "choose another training view"});
   }
+  const SemanticSample& sample = request.losses.semantic_sample;
+  if ((sample.quarters != 4 && sample.quarters != 2 && sample.quarters != 1) || sample.phase < 0) {
+    throw_usage("the semantic loss takes 4, 2 or 1 of the blocks of a tile, in a phase that is not negative");
+  }
   if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
     throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
   }

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "engine/formulas/semantic_sample.h"
+
 namespace aligngs {
 
 /// Constants of the rasteriser (spec: aligngs.md 3.1).
@@ -27,8 +29,11 @@ enum class SemanticBlend {
 
 enum class SemanticCoupling {
   kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
-  kBounded  ///< guidance 2.1: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kBounded, ///< guidance 2.1: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
+/// Whether the coupling is scaled to a share of the photometric gradient.
+constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
 
 /// Weights and switches of the losses; a weight of 0 turns a term off and costs nothing.
 struct LossSettings {
@@ -38,9 +43,10 @@ struct LossSettings {
 
   float semantic_soft_weight = 1.0f;  ///< KL(teacher || student), mean over valid pixels
   float semantic_hard_weight = 0.1f;  ///< cross-entropy with the teacher's arg-max, mean over valid pixels
+  SemanticSample semantic_sample;     ///< pixels that the two semantic terms and their coupling take in this step
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
-  /// kPlain: factor on the gradient (0 = release, 1 = paper). kBounded: target ratio of RMS gradients (0.1).
+  /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients (0.1).
   float coupling_strength = 0.1f;
 
   float pearson_weight = 0.0f;       ///< paper L_d: 1 - Pearson(rendered, prior) outside the edge mask

@@ -70,8 +70,9 @@ struct LossConfig {
 
 struct SemanticConfig {
   double soft = 0, hard = 0;
+  double pixel_share = 1;  ///< of the pixels, per step: 1, 0.5 or 0.25
   std::string blend;     ///< probabilities, logits
-  std::string coupling;  ///< bounded, plain
+  std::string coupling;  ///< bounded, plain, opacity
   double coupling_strength = 0;
   int64_t coupling_start = 0, coupling_stop = 0;  ///< [ref]
   bool lift = false;

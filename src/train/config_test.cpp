@@ -169,7 +169,7 @@ TEST(ConfigFile, SetNeedsAKeyAndAValue) {
 }
 
 TEST(ConfigFile, ContradictionsAreRefused) {
-  for (const char* set : {"densify.start=4000", "semantic.coupling_stop=10", "optimizer.position_end=0",
+  for (const char* set : {"densify.start=4000", "semantic.coupling_stop=10", "semantic.pixel_share=0.3", "optimizer.position_end=0",
                           "optimizer.aspect_max=0.5", "loss.log_depth_end=0"}) {
     ConfigSources sources;
     sources.sets = {set};

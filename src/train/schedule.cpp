@@ -72,8 +72,13 @@ LossSettings Schedule::losses(int64_t iteration) const {
 
   l.semantic_soft_weight = facts_.semantics ? to_float(s.soft) : 0;
   l.semantic_hard_weight = facts_.semantics ? to_float(s.hard) : 0;
+  constexpr double kBlocksPerTile = 4;
+  l.semantic_sample.quarters = static_cast<int>(std::lround(s.pixel_share * kBlocksPerTile));
+  l.semantic_sample.phase = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_blend = s.blend == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
-  l.coupling = s.coupling == "plain" ? SemanticCoupling::kPlain : SemanticCoupling::kBounded;
+  l.coupling = s.coupling == "plain"     ? SemanticCoupling::kPlain
+               : s.coupling == "opacity" ? SemanticCoupling::kOpacity
+                                         : SemanticCoupling::kBounded;
   const bool coupled = iteration > scaled(s.coupling_start) && iteration <= scaled_stop(s.coupling_stop);
   l.coupling_strength = coupled ? to_float(s.coupling_strength) : 0;
 

@@ -24,6 +24,17 @@ ScheduleFacts room() {
 TrainConfig paper() { return make_preset(Preset::kPaper); }
 TrainConfig standard() { return make_preset(Preset::kDefault); }
 
+TEST(Schedule, SemanticSampleMovesOnWithEveryPassOverTheViews) {
+  TrainConfig c = standard();
+  c.semantic.pixel_share = 0.25;
+  ScheduleFacts f = room();
+  f.training_views = 20;
+  const Schedule s(c, f);
+  EXPECT_EQ(s.request(1).losses.semantic_sample.quarters, 1);
+  EXPECT_EQ(s.request(20).losses.semantic_sample.phase, 0);
+  EXPECT_EQ(s.request(21).losses.semantic_sample.phase, 1);
+}
+
 TEST(Schedule, PositionRateDecaysLogLinearlyToTheRunsRealEnd) {
   const Schedule s(standard(), room());
   EXPECT_NEAR(s.request(3500).rates.position, 1.6e-5 * 2, 1e-9);  // geometric mean of 1.6e-4 and 1.6e-6

@@ -46,15 +46,17 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
   }
   if (stage == "semantics") {
     // Three products over blocks of 64 pixels; softmax, loss and gradient 40 per pixel and class; rows in and out once.
-    return {40 * pixels * channels, 3 * 2 * 64 * entries * channels, 2 * kFloat * visible * channels};
+    const double share = timing.pixel_share;
+    return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels, 2 * kFloat * share * visible * channels};
   }
   if (stage == "reduce") {
     return {700 * touched, 0,
             kSlotBytes * used + (kSlotBytes + kSplatBytes + 2 * (kShapeFloats + kShFloats) * kFloat) * touched};
   }
   if (stage == "optimise") {
-    return {14 * ((kShapeFloats + kShFloats) * n + channels * touched), 0,
-            kAdamBytes * ((kShapeFloats + kShFloats) * n + channels * touched)};
+    // A share of the pixels reaches at least that share of the rows, on the mean over the phases of the sample.
+    const double numbers = (kShapeFloats + kShFloats) * n + timing.pixel_share * channels * touched;
+    return {14 * numbers, 0, kAdamBytes * numbers};
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <memory>
 #include <thread>
@@ -72,11 +73,14 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
     engine->set_training_views(std::move(views));
   }
   StepRequest request = base;
+  request.losses.semantic_sample.quarters = static_cast<int>(std::lround(4 * options.pixel_share));
+  out.pixel_share = options.pixel_share;
   std::vector<double> totals, processor;
   double touched = 0;
   for (int i = 0; i < options.warm_up + options.steps; ++i) {
     request.view = i % kBenchmarkViews;
     request.step = i + 1;
+    request.losses.semantic_sample.phase = i / kBenchmarkViews;
     const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const StepReport report = engine->step(request);

@@ -17,10 +17,12 @@ struct StepBenchmarkOptions {
   int threads = 0;     ///< 0: all hardware threads
   int warm_up = 4;     ///< steps before the first one that counts: buffers, what is prepared once per view
   int steps = 20;      ///< steps that count
+  double pixel_share = 0.25;  ///< 1, 0.5 or 0.25 of the pixels take part in the semantic loss of a step, as preset default has it
 };
 
 struct StepTiming {
   int threads = 0;
+  double pixel_share = 1;   ///< StepBenchmarkOptions
   double seconds = 0;       ///< median wall time of a step: every loss, optimiser included
   double best_seconds = 0;  ///< of the fastest step, which other programs disturbed least
   /// Median over the steps of the processor time of all threads together, divided by their number: what a step would

@@ -232,7 +232,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   watch.lap("losses");
 
   // The factor of the bounded coupling comes from earlier steps; this step's values enter the balance at its end.
-  const bool bounded = request.losses.coupling == SemanticCoupling::kBounded;
+  const bool bounded = is_balanced(request.losses.coupling);
   const float strength = request.losses.coupling_strength;
   SemanticPass pass;
   if (semantics) {

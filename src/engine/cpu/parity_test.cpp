@@ -106,7 +106,7 @@ void compare_products(SemanticProducts products, const GaussianModel& model, con
   expect_close(s.residual, want.statistics.residual, tolerance.statistic, "density residual");
   expect_close(s.unsupported, want.statistics.unsupported, tolerance.statistic, "density unsupported");
 
-  if (set.coupling == SemanticCoupling::kBounded && want.coupling_rms > 0 && set.coupling_strength != 0) {
+  if (is_balanced(set.coupling) && want.coupling_rms > 0 && set.coupling_strength != 0) {
     CouplingBalance next = balance;
     update_coupling_balance(want.photometric_rms, want.coupling_rms, next);
     EXPECT_NEAR(engine.coupling_balance().photometric, next.photometric, 1e-4 * next.photometric);
@@ -192,6 +192,27 @@ TEST(CpuParity, NoCoupling) {
   StepRequest r = make_request();
   r.losses.coupling_strength = 0;
   compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, OpacityInPlaceOfACoupling) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  r.losses.coupling = SemanticCoupling::kOpacity;
+  compare_step(make_model(o), make_view(o), r);
+  r.losses.semantic_blend = SemanticBlend::kLogits;
+  compare_step(make_model(o), make_view(o), r);
+}
+
+TEST(CpuParity, PartOfThePixels) {
+  const SceneOptions o;
+  StepRequest r = make_request();
+  for (const SemanticSample sample : {SemanticSample{2, 1}, SemanticSample{1, 2}}) {
+    r.losses.semantic_sample = sample;
+    r.losses.semantic_blend = SemanticBlend::kProbabilities;
+    compare_step(make_model(o), make_view(o), r);
+    r.losses.semantic_blend = SemanticBlend::kLogits;
+    compare_step(make_model(o), make_view(o), r);
+  }
 }
 
 TEST(CpuParity, OneClass) {

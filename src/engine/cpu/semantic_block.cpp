@@ -221,10 +221,11 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
   const SemanticTarget& target = step.view->data.semantics;
   const int width = step.view->data.camera.width, height = step.view->data.camera.height;
   const bool probabilities = step.losses->semantic_blend == SemanticBlend::kProbabilities;
-  const bool bounded = step.couple && step.losses->coupling == SemanticCoupling::kBounded;
-  const float inverse_valid = 1.0f / static_cast<float>(step.cache->valid);
-  const SemanticWeights<float> weights{step.losses->semantic_soft_weight * inverse_valid,
-                                       step.losses->semantic_hard_weight * inverse_valid};
+  const bool bounded = step.couple && is_balanced(step.losses->coupling);
+  const bool opacity = step.couple && step.losses->coupling == SemanticCoupling::kOpacity;
+  const float pixel_weight = step.pixel_weight();
+  const SemanticWeights<float> weights{step.losses->semantic_soft_weight * pixel_weight,
+                                       step.losses->semantic_hard_weight * pixel_weight};
   const ImageF& omega = step.view->semantic_weight;
   const TeacherWindow window = teacher_window(target, block.x, block.y, width, height);
   scratch.direction.resize(bounded ? kBlockPixels * step.padded : 0);
@@ -266,7 +267,11 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
     px.top = step.cache->top_class[u];
     px.negative_entropy = step.cache->negative_entropy[u];
     px.alpha = 1.0f - block.transmittance[i];
-    px.omega = (omega.empty() ? 1.0f : omega.data[u]) * inverse_valid;
+    px.omega = (omega.empty() ? 1.0f : omega.data[u]) * pixel_weight;
+    if (opacity) {
+      scratch.offset[i] = px.omega;
+      px.omega = 0;
+    }
     PixelTerms terms;
     if (probabilities) {
       terms = bounded ? probabilities_pixel<true>(px, step, weights) : probabilities_pixel<false>(px, step, weights);
@@ -319,6 +324,7 @@ ClassCounts make_class_counts(int channels, int remainder) {
 }
 
 bool block_has_teacher(const SemanticStep& step, const BlockWeights& block) {
+  if (!step.losses->semantic_sample.takes(block.x, block.y)) return false;
   const int width = step.view->data.camera.width, height = step.view->data.camera.height;
   for (int y = block.y; y < block.y + kBlockSize && y < height; ++y) {
     for (int x = block.x; x < block.x + kBlockSize && x < width; ++x) {

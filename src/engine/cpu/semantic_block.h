@@ -37,6 +37,9 @@ struct SemanticStep {
   int channels = 0;
   size_t padded = 0;    ///< channels rounded up, tile_products.h
   bool couple = false;  ///< the coupling direction is wanted
+
+  /// What one pixel counts in a mean over the valid ones, of which this step may take a part.
+  float pixel_weight() const { return losses->semantic_sample.scale() / static_cast<float>(cache->valid); }
 };
 
 /// The part of the teacher's map under a block, when it is known there throughout: then bilinear sampling is separable.
@@ -62,7 +65,7 @@ struct SemanticBlock {
   double soft = 0, hard = 0;  ///< sums over this block's pixels, not yet divided by the number of valid ones
 };
 
-/// True when some pixel of the block has a semantic loss.
+/// True when some pixel of the block has a semantic loss in this step.
 bool block_has_teacher(const SemanticStep& step, const BlockWeights& block);
 
 /// Replaces `blended` by the row gradient; with step.couple also fills direction and offset. Sets soft and hard.

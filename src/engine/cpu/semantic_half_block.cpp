@@ -124,7 +124,7 @@ HWY_INLINE void side_channels(const PixelSide& s, const SideLanes& k, const Clas
 
 /// semantic_loss_probabilities and the coupling's direction for two pixels beside each other, but for the hard term.
 template <bool kBounded, bool kRemainder>
-void pixel_pair(const PixelSide* sides, const ClassCounts& classes, size_t padded, PairSums& sums,
+void pixel_pair(const PixelSide* sides, const ClassCounts& classes, size_t padded, size_t depth, PairSums& sums,
                 const PairOutputs& out) {
   const FloatTag d;
   const hn::Repartition<uint16_t, FloatTag> dh;
@@ -157,6 +157,10 @@ void pixel_pair(const PixelSide* sides, const ClassCounts& classes, size_t padde
     channels(c, false);
     hn::StoreU(hn::ConcatOdd(dh, hn::BitCast(dh, half), hn::BitCast(dh, lower0)), dh, out.directions[0] + c);
     hn::StoreU(hn::ConcatOdd(dh, hn::BitCast(dh, half), hn::BitCast(dh, lower1)), dh, out.directions[1] + c);
+    c += 2 * kLanes;
+  }
+  for (; c < depth; c += 2 * kLanes) {  // products go over these numbers, too: they must not be what lay there
+    for (uint16_t* direction : out.directions) hn::StoreU(hn::Zero(dh), dh, direction + c);
   }
   sums.cross = cross;
   if constexpr (!kBounded) {
@@ -177,10 +181,11 @@ void half_block(const SemanticStep& step, const BlockWeights& block, size_t firs
   const FloatTag d;
   const ClassCounts& classes = *step.counts;
   const int width = step.view->data.camera.width, height = step.view->data.camera.height;
-  const float inverse_valid = 1.0f / static_cast<float>(step.cache->valid);
-  const float soft_weight = step.losses->semantic_soft_weight * inverse_valid;
-  const float hard_weight = step.losses->semantic_hard_weight * inverse_valid;
+  const float pixel_weight = step.pixel_weight();
+  const float soft_weight = step.losses->semantic_soft_weight * pixel_weight;
+  const float hard_weight = step.losses->semantic_hard_weight * pixel_weight;
   const float inverse_classes = 1.0f / static_cast<float>(classes.all_classes());
+  const bool opacity = step.losses->coupling == SemanticCoupling::kOpacity;
   const ImageF& omega_map = step.view->semantic_weight;
   const TeacherWindow& window = scratch.teacher_window;
   const size_t groups = step.padded / kTileRows;
@@ -215,9 +220,12 @@ void half_block(const SemanticStep& step, const BlockWeights& block, size_t firs
       const float alpha = 1.0f - block.transmittance[pixel];
       side.rest = (1.0f - alpha) * inverse_classes;
       side.soft = -soft_weight;
-      if (alpha >= static_cast<float>(kCouplingAlphaMin)) {
+      const float omega = (omega_map.empty() ? 1.0f : omega_map.data[u]) * pixel_weight;
+      if (opacity) {
+        scratch.offset[pixel] = omega;
+      } else if (alpha >= static_cast<float>(kCouplingAlphaMin)) {
         const float inverse_alpha = 1.0f / alpha;
-        side.omega = (omega_map.empty() ? 1.0f : omega_map.data[u]) * inverse_valid * inverse_alpha;
+        side.omega = omega * inverse_alpha;
         side.omega_inverse = side.omega * inverse_alpha;
       }
       entropy += static_cast<double>(step.cache->negative_entropy[u]);
@@ -231,7 +239,7 @@ void half_block(const SemanticStep& step, const BlockWeights& block, size_t firs
       std::memset(pair.directions[0], 0, 2 * out.depth * sizeof(uint16_t));
       continue;
     }
-    pixel_pair<kBounded, kRemainder>(sides, classes, step.padded, sums, pair);
+    pixel_pair<kBounded, kRemainder>(sides, classes, step.padded, out.depth, sums, pair);
     for (int s = 0; s < 2; ++s) {  // the arg-max has the hard term, too
       if (top[s] < 0) continue;
       const size_t c = static_cast<size_t>(top[s]);
@@ -257,7 +265,7 @@ void half_block(const SemanticStep& step, const BlockWeights& block, size_t firs
 
 void HalfBlockLoss(const SemanticStep& step, const BlockWeights& block, size_t first, SemanticBlock& scratch,
                    const HalfBlockOutputs& out) {
-  const bool bounded = step.losses->coupling == SemanticCoupling::kBounded || !step.couple;
+  const bool bounded = is_balanced(step.losses->coupling) || !step.couple;
   if (step.counts->remainder > 0) {
     bounded ? half_block<true, true>(step, block, first, scratch, out)
             : half_block<false, true>(step, block, first, scratch, out);

@@ -114,8 +114,7 @@ const float* SemanticVisit::visit_block(int index) {
 }
 
 const float* SemanticVisit::coupling_direction() const {
-  const bool bounded = pass_.step.losses->coupling == SemanticCoupling::kBounded;
-  return bounded ? s_.block.direction.data() : s_.block.blended.data();
+  return is_balanced(pass_.step.losses->coupling) ? s_.block.direction.data() : s_.block.blended.data();
 }
 
 const float* SemanticVisit::visit_float(const BlockWeights& block, int index) {

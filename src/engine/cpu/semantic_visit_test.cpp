@@ -247,7 +247,10 @@ class HandMadeTile {
       offset = plain_coupling_offset(probabilities, g.data(), c_count);
     } else {
       const double omega = static_cast<double>(view.semantic_weight.at(x, y)) / valid;
-      if (probabilities) {
+      if (options.coupling == SemanticCoupling::kOpacity) {
+        std::fill(h.begin(), h.end(), 0.0);
+        offset = omega;
+      } else if (probabilities) {
         bounded_coupling_probabilities(blended.data(), alpha, teacher.data(), c_count, omega, h.data());
       } else {
         bounded_coupling_logits(student.data(), alpha, teacher.data(), c_count, omega, h.data());
@@ -303,7 +306,8 @@ void check(const TileOptions& o) {
 
 void check_every_loss(TileOptions o) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-    for (const SemanticCoupling coupling : {SemanticCoupling::kBounded, SemanticCoupling::kPlain}) {
+    for (const SemanticCoupling coupling :
+           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
       o.blend = blend;
       o.coupling = coupling;
       check(o);
@@ -379,7 +383,8 @@ TEST(SemanticVisit, EveryInstructionSet) {
 /// q that are summed would drown it. Here the error must be small beside the largest gradient *behind the surface*.
 TEST(SemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-    for (const SemanticCoupling coupling : {SemanticCoupling::kBounded, SemanticCoupling::kPlain}) {
+    for (const SemanticCoupling coupling :
+           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
       SCOPED_TRACE(testing::Message() << "blend " << int(blend) << ", coupling " << int(coupling));
       TileOptions o;
       o.opaque_front = true;

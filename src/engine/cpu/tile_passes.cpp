@@ -233,8 +233,10 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
     semantics->soft += soft[tile];
     semantics->hard += hard[tile];
   }
-  semantics->soft /= static_cast<double>(semantics->step.cache->valid);
-  semantics->hard /= static_cast<double>(semantics->step.cache->valid);
+  const double pixel_weight = static_cast<double>(semantics->step.losses->semantic_sample.scale()) /
+                              static_cast<double>(semantics->step.cache->valid);
+  semantics->soft *= pixel_weight;
+  semantics->hard *= pixel_weight;
 }
 
 void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& pool, std::vector<TileScratch>& scratch,

@@ -92,6 +92,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   in.soft_weight = request.losses.semantic_soft_weight;
   in.hard_weight = request.losses.semantic_hard_weight;
   in.remainder = map_.remainder();
+  in.sample = request.losses.semantic_sample;
   semantic_visit(*context_, in,
                  {step.row_slots, step.coupling, step.seen, arena_.take<double>(2 * tiles, "semantic losses of tiles"),
                   step.terms});
@@ -189,7 +190,7 @@ StepReport CudaEngine::step(const StepRequest& request) {
   const auto start = std::chrono::steady_clock::now();
   ViewOnDevice& view = views_[static_cast<size_t>(request.view)];
   const bool semantics = semantics_active(request, view);
-  const bool bounded = request.losses.coupling == SemanticCoupling::kBounded;
+  const bool bounded = is_balanced(request.losses.coupling);
   const float strength = request.losses.coupling_strength;
   StepReport report;
   // The factor of the bounded coupling comes from earlier steps; this step's values enter the balance at its end.

@@ -35,7 +35,7 @@ struct PixelTeacher {
 __device__ __forceinline__ PixelTeacher find_teacher(const SemanticVisitInputs& in, int x, int y) {
   PixelTeacher t;
   t.top = -1;
-  if (x >= in.view.width || y >= in.view.height) return t;
+  if (x >= in.view.width || y >= in.view.height || !in.sample.takes(x, y)) return t;
   const size_t u = size_t(y) * in.view.width + x;
   const uint16_t top = in.teacher.top_class[u];
   if (top == kNoLabel) return t;
@@ -48,7 +48,7 @@ __device__ __forceinline__ PixelTeacher find_teacher(const SemanticVisitInputs& 
   }
   t.top = top;
   t.negative_entropy = in.teacher.negative_entropy[u];
-  t.omega = (in.teacher.weight.empty() ? 1.0f : in.teacher.weight[u]) / static_cast<float>(in.teacher.valid);
+  t.omega = (in.teacher.weight.empty() ? 1.0f : in.teacher.weight[u]) * in.pixel_weight();
   return t;
 }
 
@@ -108,8 +108,7 @@ template <int kGroups>
 __device__ __forceinline__ PixelLoss probabilities_loss(const SemanticVisitInputs& in, const ChannelSet& set,
                                                         const PixelTeacher& px, const float (&t)[kGroups], float alpha,
                                                         bool bounded, PixelRow<kGroups>& row) {
-  const float inverse_valid = 1.0f / static_cast<float>(in.teacher.valid);
-  const float soft = in.soft_weight * inverse_valid, hard = in.hard_weight * inverse_valid;
+  const float soft = in.soft_weight * in.pixel_weight(), hard = in.hard_weight * in.pixel_weight();
   const float all = static_cast<float>(set.all_classes()), rest = (1 - alpha) / all;
   const float floor = semantic_floor<float>(set.all_classes());
   const bool covered = alpha >= static_cast<float>(kCouplingAlphaMin);
@@ -142,8 +141,7 @@ template <int kGroups>
 __device__ __forceinline__ PixelLoss logits_loss(const SemanticVisitInputs& in, const ChannelSet& set,
                                                  const PixelTeacher& px, const float (&t)[kGroups], float alpha,
                                                  bool bounded, PixelRow<kGroups>& row) {
-  const float inverse_valid = 1.0f / static_cast<float>(in.teacher.valid);
-  const float soft = in.soft_weight * inverse_valid, hard = in.hard_weight * inverse_valid;
+  const float soft = in.soft_weight * in.pixel_weight(), hard = in.hard_weight * in.pixel_weight();
   const float omega = alpha >= static_cast<float>(kCouplingAlphaMin) ? px.omega : 0.0f;
   const float log_remainder = set.remainder > 1 ? std::log(static_cast<float>(set.remainder)) : 0.0f;
   float top = -3.0e38f;

@@ -47,7 +47,7 @@ void semantic_visit(const DeviceContext& context, const SemanticVisitInputs& in,
   const unsigned tiles = static_cast<unsigned>(in.view.tiles_x) * static_cast<unsigned>(in.view.tiles_y);
   launch(context, "semantic_visit", kernel_for(padded), {dim3(tiles), dim3(kVisitThreads), layout.bytes()}, in, out,
          padded);
-  sum_columns<2>(context, out.tile_terms.part(0, 2 * size_t(tiles)), 1.0 / static_cast<double>(in.teacher.valid),
+  sum_columns<2>(context, out.tile_terms.part(0, 2 * size_t(tiles)), static_cast<double>(in.sample.scale()) / static_cast<double>(in.teacher.valid),
                  out.terms);
 }
 

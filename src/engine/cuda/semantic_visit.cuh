@@ -66,7 +66,8 @@ template <int kGroups>
 __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, double& hard) {
   constexpr int kPixels = kBlockPixels / kVisitWarps;
   const ChannelSet set{v.in.teacher.channels, v.in.remainder};
-  const bool bounded = v.in.couple && v.in.coupling == SemanticCoupling::kBounded;
+  const bool bounded = v.in.couple && is_balanced(v.in.coupling);
+  const bool opacity = v.in.coupling == SemanticCoupling::kOpacity;
   const int padded = v.layout.padded;
   PixelTeacher mine;
   mine.top = -1;
@@ -76,7 +77,9 @@ __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, 
   }
   for (int k = 0; k < kPixels; ++k) {
     const int pixel = v.warp * kPixels + k;
-    const PixelTeacher px = share_teacher(mine, k);
+    PixelTeacher px = share_teacher(mine, k);
+    const float push = opacity ? px.omega : 0;
+    if (opacity) px.omega = 0;
     float* blended = v.blended + pixel * v.layout.blended_stride();
     PixelRow<kGroups> row;
     PixelLoss loss{0, 0, 0};
@@ -91,6 +94,7 @@ __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, 
       loss = v.in.blend == SemanticBlend::kProbabilities
                  ? probabilities_loss(v.in, set, px, t, alpha, bounded, row)
                  : logits_loss(v.in, set, px, t, alpha, bounded, row);
+      loss.offset += push;
     } else {
 #pragma unroll
       for (int g = 0; g < kGroups; ++g) row.value[g] = row.direction[g] = 0;
@@ -116,7 +120,7 @@ __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, 
 /// q of the loaded entries, [entry][pixel]: Q = S H^T - h_0. Warp w forms one tile. Ends with a barrier.
 __device__ __forceinline__ void coupling_values(const Visit& v) {
   const int entry_tile = v.warp / 4, pixel_tile = v.warp % 4, stride = v.layout.row_stride();
-  const bool bounded = v.in.coupling == SemanticCoupling::kBounded;
+  const bool bounded = is_balanced(v.in.coupling);
   const Bf16* direction = v.gradient_rows() + (bounded ? v.layout.padded : 0);
   TileSum q;
   q.clear();
@@ -265,7 +269,7 @@ __global__ void __launch_bounds__(kVisitThreads)
   // Thread i looks at pixel i of the tile: how far its list goes, and which blocks have a teacher.
   const int x = v.tile_x * kTileSize + tile_pixel_x(thread), y = v.tile_y * kTileSize + tile_pixel_y(thread);
   const bool inside = x < in.view.width && y < in.view.height;
-  const bool valid = inside && in.teacher.top_class[size_t(y) * in.view.width + x] != kNoLabel;
+  const bool valid = inside && in.sample.takes(x, y) && in.teacher.top_class[size_t(y) * in.view.width + x] != kNoLabel;
   const uint32_t last = inside ? in.record.last[size_t(tile) * kTilePixels + thread] : 0;
   const uint32_t warp_last = __reduce_max_sync(kFullWarp, last);
   const unsigned votes = __ballot_sync(kFullWarp, valid);

@@ -31,6 +31,10 @@ struct SemanticVisitInputs {
   bool couple = false;      ///< the coupling is wanted
   float soft_weight = 0, hard_weight = 0;  ///< LossSettings
   int remainder = 0;        ///< as in SemanticRowInputs
+  SemanticSample sample;    ///< pixels that take part
+
+  /// What one of them counts in a mean over the valid pixels.
+  ALIGNGS_HD float pixel_weight() const { return sample.scale() / static_cast<float>(teacher.valid); }
 };
 
 struct SemanticVisitOutputs {

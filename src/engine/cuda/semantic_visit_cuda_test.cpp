@@ -43,6 +43,7 @@ struct Options {
   SemanticCoupling coupling = SemanticCoupling::kBounded;
   bool couple = true;
   int remainder = 0;
+  SemanticSample sample;
   bool opaque_front = false;  ///< rows 0 and 1 cover everything with alpha 0.95
 };
 
@@ -69,6 +70,7 @@ class CudaSemanticVisit : public DeviceTest {
     losses.semantic_blend = o.blend;
     losses.coupling = o.coupling;
     losses.semantic_hard_weight = 0.3f;
+    losses.semantic_sample = o.sample;
     view = std::make_unique<TestView>(context(), model, camera, RasterSettings{});
     channels = static_cast<size_t>(o.scene.channels);
     padded = static_cast<size_t>(padded_channels(o.scene.channels));
@@ -178,6 +180,7 @@ class CudaSemanticVisit : public DeviceTest {
     in.soft_weight = losses.semantic_soft_weight;
     in.hard_weight = losses.semantic_hard_weight;
     in.remainder = options.remainder;
+    in.sample = losses.semantic_sample;
     SemanticVisitOutputs out{row_slots.span(), {}, seen.span(), tile_terms.span(), terms.span()};
     if (options.couple) out.coupling = coupling.span();
     semantic_visit(context(), in, out);
@@ -245,7 +248,8 @@ class CudaSemanticVisit : public DeviceTest {
 
   void expect_close_with_every_loss(Options o) {
     for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-      for (const SemanticCoupling coupling : {SemanticCoupling::kBounded, SemanticCoupling::kPlain}) {
+      for (const SemanticCoupling coupling :
+           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
         o.blend = blend;
         o.coupling = coupling;
         prepare(o);
@@ -321,6 +325,14 @@ TEST_F(CudaSemanticVisit, LastChannelThatStandsForManyClasses) {
   expect_close_with_every_loss(o);
 }
 
+TEST_F(CudaSemanticVisit, PartOfThePixels) {
+  for (const SemanticSample sample : {SemanticSample{2, 1}, SemanticSample{1, 2}}) {
+    Options o = small_scene();
+    o.sample = sample;
+    expect_close_with_every_loss(o);
+  }
+}
+
 TEST_F(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
   Options o = small_scene();
   prepare(o);
@@ -336,7 +348,8 @@ TEST_F(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
 /// that are summed would drown it. The error must be small beside the largest gradient *behind the surface*.
 TEST_F(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-    for (const SemanticCoupling coupling : {SemanticCoupling::kBounded, SemanticCoupling::kPlain}) {
+    for (const SemanticCoupling coupling :
+           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
       SCOPED_TRACE(testing::Message() << "blend " << int(blend) << ", coupling " << int(coupling));
       Options o = small_scene();
       o.scene.channels = 150;

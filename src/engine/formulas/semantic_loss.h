@@ -140,6 +140,7 @@ ALIGNGS_HD inline SemanticTerms<T> semantic_loss_probabilities(const T* blended,
 }
 
 // ---- coupling: what the blending weights, hence opacity, mean and covariance, receive ----
+// kOpacity needs no formula: L_geo = -omega A, so h = 0 and h_0 = omega.
 
 /// kPlain: the gradient of the loss as printed. kLogits: h = dP, h_0 = 0. kProbabilities: dQ/dw_k = pi_k - 1/C, so
 /// h = g and h_0 = sum_c g_c / C. Returns h_0; h is the row gradient itself.

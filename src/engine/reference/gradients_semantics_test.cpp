@@ -17,7 +17,9 @@ struct Mode {
 const Mode kModes[] = {{"LogitsPlain", SemanticBlend::kLogits, SemanticCoupling::kPlain},
                        {"LogitsBounded", SemanticBlend::kLogits, SemanticCoupling::kBounded},
                        {"ProbabilitiesPlain", SemanticBlend::kProbabilities, SemanticCoupling::kPlain},
-                       {"ProbabilitiesBounded", SemanticBlend::kProbabilities, SemanticCoupling::kBounded}};
+                       {"ProbabilitiesBounded", SemanticBlend::kProbabilities, SemanticCoupling::kBounded},
+                       {"LogitsOpacity", SemanticBlend::kLogits, SemanticCoupling::kOpacity},
+                       {"ProbabilitiesOpacity", SemanticBlend::kProbabilities, SemanticCoupling::kOpacity}};
 
 StepRequest semantic_request(const Mode& mode) {
   StepRequest r = make_request();
@@ -43,19 +45,22 @@ double semantic_loss(const Model& model, const TrainingView& view, const StepReq
   return gradients(model, view, request, 0.0, no_map_loss()).losses.total;
 }
 
-/// The bounded surrogate written out once more, with A of the unmoved model (it is detached).
+/// The surrogate of a balanced coupling written out once more, with A of the unmoved model (it is detached).
 double surrogate(const Model& model, const TrainingView& view, const StepRequest& request,
                  const std::vector<double>& detached_alpha) {
   const bool probabilities = request.losses.semantic_blend == SemanticBlend::kProbabilities;
   const Splats<double> s = make_splats(model, view.data.camera, request.raster, request.sh_degree);
   std::vector<double> map = render_semantics(s, semantic_features(model, request.losses.semantic_blend), kChannels,
                                              request.raster);
+  const bool opacity = request.losses.coupling == SemanticCoupling::kOpacity;
+  const std::vector<double> alpha = render_maps(s, request.raster).alpha;
   double sum = 0;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const size_t u = size_t(y) * kWidth + x;
       const TeacherTaps taps = teacher_taps(view.data.semantics, x, y, kWidth, kHeight);
-      if (!taps.valid || detached_alpha[u] < 0.5) continue;
+      if (taps.valid && opacity) sum -= view.semantic_weight.data[u] * alpha[u];
+      if (!taps.valid || opacity || detached_alpha[u] < 0.5) continue;
       float t[kChannels];
       sample_teacher(view.data.semantics, taps, t);
       double* q = &map[u * kChannels];
@@ -90,7 +95,7 @@ TEST_P(SemanticGradient, CouplingMatchesDifferencesOfItsLoss) {
   const Gradients<double> g = gradients(model, view, request, 0.7, no_map_loss());
   const Splats<double> s = make_splats(model, view.data.camera, request.raster, request.sh_degree);
   const std::vector<double> alpha = render_maps(s, request.raster).alpha;
-  const bool bounded = request.losses.coupling == SemanticCoupling::kBounded;
+  const bool bounded = is_balanced(request.losses.coupling);
   EXPECT_NEAR(g.coupling_value, bounded ? surrogate(model, view, request, alpha) : 0.0, 1e-12);
   for (const ParameterClass& c : parameter_classes()) {
     if (c.values == &Model::sh || c.values == &Model::semantics) continue;
@@ -106,7 +111,7 @@ TEST_P(SemanticGradient, StrengthScalesTheCouplingAndNothingElse) {
   const Model model = make_model<double>();
   const TrainingView view = weighted_view();
   StepRequest request = semantic_request(GetParam());
-  const bool bounded = request.losses.coupling == SemanticCoupling::kBounded;
+  const bool bounded = is_balanced(request.losses.coupling);
   const double scale = 0.25;
   request.losses.coupling_strength = float(scale);
   const Gradients<double> g = gradients(model, view, request, scale, no_map_loss());
@@ -127,6 +132,31 @@ TEST_P(SemanticGradient, StrengthScalesTheCouplingAndNothingElse) {
 
 INSTANTIATE_TEST_SUITE_P(Gradients, SemanticGradient, testing::ValuesIn(kModes),
                          [](const auto& mode) { return std::string(mode.param.name); });
+
+/// The terms and their gradients are sums over pixels, so the parts of a sample add up to the whole.
+TEST_P(SemanticGradient, PhasesOfASampleAverageToAllPixels) {
+  const Model model = make_model<double>();
+  const TrainingView view = weighted_view();
+  StepRequest request = semantic_request(GetParam());
+  const Gradients<double> all = gradients(model, view, request, 0.7, no_map_loss());
+  for (const int quarters : {2, 1}) {
+    const int phases = 4 / quarters;
+    double loss = 0, value = 0;
+    std::vector<double> rows(all.gradient.semantics.size(), 0.0), opacities(all.coupling.opacity_logits.size(), 0.0);
+    for (int phase = 0; phase < phases; ++phase) {
+      request.losses.semantic_sample = {quarters, phase};
+      const Gradients<double> part = gradients(model, view, request, 0.7, no_map_loss());
+      loss += part.losses.total / phases;
+      value += part.coupling_value / phases;
+      for (size_t k = 0; k < rows.size(); ++k) rows[k] += part.gradient.semantics[k] / phases;
+      for (size_t k = 0; k < opacities.size(); ++k) opacities[k] += part.coupling.opacity_logits[k] / phases;
+    }
+    EXPECT_NEAR(loss, all.losses.total, 1e-12);
+    EXPECT_NEAR(value, all.coupling_value, 1e-12);
+    for (size_t k = 0; k < rows.size(); ++k) EXPECT_NEAR(rows[k], all.gradient.semantics[k], 1e-12);
+    for (size_t k = 0; k < opacities.size(); ++k) EXPECT_NEAR(opacities[k], all.coupling.opacity_logits[k], 1e-12);
+  }
+}
 
 TEST(SemanticLoss, UnknownTeacherPixelsDropOutOfTheMean) {
   const Model model = make_model<double>();

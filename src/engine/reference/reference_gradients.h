@@ -20,10 +20,10 @@ struct Gradients {
   LossTerms losses;              ///< `total` is the weighted sum of the terms; the coupling surrogate is not in it
   GaussianModelT<T> gradient;    ///< d total / d parameters, plus coupling_scale * coupling
   /// The semantic gradient through the blending weights before coupling_scale: position, log-scale, rotation,
-  /// opacity. With kPlain the gradient of the semantic loss as printed, with kBounded that of coupling_value.
+  /// opacity. With kPlain the gradient of the semantic loss as printed, otherwise that of coupling_value.
   GaussianModelT<T> coupling;
-  double coupling_scale = 0;     ///< kPlain: the strength; kBounded: the factor that was passed in
-  double coupling_value = 0;     ///< kBounded: the surrogate L_geo, mean over valid pixels; kPlain: 0
+  double coupling_scale = 0;     ///< kPlain: the strength; otherwise the factor that was passed in
+  double coupling_value = 0;     ///< the surrogate L_geo, mean over valid pixels; kPlain: 0
   /// d / d mean2D in pixels, per row: of the colour losses, the same with every pixel's magnitude, of the coupling
   /// before the scale.
   std::vector<Vec2<T>> photometric_mean, photometric_mean_abs, coupling_mean;

@@ -25,10 +25,11 @@ struct SemanticPass {
   const LossSettings& settings;
   int channels = 0;
   size_t valid = 0;             ///< pixels that count; 0: the pass is off
+  T pixel_weight{};             ///< of a pixel that this step takes, in a mean over the valid ones
   std::vector<T> features;      ///< [N][C] what is blended
   std::vector<T> dfeatures;     ///< [N][C] sum over pixels of w g
-  double soft = 0, hard = 0;    ///< means over valid pixels, unweighted
-  double surrogate = 0;         ///< kBounded: mean of L_geo
+  double soft = 0, hard = 0;    ///< means over valid pixels, unweighted, estimated from the pixels taken
+  double surrogate = 0;         ///< mean of L_geo; kPlain: 0
 
   /// On with a teacher of the model's number of classes, a weight and at least one valid pixel.
   SemanticPass(const GaussianModelT<T>& model, const TrainingView& training_view, const LossSettings& loss)
@@ -38,8 +39,14 @@ struct SemanticPass {
     channels = model.semantic_channels;
     valid = count_semantic_pixels(view.data);
     if (valid == 0) return;
+    pixel_weight = T(loss.semantic_sample.scale()) / T(valid);
     features = semantic_features(model, loss.semantic_blend);
     dfeatures.assign(features.size(), T(0));
+  }
+
+  /// omega of a pixel in the mean.
+  T coupling_weight(int x, int y) const {
+    return (view.semantic_weight.empty() ? T(1) : T(view.semantic_weight.at(x, y))) * pixel_weight;
   }
 
   const T* row(uint32_t i) const { return &features[size_t(i) * channels]; }
@@ -47,7 +54,7 @@ struct SemanticPass {
   /// Evaluates the loss at a pixel, adds its terms and the rows' gradients.
   SemanticPixel<T> visit(int x, int y, const std::vector<Contribution<T>>& list, T alpha) {
     SemanticPixel<T> out;
-    if (valid == 0) return out;
+    if (valid == 0 || !settings.semantic_sample.takes(x, y)) return out;
     const SemanticTarget& target = view.data.semantics;
     const TeacherTaps taps = teacher_taps(target, x, y, view.data.camera.width, view.data.camera.height);
     out.counts = semantic_pixel_valid(view.data, taps, x, y);
@@ -62,22 +69,26 @@ struct SemanticPass {
     }
 
     const bool probabilities = settings.semantic_blend == SemanticBlend::kProbabilities;
-    const SemanticWeights<T> weights{T(settings.semantic_soft_weight) / T(valid),
-                                     T(settings.semantic_hard_weight) / T(valid)};
+    const SemanticWeights<T> weights{T(settings.semantic_soft_weight) * pixel_weight,
+                                     T(settings.semantic_hard_weight) * pixel_weight};
     out.row_gradient.resize(channels);
     const SemanticTerms<T> terms =
         probabilities ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), channels, weights,
                                                     out.row_gradient.data())
                       : semantic_loss_logits(blended.data(), teacher.data(), channels, weights, student.data(),
                                              out.row_gradient.data());
-    soft += static_cast<double>(terms.soft) / valid;
-    hard += static_cast<double>(terms.hard) / valid;
+    soft += static_cast<double>(terms.soft * pixel_weight);
+    hard += static_cast<double>(terms.hard * pixel_weight);
 
     out.coupling = out.row_gradient;
     if (settings.coupling == SemanticCoupling::kPlain) {
       out.offset = plain_coupling_offset(probabilities, out.row_gradient.data(), channels);
+    } else if (settings.coupling == SemanticCoupling::kOpacity) {
+      std::fill(out.coupling.begin(), out.coupling.end(), T(0));
+      out.offset = coupling_weight(x, y);
+      surrogate -= static_cast<double>(out.offset * alpha);
     } else {
-      const T omega = (view.semantic_weight.empty() ? T(1) : T(view.semantic_weight.at(x, y))) / T(valid);
+      const T omega = coupling_weight(x, y);
       surrogate += static_cast<double>(
           probabilities
               ? bounded_coupling_probabilities(blended.data(), alpha, teacher.data(), channels, omega,
