@@ -74,7 +74,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
-  command->add_option("--passes", options->passes, "times that all of it is done; a second pass finds more matches and costs as much again")
+  command->add_option("--passes", options->passes, "times that all of it is done: with better depth more matches are found")
       ->check(CLI::Range(1, 5))
       ->capture_default_str();
   command->add_flag("--overwrite", options->overwrite, "replace a scene that stands there");

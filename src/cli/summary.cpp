@@ -42,6 +42,7 @@ std::string metrics_summary(const Json& metrics) {
     text += "labels       not measured: no semantics or no true labels\n";
   } else {
     text += fmt::format("labels       mIoU {}, accuracy {} (rendered test views)", value(semantics, "miou", "{:.3f}"), value(semantics, "accuracy", "{:.3f}"));
+    if (semantics.contains("teacher")) text += fmt::format("; the teacher's own {}", value(semantics["teacher"], "miou", "{:.3f}"));
     if (semantics.contains("mesh")) text += fmt::format("; mesh mIoU {}", value(semantics["mesh"], "miou", "{:.3f}"));
     text += "\n";
   }

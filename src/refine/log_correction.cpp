@@ -2,19 +2,52 @@
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
 
 namespace aligngs {
 namespace {
 
-constexpr int kIterations = 300;    // of conjugate gradients; smoothing over 100 pixels needs about as many
-constexpr double kTolerance = 1e-4; // relative residual: thousandths of a correction that is some percent
+constexpr int kIterations = 300;    // of conjugate gradients; smoothing over 100 pixels needs about as many from nothing
+constexpr double kTolerance = 3e-4; // relative residual: a hundredth of a correction that is some percent
+constexpr int kSmallest = 16;       // pixels; a smaller problem is solved from nothing
 
 bool is_depth(float z) { return z > 0 && std::isfinite(z); }
 
-}  // namespace
+/// What is to be solved, at one resolution.
+struct Level {
+  ImageF depth, given, weight;
+  double none;  ///< LogCorrectionSettings::none of a pixel of this size
+};
 
-ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight, const LogCorrectionSettings& settings) {
+/// Half the resolution: what four pixels know together, on the depth of one of them, so that jumps stay jumps. The sum of
+/// squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
+Level half_of(const Level& fine) {
+  const int width = (fine.depth.width + 1) / 2, height = (fine.depth.height + 1) / 2;
+  Level out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), 4 * fine.none};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float weight = 0, sum = 0, depth = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int u = 2 * x + (k & 1), v = 2 * y + (k >> 1);
+        if (u >= fine.depth.width || v >= fine.depth.height || !is_depth(fine.depth.at(u, v))) continue;
+        if (depth == 0) depth = fine.depth.at(u, v);
+        const float w = fine.weight.at(u, v), g = fine.given.at(u, v);
+        if (!(w > 0) || !std::isfinite(g)) continue;
+        weight += w;
+        sum += w * g;
+      }
+      out.depth.at(x, y) = depth;
+      out.weight.at(x, y) = weight;
+      out.given.at(x, y) = weight > 0 ? sum / weight : 0;
+    }
+  }
+  return out;
+}
+
+/// Conjugate gradients on one level, from `guess` (the level's size) on.
+ImageF solve_level(const Level& level, const ImageF& guess, const LogCorrectionSettings& settings) {
+  const ImageF& depth = level.depth;
   const int width = depth.width, height = depth.height;
   ImageF out(width, height, 1);
   std::vector<int> unknown(depth.pixels(), -1);
@@ -24,8 +57,8 @@ ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const Ima
   }
   if (count == 0) return out;
 
-  std::vector<double> diagonal(static_cast<size_t>(count), settings.none);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+  std::vector<double> diagonal(static_cast<size_t>(count), level.none);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count), start(count);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<size_t>(count) * 3);  // the lower half: itself and two neighbours
   const auto link = [&](size_t i, size_t j) {
@@ -41,10 +74,11 @@ ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const Ima
     for (int x = 0; x < width; ++x) {
       const size_t i = static_cast<size_t>(y) * width + x;
       if (unknown[i] < 0) continue;
-      const float w = weight.data[i];
-      if (w > 0 && std::isfinite(given.data[i])) {
+      start[unknown[i]] = static_cast<double>(guess.data[i]);
+      const float w = level.weight.data[i];
+      if (w > 0 && std::isfinite(level.given.data[i])) {
         diagonal[static_cast<size_t>(unknown[i])] += w;
-        right[unknown[i]] = static_cast<double>(w) * given.data[i];
+        right[unknown[i]] = static_cast<double>(w) * level.given.data[i];
       }
       if (x + 1 < width) link(i, i + 1);
       if (y + 1 < height) link(i, i + static_cast<size_t>(width));
@@ -57,11 +91,30 @@ ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const Ima
   solver.setMaxIterations(kIterations);
   solver.setTolerance(kTolerance);
   solver.compute(matrix);
-  const Eigen::VectorXd solution = solver.solve(right);
+  const Eigen::VectorXd solution = solver.solveWithGuess(right, start);
   for (size_t i = 0; i < depth.pixels(); ++i) {
     if (unknown[i] >= 0) out.data[i] = static_cast<float>(solution[unknown[i]]);
   }
   return out;
+}
+
+/// From the solution at half the resolution on: what is far away is known there after few iterations.
+ImageF solve(const Level& level, const LogCorrectionSettings& settings) {
+  const int width = level.depth.width, height = level.depth.height;
+  ImageF guess(width, height, 1);
+  if (std::min(width, height) > kSmallest) {
+    const ImageF coarse = solve(half_of(level), settings);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) guess.at(x, y) = coarse.at(x / 2, y / 2);
+    }
+  }
+  return solve_level(level, guess, settings);
+}
+
+}  // namespace
+
+ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight, const LogCorrectionSettings& settings) {
+  return solve({depth, given, weight, settings.none}, settings);
 }
 
 }  // namespace aligngs

@@ -19,7 +19,7 @@ struct RefineSceneOptions {
   PlaneDepthSettings plane_settings;
   bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
-  int passes = 1;
+  int passes = 2;
   bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
   ProgressStyle progress;

@@ -3,56 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
+#include "refine/sweep_rows.h"
+
 namespace aligngs {
 namespace {
 
-/// Sums over square windows, cut off at the border.
-class BoxFilter {
- public:
-  BoxFilter(int width, int height, int half)
-      : width_(width), height_(height), half_(half), padded_(static_cast<size_t>(width + 2 * half), 0.0f), rows_(size_t(width) * height) {}
+constexpr float kMiddleGrey = 0.5f;  // luma is compared around it: smaller sums round less
+constexpr int kTerms = 6;            // of WindowTerms
 
-  void sum(const std::vector<float>& values, std::vector<float>& out) {
-    const size_t width = static_cast<size_t>(width_);
-    for (int y = 0; y < height_; ++y) {
-      std::copy_n(&values[y * width], width, &padded_[static_cast<size_t>(half_)]);
-      add_up(2 * half_ + 1, [&](int k) { return &padded_[static_cast<size_t>(k)]; }, &rows_[y * width]);
-    }
-    for (int y = 0; y < height_; ++y) {
-      const int first = std::max(0, y - half_), last = std::min(height_ - 1, y + half_);
-      add_up(last - first + 1, [&](int k) { return &rows_[static_cast<size_t>(first + k) * width]; }, &out[y * width]);
-    }
-  }
+/// The six arrays of WindowTerms, some rows of them.
+class TermRows {
+ public:
+  TermRows(int width, int rows) : width_(static_cast<size_t>(width)), rows_(static_cast<size_t>(rows)), data_(kTerms * width_ * rows_) {}
+  float* term(int k, int row) { return &data_[(static_cast<size_t>(k) * rows_ + static_cast<size_t>(row)) * width_]; }
+  WindowTerms terms(int row) { return {term(0, row), term(1, row), term(2, row), term(3, row), term(4, row), term(5, row)}; }
 
  private:
-  /// One row: the sum of `count` others, summand by summand, which the compiler turns into vectors.
-  template <class Row>
-  void add_up(int count, const Row& row, float* out) const {
-    std::copy_n(row(0), width_, out);
-    for (int k = 1; k < count; ++k) {
-      const float* summand = row(k);
-      for (int x = 0; x < width_; ++x) out[x] += summand[x];
-    }
-  }
-
-  int width_, height_, half_;
-  std::vector<float> padded_, rows_;
-};
-
-constexpr float kMiddleGrey = 0.5f;  // luma is compared around it: smaller sums round less
-
-/// The window sums of one comparison.
-struct Sums {
-  std::vector<float> count, own, own2, other, other2, product;
-  explicit Sums(size_t n) : count(n), own(n), own2(n), other(n), other2(n), product(n) {}
+  size_t width_, rows_;
+  std::vector<float> data_;
 };
 
 class Sweep {
  public:
   Sweep(const MatchView& view, const std::vector<const MatchView*>& others, const SweepSettings& settings)
       : view_(view), others_(others), settings_(settings), width_(view.luma.width), height_(view.luma.height),
-        box_(width_, height_, settings.half_window), pixels_(view.luma.pixels()), sums_(pixels_), raw_(pixels_),
-        scores_(static_cast<size_t>(std::max(1, settings.best)), std::vector<float>(pixels_)) {}
+        half_(settings.half_window), pixels_(view.luma.pixels()), own_(pixels_), terms_(width_, height_), sums_(width_, height_),
+        window_(width_, 1), padded_(static_cast<size_t>(width_ + 2 * half_), 0.0f), score_(static_cast<size_t>(width_)),
+        scores_(static_cast<size_t>(std::max(1, settings.best)), std::vector<float>(pixels_)) {
+    for (size_t i = 0; i < pixels_; ++i) own_[i] = view.luma.data[i] - kMiddleGrey;
+  }
 
   CostVolume run() {
     CostVolume volume;
@@ -86,91 +65,86 @@ class Sweep {
   }
 
  private:
-  static constexpr float kNone = -2;  // below every correlation
+  static constexpr float kNone = -2;       // below every correlation
+  static constexpr float kBehind = -1e30f; // of every camera: where pixels without depth are put
 
   /// This photo's pixels as points in the other camera's frame: factor * direction + origin.
   struct Carried {
-    std::vector<Vec3f> direction;
+    std::vector<float> x, y, z;
     Vec3f origin;
   };
 
   Carried carry(const MatchView& other) const {
     const Rigidd to_other = other.camera.world_to_camera * view_.camera.world_to_camera.inverse();
-    Carried out{std::vector<Vec3f>(pixels_), to_other.translation.cast<float>()};
+    Carried out{std::vector<float>(pixels_), std::vector<float>(pixels_), std::vector<float>(pixels_), to_other.translation.cast<float>()};
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
         const float z = view_.depth.at(x, y);
         const bool valid = z > 0 && std::isfinite(z);
         const Vec3d p = to_other.rotation * (view_.camera.ray(x + 0.5, y + 0.5) * (valid ? static_cast<double>(z) : 0.0));
-        out.direction[size_t(y) * width_ + x] = p.cast<float>();
+        const size_t i = size_t(y) * width_ + x;
+        out.x[i] = static_cast<float>(p.x);
+        out.y[i] = static_cast<float>(p.y);
+        out.z[i] = valid ? static_cast<float>(p.z) : kBehind;
       }
     }
     return out;
   }
 
-  /// Luma of the other photo where this one's pixels fall, and which of them do.
-  void warp(const MatchView& other, const Carried& carried, float factor) {
-    const float fx = static_cast<float>(other.camera.fx), fy = static_cast<float>(other.camera.fy);
-    const float cx = static_cast<float>(other.camera.cx - 0.5), cy = static_cast<float>(other.camera.cy - 0.5);
-    const int other_width = other.luma.width;
-    const float last_x = static_cast<float>(other_width - 1), last_y = static_cast<float>(other.luma.height - 1);
-    for (size_t i = 0; i < pixels_; ++i) {
-      raw_.count[i] = raw_.own[i] = raw_.own2[i] = raw_.other[i] = raw_.other2[i] = raw_.product[i] = 0;
-      const Vec3f p = factor * carried.direction[i] + carried.origin;
-      if (!(p.z > 0) || !(view_.depth.data[i] > 0)) continue;
-      const float inverse = 1 / p.z, u = fx * p.x * inverse + cx, v = fy * p.y * inverse + cy;
-      if (!(u >= 0 && v >= 0 && u <= last_x && v <= last_y)) continue;
-      const int x0 = std::min(static_cast<int>(u), other_width - 2), y0 = std::min(static_cast<int>(v), other.luma.height - 2);
-      const float a = u - static_cast<float>(x0), b = v - static_cast<float>(y0);
-      const float* top = &other.luma.data[size_t(y0) * other_width + x0];
-      const float* bottom = top + other_width;
-      const float j = (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]) - kMiddleGrey;
-      const float own = view_.luma.data[i] - kMiddleGrey;
-      raw_.count[i] = 1;
-      raw_.own[i] = own;
-      raw_.own2[i] = own * own;
-      raw_.other[i] = j;
-      raw_.other2[i] = j * j;
-      raw_.product[i] = own * j;
+  /// Terms of a row of pixels, and their sums over the window's columns.
+  void warp(const MatchView& other, const Carried& carried, double factor, int y) {
+    const size_t first = size_t(y) * width_;
+    WarpedRow row;
+    row.x = &carried.x[first];
+    row.y = &carried.y[first];
+    row.z = &carried.z[first];
+    row.origin = carried.origin;
+    row.factor = static_cast<float>(factor);
+    row.depth = &view_.depth.data[first];
+    row.own = &own_[first];
+    row.luma = other.luma.data.data();
+    row.width = other.luma.width;
+    row.height = other.luma.height;
+    row.fx = static_cast<float>(other.camera.fx);
+    row.fy = static_cast<float>(other.camera.fy);
+    row.cx = static_cast<float>(other.camera.cx - 0.5);
+    row.cy = static_cast<float>(other.camera.cy - 0.5);
+    row.middle = kMiddleGrey;
+    warp_row(row, width_, terms_.terms(y));
+    for (int k = 0; k < kTerms; ++k) {
+      std::copy_n(terms_.term(k, y), width_, &padded_[static_cast<size_t>(half_)]);
+      float* sum = sums_.term(k, y);
+      std::copy_n(padded_.data(), width_, sum);
+      for (int column = 1; column <= 2 * half_; ++column) add_to_row(&padded_[static_cast<size_t>(column)], width_, sum);
     }
   }
 
   void compare(const MatchView& other, const Carried& carried, double factor) {
-    warp(other, carried, static_cast<float>(factor));
-    box_.sum(raw_.count, sums_.count);
-    box_.sum(raw_.own, sums_.own);
-    box_.sum(raw_.own2, sums_.own2);
-    box_.sum(raw_.other, sums_.other);
-    box_.sum(raw_.other2, sums_.other2);
-    box_.sum(raw_.product, sums_.product);
-    const int side = 2 * settings_.half_window + 1;
-    const float least = static_cast<float>(settings_.least_share * side * side);
-    const float contrast = static_cast<float>(settings_.least_contrast * settings_.least_contrast);
-    for (size_t i = 0; i < pixels_; ++i) {
-      if (raw_.count[i] == 0 || sums_.count[i] < least) continue;
-      const float share = 1 / sums_.count[i], mean = sums_.own[i] * share, mean_other = sums_.other[i] * share;
-      const float variance = sums_.own2[i] * share - mean * mean, variance_other = sums_.other2[i] * share - mean_other * mean_other;
-      if (variance < contrast) continue;
-      const float covariance = sums_.product[i] * share - mean * mean_other;
-      // A flat window on the other side says that the place looks different there, not that nothing is known.
-      const float score = variance_other < 0.25f * contrast ? 0 : covariance / std::sqrt(variance * variance_other);
-      keep_best(i, std::clamp(score, -1.0f, 1.0f));
-    }
-  }
-
-  void keep_best(size_t i, float score) {
-    for (auto& s : scores_) {
-      if (score > s[i]) std::swap(score, s[i]);
+    const int side = 2 * half_ + 1;
+    const ScoreRule rule{static_cast<float>(settings_.least_share * side * side),
+                         static_cast<float>(settings_.least_contrast * settings_.least_contrast), kNone};
+    for (int y = 0; y < height_; ++y) warp(other, carried, factor, y);
+    for (int y = 0; y < height_; ++y) {
+      const int first = std::max(0, y - half_), last = std::min(height_ - 1, y + half_);
+      for (int k = 0; k < kTerms; ++k) {
+        float* sum = window_.term(k, 0);
+        std::copy_n(sums_.term(k, first), width_, sum);
+        for (int row = first + 1; row <= last; ++row) add_to_row(sums_.term(k, row), width_, sum);
+      }
+      score_row(window_.terms(0), terms_.term(0, y), rule, width_, score_.data());
+      for (auto& best : scores_) keep_best_row(width_, score_.data(), &best[size_t(y) * width_]);
     }
   }
 
   const MatchView& view_;
   const std::vector<const MatchView*>& others_;
   const SweepSettings& settings_;
-  int width_, height_;
-  BoxFilter box_;
+  int width_, height_, half_;
   size_t pixels_;
-  Sums sums_, raw_;
+  std::vector<float> own_;  ///< luma around middle grey
+  TermRows terms_, sums_;   ///< per pixel; over the columns of its window
+  TermRows window_;         ///< one row: over the window
+  std::vector<float> padded_, score_;
   std::vector<std::vector<float>> scores_;  ///< the best of all photos, best first
 };
 

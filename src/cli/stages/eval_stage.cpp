@@ -48,6 +48,15 @@ Json semantic_json(const SemanticScores& scores) {
   return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples}};
 }
 
+/// The teacher's own labels of a photo at the camera's size; empty without a map of its own.
+Image<uint16_t> teacher_labels(const OpenRun& run, int index) {
+  if (run.scene.views[static_cast<size_t>(index)].semantics.empty()) return {};
+  LoadOptions options = run.load_options();
+  options.semantics = true;
+  options.scores_as_logits = run.config.data.scores_as_logits;
+  return load_view(run.scene, index, options).labels;
+}
+
 struct ViewMetrics {
   Json per_view = Json::array();
   Json nvs, semantics = nullptr;
@@ -62,8 +71,8 @@ std::vector<Camera> true_training_cameras(const Scene& scene) {
 
 ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
   ViewMetrics result;
-  ConfusionMatrix confusion(run.scene.labels.size());
-  bool labelled = false;
+  ConfusionMatrix confusion(run.scene.labels.size()), taught(run.scene.labels.size());
+  bool labelled = false, judged = false;
   const std::vector<Camera> training = true_training_cameras(run.scene);
   const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
   const PerceptualMetric perceptual(ModelStore(ModelStoreOptions::from_environment(true)), *run.pool);
@@ -88,6 +97,9 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
       own.add(truth, rendering.label);
       entry["label_accuracy"] = number(own.scores().accuracy);
       labelled = true;
+      const Image<uint16_t> teacher = teacher_labels(run, index);
+      if (!teacher.empty()) taught.add(truth, teacher);
+      judged |= !teacher.empty();
     }
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
@@ -107,6 +119,8 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
                                 [&](const Json& v) { return v["extrapolates"] == extrapolating; })}};
   }
   if (labelled) result.semantics = semantic_json(confusion.scores());
+  // What the training has to beat: the teacher run on the test photos themselves.
+  if (judged) result.semantics["teacher"] = semantic_json(taught.scores());
   return result;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/losses/depth_map.h"
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 

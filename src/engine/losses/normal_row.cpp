@@ -1,7 +1,7 @@
 #include "engine/losses/normal_row.h"
 
 #include "engine/formulas/normal_terms.h"
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 
 namespace aligngs {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/ssim.h"

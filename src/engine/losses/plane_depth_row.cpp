@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/formulas/depth_terms.h"
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 
 namespace aligngs {
 namespace {

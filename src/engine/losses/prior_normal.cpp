@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/unit_normal.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/losses/function_versions.h"
+#include "core/function_versions.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 
