@@ -93,7 +93,7 @@ function(aligngs_cuda_library)
     add_library(aligngs_cuda STATIC ${files})
     list(JOIN CMAKE_CUDA_ARCHITECTURES " " architectures)
     target_compile_definitions(aligngs_cuda PRIVATE ALIGNGS_CUDA_ARCHITECTURES="${architectures}")
-    target_link_libraries(aligngs_cuda PUBLIC CUDA::cudart_static)
+    target_link_libraries(aligngs_cuda PUBLIC CUDA::cudart_static ${CMAKE_DL_LIBS})
     # Fusion gives the bits of the CPU, which does not contract products and sums either.
     set_source_files_properties(src/mesh/cuda/tsdf_fusion.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
   else()

@@ -6,8 +6,9 @@
 #include "core/half.h"
 #include "engine/cuda/networks/attention_kernels.h"
 #include "engine/cuda/networks/device_pool.h"
+#include "engine/cuda/networks/lt_products.h"
 #include "engine/cuda/networks/map_operators.h"
-#include "engine/cuda/networks/products.h"
+#include "engine/cuda/networks/matrix_products.h"
 #include "engine/cuda/networks/row_operators.h"
 #include "engine/cuda/runtime/cuda_device.h"
 
@@ -67,7 +68,8 @@ class CudaMatrix : public nn::PackedMatrix {
 
 class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_from_this<CudaNetworkDevice> {
  public:
-  CudaNetworkDevice(int device, uint64_t budget_bytes) : pool_(std::make_shared<DevicePool>(device, budget_bytes)) {
+  CudaNetworkDevice(int device, uint64_t budget_bytes)
+      : pool_(std::make_shared<DevicePool>(device, budget_bytes)), products_(context(), start_lt_products(*pool_)) {
     for (const CudaDevice& d : list_cuda_devices().devices) {
       if (d.index == device) name_ = d.name;
     }
@@ -294,11 +296,11 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
   }
   void multiply(const nn::PackedMatrix& matrix, DeviceSpan<const uint16_t> x, int64_t rows, const nn::ProductEnds& ends,
                 float* y) {
-    multiply_bf16(context(), product_of(matrix, rows, ends, y), x, static_cast<const CudaMatrix&>(matrix).as_halves());
+    products_.multiply(product_of(matrix, rows, ends, y), x, static_cast<const CudaMatrix&>(matrix).as_halves());
   }
   void multiply(const nn::PackedMatrix& matrix, DeviceSpan<const float> x, int64_t rows, const nn::ProductEnds& ends,
                 float* y) {
-    multiply_float(context(), product_of(matrix, rows, ends, y), x, static_cast<const CudaMatrix&>(matrix).as_floats());
+    products_.multiply(product_of(matrix, rows, ends, y), x, static_cast<const CudaMatrix&>(matrix).as_floats());
   }
 
   template <class T>
@@ -318,6 +320,7 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
   }
 
   std::shared_ptr<DevicePool> pool_;
+  MatrixProducts products_;
   std::string name_ = "a CUDA device";
 };
 

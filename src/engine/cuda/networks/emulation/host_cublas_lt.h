@@ -1,0 +1,23 @@
+// The part of cuBLASLt that products use, on the host and by the words of its header: what a product is told is checked
+// as strictly as the library may check it, and then formed by the definition.
+#pragma once
+
+#include "engine/cuda/networks/cublas_lt.h"
+
+#ifdef ALIGNGS_CUBLAS_LT
+
+namespace aligngs::cuda {
+
+/// What stands behind a handle of the functions below.
+struct HostCublasLt {
+  int choices = 0;                                    ///< calls of the heuristic
+  cublasStatus_t choice = CUBLAS_STATUS_SUCCESS;      ///< what it answers
+  cublasStatus_t product = CUBLAS_STATUS_SUCCESS;     ///< what products answer, without forming them unless success
+};
+HostCublasLt& host_cublas_lt_of(cublasLtHandle_t handle);
+
+CublasLtLibrary host_cublas_lt();
+
+}  // namespace aligngs::cuda
+
+#endif
