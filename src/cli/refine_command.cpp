@@ -1,5 +1,7 @@
 // `aligngs refine SCENE`: cameras and prior depth corrected from matches between the photos.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -11,9 +13,16 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, keep_tests = false, own_focal = false, overwrite = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, no_exposure = false, keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
 };
+
+/// Largest difference of the photos' log gains of green.
+double exposure_span(const std::vector<Vec3f>& log_gains) {
+  const auto less = [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; };
+  const auto [darkest, brightest] = std::minmax_element(log_gains.begin(), log_gains.end(), less);
+  return static_cast<double>(brightest->y - darkest->y);
+}
 
 void refine(const CommandContext& context, const RefineCommandOptions& options) {
   const Scene scene = open_scene(options.scene);
@@ -21,6 +30,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.correct_depth = !options.keep_depth;
   refine_options.stereo = !options.no_stereo;
   refine_options.planes = !options.no_planes;
+  refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
   refine_options.overwrite = options.overwrite;
@@ -42,7 +52,8 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
                                              {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
-                                             {"on_planes", report.on_planes}, {"views", views}};
+                                             {"on_planes", report.on_planes}, {"exposure_span", report.log_gains.empty() ? 0.0 : exposure_span(report.log_gains)},
+                                             {"views", views}};
     std::printf("%s\n", document.dump(2).c_str());
     return;
   }
@@ -52,6 +63,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   if (!report.planes.empty()) {
     std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", report.planes.size(), 100 * report.on_planes);
   }
+  if (!report.log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(report.log_gains)));
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
     std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),
@@ -72,6 +84,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
   command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo only, not by multi-view stereo");
   command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
+  command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
   command->add_option("--passes", options->passes, "times that all of it is done: with better depth more matches are found")

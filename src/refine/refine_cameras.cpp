@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/median.h"
@@ -216,25 +217,34 @@ class Refinement {
     }
   }
 
-  /// Points are looked for in the test photos, whose cameras alone then move.
+  /// Test photos against the points of the training photos, which they do not move.
   void register_test_views() {
     if (test_.empty() || tracks_.empty()) return;
-    BundleProblem resection = problem();
-    resection.observations.clear();
-    resection.fixed_points = true;
-    resection.anchors = resection.cameras;  // carried along with their neighbours, they are better than the prior
-    std::vector<const MatchView*> training, tests;
+    test_observations_.assign(views_.size(), 0);
+    const auto lost = [&](int v) { return test_observations_[static_cast<size_t>(v)] < settings_.least_observations; };
+    register_views(test_, settings_.match.search);
+    std::vector<int> again;
+    std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), lost);
+    if (!again.empty()) register_views(again, settings_.lost_search);
+    for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = lost(v);
+  }
+
+  /// Observations of the tracks' points in the views, searched within `search` of the image width.
+  std::vector<Observation> find_points_in(const std::vector<int>& views, double search) const {
+    MatchSettings match_settings = settings_.match;
+    match_settings.search = search;
+    std::vector<const MatchView*> training, wanted;
     for (const int v : train_) training.push_back(&match(v));
-    for (const int v : test_) tests.push_back(&match(v));
-    const auto near = overlapping_views(training, tests, static_cast<int>(tests.size()), settings_.least_overlap, settings_.largest_turn);
+    for (const int v : views) wanted.push_back(&match(v));
+    const auto near = overlapping_views(training, wanted, static_cast<int>(wanted.size()), settings_.least_overlap, settings_.largest_turn);
     std::vector<std::vector<Observation>> found(tracks_.size());
     pool_.parallel_for(tracks_.size(), 64, [&](size_t begin, size_t end, int) {
       for (size_t t = begin; t < end; ++t) {
         const Track& track = tracks_[t];
         const auto own = std::find(train_.begin(), train_.end(), track.view);
         for (const int k : near[static_cast<size_t>(own - train_.begin())]) {
-          const int view = test_[static_cast<size_t>(k)];
-          const auto place = guided_match(match(track.view), track.corner.x, track.corner.y, match(view), settings_.match);
+          const int view = views[static_cast<size_t>(k)];
+          const auto place = guided_match(match(track.view), track.corner.x, track.corner.y, match(view), match_settings);
           if (!place) continue;
           Observation o;
           o.view = view;
@@ -244,7 +254,17 @@ class Refinement {
         }
       }
     });
-    for (const auto& own : found) resection.observations.insert(resection.observations.end(), own.begin(), own.end());
+    std::vector<Observation> all;
+    for (const auto& own : found) all.insert(all.end(), own.begin(), own.end());
+    return all;
+  }
+
+  /// Moves those of the views that enough observations place.
+  void register_views(const std::vector<int>& views, double search) {
+    BundleProblem resection = problem();
+    resection.fixed_points = true;
+    resection.anchors = resection.cameras;  // carried along with their neighbours, they are better than the prior
+    resection.observations = find_points_in(views, search);
     BundleSettings settings = settings_.bundle;
     settings.focal = 0;
     settings.pixel = settings_.coarse_pixel;
@@ -256,12 +276,11 @@ class Refinement {
     all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
     settings.pixel = settings_.bundle.pixel;
     adjust_bundle(resection, settings);
-    test_observations_.assign(views_.size(), 0);
-    for (const Observation& o : all) ++test_observations_[static_cast<size_t>(o.view)];
-    for (const int v : test_) {
-      const bool enough = test_observations_[static_cast<size_t>(v)] >= settings_.least_observations;
-      if (enough) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
-      by_neighbour_[static_cast<size_t>(v)] = !enough;
+    for (const int v : views) {
+      const auto of_view = [&](const Observation& o) { return o.view == v; };
+      test_observations_[static_cast<size_t>(v)] = static_cast<int>(std::count_if(all.begin(), all.end(), of_view));
+      if (test_observations_[static_cast<size_t>(v)] < settings_.least_observations) continue;
+      matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
     }
   }
 

@@ -30,6 +30,7 @@ struct RefineSettings {
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
   double later_search = 0.02;   ///< of the image width
+  double lost_search = 0.15;    ///< of the image width: for test photos of which the usual search finds too little
   int neighbours = 12;          ///< photos that a corner is looked for in: those that see most of the same
   double least_overlap = 0.15;  ///< of a photo's pixels inside of the other
   double largest_turn = 75;     ///< degrees between viewing directions

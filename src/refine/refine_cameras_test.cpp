@@ -62,6 +62,21 @@ TEST_F(RefineCamerasTest, TestPhotosAreRegisteredAndMoveNothing) {
   EXPECT_GE(a.views[7].observations, 15);
 }
 
+TEST_F(RefineCamerasTest, ATestPhotoFarFromItsPlaceIsLookedForFarther) {
+  std::vector<RefineView> views;
+  for (int i = 0; i < 8; ++i) views.push_back(photo(true_camera(i), 0.6));
+  views[7].test = true;
+  const double turn = 6 * kRadiansPerDegree, c = std::cos(turn), s = std::sin(turn);  // 15 pixels; the usual search reaches 8
+  Camera& camera = views[7].match.camera;
+  camera.world_to_camera = Rigidd{Mat3d{{c, 0, s, 0, 1, 0, -s, 0, c}}, {}} * camera.world_to_camera;
+  RefineSettings settings;
+  const RefineResult found = refine_cameras(views, kRoomExtent, settings, pool_);
+  EXPECT_FALSE(found.views[7].by_neighbour);
+  EXPECT_NEAR(found.views[7].turned, 6, 0.5);
+  settings.lost_search = settings.match.search;
+  EXPECT_TRUE(refine_cameras(views, kRoomExtent, settings, pool_).views[7].by_neighbour);
+}
+
 TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {
   std::vector<RefineView> views = photos(8, 0, 0.1, 0.002);
   ImageF& depth = views[3].match.depth;

@@ -242,6 +242,19 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
   }
 }
 
+/// How the training photos' exposures differ, by cameras and depth as they are known now.
+std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const RefineSceneOptions& options, ThreadPool& pool) {
+  std::vector<ExposureView> views;
+  for (size_t i = 0; i < training; ++i) views.push_back({&photos.views[i].match, &photos.views[i].color, &photos.views[i].mask});
+  return estimate_log_gains(views, options.exposure_settings, pool);
+}
+
+void write_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const fs::path& folder) {
+  ExposureJson exposure;
+  for (size_t i = 0; i < log_gains.size(); ++i) exposure[scene.views[static_cast<size_t>(scene.train[i])].name] = log_gains[i];
+  write_exposure_json(folder / "exposure.json", exposure);
+}
+
 }  // namespace
 
 RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
@@ -256,6 +269,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
   for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, photos, log_factors, report);
+  if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;
   for (const View& v : scene.views) cameras.push_back(v.camera);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -269,6 +283,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
     write_depth(scene, scene.train[i], log_factors[i], folder);
   }
+  if (options.exposure) write_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);
   replacement.commit();
   return report;

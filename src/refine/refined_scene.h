@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/progress.h"
+#include "refine/exposure.h"
 #include "refine/guided_stereo.h"
 #include "refine/plane_depth.h"
 #include "refine/refine_cameras.h"
@@ -20,6 +21,8 @@ struct RefineSceneOptions {
   bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
+  ExposureSettings exposure_settings;
+  bool exposure = true;          ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
   ProgressStyle progress;
@@ -30,6 +33,7 @@ struct RefineSceneReport {
   double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
   std::vector<ScenePlane> planes;
   double on_planes = 0; ///< share of the pixels with depth that lie on one of them
+  std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 
 /// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views

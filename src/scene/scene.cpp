@@ -223,6 +223,18 @@ void read_split(const fs::path& path, const SceneOptions& options, Scene& scene)
   }
 }
 
+void read_exposure(const fs::path& path, Scene& scene) {
+  ExposureJson gains = read_exposure_json(path);
+  for (View& view : scene.views) {
+    const auto found = gains.find(view.name);
+    if (found == gains.end()) continue;
+    view.log_gain = found->second;
+    gains.erase(found);
+  }
+  if (gains.empty()) return;
+  throw_bad_input(path, "log_gains", "there is no view '" + gains.begin()->first + "'", "name views of this scene, or remove the entry");
+}
+
 bool all_have(const Scene& scene, fs::path View::*map) {
   return !scene.train.empty() &&
          std::all_of(scene.train.begin(), scene.train.end(), [&](int i) { return !(scene.views[i].*map).empty(); });
@@ -260,6 +272,7 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   scene.views = views_of(model, folder, model_folder);
   scene.cloud = cloud_of(model, model_folder);
   read_split(folder / "split.json", options, scene);
+  read_exposure(folder / "exposure.json", scene);
   if (fs::is_regular_file(folder / "truth" / "mesh.ply")) scene.truth_mesh = folder / "truth" / "mesh.ply";
   const bool has_truth = std::any_of(scene.views.begin(), scene.views.end(),
                                      [](const View& view) { return view.truth_camera.has_value(); });

@@ -29,6 +29,7 @@ struct View {
   std::filesystem::path truth_depth;     ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
   std::filesystem::path truth_labels;    ///< truth/labels/<stem>.png, uint8, 255 = none
   std::optional<Camera> truth_camera;    ///< from truth/sparse; never used by training
+  Vec3f log_gain;    ///< exposure.json: of red, green, blue in linear light, against the mean photo; 0 = unknown
 };
 
 struct Scene {

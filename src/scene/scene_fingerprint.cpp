@@ -51,6 +51,9 @@ std::string scene_fingerprint(const Scene& scene) {
   for (const View& view : scene.views) {
     digest.add(view.name);
     digest.add(view.camera);
+    if (view.log_gain.x != 0 || view.log_gain.y != 0 || view.log_gain.z != 0) {
+      for (int k = 0; k < 3; ++k) digest.add(static_cast<double>(view.log_gain[k]));
+    }
     for (const auto* path : {&view.image, &view.prior_depth, &view.semantics}) digest.add_file(*path);
   }
   for (const std::vector<int>* list : {&scene.train, &scene.test}) {

@@ -148,6 +148,26 @@ PriorsJson read_priors_json(const std::filesystem::path& path) {
   return priors;
 }
 
+ExposureJson read_exposure_json(const std::filesystem::path& path) {
+  const json object = read_object(path);
+  ExposureJson exposure;
+  if (object.is_null()) return exposure;
+  const char* remedy = "write {\"log_gains\": {\"VIEW\": [red, green, blue]}} or remove the file";
+  const auto gains = object.find("log_gains");
+  if (gains == object.end() || !gains->is_object()) throw_bad_input(path, "log_gains", "an object expected", remedy);
+  for (const auto& [name, value] : gains->items()) {
+    Vec3f gain;
+    bool good = value.is_array() && value.size() == 3;
+    for (int k = 0; good && k < 3; ++k) {
+      good = value[k].is_number() && std::abs(value[k].get<double>()) <= kMaxLogGain;
+      if (good) gain[k] = value[k].get<float>();
+    }
+    if (!good) throw_bad_input(path, "log_gains." + name, "three numbers between -3 and 3 expected", remedy);
+    exposure[name] = gain;
+  }
+  return exposure;
+}
+
 void write_scene_json(const std::filesystem::path& path, const SceneJson& scene) {
   json object = {{"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
   if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
@@ -159,6 +179,12 @@ void write_split_json(const std::filesystem::path& path, const SplitJson& split)
   if (split.train) object["train"] = *split.train;
   if (split.test) object["test"] = *split.test;
   write_object(path, object);
+}
+
+void write_exposure_json(const std::filesystem::path& path, const ExposureJson& exposure) {
+  json gains = json::object();
+  for (const auto& [name, gain] : exposure) gains[name] = {gain.x, gain.y, gain.z};
+  write_object(path, {{"log_gains", gains}});
 }
 
 void write_priors_json(const std::filesystem::path& path, const PriorsJson& priors) {

@@ -1,4 +1,4 @@
-// The small JSON files of a scene folder: scene.json, split.json, priors.json.
+// The small JSON files of a scene folder: scene.json, split.json, priors.json, exposure.json.
 #pragma once
 
 #include <filesystem>
@@ -36,14 +36,21 @@ struct PriorsJson {
   std::optional<SemanticKind> kind;
 };
 
+/// exposure.json: {"log_gains": {view: [red, green, blue]}}: logarithms of what a photo's linear light is multiplied by
+/// against the mean photo. Within +-kMaxLogGain.
+using ExposureJson = std::map<std::string, Vec3f>;
+inline constexpr double kMaxLogGain = 3;  // a factor of 20, over four stops
+
 /// An absent file gives the defaults; a malformed one is Error{kBadInput} naming the field.
 SceneJson read_scene_json(const std::filesystem::path& path);
 SplitJson read_split_json(const std::filesystem::path& path);
 PriorsJson read_priors_json(const std::filesystem::path& path);
+ExposureJson read_exposure_json(const std::filesystem::path& path);
 
 void write_scene_json(const std::filesystem::path& path, const SceneJson& scene);
 void write_split_json(const std::filesystem::path& path, const SplitJson& split);
 void write_priors_json(const std::filesystem::path& path, const PriorsJson& priors);
+void write_exposure_json(const std::filesystem::path& path, const ExposureJson& exposure);
 
 const char* name_of(SemanticKind kind);
 

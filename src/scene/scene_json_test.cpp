@@ -72,6 +72,14 @@ TEST(SceneJson, WrittenPriorsReadBackEqual) {
   EXPECT_EQ(back.kind, SemanticKind::kScores);
 }
 
+TEST(SceneJson, WrittenExposureReadsBackEqual) {
+  const auto path = json_file("exposure.json", "");
+  write_exposure_json(path, {{"a", {0.1f, -0.2f, 0.0f}}});
+  const ExposureJson back = read_exposure_json(path);
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_FLOAT_EQ(back.at("a").y, -0.2f);
+}
+
 TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_scene_json, "{").find("no valid JSON"), std::string::npos);
   EXPECT_NE(message_of(read_scene_json, "[]").find("object expected"), std::string::npos);
@@ -82,6 +90,9 @@ TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_split_json, R"({"test": [1]})").find("test"), std::string::npos);
   EXPECT_NE(message_of(read_split_json, "{}").find("neither"), std::string::npos);
   EXPECT_NE(message_of(read_priors_json, R"({"semantics": {"kind": "x"}})").find("semantics.kind"), std::string::npos);
+  EXPECT_NE(message_of(read_exposure_json, "{}").find("log_gains"), std::string::npos);
+  EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1]}})").find("log_gains.a"), std::string::npos);
+  EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1, 1e9]}})").find("log_gains.a"), std::string::npos);
 }
 
 }  // namespace

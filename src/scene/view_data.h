@@ -36,6 +36,7 @@ struct LoadOptions {
   bool prior_depth = true;
   bool semantics = true;
   bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
+  bool exposure = false;        ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike
   double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum (guidance 2.1)
 };
 

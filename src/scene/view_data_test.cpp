@@ -7,7 +7,9 @@
 
 #include "core/error.h"
 #include "core/half.h"
+#include "core/srgb.h"
 #include "io/image_file.h"
+#include "scene/scene_json.h"
 #include "scene/test_scene_folder.h"
 #include "scene/triangle_mesh.h"
 
@@ -81,6 +83,26 @@ TEST(LoadView, ALeadingBatchDimensionIsAccepted) {
   const SemanticMap map = three_class_scores(kWidth, kHeight);
   write_npy_float32(folder / "segmentation_logits" / "v0.npy", {1, 3, kHeight, kWidth}, map.values.data());
   EXPECT_EQ(load_view(open_scene(folder), 0).semantics.width, kWidth);
+}
+
+TEST(LoadView, PhotosAreExposedAlikeWhenAskedFor) {
+  const fs::path folder = write_scene();
+  const float plain = load_view(open_scene(folder), 0).color.at(3, 2, 1);
+  write_exposure_json(folder / "exposure.json", {{"v0", {0.0f, 0.5f, 0.0f}}});
+  const Scene scene = open_scene(folder);
+  EXPECT_EQ(load_view(scene, 0).color.at(3, 2, 1), plain);
+  LoadOptions options;
+  options.exposure = true;
+  const ViewData data = load_view(scene, 0, options);
+  EXPECT_NEAR(data.color.at(3, 2, 1), srgb_encode(srgb_decode(plain) * std::exp(-0.5f)), 2e-4);
+  EXPECT_EQ(data.color.at(3, 2, 0), load_view(scene, 0).color.at(3, 2, 0));
+  EXPECT_EQ(load_view(scene, 1, options).color.data, load_view(scene, 1).color.data);
+}
+
+TEST(LoadView, AnExposureOfNoViewIsAnError) {
+  const fs::path folder = write_scene();
+  write_exposure_json(folder / "exposure.json", {{"nobody", {0.0f, 0.5f, 0.0f}}});
+  EXPECT_THROW(open_scene(folder), Error);
 }
 
 TEST(LoadView, MapsCanBeLeftOut) {

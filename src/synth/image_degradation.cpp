@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/srgb.h"
 #include "io/image_file.h"
 #include "synth/textures.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/srgb.h"
 #include "scene/triangle_mesh.h"
 #include "synth/noise.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/srgb.h"
 #include "synth/noise.h"
 #include "synth/pictures.h"
 
@@ -258,16 +259,6 @@ Vec3f texture_color(const Material& m, const Vec2f& uv, float footprint) {
     case TextureKind::kWicker: return wicker(m, u, v, footprint);
   }
   return m.a;
-}
-
-float srgb_encode(float linear) {
-  const float x = clamp01(linear);
-  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
-
-float srgb_decode(float srgb) {
-  const float x = clamp01(srgb);
-  return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
 }
 
 Vec3f linear_rgb(int r, int g, int b) {

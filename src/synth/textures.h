@@ -53,7 +53,5 @@ Vec3f texture_color(const Material& material, const Vec2f& uv, float footprint);
 
 /// Linear RGB of sRGB bytes.
 Vec3f linear_rgb(int r, int g, int b);
-float srgb_encode(float linear);  ///< linear [0, 1] to sRGB [0, 1]
-float srgb_decode(float srgb);
 
 }  // namespace aligngs

@@ -20,6 +20,8 @@ struct DataConfig {
   bool refine_planes = false;     ///< and by the planes of walls, floor and ceiling
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
+  bool refine_exposure = false;   ///< `run` and `demo`: measure the photos' exposures there
+  bool exposure = false;          ///< undo what exposure.json says of the photos' exposures
   bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them
   double score_gamma = 1;         ///< exponent of the calibration of score teachers
 };

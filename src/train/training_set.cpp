@@ -33,6 +33,7 @@ LoadOptions load_options(const TrainConfig& config, const PriorUse& use) {
   options.scale = config.data.scale;
   options.prior_depth = use.depth != PriorDepthKind::kNone;
   options.semantics = use.semantics;
+  options.exposure = config.data.exposure;
   options.scores_as_logits = config.data.scores_as_logits;
   options.score_gamma = config.data.score_gamma;
   return options;

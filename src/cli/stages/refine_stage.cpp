@@ -31,6 +31,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   RefineSceneOptions options;
   options.overwrite = true;
   options.stereo = config.data.refine_stereo;
+  options.exposure = config.data.refine_exposure;
   options.planes = config.data.refine_planes && config.data.semantics;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);
