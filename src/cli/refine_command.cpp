@@ -17,8 +17,9 @@ struct RefineCommandOptions {
   int passes = RefineSceneOptions{}.passes;
 };
 
-/// Largest difference of the photos' log gains of green.
+/// Largest difference of the photos' log gains of green; 0 without any.
 double exposure_span(const std::vector<Vec3f>& log_gains) {
+  if (log_gains.empty()) return 0;
   const auto less = [](const Vec3f& a, const Vec3f& b) { return a.y < b.y; };
   const auto [darkest, brightest] = std::minmax_element(log_gains.begin(), log_gains.end(), less);
   return static_cast<double>(brightest->y - darkest->y);
@@ -52,7 +53,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
                                              {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
-                                             {"on_planes", report.on_planes}, {"exposure_span", report.log_gains.empty() ? 0.0 : exposure_span(report.log_gains)},
+                                             {"on_planes", report.on_planes}, {"exposure_span", exposure_span(report.log_gains)},
                                              {"views", views}};
     std::printf("%s\n", document.dump(2).c_str());
     return;

@@ -207,10 +207,6 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
   write_file_atomically(file, json.dump(2) + "\n");
 }
 
-}  // namespace
-
-namespace {
-
 /// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.
 void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, Photos& photos,
                  std::vector<ImageF>& log_factors, RefineSceneReport& report) {

@@ -48,15 +48,6 @@ Json semantic_json(const SemanticScores& scores) {
   return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples}};
 }
 
-/// The teacher's own labels of a photo at the camera's size; empty without a map of its own.
-Image<uint16_t> teacher_labels(const OpenRun& run, int index) {
-  if (run.scene.views[static_cast<size_t>(index)].semantics.empty()) return {};
-  LoadOptions options = run.load_options();
-  options.semantics = true;
-  options.scores_as_logits = run.config.data.scores_as_logits;
-  return load_view(run.scene, index, options).labels;
-}
-
 struct ViewMetrics {
   Json per_view = Json::array();
   Json nvs, semantics = nullptr;
@@ -77,9 +68,13 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
   const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
   const PerceptualMetric perceptual(ModelStore(ModelStoreOptions::from_environment(true)), *run.pool);
   Progress progress(style, "evaluate views", run.scene.test.size());
+  LoadOptions load = run.load_options();
+  load.scores_as_logits = run.config.data.scores_as_logits;
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
-    const ViewData data = load_view(run.scene, index, run.load_options());
+    const bool labels = run.has_labels() && !view.truth_labels.empty();
+    load.semantics = labels;  // the teacher's own, to be judged beside the rendered ones
+    const ViewData data = load_view(run.scene, index, load);
     const Rendering rendering = run.engine->render(data.camera, run.render_options());
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
     Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
@@ -90,16 +85,15 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
       entry["lpips"] = number(distances->canonical);
       entry["lpips_unit"] = number(distances->unit);
     }
-    if (run.has_labels() && !view.truth_labels.empty()) {
+    if (labels) {
       const Image<uint16_t> truth = load_truth_labels(run.scene, index, data.camera);
       confusion.add(truth, rendering.label);
       ConfusionMatrix own(run.scene.labels.size());
       own.add(truth, rendering.label);
       entry["label_accuracy"] = number(own.scores().accuracy);
       labelled = true;
-      const Image<uint16_t> teacher = teacher_labels(run, index);
-      if (!teacher.empty()) taught.add(truth, teacher);
-      judged |= !teacher.empty();
+      if (!data.labels.empty()) taught.add(truth, data.labels);
+      judged |= !data.labels.empty();
     }
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
