@@ -41,7 +41,7 @@ CublasLtLibrary load_cublas_lt(const std::vector<std::string>& names) {
     if (!missing.empty()) return "it has no " + missing;
     return version_refusal(functions.get_version(), CUBLAS_VER_MAJOR);
   });
-  return {std::move(search.library), functions, std::move(search.reason)};
+  return {std::move(search.loaded), functions, std::move(search.reason)};
 }
 
 std::shared_ptr<CublasLt> CublasLt::start(CublasLtLibrary library, std::string& reason) {

@@ -41,7 +41,7 @@ struct CublasLtFunctions {
 std::vector<std::string> cublas_lt_names();
 
 struct CublasLtLibrary {
-  std::unique_ptr<SharedLibrary> library;  ///< null: `reason` says why, or the functions are the program's own (tests)
+  std::unique_ptr<SharedLibrary> loaded;  ///< null: `reason` says why, or the functions are the program's own (tests)
   CublasLtFunctions functions;
   std::string reason;
   bool usable() const { return reason.empty(); }

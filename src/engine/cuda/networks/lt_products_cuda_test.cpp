@@ -14,10 +14,10 @@ namespace {
 #ifdef ALIGNGS_CUBLAS_LT
 TEST(CublasLt, EveryFunctionIsInTheLibraryAndAnotherNameIsNoLibrary) {
   const CublasLtLibrary absent = load_cublas_lt({"libaligngs-has-no-such-library.so.7", "libm.so.6"});
-  EXPECT_EQ(absent.library, nullptr);
+  EXPECT_EQ(absent.loaded, nullptr);
   EXPECT_NE(absent.reason.find("libm.so.6: it has no cublasLt"), std::string::npos) << absent.reason;
   const CublasLtLibrary found = load_cublas_lt(cublas_lt_names());
-  if (found.library == nullptr) GTEST_SKIP() << found.reason;
+  if (found.loaded == nullptr) GTEST_SKIP() << found.reason;
   EXPECT_EQ(found.functions.get_version() / 10000, size_t(CUBLAS_VER_MAJOR));
   EXPECT_NE(found.functions.multiply, nullptr);
 }
@@ -51,8 +51,8 @@ class LtProductsTest : public DeviceTest {
     const auto found = list_cuda_devices();
     pool_ = std::make_shared<DevicePool>(found.devices.front().index, 0);
     LibraryStart start = start_lt_products(*pool_);
-    if (start.library == nullptr) GTEST_SKIP() << (kEmulated ? "the emulation has no cuBLASLt" : start.reason);
-    library_ = std::move(start.library);
+    if (start.products == nullptr) GTEST_SKIP() << (kEmulated ? "the emulation has no cuBLASLt" : start.reason);
+    library_ = std::move(start.products);
   }
 
   void own_product(const ProductSpans& p, DeviceSpan<const float> x, DeviceSpan<const float> w) {

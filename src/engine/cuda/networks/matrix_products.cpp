@@ -7,7 +7,7 @@
 namespace aligngs::cuda {
 
 MatrixProducts::MatrixProducts(const DeviceContext& context, LibraryStart start)
-    : context_(context), library_(std::move(start.library)) {
+    : context_(context), library_(std::move(start.products)) {
   if (library_ != nullptr) {
     log_debug("products of networks by {}", library_->name());
   } else if (!start.reason.empty()) {

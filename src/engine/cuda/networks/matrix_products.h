@@ -21,7 +21,7 @@ class LibraryProducts {
 };
 
 struct LibraryStart {
-  std::unique_ptr<LibraryProducts> library;  ///< null: the program's own kernels form all products
+  std::unique_ptr<LibraryProducts> products;  ///< null: the program's own kernels form all products
   std::string reason;                        ///< why it is null; empty where nobody would expect a library
 };
 

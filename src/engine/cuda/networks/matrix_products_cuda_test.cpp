@@ -98,7 +98,7 @@ TEST_F(MatrixProductsTest, TheEmulationHasNoLibraryAndSaysNothingOfIt) {
   if (!kEmulated) GTEST_SKIP() << "for the emulation";
   const auto pool = std::make_shared<DevicePool>(context().device(), 0);
   const LibraryStart start = start_lt_products(*pool);
-  EXPECT_EQ(start.library, nullptr);
+  EXPECT_EQ(start.products, nullptr);
   EXPECT_EQ(start.reason, "");
 }
 

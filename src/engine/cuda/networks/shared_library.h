@@ -35,7 +35,7 @@ class SharedLibrary {
 };
 
 struct LibrarySearch {
-  std::unique_ptr<SharedLibrary> library;
+  std::unique_ptr<SharedLibrary> loaded;
   std::string reason;  ///< why no name served, for each of them; empty when one did
 };
 

@@ -15,32 +15,32 @@ std::string nothing_against(const SharedLibrary&) { return {}; }
 
 TEST(SharedLibrary, TheFirstThatCanBeLoadedServes) {
   const LibrarySearch search = find_library({kMissing, kPresent}, nothing_against);
-  ASSERT_NE(search.library, nullptr);
-  EXPECT_EQ(search.library->name(), kPresent);
+  ASSERT_NE(search.loaded, nullptr);
+  EXPECT_EQ(search.loaded->name(), kPresent);
   EXPECT_EQ(search.reason, "");
 }
 
 TEST(SharedLibrary, FunctionsAreFoundByNameAndType) {
   const LibrarySearch search = find_library({kPresent}, nothing_against);
-  ASSERT_NE(search.library, nullptr);
+  ASSERT_NE(search.loaded, nullptr);
   double (*square_root)(double) = nullptr;
-  ASSERT_TRUE(search.library->find("sqrt", square_root));
+  ASSERT_TRUE(search.loaded->find("sqrt", square_root));
   EXPECT_EQ(square_root(9.0), 3.0);
   void (*none)() = nullptr;
-  EXPECT_FALSE(search.library->find("aligngs_has_no_such_function", none));
+  EXPECT_FALSE(search.loaded->find("aligngs_has_no_such_function", none));
   EXPECT_EQ(none, nullptr);
 }
 
 TEST(SharedLibrary, AMissingOneIsNoErrorButAReasonThatNamesIt) {
   const LibrarySearch search = find_library({kMissing}, nothing_against);
-  EXPECT_EQ(search.library, nullptr);
+  EXPECT_EQ(search.loaded, nullptr);
   EXPECT_THAT(search.reason, HasSubstr(kMissing));
 }
 
 TEST(SharedLibrary, ARefusedOneIsAsGoodAsMissing) {
   const LibrarySearch search =
       find_library({kPresent, kMissing}, [](const SharedLibrary&) { return std::string("it is too old"); });
-  EXPECT_EQ(search.library, nullptr);
+  EXPECT_EQ(search.loaded, nullptr);
   EXPECT_THAT(search.reason, HasSubstr(std::string(kPresent) + ": it is too old; "));
   EXPECT_THAT(search.reason, HasSubstr(kMissing));
 }
