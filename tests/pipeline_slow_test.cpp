@@ -65,6 +65,9 @@ TEST_F(Pipeline, ThreeHundredIterationsImproveOnTheStart) {
   EXPECT_GT(trained["nvs"]["psnr"].get<double>(), start["nvs"]["psnr"].get<double>() + 3);
   EXPECT_GT(trained["nvs"]["psnr"].get<double>(), 16);
   EXPECT_GT(trained["semantics"]["miou"].get<double>(), start["semantics"]["miou"].get<double>() + 0.2);
+  const nlohmann::json& iou = trained["semantics"]["iou"];  // by class, of those that count in the mean
+  EXPECT_EQ(iou.size(), trained["semantics"]["classes"].get<size_t>());
+  EXPECT_GT(iou["wall"].get<double>(), 0.5);
   const double start_f = start["geometry"].is_null() || !start["geometry"]["fscore"].is_number() ? 0 : start["geometry"]["fscore"].get<double>();
   EXPECT_GT(trained["geometry"]["fscore"].get<double>(), start_f + 0.3);
   EXPECT_LT(trained["geometry"]["accuracy"].get<double>(), 0.12);  // metres

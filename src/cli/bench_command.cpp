@@ -5,10 +5,13 @@
 
 #include "cli/command.h"
 #include "core/memory_budget.h"
+#include "engine/benchmark/instruction_limit.h"
 #include "engine/benchmark/step_benchmark.h"
 
 namespace aligngs {
 namespace {
+
+constexpr double kStageWasRun = 2e-5;  ///< seconds; bfloat16 products need no semantic_rows, whose clock only starts and stops
 
 double per(size_t a, size_t b) { return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0; }
 
@@ -26,7 +29,7 @@ nlohmann::json stage_json(const std::string& stage, const StepTiming& timing, co
 nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const MachineCeilings& machine) {
   nlohmann::json stages = nlohmann::json::object();
   for (const std::string& stage : stage_names()) {
-    if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine);
+    if (timing.stages.count(stage) > 0 && timing.stages.at(stage) > kStageWasRun) stages[stage] = stage_json(stage, timing, room, machine);
   }
   const cpu::TileStatistics& t = timing.tiles;
   return {{"version", ALIGNGS_VERSION},
@@ -73,7 +76,6 @@ void print_table(const nlohmann::json& d) {
     if (!d["step"]["stages"].contains(stage)) continue;
     const auto& s = d["step"]["stages"][stage];
     const double seconds = s["seconds"].get<double>(), floor = s["floor_seconds"].get<double>();
-    if (seconds <= 1e-6) continue;
     std::printf("%-14s %9.2f %9.2f %9.1f %8.1f %9.2f %8.0f%%\n", stage.c_str(), 1e3 * seconds,
                 1e3 * s["best_seconds"].get<double>(), s["gflops"].get<double>(), s["gbps"].get<double>(), 1e3 * floor,
                 100 * floor / seconds);
@@ -92,7 +94,7 @@ void print_table(const nlohmann::json& d) {
 void add_bench_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("bench", "Time training on this machine, stage by stage");
   command->group("Look");
-  command->footer("Example: aligngs bench --gaussians 50000 --width 320 --height 240");
+  command->footer("Examples: aligngs bench --gaussians 50000 --width 320 --height 240\n          aligngs bench --instructions avx2");
   auto options = std::make_shared<StepBenchmarkOptions>();
   command->add_option("--width", options->room.width, "pixels")->capture_default_str();
   command->add_option("--height", options->room.height, "pixels")->capture_default_str();
@@ -101,12 +103,20 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   command->add_option("--pixel-share", options->pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str();
+  auto instructions = std::make_shared<Instructions>(Instructions::kAll);
+  const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
+                                                     {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};
+  command->add_option("--instructions", *instructions, "as on a processor with at most these vectors and no matrix tiles")
+      ->transform(CLI::CheckedTransformer(names, CLI::ignore_case))
+      ->default_str("all");
   command->add_option("--steps", options->steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->callback([&context, options] {
+  command->callback([&context, options, instructions] {
     options->threads = context.global.threads;
+    options->matrix_tiles = *instructions == Instructions::kAll;
+    const InstructionLimit limit(*instructions);
     const StepTiming timing = time_steps(*options);
     ThreadPool pool(options->threads);
-    const nlohmann::json document = document_of(timing, options->room, measure_ceilings(pool));
+    const nlohmann::json document = document_of(timing, options->room, measure_ceilings(pool, options->matrix_tiles));
     if (context.global.json) {
       std::printf("%s\n", document.dump(2).c_str());
     } else {

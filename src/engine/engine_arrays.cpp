@@ -78,8 +78,9 @@ void check_step_request(const StepRequest& request, size_t views) {
                  "choose another training view"});
   }
   const SemanticSample& sample = request.losses.semantic_sample;
-  if ((sample.quarters != 4 && sample.quarters != 2 && sample.quarters != 1) || sample.phase < 0) {
-    throw_usage("the semantic loss takes 4, 2 or 1 of the blocks of a tile, in a phase that is not negative");
+  if ((sample.quarters != 4 && sample.quarters != 2 && sample.quarters != 1) || sample.phase < 0 ||
+      sample.square_shift < SemanticSample::kTileShift || sample.square_shift > 30) {
+    throw_usage("the semantic loss takes 4, 2 or 1 of four squares of 16 pixels or more, in a phase that is not negative");
   }
   if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
     throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");

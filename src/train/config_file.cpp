@@ -58,7 +58,7 @@ void check_config(const TrainConfig& config) {
   require(config.semantic.coupling_start <= config.semantic.coupling_stop, "semantic.coupling_start",
           "the coupling would end before it starts", "make semantic.coupling_stop at least semantic.coupling_start");
   const double share = config.semantic.pixel_share;
-  require(share == 1 || share == 0.5 || share == 0.25, "semantic.pixel_share", "blocks of pixels are taken whole", "use 1, 0.5 or 0.25");
+  require(share == 1 || share == 0.5 || share == 0.25, "semantic.pixel_share", "of four squares 4, 2 or 1 are taken", "use 1, 0.5 or 0.25");
   const OptimizerConfig& o = config.optimizer;
   const char* remedy = "make it positive; a start value of 0 turns the term off";
   const char* to_zero = "a log-linear schedule cannot reach zero";

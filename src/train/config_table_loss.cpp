@@ -56,7 +56,7 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.hard", field<&C::semantic, &S::hard>, 0, 1e6, "", all(0.1),
        "weight of the cross-entropy with the teacher's best class"},
       {"semantic.pixel_share", field<&C::semantic, &S::pixel_share>, 0.25, 1, "", ours_paper(0.25, 1.0),
-       "share of the pixels whose semantic loss a step takes, 1, 0.5 or 0.25: blocks of 8 x 8 that change from visit to visit"},
+       "share of the pixels whose semantic loss a step takes, 1, 0.5 or 0.25: squares of a fifth of the image that change from visit to visit"},
       {"semantic.blend", field<&C::semantic, &S::blend>, 0, 0, "probabilities|logits",
        ours_paper("probabilities", "logits"), "what is blended along the ray"},
       {"semantic.coupling", field<&C::semantic, &S::coupling>, 0, 0, "bounded|plain|opacity", ours_paper("bounded", "plain"),

@@ -72,9 +72,8 @@ LossSettings Schedule::losses(int64_t iteration) const {
 
   l.semantic_soft_weight = facts_.semantics ? to_float(s.soft) : 0;
   l.semantic_hard_weight = facts_.semantics ? to_float(s.hard) : 0;
-  constexpr double kBlocksPerTile = 4;
-  l.semantic_sample.quarters = static_cast<int>(std::lround(s.pixel_share * kBlocksPerTile));
-  l.semantic_sample.phase = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
+  const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
+  l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
   l.semantic_blend = s.blend == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
   l.coupling = s.coupling == "plain"     ? SemanticCoupling::kPlain
                : s.coupling == "opacity" ? SemanticCoupling::kOpacity

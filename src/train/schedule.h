@@ -19,6 +19,7 @@ enum class PriorDepthKind {
 /// What the schedule needs to know about the scene and the start.
 struct ScheduleFacts {
   int training_views = 1;
+  int image_side = 0;             ///< pixels along the larger side of the largest training image
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
   bool semantics = false;
   bool dense_start = false;       ///< the Gaussians started from prior depth

@@ -29,8 +29,10 @@ TEST(Schedule, SemanticSampleMovesOnWithEveryPassOverTheViews) {
   c.semantic.pixel_share = 0.25;
   ScheduleFacts f = room();
   f.training_views = 20;
+  f.image_side = 320;
   const Schedule s(c, f);
   EXPECT_EQ(s.request(1).losses.semantic_sample.quarters, 1);
+  EXPECT_EQ(s.request(1).losses.semantic_sample.square_shift, 6);
   EXPECT_EQ(s.request(20).losses.semantic_sample.phase, 0);
   EXPECT_EQ(s.request(21).losses.semantic_sample.phase, 1);
 }

@@ -210,6 +210,9 @@ TrainResult Run::train() {
                               : options_.resume_command;
   inputs.progress = options_.progress;
   std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
+  for (const TrainingView& view : views) {
+    inputs.facts.image_side = std::max({inputs.facts.image_side, view.data.camera.width, view.data.camera.height});
+  }
   inputs.guides = guides_of(views, use_, config_, extent_);
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);

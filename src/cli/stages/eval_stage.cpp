@@ -44,8 +44,13 @@ Json mean_of(const Json& views, const char* key, std::optional<bool> extrapolati
   return count ? Json(sum / count) : Json(nullptr);
 }
 
-Json semantic_json(const SemanticScores& scores) {
-  return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples}};
+Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
+  Json iou = Json::object();
+  for (int c = 0; c < labels.size(); ++c) {
+    if (std::isfinite(scores.iou[size_t(c)])) iou[labels.classes[size_t(c)].name] = scores.iou[size_t(c)];
+  }
+  return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples},
+          {"iou", iou}};
 }
 
 struct ViewMetrics {
@@ -112,9 +117,9 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
         {"views", std::count_if(result.per_view.begin(), result.per_view.end(),
                                 [&](const Json& v) { return v["extrapolates"] == extrapolating; })}};
   }
-  if (labelled) result.semantics = semantic_json(confusion.scores());
+  if (labelled) result.semantics = semantic_json(confusion.scores(), run.scene.labels);
   // What the training has to beat: the teacher run on the test photos themselves.
-  if (judged) result.semantics["teacher"] = semantic_json(taught.scores());
+  if (judged) result.semantics["teacher"] = semantic_json(taught.scores(), run.scene.labels);
   return result;
 }
 
@@ -160,7 +165,7 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
     const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
     const TriangleMesh moved = transformed(predicted, evaluation.headline.alignment_report.similarity);
     const MeshLabelScores labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
-    mesh_semantics = semantic_json(labels.all);
+    mesh_semantics = semantic_json(labels.all, run.scene.labels);
     mesh_semantics["coverage"] = number(labels.coverage);
     mesh_semantics["covered_miou"] = number(labels.covered.miou);
   }

@@ -96,7 +96,7 @@ double best_seconds(const std::function<void()>& run) {
 
 }  // namespace
 
-MachineCeilings measure_ceilings(ThreadPool& pool) {
+MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles) {
   MachineCeilings out;
   const size_t threads = static_cast<size_t>(pool.size());
   constexpr size_t kParts = 4;  ///< tasks per thread, so that a thread that wakes late costs little
@@ -110,7 +110,7 @@ MachineCeilings measure_ceilings(ThreadPool& pool) {
   out.instructions = HWY_DYNAMIC_DISPATCH(TargetInUse)();
   for (const double n : operations) out.fma_gflops += 2 * n / fma * 1e-9;
 
-  if (amx_available()) {
+  if (matrix_tiles && amx_available()) {
     const auto tiles = [](size_t, size_t, int) { amx_burn(kAmxRounds / kParts); };
     const double amx = best_seconds([&] { pool.parallel_for(threads * kParts, 1, tiles); });
     out.amx_gflops = kAmxOperationsPerRound * static_cast<double>(kAmxRounds * int64_t(threads)) / amx * 1e-9;

@@ -16,8 +16,8 @@ struct MachineCeilings {
   double triad_gbps = 0;     ///< a[i] = b[i] + s c[i] there: 12 bytes per element, 1e9 bytes/s
 };
 
-/// Takes about a second and, for its duration, 400 MB.
-MachineCeilings measure_ceilings(ThreadPool& pool);
+/// Takes about a second and, for its duration, 400 MB. Without `matrix_tiles` those of a processor that has none.
+MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles = true);
 
 /// Seconds that `flops` operations of the best kind and `bytes` of memory traffic need at least, were they done one
 /// beside the other without loss.

@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "core/memory_budget.h"
-#include "engine/engine.h"
+#include "engine/cpu/cpu_engine.h"
 
 namespace aligngs {
 namespace {
@@ -58,7 +58,8 @@ const std::vector<std::string>& stage_names() {
 StepTiming time_steps(const StepBenchmarkOptions& options) {
   if (options.steps < 1 || options.warm_up < 0) throw_usage("a benchmark needs at least one step that counts");
   StepTiming out;
-  const std::unique_ptr<Engine> engine = make_cpu_engine(options.threads);
+  const auto engine = std::make_unique<cpu::CpuEngine>(options.threads);
+  if (!options.matrix_tiles) engine->set_semantic_products(cpu::SemanticProducts::kFloat32);
   out.threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const StepRequest base = benchmark_request();
   Camera camera;
@@ -73,14 +74,13 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
     engine->set_training_views(std::move(views));
   }
   StepRequest request = base;
-  request.losses.semantic_sample.quarters = static_cast<int>(std::lround(4 * options.pixel_share));
   out.pixel_share = options.pixel_share;
   std::vector<double> totals, processor;
   double touched = 0;
   for (int i = 0; i < options.warm_up + options.steps; ++i) {
     request.view = i % kBenchmarkViews;
     request.step = i + 1;
-    request.losses.semantic_sample.phase = i / kBenchmarkViews;
+    request.losses.semantic_sample = make_semantic_sample(options.pixel_share, i / kBenchmarkViews, std::max(camera.width, camera.height));
     const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const StepReport report = engine->step(request);

@@ -17,6 +17,7 @@ struct StepBenchmarkOptions {
   int threads = 0;     ///< 0: all hardware threads
   int warm_up = 4;     ///< steps before the first one that counts: buffers, what is prepared once per view
   int steps = 20;      ///< steps that count
+  bool matrix_tiles = true;   ///< bfloat16 products where the processor has them; else float32 by vectors
   double pixel_share = 0.25;  ///< 1, 0.5 or 0.25 of the pixels take part in the semantic loss of a step, as preset default has it
 };
 

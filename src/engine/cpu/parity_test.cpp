@@ -206,13 +206,20 @@ TEST(CpuParity, OpacityInPlaceOfACoupling) {
 TEST(CpuParity, PartOfThePixels) {
   const SceneOptions o;
   StepRequest r = make_request();
-  for (const SemanticSample sample : {SemanticSample{2, 1}, SemanticSample{1, 2}}) {
+  for (const SemanticSample sample : {SemanticSample{2, 1, 4}, SemanticSample{1, 2, 4}, SemanticSample{1, 3, 5}}) {
     r.losses.semantic_sample = sample;
     r.losses.semantic_blend = SemanticBlend::kProbabilities;
     compare_step(make_model(o), make_view(o), r);
     r.losses.semantic_blend = SemanticBlend::kLogits;
     compare_step(make_model(o), make_view(o), r);
   }
+}
+
+TEST(CpuParity, NoPixelInThisVisit) {
+  const SceneOptions o;  // one square only, whose turn is another
+  StepRequest r = make_request();
+  r.losses.semantic_sample = {1, 2};
+  compare_step(make_model(o), make_view(o), r);
 }
 
 TEST(CpuParity, OneClass) {

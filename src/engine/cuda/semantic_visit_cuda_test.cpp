@@ -326,7 +326,7 @@ TEST_F(CudaSemanticVisit, LastChannelThatStandsForManyClasses) {
 }
 
 TEST_F(CudaSemanticVisit, PartOfThePixels) {
-  for (const SemanticSample sample : {SemanticSample{2, 1}, SemanticSample{1, 2}}) {
+  for (const SemanticSample sample : {SemanticSample{2, 1, 4}, SemanticSample{1, 2, 4}}) {
     Options o = small_scene();
     o.sample = sample;
     expect_close_with_every_loss(o);

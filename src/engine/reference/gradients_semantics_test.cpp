@@ -144,7 +144,7 @@ TEST_P(SemanticGradient, PhasesOfASampleAverageToAllPixels) {
     double loss = 0, value = 0;
     std::vector<double> rows(all.gradient.semantics.size(), 0.0), opacities(all.coupling.opacity_logits.size(), 0.0);
     for (int phase = 0; phase < phases; ++phase) {
-      request.losses.semantic_sample = {quarters, phase};
+      request.losses.semantic_sample = {quarters, phase, 2};
       const Gradients<double> part = gradients(model, view, request, 0.7, no_map_loss());
       loss += part.losses.total / phases;
       value += part.coupling_value / phases;
