@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The paper's ladder, its controls and yardsticks, on synthetic rooms with simulated teachers.
 
-    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...] [--refined]
+    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...]
 
 Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
 Finished runs in OUTPUT are not repeated: the command can be stopped and started again, with other rows or rooms too; what
@@ -158,9 +158,11 @@ def train(output, room, room_seed, seed, row, iterations):
     if not (folder / "metrics.json").exists():
         scene = make_scene(output, room, room_seed, seed, row)
         settings = [text for s in row.settings for text in ("--set", s)]
+        interrupted = folder.exists()  # what went before is not known to this process
         before = processor_seconds()
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *settings)
-        spent.write_text(str(processor_seconds() - before))
+        if not interrupted:
+            spent.write_text(str(processor_seconds() - before))
     result = scores(json.loads((folder / "metrics.json").read_text()))
     result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan  # unknown after an interrupted run
     return result

@@ -25,7 +25,7 @@ TEST(TrainingSet, PaperHasOneNearPlane) {
 
 TEST(TrainingSet, StartsAreLimitedPerPixel) {
   TrainConfig config = make_preset(Preset::kDefault);
-  EXPECT_EQ(start_limit(config, 100000), 80000);
+  EXPECT_EQ(start_limit(config, 100000), 120000);
   EXPECT_EQ(start_limit(config, 10000000), 250000);
   config.init.gaussians_per_pixel = 0;
   EXPECT_EQ(start_limit(config, 100), 250000);
