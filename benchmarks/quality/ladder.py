@@ -141,7 +141,7 @@ def make_scene(output, room, room_seed, seed, row):
                    "--labels", row.labels, "--overwrite")
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
-            (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text)
+            (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text.replace(str(folder), folder.name))
     return folder if row.refine is None else refined_scene(folder, row.refine)
 
 
