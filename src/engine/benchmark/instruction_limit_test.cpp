@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "core/thread_pool.h"
 #include "engine/benchmark/machine_ceilings.h"
 
