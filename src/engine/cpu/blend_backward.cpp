@@ -1,7 +1,5 @@
 #include "engine/cpu/blend_backward.h"
 
-#include <type_traits>
-
 #include "engine/cpu/simd_targets.h"
 #include "engine/formulas/blending.h"
 
@@ -167,10 +165,6 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
   Behind behind;
   start_behind(raster, in, behind);
   StripCursor cursor(tile, options);
-  uint32_t coupled_strips = 0;
-  for (size_t b = 0; b < kTileBlocks; ++b) {
-    if (options.coupling[b] != nullptr) coupled_strips |= ((1u << kBlockStrips) - 1) << (b * kBlockStrips);
-  }
   HWY_ALIGN float sums[kSplatGradientFloats];
   for (size_t i = tile.count; i-- > 0;) {
     const Splat& g = tile.splats[i];
@@ -179,7 +173,7 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
     Moments all = zero_moments(), semantic = zero_moments();
     FloatVec photo_p = zero, photo_r = zero, abs_p = zero, abs_y = zero;
     const SplatLanes lanes(g);
-    const auto add_strip = [&](uint32_t left, auto coupled) HWY_ATTR {
+    for (uint32_t left = cursor.strips_of(static_cast<uint32_t>(i)); left != 0; left &= left - 1) {
       const size_t first = hwy::Num0BitsBelowLS1Bit_Nonzero32(left) * static_cast<size_t>(kStripPixels);
       const float *weight = cursor.weight(first), *alpha = cursor.alpha(first);
       for (size_t s = 0; s < kStripPixels; s += kLanes) {
@@ -239,19 +233,13 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
           abs_p = hn::Add(abs_p, hn::Abs(hn::Mul(g_color, p)));
           abs_y = hn::Add(abs_y, hn::Abs(hn::Mul(g_color, hn::MulAdd(lanes.fxy, p, hn::Mul(lanes.fyy, r)))));
         }
-        if constexpr (coupled.value) {
+        if constexpr (kCoupling) {
           const FloatVec back = hn::Load(d, behind.semantic + at);
           const FloatVec step = hn::Sub(hn::Load(d, cursor.coupling(first) + s), back);
           hn::Store(hn::MulAdd(a, step, back), d, behind.semantic + at);
           add_moments(hn::Mul(slope, step), p, r, semantic);
         }
       }
-    };
-    // Blocks that this step's semantics leave out pay nothing for those that it takes.
-    const uint32_t strips = cursor.strips_of(static_cast<uint32_t>(i));
-    for (uint32_t left = strips & ~coupled_strips; left != 0; left &= left - 1) add_strip(left, std::false_type());
-    if constexpr (kCoupling) {
-      for (uint32_t left = strips & coupled_strips; left != 0; left &= left - 1) add_strip(left, std::true_type());
     }
     {
       const FloatVec first[16] = {c0, c1, c2, w_sum, n0, n1, n2, dist, all.p, all.r, all.one, all.pp,
