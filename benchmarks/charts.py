@@ -15,16 +15,19 @@ from pathlib import Path
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 360, 240, 52, 14, 28, 40
 TARGET = {"width": 640, "gaussians": 200000, "channels": 150}
+SEMANTICS = (25, 0)  # percent of the pixels, blended probabilities
 
 
 def read_steps(path):
     """One dict per benchmarked scene."""
     steps = []
     for run in json.loads(Path(path).read_text())["benchmarks"]:
-        match = re.match(r"Step/(\d+)/(\d+)/(\d+)/(\d+)/", run["name"])
+        match = re.match(r"Step/(\d+)/(\d+)/(\d+)/(\d+)/(\d+)/(\d+)/", run["name"])
         if not match:
             continue
-        width, gaussians, channels, threads = map(int, match.groups())
+        width, gaussians, channels, threads, percent, blend = map(int, match.groups())
+        if (percent, blend) != SEMANTICS:
+            continue
         steps.append({"width": width, "gaussians": gaussians, "channels": channels, "threads": threads,
                       "pixels": width * width * 3 // 4, "cpu": run["cpu_ms"], "wall": run["best_ms"]})
     return steps

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -104,6 +105,30 @@ TEST_F(Program, PrintConfigShowsEveryKeyOfAPreset) {
   EXPECT_EQ(result.status, 0);
   EXPECT_THAT(result.out, HasSubstr("[loss]"));
   EXPECT_THAT(result.out, HasSubstr("coupling"));
+}
+
+TEST_F(Program, BenchTellsEveryStageFromItsFloor) {
+  const ProcessResult result =
+      run("bench --json --threads 1 --width 64 --height 48 --gaussians 500 --channels 5 --steps 2 --pixel-share 1 --blend logits");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const nlohmann::json document = nlohmann::json::parse(result.out);
+  EXPECT_EQ(document["scene"]["gaussians"], 500);
+  EXPECT_EQ(document["scene"]["pixel_share"], 1.0);
+  EXPECT_EQ(document["scene"]["blend"], "logits");
+  const nlohmann::json& stages = document["step"]["stages"];
+  for (const char* stage : {"project", "bin", "forward", "losses", "backward", "semantics", "reduce", "optimise"}) {
+    EXPECT_TRUE(stages.contains(stage)) << stage;
+  }
+  nlohmann::json timed = stages;
+  timed["densify"] = document["densify"];
+  for (const auto& [name, stage] : timed.items()) {
+    const double seconds = stage["seconds"], floor = stage["floor_seconds"], fraction = stage["fraction"];
+    EXPECT_GT(seconds, 0) << name;
+    EXPECT_GT(floor, 0) << name;
+    EXPECT_NEAR(fraction * seconds, floor, 1e-9 * floor) << name;
+    EXPECT_GT(stage["gbps"].get<double>(), 0) << name;
+  }
+  EXPECT_EQ(run("bench --blend colours").status, 2);
 }
 
 }  // namespace

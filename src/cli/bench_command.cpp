@@ -11,7 +11,10 @@
 namespace aligngs {
 namespace {
 
-constexpr double kStageWasRun = 2e-5;  ///< seconds; bfloat16 products need no semantic_rows, whose clock only starts and stops
+const std::map<std::string, SemanticBlend> kBlends = {{"probabilities", SemanticBlend::kProbabilities},
+                                                      {"logits", SemanticBlend::kLogits}};
+
+std::string name_of(SemanticBlend blend) { return blend == SemanticBlend::kProbabilities ? "probabilities" : "logits"; }
 
 double per(size_t a, size_t b) { return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0; }
 
@@ -19,17 +22,28 @@ nlohmann::json stage_json(const std::string& stage, const StepTiming& timing, co
                           const MachineCeilings& machine) {
   const StageWork work = stage_work(stage, timing, room);
   const double seconds = timing.stages.at(stage);
+  const double floor = floor_seconds(machine, work.vector_flops, work.matrix_flops, work.bytes);
   return {{"seconds", seconds},
           {"best_seconds", timing.best_stages.at(stage)},
           {"gflops", 1e-9 * (work.vector_flops + work.matrix_flops) / seconds},
           {"gbps", 1e-9 * work.bytes / seconds},
-          {"floor_seconds", floor_seconds(machine, work.vector_flops, work.matrix_flops, work.bytes)}};
+          {"floor_seconds", floor},
+          {"fraction", floor / seconds}};
+}
+
+nlohmann::json densify_json(const StepTiming& timing, const BenchmarkRoom& room, const MachineCeilings& machine) {
+  const double bytes = stage_work("densify", timing, room).bytes, floor = floor_seconds(machine, 0, 0, bytes);
+  return {{"seconds", timing.densify_seconds},
+          {"gaussians", timing.densified},
+          {"gbps", 1e-9 * bytes / timing.densify_seconds},
+          {"floor_seconds", floor},
+          {"fraction", floor / timing.densify_seconds}};
 }
 
 nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const MachineCeilings& machine) {
   nlohmann::json stages = nlohmann::json::object();
   for (const std::string& stage : stage_names()) {
-    if (timing.stages.count(stage) > 0 && timing.stages.at(stage) > kStageWasRun) stages[stage] = stage_json(stage, timing, room, machine);
+    if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine);
   }
   const cpu::TileStatistics& t = timing.tiles;
   return {{"version", ALIGNGS_VERSION},
@@ -39,6 +53,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
             {"gaussians", room.gaussians},
             {"channels", room.channels},
             {"pixel_share", timing.pixel_share},
+            {"blend", name_of(timing.blend)},
             {"visible", t.visible},
             {"pairs_per_tile", per(t.pairs, t.tiles)},
             {"used_per_tile", per(t.used, t.tiles)},
@@ -52,7 +67,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
             {"triad_gbps", machine.triad_gbps}}},
           {"step", {{"seconds", timing.seconds}, {"best_seconds", timing.best_seconds},
             {"cpu_seconds", timing.cpu_seconds}, {"stages", stages}}},
-          {"densify", {{"seconds", timing.densify_seconds}}},
+          {"densify", densify_json(timing, room, machine)},
           {"render", {{"seconds", timing.render_seconds}}},
           {"peak_memory_bytes", timing.peak_memory_bytes}};
 }
@@ -60,11 +75,11 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
 void print_table(const nlohmann::json& d) {
   const auto& scene = d["scene"];
   const auto& machine = d["machine"];
-  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, semantics of %.0f %% of the pixels\n",
+  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, %s of %.0f %% of the pixels\n",
               scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
               scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(),
               scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>(),
-              100 * scene["pixel_share"].get<double>());
+              scene["blend"].get<std::string>().c_str(), 100 * scene["pixel_share"].get<double>());
   std::printf("machine  %d threads, %s: %.0f GFLOP/s float32", machine["threads"].get<int>(),
               machine["instructions"].get<std::string>().c_str(), machine["fma_gflops"].get<double>());
   if (machine["amx_gflops"].get<double>() > 0) {
@@ -75,16 +90,16 @@ void print_table(const nlohmann::json& d) {
   for (const std::string& stage : stage_names()) {
     if (!d["step"]["stages"].contains(stage)) continue;
     const auto& s = d["step"]["stages"][stage];
-    const double seconds = s["seconds"].get<double>(), floor = s["floor_seconds"].get<double>();
-    std::printf("%-14s %9.2f %9.2f %9.1f %8.1f %9.2f %8.0f%%\n", stage.c_str(), 1e3 * seconds,
-                1e3 * s["best_seconds"].get<double>(), s["gflops"].get<double>(), s["gbps"].get<double>(), 1e3 * floor,
-                100 * floor / seconds);
+    std::printf("%-14s %9.2f %9.2f %9.1f %8.1f %9.2f %8.0f%%\n", stage.c_str(), 1e3 * s["seconds"].get<double>(),
+                1e3 * s["best_seconds"].get<double>(), s["gflops"].get<double>(), s["gbps"].get<double>(),
+                1e3 * s["floor_seconds"].get<double>(), 100 * s["fraction"].get<double>());
   }
   std::printf("%-14s %9.2f %9.2f   (%.2f ms of processor time per thread)\n\n", "step",
               1e3 * d["step"]["seconds"].get<double>(), 1e3 * d["step"]["best_seconds"].get<double>(),
               1e3 * d["step"]["cpu_seconds"].get<double>());
-  std::printf("%.1f steps per second; densification %.0f ms a call; rendering %.0f ms a view; peak memory %s\n",
+  std::printf("%.1f steps per second; densification %.0f ms a call (floor %.0f ms); rendering %.0f ms a view; peak memory %s\n",
               1 / d["step"]["seconds"].get<double>(), 1e3 * d["densify"]["seconds"].get<double>(),
+              1e3 * d["densify"]["floor_seconds"].get<double>(),
               1e3 * d["render"]["seconds"].get<double>(),
               format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
 }
@@ -103,6 +118,9 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   command->add_option("--pixel-share", options->pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str();
+  command->add_option("--blend", options->blend, "what the semantic loss blends (semantic.blend)")
+      ->transform(CLI::CheckedTransformer(kBlends, CLI::ignore_case))
+      ->default_str("probabilities");
   auto instructions = std::make_shared<Instructions>(Instructions::kAll);
   const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
                                                      {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};

@@ -28,7 +28,7 @@ struct StepReport {
   size_t visible = 0;     ///< Gaussians that touched a pixel
   NonFinite non_finite;
   double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (is_balanced)
-  std::map<std::string, double> seconds;  ///< wall time per stage
+  std::map<std::string, double> seconds;  ///< wall time of each stage that had something to do
 };
 
 struct RenderOptions {

@@ -31,10 +31,14 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     // Rectangles; three passes over (key, row); the rows by tile, counted and written.
     return {0, 0, 16 * n + 3 * 16 * visible + 8 * visible + 8 * pairs};
   }
-  if (stage == "semantic_rows") return {20 * visible * channels, 0, 2 * kFloat * visible * channels};
   if (stage == "forward") {
     // Alpha 26; weight, colour, normal, distance, depth 28. Eleven maps are written.
     return {54 * active, 0, kSplatBytes * used + 11 * kFloat * pixels};
+  }
+  if (stage == "semantic_rows") {
+    // The rows that some pixel used, in and out; a softmax of each, unless logits are blended.
+    const double softmax = timing.blend == SemanticBlend::kProbabilities ? 20 : 0;
+    return {softmax * touched * channels, 0, 2 * kFloat * touched * channels};
   }
   if (stage == "losses") {
     // SSIM by two separable passes: 306 per channel; depth, normals and edges: about 250.
@@ -47,7 +51,7 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
   if (stage == "semantics") {
     // Three products over blocks of 64 pixels; softmax, loss and gradient 40 per pixel and class; rows in and out once.
     const double share = timing.pixel_share;
-    return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels, 2 * kFloat * share * visible * channels};
+    return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels, 2 * kFloat * share * touched * channels};
   }
   if (stage == "reduce") {
     return {700 * touched, 0,
@@ -57,6 +61,11 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     // A share of the pixels reaches at least that share of the rows, on the mean over the phases of the sample.
     const double numbers = (kShapeFloats + kShFloats) * n + timing.pixel_share * channels * touched;
     return {14 * numbers, 0, kAdamBytes * numbers};
+  }
+  if (stage == "densify") {
+    // The plan is made from a copy of the parameters (Engine::store); then parameters and both moments move to their new rows.
+    const double per_row = kFloat * (kShapeFloats + kShFloats + channels);
+    return {0, 0, per_row * (2 * n + 3 * (n + static_cast<double>(timing.densified)))};
   }
   return {};
 }

@@ -25,7 +25,7 @@ double median(std::vector<double> values) {
 }
 
 /// One call as training makes it: the statistics of the steps so far, a tenth of the rows grows.
-double time_density_control(Engine& engine) {
+void time_density_control(Engine& engine, StepTiming& out) {
   Random random(1);
   const auto start = std::chrono::steady_clock::now();
   GaussianModel model;
@@ -43,14 +43,15 @@ double time_density_control(Engine& engine) {
   }
   engine.restructure(plan_density_control(model, statistics, rule, random));
   engine.reset_density_statistics();
-  return seconds_since(start);
+  out.densify_seconds = seconds_since(start);
+  out.densified = engine.size();
 }
 
 }  // namespace
 
 const std::vector<std::string>& stage_names() {
-  static const std::vector<std::string> names = {"project",  "bin",       "semantic_rows", "forward", "losses",
-                                                 "backward", "semantics", "reduce",        "optimise"};
+  static const std::vector<std::string> names = {"project",  "bin",       "forward", "semantic_rows", "losses",
+                                                 "backward", "semantics", "reduce",  "optimise"};
   return names;
 }
 
@@ -73,7 +74,9 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
     engine->set_training_views(std::move(views));
   }
   StepRequest request = base;
+  request.losses.semantic_blend = options.blend;
   out.pixel_share = options.pixel_share;
+  out.blend = options.blend;
   std::vector<double> totals, processor;
   double touched = 0;
   for (int i = 0; i < options.warm_up + options.steps; ++i) {
@@ -98,19 +101,23 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
   out.cpu_seconds = median(processor);
   out.best_seconds = *std::min_element(totals.begin(), totals.end());
   out.touched = static_cast<size_t>(touched / options.steps);
-  for (const auto& [stage, first] : out.samples.front()) {
+  for (const std::string& stage : stage_names()) {
     std::vector<double> values;
-    for (const auto& sample : out.samples) values.push_back(sample.count(stage) > 0 ? sample.at(stage) : 0.0);
+    for (const auto& sample : out.samples) {
+      if (sample.count(stage) > 0) values.push_back(sample.at(stage));
+    }
+    if (2 * values.size() <= out.samples.size()) continue;  // what is done now and then is no part of a step
     out.stages[stage] = median(values);
     out.best_stages[stage] = *std::min_element(values.begin(), values.end());
   }
   RenderOptions render;
   render.labels = options.room.channels > 0;
+  render.semantic_blend = options.blend;
   engine->render(camera, render);
   const auto start = std::chrono::steady_clock::now();
   engine->render(camera, render);
   out.render_seconds = seconds_since(start);
-  out.densify_seconds = time_density_control(*engine);
+  time_density_control(*engine, out);
   return out;
 }
 

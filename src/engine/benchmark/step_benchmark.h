@@ -19,20 +19,24 @@ struct StepBenchmarkOptions {
   int steps = 20;      ///< steps that count
   bool matrix_tiles = true;   ///< bfloat16 products where the processor has them; else float32 by vectors
   double pixel_share = 0.25;  ///< 1, 0.5 or 0.25 of the pixels take part in the semantic loss of a step, as preset default has it
+  SemanticBlend blend = SemanticBlend::kProbabilities;  ///< kLogits: as preset paper has it
 };
 
 struct StepTiming {
   int threads = 0;
   double pixel_share = 1;   ///< StepBenchmarkOptions
+  SemanticBlend blend = SemanticBlend::kProbabilities;  ///< StepBenchmarkOptions
   double seconds = 0;       ///< median wall time of a step: every loss, optimiser included
   double best_seconds = 0;  ///< of the fastest step, which other programs disturbed least
   /// Median over the steps of the processor time of all threads together, divided by their number: what a step would
   /// take were the machine free and the threads always busy. Other programs change it much less than wall time.
   double cpu_seconds = 0;
-  std::map<std::string, double> stages;       ///< median wall time by stage (StepReport::seconds)
+  /// Median wall time by stage (StepReport::seconds), of the stages that most of the steps had.
+  std::map<std::string, double> stages;
   std::map<std::string, double> best_stages;  ///< the fastest of each
   std::vector<std::map<std::string, double>> samples;  ///< stages of every step that counts
   double densify_seconds = 0;  ///< one call of density control (plan and restructuring), apart from the steps
+  size_t densified = 0;        ///< Gaussians after that call
   double render_seconds = 0;   ///< colour, geometry and labels of one view
   cpu::TileStatistics tiles;   ///< of view 0
   size_t touched = 0;          ///< Gaussians that reached a pixel, mean over the steps
@@ -41,7 +45,8 @@ struct StepTiming {
 
 StepTiming time_steps(const StepBenchmarkOptions& options);
 
-/// What a stage has to do at least, whatever the implementation: its floor.
+/// What a stage has to do at least, whatever the implementation: its floor. Beside the stages of a step "densify", which is
+/// bytes alone.
 struct StageWork {
   double vector_flops = 0;  ///< float32 operations on active (Gaussian, pixel) pairs, rows or pixels
   double matrix_flops = 0;  ///< operations of the semantic tile products

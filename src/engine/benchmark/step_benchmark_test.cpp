@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "engine/cpu/matrix_tiles.h"
 
 namespace aligngs {
 namespace {
@@ -51,22 +52,55 @@ TEST(BenchmarkRoomTest, SizesOutOfRangeAreUsageErrors) {
   EXPECT_THROW(benchmark_view(room, 0), Error);
 }
 
-TEST(StepBenchmarkTest, EveryStageIsTimedAndHasAFloor) {
+StepBenchmarkOptions small_benchmark() {
   StepBenchmarkOptions options;
   options.room = {64, 48, 2000, 7};
   options.threads = 2;
   options.steps = 3;
-  const StepTiming timing = time_steps(options);
-  EXPECT_GT(timing.seconds, 0);
-  EXPECT_LE(timing.best_seconds, timing.seconds);
-  EXPECT_GT(timing.touched, 0u);
-  for (const std::string& stage : stage_names()) {
-    ASSERT_EQ(timing.stages.count(stage), 1u) << stage;
-    const StageWork work = stage_work(stage, timing, options.room);
-    EXPECT_GT(work.vector_flops + work.matrix_flops + work.bytes, 0) << stage;
+  return options;
+}
+
+TEST(StepBenchmarkTest, EveryStageIsTimedAndHasAFloor) {
+  StepBenchmarkOptions options = small_benchmark();
+  options.matrix_tiles = false;  // then every step forms its semantic rows
+  for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
+    options.blend = blend;
+    const StepTiming timing = time_steps(options);
+    EXPECT_GT(timing.seconds, 0);
+    EXPECT_LE(timing.best_seconds, timing.seconds);
+    EXPECT_GT(timing.touched, 0u);
+    for (const std::string& stage : stage_names()) {
+      ASSERT_EQ(timing.stages.count(stage), 1u) << stage;
+      const StageWork work = stage_work(stage, timing, options.room);
+      EXPECT_GT(work.vector_flops + work.matrix_flops + work.bytes, 0) << stage;
+    }
+    EXPECT_EQ(timing.stages.size(), stage_names().size());
+    EXPECT_EQ(timing.samples.size(), 3u);
   }
-  EXPECT_EQ(timing.stages.size(), stage_names().size());
-  EXPECT_EQ(timing.samples.size(), 3u);
+}
+
+TEST(StepBenchmarkTest, AStageWithoutWorkIsNotTimed) {
+  StepBenchmarkOptions options = small_benchmark();
+  options.room.channels = 0;
+  const StepTiming plain = time_steps(options);
+  EXPECT_EQ(plain.stages.count("semantic_rows"), 0u);
+  EXPECT_EQ(plain.stages.count("semantics"), 0u);
+  if (!cpu::matrix_tiles_available()) GTEST_SKIP() << "without AMX every step with semantics forms its rows";
+  const StepTiming tiles = time_steps(small_benchmark());  // each step leaves the rounded rows as the next one needs them
+  EXPECT_EQ(tiles.stages.count("semantic_rows"), 0u);
+  EXPECT_EQ(tiles.stages.count("semantics"), 1u);
+}
+
+TEST(StepBenchmarkTest, DensificationMovesEveryRowOfOldAndNewModel) {
+  const StepBenchmarkOptions options = small_benchmark();
+  const StepTiming timing = time_steps(options);
+  EXPECT_GT(timing.densify_seconds, 0);
+  EXPECT_GT(timing.densified, options.room.gaussians / 2);
+  EXPECT_NE(timing.densified, options.room.gaussians);
+  const double row = 4.0 * (11 + 48 + 7), before = 2000, after = static_cast<double>(timing.densified);
+  const StageWork work = stage_work("densify", timing, options.room);
+  EXPECT_EQ(work.bytes, row * (2 * before + 3 * (before + after)));
+  EXPECT_EQ(work.vector_flops, 0);
 }
 
 TEST(StepBenchmarkTest, TheFloorIsTheSlowerOfComputingAndMoving) {

@@ -1,4 +1,4 @@
-// Classes carried as one remainder against the same engine with a channel for every class.
+// Which classes become the remainder, and how rows, teachers and files go to and from it.
 #include "engine/cpu/active_classes.h"
 
 #include <gtest/gtest.h>
@@ -6,72 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/cpu/test_scenes.h"
-#include "engine/formulas/semantic_loss.h"
-#include "scene/triangle_mesh.h"
+#include "engine/cpu/active_class_scenes.h"
 
 namespace aligngs::cpu {
 namespace {
 
 using namespace testing_scene;
-
-constexpr int kActive = 9;  ///< classes that the teacher shows: 3, 7, 11, ... of many
-uint16_t active_class(int i, int channels) { return static_cast<uint16_t>(channels < 40 ? i : 3 + 4 * i); }
-
-/// A teacher that mixes two active classes in smooth regions; the rest of its mass lies on the inactive classes, evenly
-/// or with `uneven` as chance has it.
-TrainingView teacher_view(const SceneOptions& o, bool uneven, double rest = 0.1) {
-  Random random(o.seed + 7);
-  TrainingView v = make_view(o);
-  SemanticTarget& t = v.data.semantics;
-  const size_t channels = static_cast<size_t>(o.channels);
-  for (int i = 0; i < t.width * t.height; ++i) {
-    const int region = (i % t.width) * 3 / t.width + 3 * ((i / t.width) * 3 / t.height);
-    const uint16_t first = active_class(region, o.channels), second = active_class((region + 1) % kActive, o.channels);
-    const double share = random.uniform(0.6, 0.9);
-    std::vector<double> p(channels);
-    double sum = 0;
-    for (double& x : p) sum += x = uneven ? random.uniform(0.0, 1.0) : 1.0;
-    for (int k = 0; k < kActive; ++k) {
-      sum -= p[active_class(k, o.channels)];
-      p[active_class(k, o.channels)] = 0;
-    }
-    for (double& x : p) x *= rest / sum;
-    p[first] += (1 - rest) * share;
-    p[second] += (1 - rest) * (1 - share);
-    for (size_t c = 0; c < channels; ++c) t.probabilities[i * channels + c] = float_to_half(static_cast<float>(p[c]));
-  }
-  return v;
-}
-
-/// A model whose rows hold one number for all inactive classes.
-GaussianModel model_with_remainder(const SceneOptions& o) {
-  GaussianModel m = make_model(o);
-  for (size_t i = 0; i < m.size(); ++i) {
-    float* row = &m.semantics[i * static_cast<size_t>(o.channels)];
-    const float rest = row[0];
-    std::vector<uint8_t> active(static_cast<size_t>(o.channels), 0);
-    for (int k = 0; k < kActive; ++k) active[active_class(k, o.channels)] = 1;
-    for (int c = 0; c < o.channels; ++c) row[c] = active[static_cast<size_t>(c)] != 0 ? row[c] : rest;
-  }
-  return m;
-}
-
-SceneOptions options(int channels) {
-  SceneOptions o;
-  o.channels = channels;
-  o.gaussians = 200;
-  return o;
-}
-
-void prepare(CpuEngine& engine, int top_k, const GaussianModel& model, const TrainingView& view,
-             SemanticProducts products = SemanticProducts::kFloat32) {
-  engine.set_semantic_products(products);
-  engine.limit_classes(top_k);
-  engine.load(model);
-  engine.set_training_views({view});
-  engine.set_coupling_balance({2e-4, 1e-3});
-}
 
 TEST(ActiveClasses, AreThoseThatSomePixelRanksAmongItsTopTwo) {
   ThreadPool pool(2);
@@ -131,114 +71,6 @@ TEST(ActiveClasses, TargetKeepsTheActiveProbabilitiesAndTheSumOfTheRest) {
   EXPECT_EQ(half_to_float(t.probabilities[0]), 0.5f);
   EXPECT_EQ(half_to_float(t.probabilities[1]), 0.25f);
   EXPECT_EQ(half_to_float(t.probabilities[2]), 0.25f);
-}
-
-/// With equal teachers and equal logits among the inactive classes, nothing is lost: losses and gradients are those of
-/// all classes within float rounding; the remainder's row gradient is the sum of its classes'.
-TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
-  for (const int channels : {40, 150, 151}) {
-    const SceneOptions o = options(channels);
-    const GaussianModel model = model_with_remainder(o);
-    const TrainingView view = teacher_view(o, false);
-    for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-      for (const SemanticCoupling coupling : {SemanticCoupling::kBounded, SemanticCoupling::kPlain}) {
-        SCOPED_TRACE(testing::Message() << channels << " classes, blend " << int(blend) << ", coupling "
-                                        << int(coupling));
-        StepRequest r = make_request();
-        r.losses.semantic_blend = blend;
-        r.losses.coupling = coupling;
-        CpuEngine all(2), few(2);
-        all.keep_features(true);
-        few.keep_features(true);
-        prepare(all, 0, model, view);
-        prepare(few, 2, model, view);
-        const StepReport a = all.step(r), b = few.step(r);
-        EXPECT_NEAR(b.losses.semantic_soft, a.losses.semantic_soft, 2e-4);  // float16 holds the sum of the rest
-        EXPECT_NEAR(b.losses.semantic_hard, a.losses.semantic_hard, 1e-5);
-        const GaussianModel ga = all.last_gradients(), gb = few.last_gradients();
-        ASSERT_EQ(gb.semantic_channels, kActive + 1);
-        EXPECT_LE(difference(gb.opacity_logits, ga.opacity_logits).worst, 1e-3);
-        EXPECT_LE(difference(gb.positions, ga.positions).worst, 1e-3);
-        EXPECT_LE(difference(gb.log_scales, ga.log_scales).worst, 1e-3);
-        ThreadPool pool(1);
-        const ActiveClasses map = find_active_classes({view}, 2, pool);
-        std::vector<float> want;
-        for (size_t i = 0; i < model.size(); ++i) {
-          float rest = 0;
-          std::vector<float> row(&ga.semantics[i * channels], &ga.semantics[i * channels] + channels);
-          for (const uint16_t c : map.active) {
-            want.push_back(row[c]);
-            row[c] = 0;
-          }
-          for (const float x : row) rest += x;
-          want.push_back(rest);
-        }
-        EXPECT_LE(difference(gb.semantics, want).worst, 1e-3);
-        EXPECT_NEAR(few.coupling_balance().semantic, all.coupling_balance().semantic,
-                    1e-3 * all.coupling_balance().semantic);
-      }
-    }
-  }
-}
-
-/// The bound on which the remainder is on by default: with an uneven rest of a tenth of the mass, after training, at
-/// least 99.5 % of the labels are those of all 150 classes and the losses agree within 0.03 nats beside the constant
-/// that the rest's own unevenness is.
-TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
-  const SceneOptions o = options(150);
-  GaussianModel model = make_model(o);
-  std::fill(model.semantics.begin(), model.semantics.end(), 0.0f);
-  const TrainingView view = teacher_view(o, true);
-  for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
-    SCOPED_TRACE(int(blend));
-    CpuEngine all(2), few(2);
-    prepare(all, 0, model, view, SemanticProducts::kAutomatic);
-    prepare(few, 2, model, view, SemanticProducts::kAutomatic);
-    StepReport a, b;
-    StepRequest r = make_request();
-    r.losses.semantic_blend = blend;
-    r.rates.semantic = 0.05f;
-    all.lift_semantics(r.raster);
-    few.lift_semantics(r.raster);
-    for (r.step = 1; r.step <= 40; ++r.step) {
-      a = all.step(r);
-      b = few.step(r);
-    }
-    // sum t log t over the rest less the same of its mean: nats that one remainder cannot express.
-    double unevenness = 0, count = 0;
-    ThreadPool pool(1);
-    TrainingView compact = view;
-    compress_target(find_active_classes({view}, 2, pool), pool, compact.data.semantics);
-    for (size_t i = 0; i < compact.data.semantics.confidence.size(); ++i) {
-      if (!(compact.data.semantics.confidence[i] > 0)) continue;
-      const double rest =
-          static_cast<double>(half_to_float(compact.data.semantics.probabilities[(i + 1) * (kActive + 1) - 1]));
-      unevenness -= rest * std::log(rest / (150 - kActive));
-      for (size_t c = 0; c < 150; ++c) {
-        const double p = static_cast<double>(half_to_float(view.data.semantics.probabilities[i * 150 + c]));
-        bool active = false;
-        for (int k = 0; k < kActive; ++k) active |= active_class(k, 150) == c;
-        if (!active && p > 0) unevenness += p * std::log(p);
-      }
-      ++count;
-    }
-    unevenness /= count;
-    EXPECT_GT(unevenness, 0.0);
-    EXPECT_NEAR(a.losses.semantic_soft, b.losses.semantic_soft, unevenness + 0.03);
-    EXPECT_NEAR(a.losses.semantic_hard, b.losses.semantic_hard, 0.03);
-    RenderOptions options;
-    options.labels = true;
-    options.semantic_blend = blend;
-    const Rendering full = all.render(view.data.camera, options), compactly = few.render(view.data.camera, options);
-    size_t labelled = 0, same = 0;
-    for (size_t u = 0; u < full.label.data.size(); ++u) {
-      if (full.label.data[u] == kNoLabel) continue;
-      ++labelled;
-      same += full.label.data[u] == compactly.label.data[u];
-    }
-    EXPECT_GT(labelled, full.label.data.size() / 2);
-    EXPECT_GE(static_cast<double>(same), 0.995 * static_cast<double>(labelled));
-  }
 }
 
 TEST(ActiveClasses, FilesKeepEveryClassAndResumeBitByBit) {

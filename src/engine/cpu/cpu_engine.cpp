@@ -132,10 +132,10 @@ void CpuEngine::prepare_features(SemanticBlend blend, const uint8_t* touched) co
   });
 }
 
-void CpuEngine::prepare_rounded(SemanticBlend blend) {
+bool CpuEngine::prepare_rounded(SemanticBlend blend) {
   const size_t channels = static_cast<size_t>(model_.semantic_channels);
   const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
-  if (rounded_for_ == blend) return;
+  if (rounded_for_ == blend) return false;
   rounded_.resize(model_.size() * depth);
   pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
     AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
@@ -147,6 +147,7 @@ void CpuEngine::prepare_rounded(SemanticBlend blend) {
     }
   });
   rounded_for_ = blend;
+  return true;
 }
 
 bool CpuEngine::semantics_active(const StepRequest& request) {
@@ -220,10 +221,11 @@ StepReport CpuEngine::step(const StepRequest& request) {
   report.visible = mark_touched(frame_.lists, frame_.record, *pool_, gradients_);
   watch.lap("forward");
   if (semantics) {
-    if (rounded) prepare_rounded(request.losses.semantic_blend);
-    if (!rounded || keep_features_) prepare_features(request.losses.semantic_blend, gradients_.touched.data());
+    const bool renewed = rounded && prepare_rounded(request.losses.semantic_blend);
+    const bool exact = !rounded || keep_features_;
+    if (exact) prepare_features(request.losses.semantic_blend, gradients_.touched.data());
+    if (renewed || exact) watch.lap("semantic_rows");  // no such stage where the last step left the rows as they are needed
   }
-  watch.lap("semantic_rows");
   const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_,
                                     neighbour ? &*neighbour : nullptr};
   clear_gradients(frame_.maps.pixels(), *pool_, map_gradients_);

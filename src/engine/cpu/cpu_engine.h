@@ -75,8 +75,8 @@ class CpuEngine final : public Engine {
   void prepare_frame(const Camera& camera, const RasterSettings& raster, int sh_degree) const;
   /// Rows of Gaussians in view, or only those with touched[row] == 1.
   void prepare_features(SemanticBlend blend, const uint8_t* touched) const;
-  /// Fills rounded_, unless it holds what this blend needs of the model as it is.
-  void prepare_rounded(SemanticBlend blend);
+  /// Fills rounded_, unless it holds what this blend needs of the model as it is: false.
+  bool prepare_rounded(SemanticBlend blend);
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
   void adopt(const GaussianModel& model, const Moments* moments);
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes

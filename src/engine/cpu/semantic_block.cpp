@@ -70,23 +70,6 @@ float NegativeEntropy(const float* teacher, size_t padded) {
   return hn::GetLane(hn::SumOfLanes(d, sum));
 }
 
-/// Natural logarithm within 4e-7 for normal positive x: enough for values of a loss. Chebyshev series of degree 6 of
-/// log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
-HWY_INLINE FloatVec loss_log(FloatVec x) {
-  const FloatTag d;
-  const hn::RebindToSigned<FloatTag> di;
-  const auto bits = hn::BitCast(di, x);
-  const auto e = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(di, 0x3f3504f3)));
-  const FloatVec z = hn::Sub(hn::BitCast(d, hn::Sub(bits, hn::ShiftLeft<23>(e))), hn::Set(d, 1.0f));
-  FloatVec p = hn::MulAdd(hn::Set(d, 0.119310543f), z, hn::Set(d, -0.186807513f));
-  p = hn::MulAdd(p, z, hn::Set(d, 0.204917595f));
-  p = hn::MulAdd(p, z, hn::Set(d, -0.249082893f));
-  p = hn::MulAdd(p, z, hn::Set(d, 0.333146751f));
-  p = hn::MulAdd(p, z, hn::Set(d, -0.500011444f));
-  p = hn::MulAdd(p, z, hn::Set(d, 1.00000095f));
-  return hn::MulAdd(p, z, hn::Mul(hn::ConvertTo(d, e), hn::Set(d, 0.693147181f)));
-}
-
 /// 1 / x for normal x, within 2 ulp where the processor's estimate has 12 bits or more.
 HWY_INLINE FloatVec reciprocal(FloatVec x) {
   const FloatTag d;

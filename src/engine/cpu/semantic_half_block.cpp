@@ -38,22 +38,6 @@ bool BeginHalfBlocks(const SemanticStep& step, const BlockWeights& block, Semant
 
 #if HWY_TARGET != HWY_SCALAR
 
-/// log2(x) within 1.3e-5 for normal positive x. Exponent and mantissa together are a number that is linear in the
-/// mantissa m; the minimax polynomial of degree 5 of log2(m) - (m - 1) for m in [1, 2) is what it lacks.
-HWY_INLINE FloatVec rough_log2(FloatVec x) {
-  const FloatTag d;
-  const hn::RebindToSigned<FloatTag> di;
-  const auto bits = hn::BitCast(di, x);
-  const FloatVec linear = hn::ConvertTo(d, hn::Sub(bits, hn::Set(di, 0x3f800000)));
-  const FloatVec m = hn::BitCast(d, hn::Or(hn::And(bits, hn::Set(di, 0x007fffff)), hn::Set(di, 0x3f800000)));
-  FloatVec p = hn::MulAdd(hn::Set(d, 0.0448736103f), m, hn::Set(d, -0.416563687f));
-  p = hn::MulAdd(p, m, hn::Set(d, 1.63114877f));
-  p = hn::MulAdd(p, m, hn::Set(d, -3.55079293f));
-  p = hn::MulAdd(p, m, hn::Set(d, 4.09171081f));
-  p = hn::MulAdd(p, m, hn::Set(d, -1.80036404f));
-  return hn::MulAdd(linear, hn::Set(d, 1.1920929e-7f), p);  // 2^-23
-}
-
 /// One pixel. Without a loss, all pointers are to zeros and so are soft, omega and share.
 struct PixelSide {
   const float *near_column, *far_column;  ///< the teacher is near + share (far - near)

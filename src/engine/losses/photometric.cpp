@@ -13,25 +13,21 @@ namespace {
 
 bool counts(const ImageF& mask, size_t pixel) { return mask.empty() || mask.data[pixel] > 0.5f; }
 
-// The photo in planes, and, with a mask, the render with the photo under it.
+// One row of the photo in planes, and, with a mask, of the render with the photo under it.
 template <class T>
-void prepare_planes(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspace) {
+void prepare_row(const MapLossInputs<T>& in, int y, MapLossWorkspace<T>& workspace) {
   const size_t pixels = in.maps.pixels();
   const ImageF& mask = in.view.data.mask;
-  workspace.truth.resize(3 * pixels);
-  workspace.masked_render.resize(mask.empty() ? 0 : 3 * pixels);
-  for_each_row(in.pool, in.maps.height, [&](int y) {
-    const size_t begin = static_cast<size_t>(y) * in.maps.width, end = begin + in.maps.width;
-    for (int c = 0; c < 3; ++c) {
-      T* truth = workspace.truth.data() + c * pixels;
-      const float* source = in.view.data.color.data.data() + c;
-      for (size_t i = begin; i < end; ++i) truth[i] = static_cast<T>(source[3 * i]);
-      if (mask.empty()) continue;
-      for (size_t i = begin; i < end; ++i) {
-        workspace.masked_render[c * pixels + i] = counts(mask, i) ? in.maps.color[c * pixels + i] : truth[i];
-      }
+  const size_t begin = static_cast<size_t>(y) * in.maps.width, end = begin + in.maps.width;
+  for (int c = 0; c < 3; ++c) {
+    T* truth = workspace.truth.data() + c * pixels;
+    const float* source = in.view.data.color.data.data() + c;
+    for (size_t i = begin; i < end; ++i) truth[i] = static_cast<T>(source[3 * i]);
+    if (mask.empty()) continue;
+    for (size_t i = begin; i < end; ++i) {
+      workspace.masked_render[c * pixels + i] = counts(mask, i) ? in.maps.color[c * pixels + i] : truth[i];
     }
-  });
+  }
 }
 
 // One row: |d| and the squared difference as shown (clamped to [0, 1]), and the gradient of the L1 term.
@@ -70,12 +66,16 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
                    : static_cast<size_t>(std::count_if(mask.data.begin(), mask.data.end(),
                                                        [](float m) { return m > 0.5f; }));
   if (counted == 0) return;
-  prepare_planes(in, workspace);
+  workspace.truth.resize(3 * pixels);
+  workspace.masked_render.resize(mask.empty() ? 0 : 3 * pixels);
   const T* render = mask.empty() ? in.maps.color.data() : workspace.masked_render.data();
 
   const double scale = 1.0 / (3.0 * static_cast<double>(counted));
   const T step = static_cast<T>(static_cast<double>(in.settings.l1_weight) * scale);
+  // L1 row by row while the row laid out for SSIM is in the cache. It is not part of SSIM's own rounds, which go by channel:
+  // its sum would have another order, and a setting without SSIM would need this one as well.
   const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
+    prepare_row(in, y, workspace);
     thread_local std::vector<T> scratch;
     scratch.resize(2 * static_cast<size_t>(width));
     T *absolute = scratch.data(), *squared = absolute + width;
