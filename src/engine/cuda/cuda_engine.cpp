@@ -94,6 +94,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   in.hard_weight = request.losses.semantic_hard_weight;
   in.remainder = map_.remainder();
   in.sample = request.losses.semantic_sample;
+  in.method = options_.semantic_visit;
   semantic_visit(*context_, in,
                  {step.row_slots, step.coupling, step.seen, arena_.take<double>(2 * tiles, "semantic losses of tiles"),
                   step.terms});

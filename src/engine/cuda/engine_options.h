@@ -3,11 +3,13 @@
 #pragma once
 
 #include "engine/cuda/blend_backward.h"
+#include "engine/cuda/semantic_visit.h"
 
 namespace aligngs::cuda {
 
 struct CudaEngineOptions {
   BlendBackwardMethod blend_backward = BlendBackwardMethod::kPerPixel;
+  SemanticVisitMethod semantic_visit = SemanticVisitMethod::kAutomatic;
 };
 
 }  // namespace aligngs::cuda
