@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "gaussians/morton_order.h"
 
 namespace aligngs {
 namespace {
@@ -178,7 +179,9 @@ RestructurePlan plan_density_control(const GaussianModel& model, const DensitySt
                                      const DensityRule& rule, Random& random) {
   Planner planner(model, statistics, rule);
   if (rule.grow) planner.choose_growth();
-  return planner.plan(random);
+  RestructurePlan plan = planner.plan(random);
+  if (rule.morton_order) sort_by_morton(model, plan);
+  return plan;
 }
 
 RestructurePlan plan_keep(const std::vector<uint8_t>& keep) {

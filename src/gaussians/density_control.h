@@ -53,12 +53,13 @@ struct DensityRule {
   float residual_quantile = 0;           ///< grow only in the top (1 - q) of mean residual; 0 = off (guidance: 0.9)
   float unsupported_min = 0;             ///< grow only where this share of the weight lacks prior support; 0 = off
   bool grow = true;                      ///< false: prune only
+  bool morton_order = false;             ///< the plan's rows in the order of morton_order.h
 };
 
 /// The plan of one call of adaptive density control, in this order (3DGS, Kerbl et al. 2023, section 5.2):
 /// rows with a large mean gradient are cloned when small (the copy is drawn from the Gaussian itself) and
 /// split into two of 1 / 1.6 the size when large; then transparent and oversized rows go, children included.
-/// New rows stand behind the kept ones. Random numbers are drawn only for rows that grow, in row order.
+/// New rows stand behind the kept ones, unless the rule orders them. Random numbers are drawn only for rows that grow, in row order.
 /// Error{kFailed} when the statistics do not have one entry per Gaussian.
 RestructurePlan plan_density_control(const GaussianModel& model, const DensityStatistics& statistics,
                                      const DensityRule& rule, Random& random);

@@ -112,6 +112,25 @@ TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   }
 }
 
+TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
+  const auto ordered = [&](const std::string& name, int threads) {
+    TrainOptions o = options(name, "default", threads);
+    o.config.sets.push_back("densify.morton_order=true");
+    return o;
+  };
+  const TrainOptions whole = ordered("ordered", 1), plain = options("plain", "default");
+  train_run(whole);
+  train_run(plain);
+  EXPECT_FALSE(ply(whole) == ply(plain));
+  for (const int64_t at : {5, 16, 37}) {
+    TrainOptions o = ordered("ordered" + std::to_string(at), 2);
+    EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+    o.resume = true;
+    train_run(o);
+    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
+  }
+}
+
 TEST_F(TrainOnCpu, MultiViewTermsActAndAreLogged) {
   TrainOptions o = options("pgsr", "pgsr");
   o.config.sets.push_back("train.log_every=1");

@@ -154,6 +154,7 @@ DensityRule Schedule::density_rule(int64_t iteration) const {
   rule.prune_opacity = to_float(d.prune_opacity);
   rule.prune_scale = iteration > scaled(d.prune_scale_start) ? to_float(d.prune_scale * facts_.extent) : 0;
   rule.max_gaussians = facts_.max_gaussians;
+  rule.morton_order = d.morton_order;
   // A sparse start has everything still to grow; only a dense one is restricted to what it misses.
   if (facts_.dense_start) {
     rule.residual_quantile = to_float(d.residual_quantile);

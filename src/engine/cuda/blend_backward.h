@@ -24,6 +24,12 @@ struct alignas(16) SplatGradient {
 inline constexpr int kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
 static_assert(kSplatGradientFloats == 20, "five vectors of four");
 
+/// Two kernels for the same sums. Which is faster depends on the device and on how many Gaussians a tile has.
+enum class BlendBackwardMethod {
+  kPerPixel,  ///< a thread per pixel sweeps through the list, then warps add up over the pixels
+  kPerSplat   ///< a lane per Gaussian adds up while pixels pass by; needs checkpoints of the forward pass
+};
+
 struct BlendBackwardInputs {
   ViewSpans view;
   TileListSpans lists;
@@ -35,10 +41,12 @@ struct BlendBackwardInputs {
   RasterSettings raster;
   bool geometry = false;  ///< some loss reached normal, distance or alpha
   bool density = false;   ///< collect residual, unsupported and the absolute sums, else they are 0
+  BlendBackwardMethod method = BlendBackwardMethod::kPerPixel;
+  RenderMapSpans maps{};  ///< of the forward pass; kPerSplat reads colour, with geometry normal and distance
 };
 
 /// Writes the sums of every seen instance (BlendRecordSpans::seen) to slots[slot]; the others stay as they are.
-/// Without float atomics: the same input gives the same bits.
+/// Without float atomics: the same input gives the same bits. The two methods add the same terms in other orders.
 void blend_backward(const DeviceContext& context, const BlendBackwardInputs& in, DeviceSpan<SplatGradient> slots);
 
 }  // namespace aligngs::cuda

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "core/random.h"
+#include "engine/cuda/blend_forward.h"
 #include "engine/cuda/test_view.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulation.h"
@@ -29,7 +31,8 @@ struct Options {
   bool smooth = false;
 };
 
-class CudaBlendBackward : public DeviceTest {
+/// Every test for both methods.
+class CudaBlendBackward : public DeviceTest, public testing::WithParamInterface<BlendBackwardMethod> {
  protected:
   void prepare(const Options& o) {
     options = o;
@@ -73,8 +76,29 @@ class CudaBlendBackward : public DeviceTest {
     in.raster = view->raster;
     in.geometry = options.geometry;
     in.density = options.density;
+    in.method = GetParam();
+    if (in.method == BlendBackwardMethod::kPerSplat) {
+      remember_forward(in);
+      in.maps = device_maps.spans(view->view);
+    }
     blend_backward(context(), in, slots.span());
     return slots.to_host();
+  }
+
+  /// Maps and checkpoints, which the CPU engine does not have, by the device's forward pass; the rest of its record goes.
+  void remember_forward(BlendBackwardInputs& in) {
+    const size_t pairs = view->lists.instances(), tiles = view->view.tiles();
+    const size_t count = checkpoint_count(pairs) * kTilePixels;
+    checkpoints.resize(context(), count, "test");
+    plane_checkpoints.resize(context(), count, "test");
+    DeviceArray<uint8_t> strips(context(), pairs, "test"), seen(context(), pairs, "test");
+    DeviceArray<uint32_t> last(context(), tiles * kTilePixels, "test");
+    DeviceArray<float> left(context(), tiles * kTilePixels, "test");
+    device_maps.resize(context(), view->maps.pixels());
+    blend_forward(context(), {in.view, in.lists, in.raster, true}, device_maps.spans(view->view),
+                  {strips.span(), seen.span(), last.span(), left.span(), checkpoints.span(), plane_checkpoints.span()});
+    in.record.checkpoints = checkpoints.span();
+    in.record.plane_checkpoints = plane_checkpoints.span();
   }
 
   cpu::SlotGradients run_cpu() {
@@ -114,9 +138,30 @@ class CudaBlendBackward : public DeviceTest {
   std::unique_ptr<TestView> view;
   MapGradients<float> gradients;
   std::vector<float> residual, prior;
+
+  struct Maps {
+    void resize(DeviceContext& context, size_t n) {
+      for (auto* map : {&color, &normal}) map->resize(context, 3 * n, "test");
+      for (auto* map : {&alpha, &distance, &expected, &median}) map->resize(context, n, "test");
+    }
+    RenderMapSpans spans(const cpu::ProjectedView& v) {
+      return {v.width,      v.height,        color.span(),    normal.span(),
+              alpha.span(), distance.span(), expected.span(), median.span()};
+    }
+    DeviceArray<float> color, normal, alpha, distance, expected, median;
+  };
+  Maps device_maps;
+  DeviceArray<BlendCheckpoint> checkpoints;
+  DeviceArray<PlaneCheckpoint> plane_checkpoints;
 };
 
-TEST_F(CudaBlendBackward, SumsOfEveryKindEqualThoseOfTheCpuEngine) {
+INSTANTIATE_TEST_SUITE_P(BothMethods, CudaBlendBackward,
+                         testing::Values(BlendBackwardMethod::kPerPixel, BlendBackwardMethod::kPerSplat),
+                         [](const auto& method) {
+                           return method.param == BlendBackwardMethod::kPerPixel ? "PerPixel" : "PerSplat";
+                         });
+
+TEST_P(CudaBlendBackward, SumsOfEveryKindEqualThoseOfTheCpuEngine) {
   for (const bool geometry : {true, false}) {
     for (const bool density : {true, false}) {
       SCOPED_TRACE(std::to_string(geometry) + std::to_string(density));
@@ -132,7 +177,7 @@ TEST_F(CudaBlendBackward, SumsOfEveryKindEqualThoseOfTheCpuEngine) {
   }
 }
 
-TEST_F(CudaBlendBackward, WithoutAPriorNoDepthIsSupported) {
+TEST_P(CudaBlendBackward, WithoutAPriorNoDepthIsSupported) {
   Options o;
   o.prior = false;
   o.scene.gaussians = 60;
@@ -145,7 +190,7 @@ TEST_F(CudaBlendBackward, WithoutAPriorNoDepthIsSupported) {
   }
 }
 
-TEST_F(CudaBlendBackward, ManyGaussiansInATileOfWhichMostAreHidden) {
+TEST_P(CudaBlendBackward, ManyGaussiansInATileOfWhichMostAreHidden) {
   Options o;
   o.scene.width = o.scene.height = 16;
   o.scene.gaussians = 900;
@@ -155,7 +200,21 @@ TEST_F(CudaBlendBackward, ManyGaussiansInATileOfWhichMostAreHidden) {
   expect_equal();
 }
 
-TEST_F(CudaBlendBackward, TheSmoothCutoffOfTheGradientTests) {
+TEST_P(CudaBlendBackward, ManyFaintGaussiansThatAllTakePart) {
+  Options o;
+  o.scene.width = 21;  // the second tile ends after five columns
+  o.scene.height = 16;
+  o.scene.gaussians = 1000;
+  o.scene.log_scale_min = -2;
+  o.scene.logit_min = -5.4;  // 1/255 is at -5.54
+  o.scene.logit_max = -4.5;
+  prepare(o);
+  const auto furthest = *std::max_element(view->record.last.data(), view->record.last.data() + view->record.last.size());
+  ASSERT_GT(furthest, 16 * static_cast<int>(kCheckpointPlaces));  // more than the warps of one block
+  expect_equal();
+}
+
+TEST_P(CudaBlendBackward, TheSmoothCutoffOfTheGradientTests) {
   Options o;
   o.smooth = true;
   o.scene.gaussians = 50;
@@ -163,7 +222,7 @@ TEST_F(CudaBlendBackward, TheSmoothCutoffOfTheGradientTests) {
   expect_equal();
 }
 
-TEST_F(CudaBlendBackward, OneGaussianAndNone) {
+TEST_P(CudaBlendBackward, OneGaussianAndNone) {
   for (const size_t gaussians : {size_t(1), size_t(0)}) {
     Options o;
     o.scene.gaussians = gaussians;
@@ -175,7 +234,7 @@ TEST_F(CudaBlendBackward, OneGaussianAndNone) {
   }
 }
 
-TEST_F(CudaBlendBackward, AlphaAtTheThresholdAndAtTheClamp) {
+TEST_P(CudaBlendBackward, AlphaAtTheThresholdAndAtTheClamp) {
   Options o;
   o.scene.gaussians = 60;
   prepare(o);
@@ -187,7 +246,7 @@ TEST_F(CudaBlendBackward, AlphaAtTheThresholdAndAtTheClamp) {
 }
 
 #ifdef ALIGNGS_CUDA_EMULATED
-TEST_F(CudaBlendBackward, NoBarrierIsMissing) {
+TEST_P(CudaBlendBackward, NoBarrierIsMissing) {
   Options o;
   o.scene.width = o.scene.height = 24;
   o.scene.gaussians = 70;

@@ -27,10 +27,22 @@ struct PixelSums {
   }
 };
 
+/// This thread's pixel in front of `place` of the list that begins at `begin`.
+template <bool kGeometry>
+__device__ __forceinline__ void store_checkpoint(const BlendRecordSpans& record, uint32_t begin, uint32_t place,
+                                                 float transmittance, const PixelSums<kGeometry>& sums) {
+  const size_t at = checkpoint_index(begin, place) * kTilePixels + threadIdx.x;
+  record.checkpoints[at] = {transmittance, {sums.color[0], sums.color[1], sums.color[2]}};
+  if constexpr (kGeometry) {
+    record.plane_checkpoints[at] = {{sums.normal[0], sums.normal[1], sums.normal[2]}, sums.distance};
+  }
+}
+
 template <bool kGeometry>
 __global__ void __launch_bounds__(kTilePixels)
     blend_tiles(BlendForwardInputs in, RenderMapSpans maps, BlendRecordSpans record) {
   static_assert(kBlendBatch == kTilePixels, "one Gaussian per thread and batch");
+  static_assert(kBlendBatch % kCheckpointPlaces == 0 && kCheckpointPlaces == 32, "a checkpoint per group of a warp");
   __shared__ TileBatch batch;
   __shared__ uint32_t taken_by[kBlendBatch];
   const ViewSpans& view = in.view;
@@ -58,7 +70,10 @@ __global__ void __launch_bounds__(kTilePixels)
     __syncthreads();
     bool some_open = __any_sync(kFullWarp, blend.open) != 0;
     for (uint32_t group = 0; group < count && some_open; group += 32) {
-      const uint32_t mine = group + lane_index();
+      const uint32_t mine = group + lane_index(), place = first - begin + group;
+      if (place > 0 && !record.checkpoints.empty()) {
+        store_checkpoint<kGeometry>(record, begin, place, blend.transmittance, sums);
+      }
       const bool reaches = mine < count && (batch.strips[mine] >> strip & 1u) != 0;
       for (unsigned hits = __ballot_sync(kFullWarp, reaches); hits != 0 && some_open; hits &= hits - 1) {
         const uint32_t k = group + static_cast<uint32_t>(__ffs(static_cast<int>(hits)) - 1);

@@ -40,6 +40,10 @@ inline constexpr int kBlendBatch = 256;
 /// 24 KB of shared memory for the weights and gradients of their pixels.
 inline constexpr int kBackwardChunk = 8;
 
+/// Most blocks per tile of the backward pass per Gaussian: each loads the pixels of the tile again (20 KB), against 4 to
+/// 8 KB of checkpoints per 32 Gaussians.
+inline constexpr size_t kMostBackwardBlocks = 8;
+
 /// Classes that labels take per sweep over a tile's list: their sums stay in registers.
 inline constexpr int kChannelSweep = 16;
 

@@ -30,8 +30,9 @@ size_t room_for(size_t pairs) { return static_cast<size_t>(static_cast<double>(p
 
 }  // namespace
 
-CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads)
-    : context_(std::make_unique<DeviceContext>(device, budget_bytes)),
+CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const CudaEngineOptions& options)
+    : options_(options),
+      context_(std::make_unique<DeviceContext>(device, budget_bytes)),
       pool_(std::make_unique<ThreadPool>(threads)),
       name_(name_of(device)),
       arena_(*context_),
@@ -93,6 +94,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   in.hard_weight = request.losses.semantic_hard_weight;
   in.remainder = map_.remainder();
   in.sample = request.losses.semantic_sample;
+  in.method = options_.semantic_visit;
   semantic_visit(*context_, in,
                  {step.row_slots, step.coupling, step.seen, arena_.take<double>(2 * tiles, "semantic losses of tiles"),
                   step.terms});
@@ -110,6 +112,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
   last_ = {};
   last_.semantics = semantics_active(request, view);
   last_.frame = make_frame(view.camera, request.raster, request.sh_degree, geometry, true, view.pairs);
+  if (options_.blend_backward == BlendBackwardMethod::kPerSplat) take_checkpoints(arena_, geometry, last_.frame);
   const DeviceFrame& frame = last_.frame;
   const size_t pixels = frame.maps.alpha.size, pairs = frame.lists.gaussians.size;
   blend_forward(*context_, {frame.view, frame.lists, request.raster, geometry}, frame.maps, frame.record);
@@ -134,7 +137,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
   blend_backward(*context_,
                  {frame.view, frame.lists, frame.record, gradients, residual,
                   density ? training.prior_depth : DeviceSpan<const float>{}, losses.prior_depth_scale, request.raster,
-                  geometry, density},
+                  geometry, density, options_.blend_backward, frame.maps},
                  slots);
   SemanticStep semantic;
   if (last_.semantics) semantic = visit_semantics(request, view);
@@ -276,8 +279,9 @@ RenderMaps<float> CudaEngine::last_maps() const {
 
 namespace aligngs {
 
-std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t budget_bytes, int threads) {
-  return std::make_unique<cuda::CudaEngine>(index, budget_bytes, threads);
+std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t budget_bytes, int threads,
+                                         const cuda::CudaEngineOptions& options) {
+  return std::make_unique<cuda::CudaEngine>(index, budget_bytes, threads, options);
 }
 
 }  // namespace aligngs

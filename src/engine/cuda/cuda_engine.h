@@ -10,6 +10,7 @@
 #include "engine/cpu/semantic_block.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/device_frame.h"
+#include "engine/cuda/engine_options.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/semantic_visit.h"
@@ -27,7 +28,7 @@ namespace aligngs::cuda {
 /// same bits on every run on one kind of device. Not to be used from several threads at once.
 class CudaEngine final : public Engine {
  public:
-  CudaEngine(int device, uint64_t budget_bytes, int threads);
+  CudaEngine(int device, uint64_t budget_bytes, int threads, const CudaEngineOptions& options = {});
 
   std::string device_name() const override { return name_; }
   void load(const GaussianModel& model) override;
@@ -106,6 +107,7 @@ class CudaEngine final : public Engine {
   DensitySpans density_spans();
   void resize_statistics(size_t gaussians);
 
+  CudaEngineOptions options_;
   std::unique_ptr<DeviceContext> context_;  ///< outlives every array
   std::unique_ptr<ThreadPool> pool_;
   std::string name_;

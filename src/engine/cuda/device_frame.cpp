@@ -58,4 +58,10 @@ void take_lists(DeviceArena& arena, size_t pairs, bool record, DeviceFrame& fram
   frame.record.transmittance = arena.take<float>(tiles * kTilePixels, "blend record");
 }
 
+void take_checkpoints(DeviceArena& arena, bool geometry, DeviceFrame& frame) {
+  const size_t count = checkpoint_count(frame.lists.gaussians.size) * kTilePixels;
+  frame.record.checkpoints = arena.take<BlendCheckpoint>(count, "checkpoints of blending");
+  if (geometry) frame.record.plane_checkpoints = arena.take<PlaneCheckpoint>(count, "checkpoints of blending");
+}
+
 }  // namespace aligngs::cuda

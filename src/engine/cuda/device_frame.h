@@ -28,4 +28,7 @@ DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSet
 /// filled by build_tile_lists and blend_forward.
 void take_lists(DeviceArena& arena, size_t pairs, bool record, DeviceFrame& frame);
 
+/// Takes the checkpoints of the record of `frame`, after its lists.
+void take_checkpoints(DeviceArena& arena, bool geometry, DeviceFrame& frame);
+
 }  // namespace aligngs::cuda

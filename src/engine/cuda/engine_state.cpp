@@ -170,7 +170,8 @@ void CudaEngine::reset_opacity(float maximum) {
 }
 
 uint64_t CudaEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {
-  return forecast_bytes({gaussians, channels, pixels_per_view, view_bytes_});
+  return forecast_bytes({gaussians, channels, pixels_per_view, view_bytes_,
+                         options_.blend_backward == BlendBackwardMethod::kPerSplat});
 }
 
 }  // namespace aligngs::cuda

@@ -17,7 +17,9 @@ using cpu::testing_scene::SceneOptions;
 
 class CudaStep : public DeviceTest {
  protected:
-  static std::unique_ptr<CudaEngine> make_engine() { return std::make_unique<CudaEngine>(0, 0, 1); }
+  static std::unique_ptr<CudaEngine> make_engine(const CudaEngineOptions& options = {}) {
+    return std::make_unique<CudaEngine>(0, 0, 1, options);
+  }
 
   template <class A, class B>
   static void expect_close(const A& a, const B& b, double tolerance, const std::string& what) {
@@ -43,7 +45,8 @@ class CudaStep : public DeviceTest {
     }
   }
 
-  static void compare(const GaussianModel& model, const TrainingView& view, const StepRequest& request) {
+  static void compare(const GaussianModel& model, const TrainingView& view, const StepRequest& request,
+                      const CudaEngineOptions& options = {}) {
     const CouplingBalance balance{2e-4, 1e-3};
     cpu::CpuEngine want(1);
     want.keep_features(true);
@@ -51,7 +54,7 @@ class CudaStep : public DeviceTest {
     want.load(model);
     want.set_training_views({view});
     want.set_coupling_balance(balance);
-    const std::unique_ptr<CudaEngine> got = make_engine();
+    const std::unique_ptr<CudaEngine> got = make_engine(options);
     got->load(model);
     got->set_training_views({view});
     got->set_coupling_balance(balance);
@@ -147,6 +150,23 @@ TEST_F(CudaStep, OneClass) {
 TEST_F(CudaStep, OneGaussian) {
   const SceneOptions o = scene(7, 1);
   compare(make_model(o), make_view(o), make_request());
+}
+
+TEST_F(CudaStep, TheKernelsThatAreNotTheDefault) {
+  CudaEngineOptions options;
+  options.blend_backward = BlendBackwardMethod::kPerSplat;
+  options.semantic_visit = SemanticVisitMethod::kCompacted;  // the emulation is a device of compute capability 9.0
+  compare(make_model(scene(0)), make_view(scene(0)), make_request(), options);
+  compare(make_model(scene(7)), make_view(scene(7)), make_geometry_request(), options);
+  StepRequest printed = make_request();
+  printed.losses.semantic_blend = SemanticBlend::kLogits;
+  printed.losses.coupling = SemanticCoupling::kPlain;
+  printed.losses.coupling_strength = 1;
+  compare(make_model(scene(7)), make_view(scene(7)), printed, options);
+  SceneOptions many = scene(3, 600);
+  many.width = many.height = 16;
+  many.log_scale_max = -0.5;
+  compare(make_model(many), make_view(many), make_geometry_request(), options);
 }
 
 TEST_F(CudaStep, WithoutDensityStatistics) {

@@ -35,7 +35,7 @@ uint64_t row_bytes(uint64_t channels) {
 }
 
 /// Of a (Gaussian, tile) pair.
-uint64_t pair_bytes(uint64_t channels) {
+uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
   // Tile and row, sorted and not; strips, seen.
   const uint64_t lists = 4 * kIndex + kSortScratch + 2 * sizeof(uint8_t);
   uint64_t slots = sizeof(SplatGradient);
@@ -43,7 +43,8 @@ uint64_t pair_bytes(uint64_t channels) {
     slots += sizeof(CouplingMoments) + sizeof(uint8_t) +
              static_cast<uint64_t>(padded_channels(static_cast<int>(channels))) * kFloat;
   }
-  return lists + slots;
+  const uint64_t pixels = kTilePixels / kCheckpointPlaces;
+  return lists + slots + (checkpoints ? pixels * (sizeof(BlendCheckpoint) + sizeof(PlaneCheckpoint)) : 0);
 }
 
 /// Of the pixels of the view at work: maps, their gradients, residual, blend record, scratch of the losses.
@@ -60,7 +61,7 @@ uint64_t forecast_bytes(const MemoryForecastInputs& in) {
   const uint64_t model = ModelArrays::bytes(in.gaussians, in.channels);
   const uint64_t numbers = ModelArrays::bytes(in.gaussians, 0);  // gradients of semantics are kept by rank
   const uint64_t state = 3 * model;                              // parameters and two moments
-  const uint64_t step = numbers + n * row_bytes(channels) + n * kPairsPerGaussian * pair_bytes(channels) +
+  const uint64_t step = numbers + n * row_bytes(channels) + n * kPairsPerGaussian * pair_bytes(channels, in.checkpoints) +
                         pixel_bytes(in.pixels_per_view);
   return in.view_bytes + state + step;
 }

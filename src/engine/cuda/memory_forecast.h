@@ -11,6 +11,7 @@ struct MemoryForecastInputs {
   int channels = 0;  ///< C
   size_t pixels_per_view = 0;
   uint64_t view_bytes = 0;  ///< of all training views: TrainingMaps::bytes, TeacherMaps::bytes
+  bool checkpoints = false;  ///< BlendBackwardMethod::kPerSplat
 };
 
 /// Bytes at the peak of a step with every loss on and kPairsPerGaussian (Gaussian, tile) pairs per row. A restructuring

@@ -1,7 +1,8 @@
-// Kernel of semantic_visit.h: one block of 256 threads per tile, which visits its four blocks of 8 x 8 pixels in turn:
-//   forwards, 32 Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
+// Kernel of semantic_visit.h: one block of threads per tile, which visits the tile's blocks of pixels in turn, four of
+// 8 x 8 or one of 16 x 16 (VisitForm):
+//   forwards, a few Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
 //   P to shared memory, the loss by one warp per pixel, dP and H in bfloat16 into the place of P;
-//   backwards, 32 Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
+//   backwards, a few Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
 // dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes:
 // the first of its blocks sets them, later ones add. So every sum has a fixed order.
 #pragma once
@@ -12,32 +13,34 @@
 namespace aligngs::cuda {
 
 /// P = W^T S of block b to shared memory; returns what is left behind the last Gaussian at this thread's pixel.
-/// Warp w forms rows 16 (w % 4) of every second tile of columns.
-template <int kGroups>
-__device__ __forceinline__ float blend_rows(const Visit& v, int b, uint32_t pixel_last) {
-  TileSum sums[kGroups];
+/// A warp forms one row of tiles of 16 x 16, or every kColumnParts-th of it.
+template <class Form, int kGroups>
+__device__ __forceinline__ float blend_rows(const Visit<Form>& v, int b, uint32_t pixel_last) {
+  constexpr int kColumns = kGroups * (kWarp / kMmaTile) / Form::kColumnParts;
+  TileSum sums[kColumns];
 #pragma unroll
-  for (int g = 0; g < kGroups; ++g) sums[g].clear();
-  const int pixel_tile = v.warp % 4, column_half = v.warp / 4, columns = v.layout.padded / kMmaTile;
+  for (int g = 0; g < kColumns; ++g) sums[g].clear();
+  const int pixel_tile = v.warp % Form::kPixelTiles, column_part = v.warp / Form::kPixelTiles;
+  const int columns = v.layout.padded / kMmaTile;
   float t = 1;
   for (uint32_t first = 0; first < v.end; first += kVisitBatch) {
     const int count = list_entries(v, b, first);
-    for (int at = 0; at < count; at += kVisitEntries) {
-      const int n = count - at < kVisitEntries ? count - at : kVisitEntries;
+    for (int at = 0; at < count; at += Form::kEntries) {
+      const int n = count - at < Form::kEntries ? count - at : Form::kEntries;
       load_entries(v, b, at, n);
       load_rows(v, n);
-      const PartAlphas a = part_alphas(v, b, n, pixel_last);
+      const PartAlphas<Form> a = part_alphas(v, b, n, pixel_last);
       __syncthreads();
-      float before[kPartEntries];
+      float before[Form::kPartEntries];
       part_weights(v, a, t, before);
       t *= chunk_product(v);
       __syncthreads();
-      for (int step = 0; step < kVisitEntries && step < n; step += kMmaTile) {
+      for (int step = 0; step < Form::kEntries && step < n; step += kMmaTile) {
         const TileOperand left =
-            load_left_transposed(v.s.weights + step * kWeightStride + pixel_tile * kMmaTile, kWeightStride);
+            load_left_transposed(v.s.weights + step * Form::kWeightStride + pixel_tile * kMmaTile, Form::kWeightStride);
 #pragma unroll
-        for (int g = 0; g < kGroups; ++g) {
-          const int column = column_half + 2 * g;
+        for (int g = 0; g < kColumns; ++g) {
+          const int column = column_part + Form::kColumnParts * g;
           if (column >= columns) continue;
           const int stride = v.layout.row_stride();
           multiply_add(sums[g], left, load_right(v.rows + step * stride + column * kMmaTile, stride));
@@ -47,8 +50,8 @@ __device__ __forceinline__ float blend_rows(const Visit& v, int b, uint32_t pixe
     }
   }
 #pragma unroll
-  for (int g = 0; g < kGroups; ++g) {
-    const int column = column_half + 2 * g;
+  for (int g = 0; g < kColumns; ++g) {
+    const int column = column_part + Form::kColumnParts * g;
     if (column >= columns) continue;
     for (int k = 0; k < 8; ++k) {
       const int row = pixel_tile * kMmaTile + TileSum::row_of(k);
@@ -61,10 +64,10 @@ __device__ __forceinline__ float blend_rows(const Visit& v, int b, uint32_t pixe
 }
 
 /// The loss of block b in place: row i of blended becomes dP and, with the bounded coupling, H, in bfloat16. Adds to
-/// the terms of this warp. Warp w takes pixels [8 w, 8 w + 8).
-template <int kGroups>
-__device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, double& hard) {
-  constexpr int kPixels = kBlockPixels / kVisitWarps;
+/// the terms of this warp, which takes as many pixels as every other.
+template <class Form, int kGroups>
+__device__ __forceinline__ void block_loss(const Visit<Form>& v, int b, double& soft, double& hard) {
+  constexpr int kPixels = Form::kPixels / Form::kWarps;
   const ChannelSet set{v.in.teacher.channels, v.in.remainder};
   const bool bounded = v.in.couple && is_balanced(v.in.coupling);
   const bool opacity = v.in.coupling == SemanticCoupling::kOpacity;
@@ -72,7 +75,7 @@ __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, 
   PixelTeacher mine;
   mine.top = -1;
   if (v.lane < kPixels) {
-    const int i = b * kBlockPixels + v.warp * kPixels + v.lane;
+    const int i = b * Form::kPixels + v.warp * kPixels + v.lane;
     mine = find_teacher(v.in, v.tile_x * kTileSize + tile_pixel_x(i), v.tile_y * kTileSize + tile_pixel_y(i));
   }
   for (int k = 0; k < kPixels; ++k) {
@@ -117,53 +120,61 @@ __device__ __forceinline__ void block_loss(const Visit& v, int b, double& soft, 
   __syncthreads();
 }
 
-/// q of the loaded entries, [entry][pixel]: Q = S H^T - h_0. Warp w forms one tile. Ends with a barrier.
-__device__ __forceinline__ void coupling_values(const Visit& v) {
-  const int entry_tile = v.warp / 4, pixel_tile = v.warp % 4, stride = v.layout.row_stride();
+/// q of the loaded entries, [entry][pixel]: Q = S H^T - h_0, a tile per warp at a time. Ends with a barrier.
+template <class Form>
+__device__ __forceinline__ void coupling_values(const Visit<Form>& v) {
+  const int stride = v.layout.row_stride();
   const bool bounded = is_balanced(v.in.coupling);
   const Bf16* direction = v.gradient_rows() + (bounded ? v.layout.padded : 0);
-  TileSum q;
-  q.clear();
-  for (int c = 0; c < v.layout.padded; c += kMmaTile) {
-    const TileOperand left = load_left(v.rows + entry_tile * kMmaTile * stride + c, stride);
-    const Bf16* right = direction + pixel_tile * kMmaTile * v.gradient_stride() + c;
-    multiply_add(q, left, load_right_transposed(right, v.gradient_stride()));
-  }
-  for (int k = 0; k < 8; ++k) {
-    const int entry = entry_tile * kMmaTile + TileSum::row_of(k), pixel = pixel_tile * kMmaTile + TileSum::column_of(k);
-    v.s.coupling[entry * kCouplingStride + pixel] = q.value[k] - v.s.offset[pixel];
+#pragma unroll
+  for (int tile = v.warp; tile < Form::kEntryTiles * Form::kPixelTiles; tile += Form::kWarps) {
+    const int entry_tile = tile / Form::kPixelTiles, pixel_tile = tile % Form::kPixelTiles;
+    TileSum q;
+    q.clear();
+    for (int c = 0; c < v.layout.padded; c += kMmaTile) {
+      const TileOperand left = load_left(v.rows + entry_tile * kMmaTile * stride + c, stride);
+      const Bf16* right = direction + pixel_tile * kMmaTile * v.gradient_stride() + c;
+      multiply_add(q, left, load_right_transposed(right, v.gradient_stride()));
+    }
+    for (int k = 0; k < 8; ++k) {
+      const int entry = entry_tile * kMmaTile + TileSum::row_of(k);
+      const int pixel = pixel_tile * kMmaTile + TileSum::column_of(k);
+      v.s.coupling[entry * Form::kCouplingStride + pixel] = q.value[k] - v.s.offset[pixel];
+    }
   }
   __syncthreads();
 }
 
-/// From q to g in place, and `behind` from what stands behind the 32 to what stands behind those before. Ends with a
-/// barrier.
-__device__ __forceinline__ void coupling_sweep(const Visit& v, const PartAlphas& a, const float (&before)[kPartEntries],
-                                               float& behind) {
-  float* q = v.s.coupling + v.part() * kPartEntries * kCouplingStride + v.pixel();
+/// From q to g in place, and `behind` from what stands behind the loaded entries to what stands behind those before.
+/// Ends with a barrier.
+template <class Form>
+__device__ __forceinline__ void coupling_sweep(const Visit<Form>& v, const PartAlphas<Form>& a,
+                                               const float (&before)[Form::kPartEntries], float& behind) {
+  float* q = v.s.coupling + v.part() * Form::kPartEntries * Form::kCouplingStride + v.pixel();
   float alone = 0;
 #pragma unroll
-  for (int k = kPartEntries - 1; k >= 0; --k) alone += a.alpha[k] * (q[k * kCouplingStride] - alone);
+  for (int k = Form::kPartEntries - 1; k >= 0; --k) alone += a.alpha[k] * (q[k * Form::kCouplingStride] - alone);
   v.s.behind[v.part()][v.pixel()] = alone;
   __syncthreads();
   float back = behind;
-  for (int p = kVisitParts - 1; p > v.part(); --p) {
+  for (int p = Form::kParts - 1; p > v.part(); --p) {
     back = v.s.behind[p][v.pixel()] + v.s.products[p][v.pixel()] * back;
   }
 #pragma unroll
-  for (int k = kPartEntries - 1; k >= 0; --k) {
-    const float step = q[k * kCouplingStride] - back;
+  for (int k = Form::kPartEntries - 1; k >= 0; --k) {
+    const float step = q[k * Form::kCouplingStride] - back;
     back += a.alpha[k] * step;
-    q[k * kCouplingStride] = a.slope[k] * before[k] * step;
+    q[k * Form::kCouplingStride] = a.slope[k] * before[k] * step;
   }
-  for (int p = kVisitParts - 1; p >= 0; --p) behind = v.s.behind[p][v.pixel()] + v.s.products[p][v.pixel()] * behind;
+  for (int p = Form::kParts - 1; p >= 0; --p) behind = v.s.behind[p][v.pixel()] + v.s.products[p][v.pixel()] * behind;
   __syncthreads();
 }
 
-/// Moments of g of the loaded entries into their slots. Warp w takes entries [4 w, 4 w + 4).
-__device__ __forceinline__ void coupling_moments(const Visit& v, int b, int n) {
-  constexpr int kEntries = kVisitEntries / kVisitWarps, kFields = sizeof(CouplingMoments) / sizeof(float);
-  static_assert(kEntries * kFields == kWarp, "one lane per number");
+/// Moments of g of the loaded entries into their slots. A warp takes as many entries as every other.
+template <class Form>
+__device__ __forceinline__ void coupling_moments(const Visit<Form>& v, int b, int n) {
+  constexpr int kEntries = Form::kEntries / Form::kWarps, kFields = sizeof(CouplingMoments) / sizeof(float);
+  static_assert(kEntries >= 1 && kEntries * kFields <= kWarp, "one lane per number");
   const int first = v.warp * kEntries;
   if (first >= n) return;
   float sums[kWarp] = {};
@@ -173,11 +184,11 @@ __device__ __forceinline__ void coupling_moments(const Visit& v, int b, int n) {
     if (e >= n) continue;
     const Splat& g = v.s.splats[e];
     WhitenedMoments<float> m;
-    for (int pixel = v.lane; pixel < kBlockPixels; pixel += kWarp) {
-      const int i = b * kBlockPixels + pixel;
+    for (int pixel = v.lane; pixel < Form::kPixels; pixel += kWarp) {
+      const int i = b * Form::kPixels + pixel;
       const float dx = static_cast<float>(v.tile_x * kTileSize + tile_pixel_x(i)) + 0.5f - g.x;
       const float dy = static_cast<float>(v.tile_y * kTileSize + tile_pixel_y(i)) + 0.5f - g.y;
-      add_moment(v.s.coupling[e * kCouplingStride + pixel], g.fxx * dx + g.fxy * dy, g.fyy * dy, m);
+      add_moment(v.s.coupling[e * Form::kCouplingStride + pixel], g.fxx * dx + g.fxy * dy, g.fyy * dy, m);
     }
     sums[kFields * k] = m.p;
     sums[kFields * k + 1] = m.r;
@@ -188,21 +199,22 @@ __device__ __forceinline__ void coupling_moments(const Visit& v, int b, int n) {
   }
   const float sum = warp_sums(sums);
   const int e = first + v.lane / kFields;
-  if (e >= n) return;
+  if (e >= n || v.lane >= kEntries * kFields) return;
   float* to = reinterpret_cast<float*>(&v.out.coupling[v.s.entry_slot[e]]) + v.lane % kFields;
   *to = v.s.entry_first[e] != 0 ? sum : *to + sum;
 }
 
 /// dS = W dP of the loaded entries into their slots, 16 at a time. Begins and ends with a barrier.
-__device__ __forceinline__ void row_gradients(const Visit& v, int n) {
+template <class Form>
+__device__ __forceinline__ void row_gradients(const Visit<Form>& v, int n) {
   const int columns = v.layout.padded / kMmaTile, stride = v.layout.blended_stride(), vectors = v.layout.padded / 4;
   for (int first = 0; first < n; first += kSumRows) {
     __syncthreads();  // the rows, or the sums before, have been read
-    for (int column = v.warp; column < columns; column += kVisitWarps) {
+    for (int column = v.warp; column < columns; column += Form::kWarps) {
       TileSum sum;
       sum.clear();
-      for (int pixel = 0; pixel < kBlockPixels; pixel += kMmaTile) {
-        const TileOperand left = load_left(v.s.weights + first * kWeightStride + pixel, kWeightStride);
+      for (int pixel = 0; pixel < Form::kPixels; pixel += kMmaTile) {
+        const TileOperand left = load_left(v.s.weights + first * Form::kWeightStride + pixel, Form::kWeightStride);
         const Bf16* right = v.gradient_rows() + pixel * v.gradient_stride() + column * kMmaTile;
         multiply_add(sum, left, load_right(right, v.gradient_stride()));
       }
@@ -211,7 +223,7 @@ __device__ __forceinline__ void row_gradients(const Visit& v, int n) {
       }
     }
     __syncthreads();
-    for (int row = v.warp; row < kSumRows && first + row < n; row += kVisitWarps) {
+    for (int row = v.warp; row < kSumRows && first + row < n; row += Form::kWarps) {
       const int e = first + row;
       const bool set = v.s.entry_first[e] != 0;
       const size_t at = size_t(v.s.entry_slot[e]) * static_cast<size_t>(v.layout.padded);
@@ -230,20 +242,21 @@ __device__ __forceinline__ void row_gradients(const Visit& v, int n) {
 }
 
 /// Gradients of block b after its loss; t is what is left behind the last Gaussian at this thread's pixel.
-__device__ __forceinline__ void block_gradients(const Visit& v, int b, uint32_t pixel_last, float t) {
+template <class Form>
+__device__ __forceinline__ void block_gradients(const Visit<Form>& v, int b, uint32_t pixel_last, float t) {
   float behind = 0;
   const uint32_t batches = (v.end + kVisitBatch - 1) / kVisitBatch;
   for (uint32_t batch = batches; batch-- > 0;) {
     const int count = list_entries(v, b, batch * kVisitBatch);
-    for (int at = (count - 1) / kVisitEntries * kVisitEntries; at >= 0 && count > 0; at -= kVisitEntries) {
-      const int n = count - at < kVisitEntries ? count - at : kVisitEntries;
+    for (int at = (count - 1) / Form::kEntries * Form::kEntries; at >= 0 && count > 0; at -= Form::kEntries) {
+      const int n = count - at < Form::kEntries ? count - at : Form::kEntries;
       load_entries(v, b, at, n);
       if (v.in.couple) load_rows(v, n);
-      const PartAlphas a = part_alphas(v, b, n, pixel_last);
+      const PartAlphas<Form> a = part_alphas(v, b, n, pixel_last);
       if (v.thread < n && v.s.entry_first[v.thread] != 0) v.out.seen[v.s.entry_slot[v.thread]] = 1;
       __syncthreads();
       t /= chunk_product(v);  // at least transmittance_min, else these would not have been taken
-      float before[kPartEntries];
+      float before[Form::kPartEntries];
       part_weights(v, a, t, before);
       __syncthreads();
       if (v.in.couple) {
@@ -256,19 +269,20 @@ __device__ __forceinline__ void block_gradients(const Visit& v, int b, uint32_t 
   }
 }
 
-template <int kGroups>
-__global__ void __launch_bounds__(kVisitThreads)
+template <class Form, int kGroups>
+__global__ void __launch_bounds__(Form::kThreads)
     semantic_visit_kernel(SemanticVisitInputs in, SemanticVisitOutputs out, int padded) {
-  const VisitLayout layout{padded};
-  VisitShared& s = *dynamic_shared<VisitShared>();
+  constexpr int kTileWarps = kTilePixels / kWarp;
+  const VisitLayout<Form> layout{padded};
+  VisitShared<Form>& s = *dynamic_shared<VisitShared<Form>>();
   const int thread = static_cast<int>(threadIdx.x), tile = static_cast<int>(blockIdx.x);
-  Visit v{in, out, layout, s, dynamic_shared<float>(layout.blended_at()), dynamic_shared<Bf16>(layout.rows_at()),
-          dynamic_shared<float>(layout.rows_at()), tile, tile % in.view.tiles_x, tile / in.view.tiles_x, thread,
-          thread / kWarp, thread % kWarp, in.lists.tile_begin[tile], 0, 0};
+  Visit<Form> v{in, out, layout, s, dynamic_shared<float>(layout.blended_at()), dynamic_shared<Bf16>(layout.rows_at()),
+                dynamic_shared<float>(layout.rows_at()), tile, tile % in.view.tiles_x, tile / in.view.tiles_x, thread,
+                thread / kWarp, thread % kWarp, in.lists.tile_begin[tile], 0, 0};
 
   // Thread i looks at pixel i of the tile: how far its list goes, and which blocks have a teacher.
   const int x = v.tile_x * kTileSize + tile_pixel_x(thread), y = v.tile_y * kTileSize + tile_pixel_y(thread);
-  const bool inside = x < in.view.width && y < in.view.height;
+  const bool inside = thread < kTilePixels && x < in.view.width && y < in.view.height;
   const bool valid = inside && in.sample.takes(x, y) && in.teacher.top_class[size_t(y) * in.view.width + x] != kNoLabel;
   const uint32_t last = inside ? in.record.last[size_t(tile) * kTilePixels + thread] : 0;
   const uint32_t warp_last = __reduce_max_sync(kFullWarp, last);
@@ -278,21 +292,21 @@ __global__ void __launch_bounds__(kVisitThreads)
     s.teacher[v.warp] = votes;
   }
   __syncthreads();
-  for (int w = 0; w < kVisitWarps; ++w) {
+  for (int w = 0; w < kTileWarps; ++w) {
     v.end = s.last[w] > v.end ? s.last[w] : v.end;
-    v.teacher |= s.teacher[w] != 0 ? 1u << (w * kTileBlocks / kVisitWarps) : 0u;
+    v.teacher |= s.teacher[w] != 0 ? 1u << (w * kWarp / Form::kPixels) : 0u;
   }
   __syncthreads();
 
   double soft = 0, hard = 0;
-  for (int b = 0; b < kTileBlocks; ++b) {
+  for (int b = 0; b < Form::kBlocks; ++b) {
     if (((v.teacher >> b) & 1u) == 0) continue;
-    const int i = b * kBlockPixels + v.pixel();
+    const int i = b * Form::kPixels + v.pixel();
     const bool pixel_inside = v.tile_x * kTileSize + tile_pixel_x(i) < in.view.width &&
                               v.tile_y * kTileSize + tile_pixel_y(i) < in.view.height;
     const uint32_t pixel_last = pixel_inside ? in.record.last[size_t(tile) * kTilePixels + i] : 0;
-    const float t = blend_rows<kGroups>(v, b, pixel_last);
-    block_loss<kGroups>(v, b, soft, hard);
+    const float t = blend_rows<Form, kGroups>(v, b, pixel_last);
+    block_loss<Form, kGroups>(v, b, soft, hard);
     block_gradients(v, b, pixel_last, t);
     __syncthreads();
   }
@@ -303,7 +317,7 @@ __global__ void __launch_bounds__(kVisitThreads)
   __syncthreads();
   if (thread < 2) {
     double sum = 0;
-    for (int w = 0; w < kVisitWarps; ++w) sum += s.terms[w][thread];
+    for (int w = 0; w < Form::kWarps; ++w) sum += s.terms[w][thread];
     out.tile_terms[2 * size_t(tile) + thread] = sum;
   }
 }

@@ -14,6 +14,13 @@
 
 namespace aligngs::cuda {
 
+/// How much of a tile is visited at once. The sums are the same in another order.
+enum class SemanticVisitMethod {
+  kAutomatic,  ///< what semantic_visit_method says of the device
+  kCompacted,  ///< blocks of 8 x 8 pixels, each with the Gaussians that it took: half of W is not zero
+  kDense       ///< all 16 x 16: a fifth of W is not zero, but a row of a Gaussian is read once, and dS written once
+};
+
 /// Moments of g = dL_geo/dpower of one Gaussian in one tile, in whitened coordinates.
 struct alignas(16) CouplingMoments {
   float p, r, one, pp, pr, rr, unused[2];
@@ -32,6 +39,7 @@ struct SemanticVisitInputs {
   float soft_weight = 0, hard_weight = 0;  ///< LossSettings
   int remainder = 0;        ///< as in SemanticRowInputs
   SemanticSample sample;    ///< pixels that take part
+  SemanticVisitMethod method = SemanticVisitMethod::kAutomatic;
 
   /// What one of them counts in a mean over the valid pixels.
   ALIGNGS_HD float pixel_weight() const { return sample.scale() / static_cast<float>(teacher.valid); }
@@ -44,6 +52,15 @@ struct SemanticVisitOutputs {
   DeviceSpan<double> tile_terms;         ///< [tiles][2] scratch
   DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
 };
+
+/// What a device has to do with the choice.
+struct VisitDevice {
+  int compute_major = 0, compute_minor = 0;
+  size_t shared_bytes = 0;  ///< that a block may ask for
+};
+/// `wanted`, where kAutomatic means kDense on devices whose tensor cores outrun their memory many times, which are those
+/// with HBM (compute capability 8.0, 9.0, 10.x), and kCompacted on others. kCompacted where kDense does not fit.
+SemanticVisitMethod semantic_visit_method(SemanticVisitMethod wanted, const VisitDevice& device, int channels);
 
 /// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels: more than
 /// kMaxSemanticChannels, or than the device's shared memory has room for (224 where a block has 99 KB, as on GeForce).

@@ -56,7 +56,8 @@ struct Outcome {
   std::vector<float> moments;    ///< [N][6] of the coupling, in the order of CouplingMoments
 };
 
-class CudaSemanticVisit : public DeviceTest {
+/// Every test for both methods.
+class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<SemanticVisitMethod> {
  protected:
   void prepare(const Options& o) {
     options = o;
@@ -181,6 +182,7 @@ class CudaSemanticVisit : public DeviceTest {
     in.hard_weight = losses.semantic_hard_weight;
     in.remainder = options.remainder;
     in.sample = losses.semantic_sample;
+    in.method = GetParam();
     SemanticVisitOutputs out{row_slots.span(), {}, seen.span(), tile_terms.span(), terms.span()};
     if (options.couple) out.coupling = coupling.span();
     semantic_visit(context(), in, out);
@@ -278,7 +280,32 @@ class CudaSemanticVisit : public DeviceTest {
   unsigned long long bad = 0;
 };
 
-TEST_F(CudaSemanticVisit, EveryNumberOfClasses) {
+INSTANTIATE_TEST_SUITE_P(BothMethods, CudaSemanticVisit,
+                         testing::Values(SemanticVisitMethod::kCompacted, SemanticVisitMethod::kDense),
+                         [](const auto& method) {
+                           return method.param == SemanticVisitMethod::kCompacted ? "Compacted" : "Dense";
+                         });
+
+TEST(CudaSemanticVisitMethod, FollowsTheDeviceUnlessAskedFor) {
+  using M = SemanticVisitMethod;
+  const size_t kilobyte = 1024;
+  const VisitDevice ampere{8, 0, 163 * kilobyte}, geforce{8, 9, 99 * kilobyte}, hopper{9, 0, 227 * kilobyte},
+      blackwell{10, 0, 227 * kilobyte}, geforce_blackwell{12, 0, 99 * kilobyte};
+  for (const VisitDevice& device : {ampere, hopper, blackwell}) {
+    EXPECT_EQ(semantic_visit_method(M::kAutomatic, device, 40), M::kDense);
+  }
+  for (const VisitDevice& device : {VisitDevice{8, 6, 99 * kilobyte}, geforce, geforce_blackwell}) {
+    EXPECT_EQ(semantic_visit_method(M::kAutomatic, device, 20), M::kCompacted);
+  }
+  EXPECT_EQ(semantic_visit_method(M::kCompacted, hopper, 40), M::kCompacted);
+  EXPECT_EQ(semantic_visit_method(M::kDense, geforce, 20), M::kDense);
+  // All classes of ADE20K fit at once on sm_90, on sm_80 they do not.
+  EXPECT_EQ(semantic_visit_method(M::kAutomatic, hopper, 150), M::kDense);
+  EXPECT_EQ(semantic_visit_method(M::kAutomatic, ampere, 150), M::kCompacted);
+  EXPECT_EQ(semantic_visit_method(M::kDense, hopper, kMaxSemanticChannels), M::kCompacted);
+}
+
+TEST_P(CudaSemanticVisit, EveryNumberOfClasses) {
   for (const int count : {1, 7, 150, 151}) {
     Options o = small_scene();
     o.scene.channels = count;
@@ -286,7 +313,7 @@ TEST_F(CudaSemanticVisit, EveryNumberOfClasses) {
   }
 }
 
-TEST_F(CudaSemanticVisit, AsManyChannelsAsItTakes) {
+TEST_P(CudaSemanticVisit, AsManyChannelsAsItTakes) {
   Options o = small_scene();
   o.scene.channels = kMaxSemanticChannels;
   o.scene.gaussians = 30;
@@ -294,7 +321,7 @@ TEST_F(CudaSemanticVisit, AsManyChannelsAsItTakes) {
   expect_close();
 }
 
-TEST_F(CudaSemanticVisit, NoGaussianAndOne) {
+TEST_P(CudaSemanticVisit, NoGaussianAndOne) {
   for (const size_t gaussians : {size_t(0), size_t(1)}) {
     Options o = small_scene();
     o.scene.gaussians = gaussians;
@@ -304,7 +331,7 @@ TEST_F(CudaSemanticVisit, NoGaussianAndOne) {
   }
 }
 
-TEST_F(CudaSemanticVisit, MoreGaussiansInATileThanAreListedAtATime) {
+TEST_P(CudaSemanticVisit, MoreGaussiansInATileThanAreListedAtATime) {
   Options o;
   o.scene.width = o.scene.height = 16;
   o.scene.gaussians = 2600;
@@ -318,14 +345,14 @@ TEST_F(CudaSemanticVisit, MoreGaussiansInATileThanAreListedAtATime) {
   expect_close();
 }
 
-TEST_F(CudaSemanticVisit, LastChannelThatStandsForManyClasses) {
+TEST_P(CudaSemanticVisit, LastChannelThatStandsForManyClasses) {
   Options o = small_scene();
   o.scene.channels = 20;
   o.remainder = 60;
   expect_close_with_every_loss(o);
 }
 
-TEST_F(CudaSemanticVisit, PartOfThePixels) {
+TEST_P(CudaSemanticVisit, PartOfThePixels) {
   for (const SemanticSample sample : {SemanticSample{2, 1, 4}, SemanticSample{1, 2, 4}}) {
     Options o = small_scene();
     o.scene.width = 61;  // four by three squares: roundings of a few pixels alone would not average
@@ -335,7 +362,7 @@ TEST_F(CudaSemanticVisit, PartOfThePixels) {
   }
 }
 
-TEST_F(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
+TEST_P(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
   Options o = small_scene();
   prepare(o);
   const Outcome coupled = run_device();
@@ -348,7 +375,7 @@ TEST_F(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
 
 /// Behind an opaque surface dL/dalpha is T (q - what stands behind) with T < 0.01: a total of other rounding than the q
 /// that are summed would drown it. The error must be small beside the largest gradient *behind the surface*.
-TEST_F(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
+TEST_P(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
     for (const SemanticCoupling coupling :
            {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
@@ -373,7 +400,7 @@ TEST_F(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   }
 }
 
-TEST_F(CudaSemanticVisit, ATeacherFinerThanTheImageAndOneThatKnowsEverything) {
+TEST_P(CudaSemanticVisit, ATeacherFinerThanTheImageAndOneThatKnowsEverything) {
   Options o = small_scene();
   prepare(o);
   SemanticTarget& t = training.data.semantics;
@@ -395,7 +422,7 @@ TEST_F(CudaSemanticVisit, ATeacherFinerThanTheImageAndOneThatKnowsEverything) {
   expect_close();
 }
 
-TEST_F(CudaSemanticVisit, ARowThatIsNotANumberIsReported) {
+TEST_P(CudaSemanticVisit, ARowThatIsNotANumberIsReported) {
   Options o = small_scene();
   prepare(o);
   size_t row = 0;
@@ -406,7 +433,7 @@ TEST_F(CudaSemanticVisit, ARowThatIsNotANumberIsReported) {
   EXPECT_EQ(bad % 8, static_cast<unsigned long long>(GradientClass::kSemantics));
 }
 
-TEST_F(CudaSemanticVisit, MoreChannelsThanAVisitHoldsAreAnError) {
+TEST_P(CudaSemanticVisit, MoreChannelsThanAVisitHoldsAreAnError) {
   check_semantic_channels(context(), 150);
   try {
     check_semantic_channels(context(), kMaxSemanticChannels + 1);
@@ -417,7 +444,7 @@ TEST_F(CudaSemanticVisit, MoreChannelsThanAVisitHoldsAreAnError) {
   }
 }
 
-TEST_F(CudaSemanticVisit, TeacherMapsSayTheirSize) {
+TEST_P(CudaSemanticVisit, TeacherMapsSayTheirSize) {
   Options o = small_scene();
   prepare(o);
   const uint64_t before = context().used();
@@ -428,7 +455,7 @@ TEST_F(CudaSemanticVisit, TeacherMapsSayTheirSize) {
 }
 
 #ifdef ALIGNGS_CUDA_EMULATED
-TEST_F(CudaSemanticVisit, NoBarrierIsMissing) {
+TEST_P(CudaSemanticVisit, NoBarrierIsMissing) {
   Options o = small_scene();
   o.scene.gaussians = 40;
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {

@@ -250,6 +250,9 @@ TEST(CudaForecast, GrowsWithEverythingThatItDependsOn) {
   more = base;
   more.view_bytes += 123;
   EXPECT_EQ(forecast_bytes(more), forecast_bytes(base) + 123);
+  more = base;
+  more.checkpoints = true;
+  EXPECT_GT(forecast_bytes(more), forecast_bytes(base));
 }
 
 }  // namespace

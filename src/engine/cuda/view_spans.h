@@ -46,6 +46,23 @@ struct TileListSpans {
   DeviceSpan<uint32_t> rank;        ///< [N] number of unculled rows below this one: a dense index in row order
 };
 
+/// A pixel's state in front of every 32nd place of its tile's list, for a backward pass that begins anywhere in it.
+struct alignas(16) BlendCheckpoint {
+  float transmittance, color[3];  ///< sums of w times colour, without background
+};
+struct alignas(16) PlaneCheckpoint {
+  float normal[3], distance;
+};
+/// Places from one checkpoint to the next: the lanes of a warp, of which each takes one Gaussian.
+inline constexpr uint32_t kCheckpointPlaces = 32;
+/// Checkpoints of so many (Gaussian, tile) pairs, [kTilePixels] each. In front of its first place no tile needs one.
+inline size_t checkpoint_count(size_t pairs) { return pairs / kCheckpointPlaces; }
+/// The one in front of `place` > 0, a multiple of kCheckpointPlaces, of the list that begins at `begin`. A list of n
+/// places has (n - 1) / 32 of them, rounded down, so the first of the next list, (begin + n) / 32, is behind its last.
+ALIGNGS_HD inline size_t checkpoint_index(uint32_t begin, uint32_t place) {
+  return size_t(begin / kCheckpointPlaces) + place / kCheckpointPlaces - 1;
+}
+
 /// What the forward pass remembers, so that the backward passes compute only what counted: a pixel takes every Gaussian
 /// whose alpha reaches alpha_min until one would close it.
 struct BlendRecordSpans {
@@ -53,6 +70,9 @@ struct BlendRecordSpans {
   DeviceSpan<uint8_t> seen;          ///< [instances, by slot] 1: some pixel of the tile took it, else 0
   DeviceSpan<uint32_t> last;         ///< [tiles][256] place in the tile's list, plus one, of the last taken; 0: none
   DeviceSpan<float> transmittance;   ///< [tiles][256] what is left behind the last one
+  /// [checkpoint_count][256] where the pixel was open; empty: not wanted
+  DeviceSpan<BlendCheckpoint> checkpoints{};
+  DeviceSpan<PlaneCheckpoint> plane_checkpoints{};  ///< the same, with geometry
 };
 
 /// What blending leaves per pixel, planar as in engine/maps.h, which says what each map is.

@@ -1,0 +1,23 @@
+// Rows in the order of a Morton curve (z-order) through their positions: neighbours in space become neighbours in memory,
+// so that the Gaussians of a tile, gathered by every pass over it, share cache lines and pages (Morton 1966; fast
+// trainers of splats do it as well). Everything that belongs to a row goes with it.
+#pragma once
+
+#include <cstdint>
+
+#include "gaussians/density_control.h"
+
+namespace aligngs {
+
+/// Bits per axis of a Morton code: with a cube of 2^21 cells a side even a floater at a hundred times the room's size
+/// leaves the room more than ten thousand cells a side.
+inline constexpr int kMortonBits = 21;
+
+/// Interleaves the lower kMortonBits bits of three cell numbers, x lowest.
+uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z);
+
+/// Puts the rows of a plan in the order of the Morton codes of their new positions in the cube around all of them. Equal
+/// codes keep their order; positions that are not finite come last.
+void sort_by_morton(const GaussianModel& model, RestructurePlan& plan);
+
+}  // namespace aligngs
