@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "engine/cuda/runtime/block_reduce.cuh"
-#include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/launch.h"
 
 namespace aligngs {
@@ -43,11 +42,7 @@ __global__ void __launch_bounds__(kBlockVoxels)
 
 class CudaTsdfDevice : public TsdfDevice {
  public:
-  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes) {
-    for (const CudaDevice& d : list_cuda_devices().devices) {
-      if (d.index == device) name_ = d.name;
-    }
-  }
+  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes), name_(context_.name()) {}
 
   std::string name() const override { return name_; }
 
@@ -115,7 +110,7 @@ class CudaTsdfDevice : public TsdfDevice {
   }
 
   DeviceContext context_;
-  std::string name_ = "a CUDA device";
+  std::string name_;
 };
 
 }  // namespace

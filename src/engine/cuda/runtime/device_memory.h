@@ -1,5 +1,4 @@
-// Memory of the device: a context with a budget, owning arrays, and the arena of a step. Plain C++ for every includer.
-// Emulated: memory of the host, filled with 0xFF (NaN) so that reads of what was never written show.
+// Memory of the device: a context with a budget, owning arrays, and the arena of a step. Plain C++ over device_calls.h.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,8 @@ struct CUstream_st;
 
 namespace aligngs::cuda {
 
-/// One device, one stream, one budget. Everything of an engine happens in order on the stream.
+/// One device, one stream, one budget. Everything of an engine happens in order on the stream. Whatever allocates, copies
+/// or launches through a context works on its device, from any thread.
 class DeviceContext {
  public:
   /// budget_bytes == 0: nine tenths of what is free on the device now.
@@ -23,6 +23,12 @@ class DeviceContext {
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
   DeviceContext& operator=(const DeviceContext&) = delete;
+
+  /// Makes the context's device the current one of the calling thread, as all functions below and launch() do; to be
+  /// called before another library's functions. The device that was current is not put back: nobody else asks for one,
+  /// and putting it back would start a device that the run does not use.
+  void use() const;
+  std::string name() const;  ///< of the device, as its maker calls it
 
   /// Throws Error{kResources} naming what, the bytes wanted, used and allowed, and a remedy. Aligned to 256 bytes.
   void* allocate(uint64_t bytes, const char* what);
@@ -164,7 +170,7 @@ class DeviceArena {
 /// Host memory that a device copies to without a detour.
 class PinnedMemory {
  public:
-  explicit PinnedMemory(uint64_t bytes);
+  PinnedMemory(const DeviceContext& context, uint64_t bytes);
   ~PinnedMemory();
   PinnedMemory(const PinnedMemory&) = delete;
   PinnedMemory& operator=(const PinnedMemory&) = delete;
