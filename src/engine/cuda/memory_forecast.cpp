@@ -60,9 +60,9 @@ uint64_t forecast_bytes(const MemoryForecastInputs& in) {
   const uint64_t model = ModelArrays::bytes(in.gaussians, in.channels);
   const uint64_t numbers = ModelArrays::bytes(in.gaussians, 0);  // gradients of semantics are kept by rank
   const uint64_t state = 3 * model;                              // parameters and two moments
-  const uint64_t step = numbers + n * row_bytes(channels) + n * kPairsPerGaussian * pair_bytes(channels) +
+  const uint64_t step = numbers + n * row_bytes(channels) + (n * kPairsPerGaussian + kPairSlack) * pair_bytes(channels) +
                         pixel_bytes(in.pixels_per_view);
-  return in.view_bytes + state + step;
+  return state + step;
 }
 
 }  // namespace aligngs::cuda
