@@ -18,24 +18,11 @@ VisitKernel kernel_for(int padded) {
   return semantic_visit_kernel<8>;
 }
 
-/// Bytes of shared memory that a block may ask for.
-size_t shared_memory_of(const DeviceContext& context) {
-#ifdef ALIGNGS_CUDA_EMULATED
-  (void)context;
-  return size_t(227) * 1024;  // of compute capability 9.0
-#else
-  int bytes = 0;
-  check_cuda(cudaDeviceGetAttribute(&bytes, cudaDevAttrMaxSharedMemoryPerBlockOptin, context.device()),
-             "shared memory of the device");
-  return static_cast<size_t>(bytes);
-#endif
-}
-
 }  // namespace
 
 void check_semantic_channels(const DeviceContext& context, int channels) {
   const VisitLayout layout{padded_channels(channels)};
-  if (channels <= kMaxSemanticChannels && layout.bytes() <= shared_memory_of(context)) return;
+  if (channels <= kMaxSemanticChannels && layout.bytes() <= context.shared_memory_per_block()) return;
   throw_resources({}, std::to_string(channels) + " semantic channels are more than this device holds at a time",
                   "train fewer classes: keep the limit on active classes on, or train on the CPU (--device cpu)");
 }

@@ -47,7 +47,7 @@ void set_device(int device) { check_cuda(cudaSetDevice(device), "cudaSetDevice")
 DeviceFacts facts_of(int device) {
   cudaDeviceProp properties{};
   check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
-  return {properties.name, properties.major, properties.minor};
+  return {properties.name, properties.major, properties.minor, properties.sharedMemPerBlockOptin};
 }
 
 DeviceMemory memory_of_current_device() {
@@ -67,6 +67,8 @@ void* allocate(uint64_t bytes) {
   return memory;
 }
 void release(void* memory) noexcept { (void)cudaFree(memory); }
+void withhold(void*, uint64_t) noexcept {}
+void hand_out(void*, uint64_t) noexcept {}
 
 void* allocate_pinned(uint64_t bytes) {
   void* memory = nullptr;

@@ -3,6 +3,7 @@
 // of the calling thread, and work on a stream wants the stream's device to be current: DeviceContext sees to that.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -21,7 +22,8 @@ void set_device(int device);
 
 struct DeviceFacts {
   std::string name;
-  int major = 0, minor = 0;  ///< compute capability
+  int major = 0, minor = 0;           ///< compute capability
+  size_t shared_memory_per_block = 0;  ///< bytes that a kernel may ask for
 };
 DeviceFacts facts_of(int device);  ///< without starting it
 
@@ -33,6 +35,10 @@ DeviceMemory memory_of_current_device();
 /// Aligned to 256 bytes, contents undefined (emulated: 0xFF, which is NaN); null when there is no room.
 void* allocate(uint64_t bytes);
 void release(void* memory) noexcept;  ///< waits for the work that uses it
+/// For memory that is given out in pieces: nothing on a device. Emulated: withheld memory is filled with 0xFF again, and
+/// a sanitizer reports who touches it before it is handed out.
+void withhold(void* memory, uint64_t bytes) noexcept;
+void hand_out(void* memory, uint64_t bytes) noexcept;
 void* allocate_pinned(uint64_t bytes);
 void release_pinned(void* memory) noexcept;
 

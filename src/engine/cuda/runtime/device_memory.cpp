@@ -10,6 +10,9 @@ namespace aligngs::cuda {
 namespace {
 
 constexpr uint64_t kAlignment = 256;  ///< what cudaMalloc gives: enough for every vector load and bulk copy
+constexpr uint64_t kFirstBlock = uint64_t(1) << 20;  ///< of an arena; on a device an allocation takes no less
+constexpr uint64_t kSpareShare = 8;  ///< an eighth: of a warm arena to spare, because lists change their length from visit
+                                     ///< to visit; of the room left, at most, that a block takes beyond its piece
 
 std::string megabytes(uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MB"; }
 
@@ -28,11 +31,12 @@ void DeviceContext::use() const {
 }
 
 std::string DeviceContext::name() const { return calls::facts_of(device_).name; }
+size_t DeviceContext::shared_memory_per_block() const { return calls::facts_of(device_).shared_memory_per_block; }
 
 void* DeviceContext::allocate(uint64_t bytes, const char* what) {
   use();
   void* memory = nullptr;
-  uint64_t free_bytes = budget_ > used_ ? budget_ - used_ : 0;
+  uint64_t free_bytes = room();
   if (bytes <= free_bytes) {
     memory = calls::allocate(bytes);
     if (memory == nullptr) free_bytes = calls::memory_of_current_device().free_bytes;
@@ -82,6 +86,7 @@ void DeviceContext::fill_bytes(void* device, unsigned char value, uint64_t bytes
 }
 void DeviceContext::synchronise() const {
   use();
+  ++synchronisations_;
   calls::synchronise(stream_);
 }
 
@@ -96,41 +101,40 @@ DeviceArena::~DeviceArena() { release(); }
 void DeviceArena::release() {
   for (const Block& b : blocks_) context_->release(b.data, b.bytes);
   blocks_.clear();
+  used_ = taken_ = held_ = 0;
+}
+
+void DeviceArena::add_block(uint64_t bytes, const char* what) {
+  blocks_.push_back({static_cast<unsigned char*>(context_->allocate(bytes, what)), bytes});
+  calls::withhold(blocks_.back().data, bytes);
+  held_ += bytes;
   used_ = 0;
 }
 
 void DeviceArena::reset() {
-#ifdef ALIGNGS_CUDA_EMULATED
-  // A block per piece, fresh each time: stale reads give NaN, and a sanitizer sees reads beyond a piece.
-  release();
-#else
   if (blocks_.size() > 1) {
-    uint64_t total = 0;
-    for (const Block& b : blocks_) total += b.bytes;
-    release();  // cudaFree waits for the work that uses it
-    blocks_.push_back({static_cast<unsigned char*>(context_->allocate(total, "the scratch memory of a step")), total});
+    const uint64_t taken = taken_;
+    release();  // waits for the work that uses it
+    add_block(std::max(taken, std::min(taken + taken / kSpareShare, context_->room())), "the scratch memory of a step");
+  } else if (!blocks_.empty()) {
+    calls::withhold(blocks_.back().data, used_);
   }
-#endif
-  used_ = 0;
+  used_ = taken_ = 0;
 }
 
 void* DeviceArena::take_bytes(uint64_t bytes, const char* what) {
   if (bytes == 0) return nullptr;
-#ifdef ALIGNGS_CUDA_EMULATED
-  blocks_.push_back({static_cast<unsigned char*>(context_->allocate(bytes, what)), bytes});
-  return blocks_.back().data;
-#else
-  constexpr uint64_t kBlock = uint64_t(64) << 20;  // few allocations while cold, little waste on small scenes
   const uint64_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
   if (blocks_.empty() || used_ + rounded > blocks_.back().bytes) {
-    const uint64_t size = std::max(rounded, kBlock);
-    blocks_.push_back({static_cast<unsigned char*>(context_->allocate(size, what)), size});
-    used_ = 0;
+    // As much again as there is, so that a cold step allocates a few times only; little beyond the piece where the
+    // budget ends, because what is left over at the end of a block serves nobody.
+    add_block(std::max(rounded, std::min(std::max(held_, kFirstBlock), context_->room() / kSpareShare)), what);
   }
-  void* piece = blocks_.back().data + used_;
+  unsigned char* piece = blocks_.back().data + used_;
+  calls::hand_out(piece, bytes);
   used_ += rounded;
+  taken_ += rounded;
   return piece;
-#endif
 }
 
 }  // namespace aligngs::cuda

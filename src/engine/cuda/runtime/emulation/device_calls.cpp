@@ -11,6 +11,14 @@
 #include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/emulation/emulated_devices.h"
 
+// In builds without the address sanitizer its marks are nothing.
+#if __has_include(<sanitizer/asan_interface.h>)
+#include <sanitizer/asan_interface.h>
+#else
+#define ASAN_POISON_MEMORY_REGION(memory, bytes) ((void)(memory), (void)(bytes))
+#define ASAN_UNPOISON_MEMORY_REGION(memory, bytes) ((void)(memory), (void)(bytes))
+#endif
+
 namespace aligngs::cuda {
 namespace {
 
@@ -70,7 +78,7 @@ void set_device(int device) {
   current = device;
 }
 
-DeviceFacts facts_of(int) { return {"emulated CUDA device", 9, 0}; }  // as its limit on shared memory
+DeviceFacts facts_of(int) { return {"emulated CUDA device", 9, 0, size_t(227) * 1024}; }
 DeviceMemory memory_of_current_device() {
   const uint64_t bytes = available_memory_bytes();
   return {bytes, bytes};
@@ -87,10 +95,18 @@ void* allocate(uint64_t bytes) {
 void release(void* memory) noexcept {
   {
     const std::lock_guard<std::mutex> lock(memory_mutex);
-    memory_map().erase(memory);
+    const auto found = memory_map().find(memory);
+    hand_out(memory, found->second.bytes);
+    memory_map().erase(found);
   }
   ::operator delete(memory, kAlignment);
 }
+void withhold(void* memory, uint64_t bytes) noexcept {
+  ASAN_UNPOISON_MEMORY_REGION(memory, bytes);
+  std::memset(memory, 0xFF, bytes);
+  ASAN_POISON_MEMORY_REGION(memory, bytes);
+}
+void hand_out(void* memory, uint64_t bytes) noexcept { ASAN_UNPOISON_MEMORY_REGION(memory, bytes); }
 void* allocate_pinned(uint64_t bytes) { return ::operator new(bytes); }
 void release_pinned(void* memory) noexcept { ::operator delete(memory); }
 
