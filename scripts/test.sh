@@ -1,18 +1,25 @@
 #!/usr/bin/env bash
 # From a bare clone to tested: installs packages, builds everything, runs every test.
-# Usage: scripts/test.sh [--fast]     --fast leaves out the long trainings (label slow)
+# Usage: scripts/test.sh [--fast] [--no-gpu] [-DNAME=VALUE...]     --fast leaves out the long trainings (label slow),
+# --no-gpu the tests on a CUDA device (label gpu; without a device they skip); -D goes to CMake
 set -euo pipefail
 cd "$(dirname "$0")/.."
-selection=()
+excluded=() definitions=()
 for option in "$@"; do
   case "$option" in
-    --fast) selection=(-LE slow) ;;
-    -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;;
+    --fast) excluded+=(slow) ;;
+    --no-gpu) excluded+=(gpu) ;;
+    -D?*) definitions+=("$option") ;;
+    -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;;
     *) echo "test.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done
+selection=()
+if [ ${#excluded[@]} -gt 0 ]; then
+  selection=(-LE "$(IFS='|'; echo "${excluded[*]}")")
+fi
 scripts/setup.sh
 scripts/check_layering.sh
-scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON
+scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON "${definitions[@]}"
 # One test at a time: most of them use every core themselves.
 ctest --test-dir build --output-on-failure --no-tests=error "${selection[@]}"

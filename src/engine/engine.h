@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,13 @@ struct EngineState {
   std::map<std::string, std::vector<float>> arrays;  ///< moments ("adam_m.positions"), statistics, running values
 };
 
+/// Memory that an engine works in beside the host's, as a device has.
+struct OwnMemory {
+  uint64_t limit = 0;  ///< bytes that a run may take of it
+  uint64_t views = 0;  ///< bytes of it that set_training_views() will take for the views asked about
+  int channels = 0;    ///< numbers per semantic row there (limit_classes); 0: as many as there are classes
+};
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -92,8 +100,13 @@ class Engine {
   /// training views. Rows that no pixel sees stay zero.
   virtual void lift_semantics(const RasterSettings& raster) = 0;
 
-  /// Bytes a run with n Gaussians, C channels and these views needs, for the memory budget.
+  /// Nothing: the engine works in the host's memory. Before set_training_views and after limit_classes.
+  virtual std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& /*views*/) const { return {}; }
+  /// Bytes that n Gaussians of C channels, their optimiser and a step need in the memory that the engine works in,
+  /// without views that it does not have yet.
   virtual uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const = 0;
+  /// Of an engine with memory of its own: bytes of the host's for copies, at the peak of writing a checkpoint.
+  virtual uint64_t predicted_host_bytes(size_t /*gaussians*/, int /*channels*/) const { return 0; }
 };
 
 /// The multi-threaded float engine. threads == 0: all hardware threads.

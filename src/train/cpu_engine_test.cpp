@@ -9,11 +9,14 @@
 #include "scene/test_scene_folder.h"
 #include "train/run_folder.h"
 #include "train/train_run.h"
+#include "train/watched_engine.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
+using test_train::Killed;
+using test_train::WatchedEngine;
 
 /// The slope of test_scene with a texture that belongs to its surface, so that the views agree on it.
 fs::path write_textured_scene() {
@@ -65,38 +68,12 @@ class TrainOnCpu : public testing::Test {
   fs::path scene_, base_;
 };
 
-/// Stands for kill -9: the engine's owner dies in the middle of a step.
-struct Killed {};
-class MortalEngine final : public Engine {
- public:
-  MortalEngine(int threads, int64_t kill_at) : engine_(make_cpu_engine(threads)), kill_at_(kill_at) {}
-  StepReport step(const StepRequest& request) override {
-    StepReport report = engine_->step(request);
-    if (request.step == kill_at_) throw Killed{};
-    return report;
-  }
-  std::string device_name() const override { return engine_->device_name(); }
-  void load(const GaussianModel& model) override { engine_->load(model); }
-  void store(GaussianModel& model) const override { engine_->store(model); }
-  void save_state(EngineState& state) const override { engine_->save_state(state); }
-  void load_state(const EngineState& state) override { engine_->load_state(state); }
-  size_t size() const override { return engine_->size(); }
-  bool offers_multi_view() const override { return engine_->offers_multi_view(); }
-  void set_training_views(std::vector<TrainingView> views) override { engine_->set_training_views(std::move(views)); }
-  DensityStatistics density_statistics() const override { return engine_->density_statistics(); }
-  void reset_density_statistics() override { engine_->reset_density_statistics(); }
-  void restructure(const RestructurePlan& plan) override { engine_->restructure(plan); }
-  void reset_opacity(float maximum) override { engine_->reset_opacity(maximum); }
-  Rendering render(const Camera& camera, const RenderOptions& o) const override { return engine_->render(camera, o); }
-  void lift_semantics(const RasterSettings& raster) override { engine_->lift_semantics(raster); }
-  uint64_t predicted_bytes(size_t n, int channels, size_t pixels) const override {
-    return engine_->predicted_bytes(n, channels, pixels);
-  }
-
- private:
-  std::unique_ptr<Engine> engine_;
-  int64_t kill_at_;
-};
+/// An engine that dies in the middle of a step.
+EngineFactory killed_at(int64_t step) {
+  return [step](int threads) {
+    return std::make_unique<WatchedEngine>(make_cpu_engine(threads), test_train::killed_at(step));
+  };
+}
 
 TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   for (const char* preset : {"default", "paper", "pgsr"}) {
@@ -104,7 +81,7 @@ TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
     train_run(whole);
     for (const int64_t at : {5, 16, 37}) {
       TrainOptions o = options(std::string(preset) + std::to_string(at), preset);
-      EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+      EXPECT_THROW(train_run(o, killed_at(at)), Killed);
       o.resume = true;
       train_run(o);
       EXPECT_TRUE(ply(o) == ply(whole)) << preset << " killed at " << at;
@@ -160,7 +137,7 @@ TEST_F(TrainOnCpu, CoarseStepsResumeByteIdentical) {
   EXPECT_NE(read_file(RunFolder(whole.run).events()).find("views at 1 of the working resolution"), std::string::npos);
   for (const int64_t at : {15, 20, 21}) {  // checkpoints stand at 10 and 20
     TrainOptions o = coarse("coarse" + std::to_string(at));
-    EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
     o.resume = true;
     train_run(o);
     EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;

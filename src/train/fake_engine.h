@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "engine/engine.h"
@@ -14,6 +15,8 @@ class FakeEngine final : public Engine {
  public:
   /// Called with each step's number; the result is put into the report. For injecting failures.
   std::function<NonFinite(int64_t step)> before_step;
+  /// What own_memory() says.
+  std::optional<OwnMemory> memory;
 
   std::string device_name() const override { return "fake"; }
   void load(const GaussianModel& model) override {
@@ -89,9 +92,12 @@ class FakeEngine final : public Engine {
   void lift_semantics(const RasterSettings&) override {
     for (size_t i = 0; i < model_.semantics.size(); ++i) model_.semantics[i] = static_cast<float>(i % 3);
   }
-  uint64_t predicted_bytes(size_t gaussians, int channels, size_t) const override {
+  static constexpr uint64_t bytes(uint64_t gaussians, int channels) {
     return gaussians * (59 + static_cast<uint64_t>(channels)) * 12;
   }
+  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>&) const override { return memory; }
+  uint64_t predicted_bytes(size_t gaussians, int channels, size_t) const override { return bytes(gaussians, channels); }
+  uint64_t predicted_host_bytes(size_t gaussians, int channels) const override { return bytes(gaussians, channels) / 2; }
 
  private:
   GaussianModel model_;

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+
+#include "core/log.h"
+#include "core/progress.h"
 
 namespace aligngs {
 namespace {
@@ -29,23 +33,60 @@ uint64_t cap_of_settings(const CapInputs& in) {
 
 }  // namespace
 
-GaussianCap fit_gaussian_cap(const CapInputs& in, MemoryBudget& budget) {
+GaussianCap fit_gaussian_cap(const CapInputs& in, const std::vector<MemoryToFit>& memories) {
   GaussianCap result;
   result.gaussians = cap_of_settings(in);
-  const auto fits = [&](uint64_t n) { return budget.total() + in.bytes(n) <= budget.limit(); };
+  const auto too_small = [&](uint64_t n) {  // the first memory that does not hold so many
+    return std::find_if(memories.begin(), memories.end(), [&](const MemoryToFit& m) {
+      return m.budget.total() + m.bytes(n) > m.budget.limit();
+    });
+  };
+  const auto fits = [&](uint64_t n) { return too_small(n) == memories.end(); };
   if (!fits(result.gaussians) && fits(in.start_size)) {
     uint64_t low = in.start_size, high = result.gaussians;  // low fits, high does not
     while (high - low > 1) {
       const uint64_t middle = low + (high - low) / 2;
       (fits(middle) ? low : high) = middle;
     }
-    result.warning = fmt::format("memory holds {} Gaussians, not the {} that the settings allow: growth stops there", low,
-                                 result.gaussians);
+    const std::string& device = too_small(high)->device;
+    result.warning = fmt::format("{} holds {} Gaussians, not the {} that the settings allow: growth stops there",
+                                 device.empty() ? "memory" : "the memory of " + device, low, result.gaussians);
     result.gaussians = low;
   }
-  budget.add(fmt::format("{} Gaussians, optimiser, workspace", result.gaussians), in.bytes(result.gaussians));
-  budget.require("training", kMemoryRemedy);
+  for (const MemoryToFit& m : memories) {
+    m.budget.add(fmt::format("{} Gaussians, {}", result.gaussians, m.what), m.bytes(result.gaussians));
+    if (m.device.empty()) {
+      m.budget.require("training", kMemoryRemedy);
+    } else {
+      m.budget.require("training on " + m.device, kDeviceMemoryRemedy);
+    }
+  }
   return result;
+}
+
+GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudget& host) {
+  const Engine& engine = fit.engine;
+  const auto engine_bytes = [&](int channels) {
+    return [&engine, channels, pixels = fit.pixels_per_view](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); };
+  };
+  const auto say = [](const MemoryBudget& budget, const std::string& where) {
+    log_info("memory{}: {} predicted, {} allowed", where, format_bytes(budget.total()), format_bytes(budget.limit()));
+  };
+  const std::optional<OwnMemory> own = engine.own_memory(fit.views);
+  if (!own) {
+    GaussianCap cap = fit_gaussian_cap(in, {{host, "optimiser, workspace", engine_bytes(fit.channels)}});
+    say(host, "");
+    return cap;
+  }
+  MemoryBudget device(std::max<uint64_t>(own->limit, 1));  // 0 would mean a share of the host's memory
+  device.add("training views", own->views);
+  const int channels = own->channels > 0 ? std::min(own->channels, fit.channels) : fit.channels;
+  GaussianCap cap = fit_gaussian_cap(
+      in, {{host, "copies for checkpoints", [&](uint64_t n) { return engine.predicted_host_bytes(n, fit.channels); }},
+           {device, "optimiser, workspace", engine_bytes(channels), engine.device_name()}});
+  say(host, "");
+  say(device, " of " + engine.device_name());
+  return cap;
 }
 
 }  // namespace aligngs

@@ -163,11 +163,9 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   state.dense_start = begun.dense;
   state.normals_at_start = begun.has_normals;
   state.engine.model = std::move(begun.model);
-  const GaussianCap cap = fit_gaussian_cap(
-      {config_, state.engine.model.size(), state.dense_start, limit, all_pixels,
-       [&](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); }}, budget_);
+  const GaussianCap cap = fit_to_engine({config_, state.engine.model.size(), state.dense_start, limit, all_pixels},
+                                        {engine, views, channels, pixels}, budget_);
   if (!cap.warning.empty()) warn(cap.warning);
-  log_info("memory: {} predicted, {} allowed", format_bytes(budget_.total()), format_bytes(budget_.limit()));
   state.max_gaussians = cap.gaussians;
   return state;
 }
@@ -217,9 +215,9 @@ TrainResult Run::train() {
   if (multi_view) {
     inputs.neighbours = neighbours_of(inputs.guides);
   }
+  engine->limit_classes(static_cast<int>(config_.semantic.active_top));
   bool fresh = true;
   TrainingState state = start(*engine, views, inputs, fresh);
-  engine->limit_classes(static_cast<int>(config_.semantic.active_top));
   inputs.load_views = [this](double scale) {
     TrainConfig at_scale = config_;
     at_scale.data.scale *= scale;

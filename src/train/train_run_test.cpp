@@ -400,6 +400,41 @@ TEST_F(TrainRun, TooLittleMemoryIsAResourceErrorWithTheSum) {
   }
 }
 
+/// An engine with memory of its own for so many Gaussians of three classes, beside its views.
+EngineFactory engine_with_room_for(uint64_t gaussians) {
+  return [gaussians](int) {
+    auto engine = std::make_unique<test_train::FakeEngine>();
+    engine->memory = OwnMemory{5000 + test_train::FakeEngine::bytes(gaussians, 3), 5000, 0};
+    return engine;
+  };
+}
+
+TEST_F(TrainRun, TheMemoryOfADeviceLimitsGrowth) {
+  TrainOptions o = options("a");
+  o.config.sets.push_back("init.max_gaussians=100");
+  o.config.sets.push_back("densify.max_growth=3");
+  train_run(o, engine_with_room_for(120));
+  ASSERT_EQ(record(o).warnings.size(), 1u);
+  EXPECT_THAT(record(o).warnings[0], HasSubstr("the memory of fake holds 120 Gaussians"));
+  const std::vector<fs::path> checkpoints = list_checkpoints(o.run / "checkpoints");
+  EXPECT_EQ(read_checkpoint(checkpoints.front(), record(o).fingerprint).max_gaussians, 120u);
+}
+
+TEST_F(TrainRun, ADeviceTooSmallForTheStartIsAResourceErrorBeforeTheFirstStep) {
+  TrainOptions o = options("a");
+  o.config.sets.push_back("init.max_gaussians=100");
+  try {
+    train_run(o, engine_with_room_for(10));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kResources);
+    EXPECT_THAT(e.what(), HasSubstr("training on fake"));
+    EXPECT_THAT(e.details().remedy, HasSubstr("--device cpu"));
+  }
+  EXPECT_EQ(record(o).status, "failed");
+  EXPECT_FALSE(fs::exists(o.run / "events.ndjson"));
+}
+
 TEST_F(TrainRun, MissingPriorsAreSaidOrRefused) {
   fs::remove_all(scene_ / "segmentation_logits");
   TrainOptions o = options("a");

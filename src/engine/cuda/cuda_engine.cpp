@@ -19,13 +19,6 @@
 namespace aligngs::cuda {
 namespace {
 
-std::string name_of(int device) {
-  for (const CudaDevice& d : list_cuda_devices().devices) {
-    if (d.index == device) return "cuda:" + std::to_string(device) + ", " + d.name;
-  }
-  return "cuda:" + std::to_string(device);
-}
-
 size_t room_for(size_t pairs) { return static_cast<size_t>(static_cast<double>(pairs) * kPairGrowth) + kPairSlack; }
 
 }  // namespace
@@ -34,9 +27,9 @@ CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const Cud
     : options_(options),
       context_(std::make_unique<DeviceContext>(device, budget_bytes)),
       pool_(std::make_unique<ThreadPool>(threads)),
-      name_(name_of(device)),
+      name_("cuda:" + std::to_string(device) + ", " + context_->name()),
       arena_(*context_),
-      read_back_(std::make_unique<PinnedMemory>(sizeof(ReadBack))) {}
+      read_back_(std::make_unique<PinnedMemory>(*context_, sizeof(ReadBack))) {}
 
 DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry,
                                    bool record, size_t pairs) const {

@@ -49,7 +49,9 @@ class CudaEngine final : public Engine {
 
   Rendering render(const Camera& camera, const RenderOptions& options) const override;
   void lift_semantics(const RasterSettings& raster) override;
+  std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views) const override;
   uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const override;
+  uint64_t predicted_host_bytes(size_t gaussians, int channels) const override;
 
   // For tests. Gradients and maps of the last step, until the next call of anything else; rows that the step did not
   // touch are zero.
@@ -119,7 +121,6 @@ class CudaEngine final : public Engine {
   mutable DeviceArray<float> statistics_[kStatistics];  ///< in the order of arrays_of(DensityStatistics&)
   CouplingBalance balance_;
   std::vector<ViewOnDevice> views_;
-  uint64_t view_bytes_ = 0;
 
   int active_top_k_ = 0;
   cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels

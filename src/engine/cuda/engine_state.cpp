@@ -117,7 +117,6 @@ void CudaEngine::load_state(const EngineState& state) {
 void CudaEngine::set_training_views(std::vector<TrainingView> views) {
   active_ = cpu::find_active_classes(views, active_top_k_, *pool_);
   views_.clear();
-  view_bytes_ = 0;
   for (TrainingView& view : views) {
     const SemanticTarget& target = view.data.semantics;
     cpu::compress_target(active_, *pool_, view.data.semantics);
@@ -125,15 +124,11 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
     ViewOnDevice on_device;
     on_device.camera = view.data.camera;
     on_device.maps = TrainingMaps(*context_, view);
-    view_bytes_ += TrainingMaps::bytes(view);
     if (!target.empty()) {
-      const size_t pixels = static_cast<size_t>(view.data.camera.width) * static_cast<size_t>(view.data.camera.height);
       cpu::SemanticView cache;
       cpu::prepare_semantic_view(view, target.channels - (active_.has_remainder() ? 1 : 0), *pool_, cache);
       on_device.teacher = TeacherMaps(*context_, view, cache);
       on_device.teacher_channels = target.channels;
-      view_bytes_ += TeacherMaps::bytes(
-          target.channels, static_cast<size_t>(target.width) * static_cast<size_t>(target.height), pixels);
     }
     views_.push_back(std::move(on_device));
     view = {};
@@ -169,9 +164,29 @@ void CudaEngine::reset_opacity(float maximum) {
   cap_opacities(*context_, maximum, {model_.spans(), m_.spans(), v_.spans(), {}});
 }
 
+std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>& views) const {
+  const cpu::ActiveClasses active = cpu::find_active_classes(views, active_top_k_, *pool_);
+  OwnMemory own;
+  own.limit = context_->budget();
+  if (active.has_remainder()) own.channels = active.channels();
+  for (const TrainingView& view : views) {
+    own.views += TrainingMaps::bytes(view);
+    const SemanticTarget& target = view.data.semantics;
+    if (target.empty()) continue;
+    own.views += TeacherMaps::bytes(active.has_remainder() ? active.channels() : target.channels,
+                                    static_cast<size_t>(target.width) * static_cast<size_t>(target.height),
+                                    view.data.color.pixels());
+  }
+  return own;
+}
+
 uint64_t CudaEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {
-  return forecast_bytes({gaussians, channels, pixels_per_view, view_bytes_,
-                         options_.blend_backward == BlendBackwardMethod::kPerSplat});
+  return forecast_bytes({gaussians, channels, pixels_per_view, options_.blend_backward == BlendBackwardMethod::kPerSplat});
+}
+
+uint64_t CudaEngine::predicted_host_bytes(size_t gaussians, int channels) const {
+  const uint64_t state = 3 * ModelArrays::bytes(gaussians, channels) + kStatistics * sizeof(float) * gaussians;
+  return 2 * state;  // once as it comes from the device, once as bytes of the file
 }
 
 }  // namespace aligngs::cuda

@@ -225,6 +225,51 @@ TEST_F(CudaEngineState, TooLittleMemoryIsTyped) {
   }
 }
 
+TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
+  SceneOptions o;
+  o.width = 80;
+  o.height = 60;
+  o.gaussians = 1000;
+  o.log_scale_min = o.log_scale_max = -5;
+  const std::vector<TrainingView> views = {make_view(o), make_view(o)};
+  const GaussianModel model = make_model(o);
+  const auto needed = [&](const Engine& e) {
+    return e.own_memory(views)->views + e.predicted_bytes(model.size(), model.semantic_channels, size_t(o.width) * o.height);
+  };
+  const uint64_t budget = needed(*make_cuda_engine(0, 0, 1));
+  const auto train = [&](uint64_t bytes) {
+    const std::unique_ptr<Engine> e = make_cuda_engine(0, bytes, 1);
+    EXPECT_EQ(e->own_memory(views)->limit, bytes);
+    e->load(model);
+    e->set_training_views(views);
+    StepRequest r = make_geometry_request();
+    for (r.step = 1; r.step <= 3; ++r.step) {
+      r.view = static_cast<int>(r.step % 2);
+      e->step(r);
+    }
+    e->lift_semantics({});
+  };
+  EXPECT_NO_THROW(train(budget));
+  EXPECT_THROW(train(budget / 3), Error);
+}
+
+TEST_F(CudaEngineState, OwnMemoryCountsTheClassesThatRowsWillCarry) {
+  SceneOptions o = small_scene();
+  o.channels = 12;
+  std::vector<TrainingView> views = {make_view(o)};
+  std::vector<uint16_t>& teacher = views[0].data.semantics.probabilities;
+  for (size_t i = 0; i < teacher.size(); ++i) {
+    if (i % 12 >= 4) teacher[i] = 0;  // eight classes that nobody sees
+  }
+  const std::unique_ptr<Engine> e = make_cuda_engine(0, uint64_t(1) << 30, 1);
+  const OwnMemory all = *e->own_memory(views);
+  e->limit_classes(1);
+  const OwnMemory few = *e->own_memory(views);
+  EXPECT_EQ(all.channels, 0);
+  EXPECT_EQ(few.channels, 5);
+  EXPECT_LT(few.views, all.views);
+}
+
 TEST_F(CudaEngineState, PredictedBytesCoverTheModelAndGrow) {
   const SceneOptions o = small_scene();
   const std::unique_ptr<Engine> e = engine(make_model(o), {make_view(o)});

@@ -280,6 +280,19 @@ TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeated) {
   EXPECT_GT(report.visible, 0u);
 }
 
+TEST_F(CudaStep, AWarmStepWaitsOnceAndAllocatesNothing) {
+  const SceneOptions o = scene(7, 60);
+  const std::unique_ptr<CudaEngine> engine = make_engine();
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o)});
+  StepRequest r = make_geometry_request();
+  for (r.step = 1; r.step <= 3; ++r.step) engine->step(r);
+  const uint64_t waited = engine->context().synchronisations(), allocated = engine->context().allocations();
+  engine->step(r);
+  EXPECT_EQ(engine->context().synchronisations() - waited, 1u);
+  EXPECT_EQ(engine->context().allocations() - allocated, 0u);
+}
+
 TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
   const SceneOptions o = scene(7, 60);
   const auto train = [&] {

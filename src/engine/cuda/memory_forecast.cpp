@@ -20,6 +20,9 @@ constexpr uint64_t kSortScratch = 2 * kIndex;  ///< of a radix sort, per pair of
 
 constexpr uint64_t kDensityStatistics = sizeof(DensitySpans) / sizeof(DeviceSpan<float>);
 
+/// An eighth of a step is lost between the blocks of an arena that is not warm yet.
+constexpr uint64_t kLostShare = 8;
+
 /// Of the model's rows on their way through a step.
 uint64_t row_bytes(uint64_t channels) {
   const uint64_t projected = sizeof(Splat) + sizeof(TileRect) + kFloat;  // radius
@@ -61,9 +64,9 @@ uint64_t forecast_bytes(const MemoryForecastInputs& in) {
   const uint64_t model = ModelArrays::bytes(in.gaussians, in.channels);
   const uint64_t numbers = ModelArrays::bytes(in.gaussians, 0);  // gradients of semantics are kept by rank
   const uint64_t state = 3 * model;                              // parameters and two moments
-  const uint64_t step = numbers + n * row_bytes(channels) + n * kPairsPerGaussian * pair_bytes(channels, in.checkpoints) +
+  const uint64_t step = numbers + n * row_bytes(channels) + (n * kPairsPerGaussian + kPairSlack) * pair_bytes(channels, in.checkpoints) +
                         pixel_bytes(in.pixels_per_view);
-  return in.view_bytes + state + step;
+  return state + step + step / kLostShare;
 }
 
 }  // namespace aligngs::cuda

@@ -67,7 +67,7 @@ SemanticVisitMethod semantic_visit_method(SemanticVisitMethod wanted, const Visi
 
 void check_semantic_channels(const DeviceContext& context, int channels) {
   const VisitLayout<CompactedVisit> layout{padded_channels(channels)};
-  if (channels <= kMaxSemanticChannels && layout.bytes() <= device_of(context).shared_bytes) return;
+  if (channels <= kMaxSemanticChannels && layout.bytes() <= context.shared_memory_per_block()) return;
   throw_resources({}, std::to_string(channels) + " semantic channels are more than this device holds at a time",
                   "train fewer classes: keep the limit on active classes on, or train on the CPU (--device cpu)");
 }

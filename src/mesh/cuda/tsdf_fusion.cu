@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/launch.h"
 #include "mesh/cuda/tsdf_fusion.cuh"
 
@@ -15,11 +14,7 @@ constexpr size_t kStagedBlocks = 4096;  // 32 MB: host memory through which voxe
 
 class CudaTsdfDevice : public TsdfDevice {
  public:
-  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes) {
-    for (const CudaDevice& d : list_cuda_devices().devices) {
-      if (d.index == device) name_ = d.name;
-    }
-  }
+  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes), name_(context_.name()) {}
 
   std::string name() const override { return name_; }
 
@@ -87,7 +82,7 @@ class CudaTsdfDevice : public TsdfDevice {
   }
 
   DeviceContext context_;
-  std::string name_ = "a CUDA device";
+  std::string name_;
 };
 
 }  // namespace

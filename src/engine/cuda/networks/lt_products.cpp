@@ -68,6 +68,7 @@ class LtProducts : public LibraryProducts {
     const LtEpilogue epilogue = lt_epilogue(p.bias != nullptr, p.activation);
     const LtShape shape{halves, p.rows, p.outputs, p.depth, epilogue, alignment_of(x), alignment_of(w),
                         alignment_of(p.y.data), epilogue.bias ? alignment_of(p.bias) : 0};
+    pool_.context().use();  // the library chooses for the current device, and wants it to be its stream's
     {
       const std::lock_guard<std::mutex> lock(mutex_);  // a plan holds the bias of the product that it serves
       LtPlan& plan = plan_of(shape, p.bias);
@@ -180,7 +181,7 @@ LibraryStart start_lt_products([[maybe_unused]] DevicePool& pool) {
 #ifdef ALIGNGS_CUDA_EMULATED
   return {};
 #elif defined(ALIGNGS_CUBLAS_LT)
-  use_device_on_this_thread(pool.context());
+  pool.context().use();  // the library starts on the current device
   std::string reason;
   std::shared_ptr<CublasLt> lt = CublasLt::start(load_cublas_lt(cublas_lt_names()), reason);
   if (lt == nullptr) return {nullptr, reason};

@@ -10,7 +10,6 @@
 #include "engine/cuda/networks/map_operators.h"
 #include "engine/cuda/networks/matrix_products.h"
 #include "engine/cuda/networks/row_operators.h"
-#include "engine/cuda/runtime/cuda_device.h"
 
 namespace aligngs {
 namespace cuda {
@@ -69,11 +68,9 @@ class CudaMatrix : public nn::PackedMatrix {
 class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_from_this<CudaNetworkDevice> {
  public:
   CudaNetworkDevice(int device, uint64_t budget_bytes)
-      : pool_(std::make_shared<DevicePool>(device, budget_bytes)), products_(context(), start_lt_products(*pool_)) {
-    for (const CudaDevice& d : list_cuda_devices().devices) {
-      if (d.index == device) name_ = d.name;
-    }
-  }
+      : pool_(std::make_shared<DevicePool>(device, budget_bytes)),
+        products_(context(), start_lt_products(*pool_)),
+        name_(context().name()) {}
 
   std::string name() const override { return name_; }
   std::shared_ptr<float> allocate(size_t count) override {
@@ -242,7 +239,6 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
 
   /// Rows of the host through the device.
   void multiply_host(const CudaMatrix& matrix, const void* x, int64_t rows, float* y) {
-    use_device_on_this_thread(context());
     const int64_t inputs = matrix.inputs();
     const auto result = allocate(size_t(rows * matrix.outputs()));
     if (matrix.precision() == Precision::kFloat32) {
@@ -321,7 +317,7 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
 
   std::shared_ptr<DevicePool> pool_;
   MatrixProducts products_;
-  std::string name_ = "a CUDA device";
+  std::string name_;
 };
 
 void CudaMatrix::multiply_operands(const void* x, int64_t rows, float* y, nn::Scratch&) const {

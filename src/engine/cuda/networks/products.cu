@@ -27,12 +27,6 @@ void launch_gather(const DeviceContext& context, DeviceSpan<const float> x, cons
 
 }  // namespace
 
-void use_device_on_this_thread(const DeviceContext& context) {
-#ifndef ALIGNGS_CUDA_EMULATED
-  check_cuda(cudaSetDevice(context.device()), "cudaSetDevice");
-#endif
-}
-
 void multiply_bf16(const DeviceContext& context, const ProductSpans& p, DeviceSpan<const uint16_t> x,
                    DeviceSpan<const uint16_t> w) {
   if (p.rows * p.outputs >= kLargeProduct) {

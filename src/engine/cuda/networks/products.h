@@ -10,9 +10,6 @@ constexpr int64_t kDepthStep = 32;  ///< inputs per step of a product: rows of b
 
 inline int64_t padded_depth(int64_t inputs) { return (inputs + kDepthStep - 1) / kDepthStep * kDepthStep; }
 
-/// The calling thread may use the context as well, whichever made it.
-void use_device_on_this_thread(const DeviceContext& context);
-
 /// y [rows, outputs] = activation(x w^T + bias), sums in float32.
 struct ProductSpans {
   int64_t rows = 0, outputs = 0;

@@ -30,9 +30,17 @@ struct DeviceChoice {
   std::string message;  ///< why `auto` takes the CPU; empty otherwise
 };
 
-/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes the CPU, with a message that says why: no device, or
-/// an engine that has only run on an emulated one. Throws Error{kUsage} for any other text and Error{kResources} when
-/// cuda:N is not there.
-DeviceChoice choose_device(const std::string& request, const CudaDevices& devices);
+/// Whether `auto` takes a device. Not before `ctest -L gpu` has passed on one, which has not happened yet (docs/cuda.md):
+/// until then whoever wants a device names it.
+inline constexpr bool kAutoTakesADevice = false;
+
+/// Compute capability that the kernels need: bfloat16 on tensor cores came with 8.0.
+inline constexpr int kLeastCapability = 8;
+
+/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes, if it `auto_takes_a_device`, the one with most free
+/// memory among those that run the kernels, else the CPU, with a message that says why. Throws Error{kUsage} for any other
+/// text and Error{kResources} when cuda:N is not there or too old.
+DeviceChoice choose_device(const std::string& request, const CudaDevices& devices,
+                           bool auto_takes_a_device = kAutoTakesADevice);
 
 }  // namespace aligngs::cuda

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <charconv>
 
 #include "core/error.h"
@@ -6,17 +5,38 @@
 
 namespace aligngs::cuda {
 
-DeviceChoice choose_device(const std::string& request, const CudaDevices& devices) {
-  if (request == "cpu") return {};
-  if (request == "auto") {
-    if (devices.devices.empty()) return {false, 0, "running on the CPU: " + devices.reason};
-    const auto roomiest =
-        std::max_element(devices.devices.begin(), devices.devices.end(),
-                         [](const CudaDevice& a, const CudaDevice& b) { return a.free_bytes < b.free_bytes; });
-    // Results are compared with the CPU's on an emulated device only; whoever asks for a real one by name knows that.
-    return {false, 0, "running on the CPU: the CUDA engine has not been run on a device yet; to try it: --device cuda:" +
-                          std::to_string(roomiest->index)};
+namespace {
+
+bool runs_kernels(const CudaDevice& d) { return d.major >= kLeastCapability; }
+
+std::string too_old(const CudaDevice& d) {
+  return d.name + " has compute capability " + std::to_string(d.major) + "." + std::to_string(d.minor) + ", and " +
+         std::to_string(kLeastCapability) + ".0 is needed";
+}
+
+/// The one with most free memory among those that run the kernels, or nullptr.
+const CudaDevice* roomiest(const CudaDevices& devices) {
+  const CudaDevice* best = nullptr;
+  for (const CudaDevice& d : devices.devices) {
+    if (runs_kernels(d) && (best == nullptr || d.free_bytes > best->free_bytes)) best = &d;
   }
+  return best;
+}
+
+DeviceChoice choose_automatically(const CudaDevices& devices, bool takes_a_device) {
+  if (devices.devices.empty()) return {false, 0, "running on the CPU: " + devices.reason};
+  const CudaDevice* device = roomiest(devices);
+  if (device == nullptr) return {false, 0, "running on the CPU: " + too_old(devices.devices.front())};
+  if (takes_a_device) return {true, device->index, {}};
+  return {false, 0, "running on the CPU: the CUDA engine has not been run on a device yet; to try it: --device cuda:" +
+                        std::to_string(device->index)};
+}
+
+}  // namespace
+
+DeviceChoice choose_device(const std::string& request, const CudaDevices& devices, bool auto_takes_a_device) {
+  if (request == "cpu") return {};
+  if (request == "auto") return choose_automatically(devices, auto_takes_a_device);
   int index = 0;
   const std::string prefix = "cuda:";
   bool valid = request == "cuda";
@@ -26,13 +46,14 @@ DeviceChoice choose_device(const std::string& request, const CudaDevices& device
     valid = status == std::errc() && end == last && first != last && index >= 0;
   }
   if (!valid) throw_usage("--device must be auto, cpu or cuda:N, not \"" + request + "\"", "for example --device cpu");
+  std::string reason = devices.devices.empty()
+                           ? devices.reason
+                           : "there are " + std::to_string(devices.devices.size()) + " CUDA devices, counted from 0";
   for (const CudaDevice& d : devices.devices) {
-    if (d.index == index) return {true, index, {}};
+    if (d.index != index) continue;
+    if (runs_kernels(d)) return {true, index, {}};
+    reason = too_old(d);
   }
-  const std::string reason =
-      devices.devices.empty()
-          ? devices.reason
-          : "there are " + std::to_string(devices.devices.size()) + " CUDA devices, counted from 0";
   throw Error({ErrorKind::kResources,
                "CUDA device " + std::to_string(index) + " is not available: " + reason,
                {},

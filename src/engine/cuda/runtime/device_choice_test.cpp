@@ -10,6 +10,9 @@ namespace {
 const CudaDevices kNone{{}, "built without CUDA"};
 const CudaDevices kTwo{{{0, "small", 8, 6, 8, 7}, {1, "large", 9, 0, 80, 70}}, {}};
 
+const CudaDevices kOldAndNew{{{0, "old", 7, 5, 99, 98}, {1, "new", 8, 0, 8, 7}}, {}};
+const CudaDevices kOld{{{0, "old", 7, 5, 99, 98}}, {}};
+
 ErrorKind kind_of(const std::string& request, const CudaDevices& devices) {
   try {
     choose_device(request, devices);
@@ -19,16 +22,39 @@ ErrorKind kind_of(const std::string& request, const CudaDevices& devices) {
   return ErrorKind::kFailed;
 }
 
-TEST(DeviceChoice, AutoStaysOnTheCpuAndNamesTheDeviceWithMostFreeMemory) {
-  const DeviceChoice choice = choose_device("auto", kTwo);
+TEST(DeviceChoice, WhereAutoTakesNoDeviceItNamesTheOneWithMostFreeMemory) {
+  const DeviceChoice choice = choose_device("auto", kTwo, false);
   EXPECT_FALSE(choice.cuda);
   EXPECT_THAT(choice.message, testing::HasSubstr("--device cuda:1"));
+  EXPECT_THAT(choose_device("auto", kOldAndNew, false).message, testing::HasSubstr("--device cuda:1"));
+}
+
+TEST(DeviceChoice, WhereAutoTakesADeviceItIsTheOneWithMostFreeMemoryInSilence) {
+  const DeviceChoice choice = choose_device("auto", kTwo, true);
+  EXPECT_TRUE(choice.cuda);
+  EXPECT_EQ(choice.index, 1);
+  EXPECT_EQ(choice.message, "");
+  EXPECT_EQ(choose_device("auto", kOldAndNew, true).index, 1);
 }
 
 TEST(DeviceChoice, AutoFallsBackToTheCpuAndSaysWhy) {
-  const DeviceChoice choice = choose_device("auto", kNone);
-  EXPECT_FALSE(choice.cuda);
-  EXPECT_THAT(choice.message, testing::HasSubstr("built without CUDA"));
+  for (const bool takes_a_device : {false, true}) {
+    const DeviceChoice absent = choose_device("auto", kNone, takes_a_device);
+    EXPECT_FALSE(absent.cuda);
+    EXPECT_THAT(absent.message, testing::HasSubstr("built without CUDA"));
+    const DeviceChoice old = choose_device("auto", kOld, takes_a_device);
+    EXPECT_FALSE(old.cuda);
+    EXPECT_THAT(old.message, testing::HasSubstr("compute capability 7.5"));
+  }
+}
+
+TEST(DeviceChoice, OneConstantDecidesForAuto) {
+  EXPECT_EQ(choose_device("auto", kTwo).cuda, kAutoTakesADevice);
+}
+
+TEST(DeviceChoice, ADeviceThatIsTooOldIsAResourceError) {
+  EXPECT_EQ(kind_of("cuda:0", kOldAndNew), ErrorKind::kResources);
+  EXPECT_EQ(choose_device("cuda:1", kOldAndNew).index, 1);
 }
 
 TEST(DeviceChoice, CpuStaysOnTheCpuInSilence) {

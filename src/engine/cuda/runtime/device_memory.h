@@ -1,5 +1,4 @@
-// Memory of the device: a context with a budget, owning arrays, and the arena of a step. Plain C++ for every includer.
-// Emulated: memory of the host, filled with 0xFF (NaN) so that reads of what was never written show.
+// Memory of the device: a context with a budget, owning arrays, and the arena of a step. Plain C++ over device_calls.h.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,8 @@ struct CUstream_st;
 
 namespace aligngs::cuda {
 
-/// One device, one stream, one budget. Everything of an engine happens in order on the stream.
+/// One device, one stream, one budget. Everything of an engine happens in order on the stream. Whatever allocates, copies
+/// or launches through a context works on its device, from any thread.
 class DeviceContext {
  public:
   /// budget_bytes == 0: nine tenths of what is free on the device now.
@@ -23,6 +23,13 @@ class DeviceContext {
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
   DeviceContext& operator=(const DeviceContext&) = delete;
+
+  /// Makes the context's device the current one of the calling thread, as all functions below and launch() do; to be
+  /// called before another library's functions. The device that was current is not put back: nobody else asks for one,
+  /// and putting it back would start a device that the run does not use.
+  void use() const;
+  std::string name() const;  ///< of the device, as its maker calls it
+  size_t shared_memory_per_block() const;  ///< bytes that a kernel may ask for
 
   /// Throws Error{kResources} naming what, the bytes wanted, used and allowed, and a remedy. Aligned to 256 bytes.
   void* allocate(uint64_t bytes, const char* what);
@@ -40,12 +47,16 @@ class DeviceContext {
   int device() const { return device_; }
   uint64_t budget() const { return budget_; }
   uint64_t used() const { return used_; }
+  uint64_t room() const { return budget_ > used_ ? budget_ - used_ : 0; }  ///< left of the budget
   uint64_t peak() const { return peak_; }
-  uint64_t allocations() const { return allocations_; }  ///< since the start, to show that a warm step makes none
+  // Since the start, to show that a warm step makes no allocation and waits once.
+  uint64_t allocations() const { return allocations_; }
+  uint64_t synchronisations() const { return synchronisations_; }
 
  private:
   int device_ = 0;
   uint64_t budget_ = 0, used_ = 0, peak_ = 0, allocations_ = 0;
+  mutable uint64_t synchronisations_ = 0;
   CUstream_st* stream_ = nullptr;
 };
 
@@ -124,8 +135,9 @@ class DeviceArray {
   size_t size_ = 0, capacity_ = 0;
 };
 
-/// Scratch of one step: taken piece by piece, given back all at once. The first steps allocate; once warm, one
-/// allocation serves every later step, and pieces taken in the same order lie at the same addresses.
+/// Scratch of one step: taken piece by piece, given back all at once. A step that needs more than there is adds blocks;
+/// reset() makes them one, so that once warm, one allocation serves every later step, and pieces taken in the same order
+/// lie at the same addresses.
 class DeviceArena {
  public:
   explicit DeviceArena(DeviceContext& context) : context_(&context) {}
@@ -156,15 +168,18 @@ class DeviceArena {
     uint64_t bytes;
   };
   void* take_bytes(uint64_t bytes, const char* what);
+  void add_block(uint64_t bytes, const char* what);
   DeviceContext* context_;
-  std::vector<Block> blocks_;
-  uint64_t used_ = 0;  ///< of the last block
+  std::vector<Block> blocks_;  ///< pieces come from the last one
+  uint64_t used_ = 0;          ///< bytes of the last block
+  uint64_t taken_ = 0;         ///< bytes of all pieces
+  uint64_t held_ = 0;          ///< bytes of all blocks
 };
 
 /// Host memory that a device copies to without a detour.
 class PinnedMemory {
  public:
-  explicit PinnedMemory(uint64_t bytes);
+  PinnedMemory(const DeviceContext& context, uint64_t bytes);
   ~PinnedMemory();
   PinnedMemory(const PinnedMemory&) = delete;
   PinnedMemory& operator=(const PinnedMemory&) = delete;

@@ -8,6 +8,9 @@
 #include "engine/cuda/runtime/cuda_check.h"
 #include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/runtime/device_memory.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/emulated_devices.h"
+#endif
 
 namespace aligngs::cuda {
 
@@ -22,8 +25,8 @@ inline LaunchShape one_per_item(size_t items, unsigned threads) {
   return {dim3(static_cast<unsigned>((items + threads - 1) / threads)), dim3(threads), 0};
 }
 
-/// Starts kernel(args...) on the context's stream; arguments are converted to the kernel's parameter types. A grid
-/// without blocks starts nothing. Debug builds wait for the kernel, so that its errors carry its name.
+/// Starts kernel(args...) on the context's device and stream; arguments are converted to the kernel's parameter types.
+/// A grid without blocks starts nothing. Debug builds wait for the kernel, so that its errors carry its name.
 template <class... P, class... A>
 void launch(const DeviceContext& context, const char* name, void (*kernel)(P...), const LaunchShape& shape,
             A&&... args) {
@@ -32,8 +35,9 @@ void launch(const DeviceContext& context, const char* name, void (*kernel)(P...)
   if (shape.block.x * shape.block.y * shape.block.z % 32 != 0) {
     throw Error({ErrorKind::kFailed, std::string("kernel ") + name + ": blocks must be whole warps", {}, {}, {}});
   }
+  context.use();
 #ifdef ALIGNGS_CUDA_EMULATED
-  (void)context;
+  require_current_device(context.stream(), name);
   auto body = [&] { kernel(static_cast<P>(args)...); };
   emulate_grid(shape.grid, shape.block, shape.shared_bytes, [](void* b) { (*static_cast<decltype(body)*>(b))(); },
                &body);

@@ -207,19 +207,110 @@ TEST_F(CudaRuntime, BudgetIsKeptAndSaysWhatDidNotFit) {
   EXPECT_EQ(small.used(), 4000u);
 }
 
-TEST_F(CudaRuntime, AWarmArenaAllocatesNothingOnADevice) {
-  if (kEmulated) GTEST_SKIP() << "the emulated arena allocates every piece on purpose";
+constexpr size_t kMegabyte = size_t(1) << 20;
+
+class CudaArena : public CudaRuntime {
+ protected:
+  /// Allocations that `body` makes.
+  template <class Body>
+  uint64_t allocations(const Body& body) {
+    const uint64_t before = context().allocations();
+    body();
+    return context().allocations() - before;
+  }
+};
+
+TEST_F(CudaArena, OnceWarmOneBlockServesEveryStepAtTheSameAddresses) {
   DeviceArena arena(context());
+  std::vector<unsigned char*> places;
   const auto step = [&] {
+    places.clear();
     arena.reset();
-    (void)arena.take<float>(50 << 20 >> 2, "a");
-    (void)arena.take<float>(50 << 20 >> 2, "b");
+    for (const size_t bytes : {3 * kMegabyte, size_t(100), 5 * kMegabyte}) {
+      places.push_back(arena.take<unsigned char>(bytes, "test").data);
+    }
   };
-  step();
-  step();
-  const uint64_t before = context().allocations();
-  step();
-  EXPECT_EQ(context().allocations(), before);
+  EXPECT_EQ(allocations(step), 3u);  // 3 MB, as much again, 5 MB
+  EXPECT_EQ(allocations(step), 1u);
+  const std::vector<unsigned char*> warm = places;
+  EXPECT_EQ(allocations(step), 0u);
+  EXPECT_EQ(places, warm);
+  EXPECT_LT(context().used(), 10 * kMegabyte) << "the blocks of the first step are gone";
+}
+
+TEST_F(CudaArena, PiecesAreAlignedAndDoNotOverlap) {
+  DeviceArena arena(context());
+  const DeviceSpan<unsigned char> a = arena.take<unsigned char>(257, "a"), b = arena.take<unsigned char>(1, "b");
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(a.data) % 256, 0u);
+  EXPECT_EQ(b.data - a.data, 512);
+  EXPECT_EQ(arena.take<float>(0, "nothing").data, nullptr);
+}
+
+TEST_F(CudaArena, WhatIsTakenLaterLeavesEarlierPiecesWhereTheyAre) {
+  DeviceArena arena(context());
+  const std::vector<float> values = {1, 2, 3};
+  const DeviceSpan<float> early = arena.take<float>(3, "early");
+  upload(context(), early, values.data());
+  (void)arena.take_zeroed<float>(kMegabyte, "late");
+  std::vector<float> found(3);
+  download(context(), found.data(), early);
+  EXPECT_EQ(found, values);
+}
+
+TEST_F(CudaArena, AStepThatTakesMoreIsWarmAfterOneMore) {
+  DeviceArena arena(context());
+  const auto step = [&](size_t megabytes) {
+    return allocations([&] {
+      arena.reset();
+      (void)arena.take<unsigned char>(megabytes * kMegabyte, "test");
+      (void)arena.take<unsigned char>(megabytes * kMegabyte, "test");
+    });
+  };
+  step(8);
+  EXPECT_EQ(step(8), 1u);
+  EXPECT_EQ(step(9), 0u) << "an eighth to spare";
+  EXPECT_EQ(step(5), 0u);
+  EXPECT_EQ(step(12), 1u);
+  EXPECT_EQ(step(12), 1u);
+  EXPECT_EQ(step(12), 0u);
+}
+
+TEST_F(CudaArena, TakesTheWholeBudgetAndNotMore) {
+  DeviceContext small(context().device(), 10 * kMegabyte);
+  DeviceArena arena(small);
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    arena.reset();
+    for (const size_t megabytes : {3, 2, 5}) (void)arena.take<unsigned char>(megabytes * kMegabyte, "test");
+    EXPECT_EQ(small.used(), 10 * kMegabyte);
+  }
+  try {
+    (void)arena.take<float>(1, "one more");
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kResources);
+    EXPECT_THAT(e.what(), testing::HasSubstr("one more"));
+  }
+  arena.release();
+  EXPECT_EQ(small.used(), 0u);
+}
+
+TEST_F(CudaArena, WhatAnEarlierStepWroteIsForgotten) {
+  if (!kEmulated) GTEST_SKIP() << "on a device it stays";
+  DeviceArena arena(context());
+  (void)arena.take_zeroed<float>(4, "test");
+  arena.reset();
+  std::vector<float> found(4);
+  download(context(), found.data(), arena.take<float>(4, "test"));
+  for (const float v : found) EXPECT_TRUE(std::isnan(v));
+}
+
+TEST_F(CudaRuntime, WaitingIsCounted) {
+  DeviceArray<float> array(context(), 4, "test");
+  const uint64_t before = context().synchronisations();
+  fill_zero(context(), array.span());
+  EXPECT_EQ(context().synchronisations(), before);
+  (void)array.to_host();
+  EXPECT_EQ(context().synchronisations(), before + 1);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 #include <vector>
+
+#include "engine/cuda/runtime/emulation/emulated_devices.h"
 #else
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -17,8 +19,9 @@ namespace {
 #ifdef ALIGNGS_CUDA_EMULATED
 
 template <class Key>
-void sort_pairs_of(DeviceArena&, DeviceSpan<const Key> keys, DeviceSpan<const uint32_t> values,
+void sort_pairs_of(DeviceArena& arena, DeviceSpan<const Key> keys, DeviceSpan<const uint32_t> values,
                    DeviceSpan<Key> sorted_keys, DeviceSpan<uint32_t> sorted_values, int key_bits) {
+  require_current_device(arena.context().stream(), "radix sort");
   const Key mask = key_bits >= int(sizeof(Key)) * 8 ? Key(~Key(0)) : Key((Key(1) << key_bits) - 1);
   std::vector<size_t> order(keys.size);
   std::iota(order.begin(), order.end(), size_t(0));
@@ -53,18 +56,21 @@ void sort_pairs_of(DeviceArena& arena, DeviceSpan<const Key> keys, DeviceSpan<co
 
 void sort_pairs(DeviceArena& arena, DeviceSpan<const uint32_t> keys, DeviceSpan<const uint32_t> values,
                 DeviceSpan<uint32_t> sorted_keys, DeviceSpan<uint32_t> sorted_values, int key_bits) {
+  arena.context().use();
   sort_pairs_of(arena, keys, values, sorted_keys, sorted_values, key_bits);
 }
 
 void sort_pairs(DeviceArena& arena, DeviceSpan<const uint64_t> keys, DeviceSpan<const uint32_t> values,
                 DeviceSpan<uint64_t> sorted_keys, DeviceSpan<uint32_t> sorted_values, int key_bits) {
+  arena.context().use();
   sort_pairs_of(arena, keys, values, sorted_keys, sorted_values, key_bits);
 }
 
 void exclusive_scan(DeviceArena& arena, DeviceSpan<const uint32_t> in, DeviceSpan<uint32_t> out) {
   if (in.size == 0) return;
+  arena.context().use();
 #ifdef ALIGNGS_CUDA_EMULATED
-  (void)arena;
+  require_current_device(arena.context().stream(), "scan");
   uint32_t sum = 0;
   for (size_t i = 0; i < in.size; ++i) {
     const uint32_t value = in[i];
