@@ -10,8 +10,10 @@
 #include "engine/cpu/semantic_block.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/device_frame.h"
+#include "engine/cuda/engine_settings.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
+#include "engine/cuda/runtime/stage_timer.h"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/step_outcome.h"
 #include "engine/cuda/teacher_maps.h"
@@ -27,7 +29,7 @@ namespace aligngs::cuda {
 /// same bits on every run on one kind of device. Not to be used from several threads at once.
 class CudaEngine final : public Engine {
  public:
-  CudaEngine(int device, uint64_t budget_bytes, int threads);
+  CudaEngine(int device, uint64_t budget_bytes, int threads, const CudaEngineSettings& settings = {});
 
   std::string device_name() const override { return name_; }
   void load(const GaussianModel& model) override;
@@ -93,7 +95,7 @@ class CudaEngine final : public Engine {
   /// Projects and bins a view; `pairs` == 0: waits to learn how many there are.
   DeviceFrame make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry, bool record,
                          size_t pairs) const;
-  ReadBack run_step(const StepRequest& request, ViewOnDevice& view, float coupling_scale);
+  ReadBack run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
   SemanticStep visit_semantics(const StepRequest& request, const ViewOnDevice& view);
   bool semantics_active(const StepRequest& request, const ViewOnDevice& view) const;
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
@@ -122,6 +124,7 @@ class CudaEngine final : public Engine {
 
   mutable DeviceArena arena_;
   std::unique_ptr<PinnedMemory> read_back_;
+  std::unique_ptr<StageTimer> timer_;  ///< runs during steps alone
   StepArrays last_;
 };
 

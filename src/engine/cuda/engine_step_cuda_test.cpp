@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <set>
 
 #include "core/error.h"
+#include "engine/benchmark/step_benchmark.h"
 #include "engine/cpu/test_scenes.h"
 #include "engine/cuda/cuda_engine.h"
 #include "engine/cuda/runtime/test_device.h"
@@ -17,7 +20,34 @@ using cpu::testing_scene::SceneOptions;
 
 class CudaStep : public DeviceTest {
  protected:
-  static std::unique_ptr<CudaEngine> make_engine() { return std::make_unique<CudaEngine>(0, 0, 1); }
+  static std::unique_ptr<CudaEngine> make_engine(const CudaEngineSettings& settings = {}) {
+    return std::make_unique<CudaEngine>(0, 0, 1, settings);
+  }
+  /// The state after three steps, the second on a view that was never visited; `seconds` of the last.
+  static EngineState train(const CudaEngineSettings& settings, const SceneOptions& o,
+                           std::map<std::string, double>* seconds = nullptr) {
+    TrainingView second = make_view(o);
+    second.data.camera.world_to_camera.translation.x += 0.3;
+    const std::unique_ptr<CudaEngine> engine = make_engine(settings);
+    engine->load(make_model(o));
+    engine->set_training_views({make_view(o), second});
+    StepRequest r = make_geometry_request();
+    for (r.step = 1; r.step <= 3; ++r.step) {
+      r.view = static_cast<int>(r.step % 2);
+      const StepReport report = engine->step(r);
+      EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+      if (seconds != nullptr) *seconds = report.seconds;
+    }
+    EngineState state;
+    engine->save_state(state);
+    return state;
+  }
+  static void expect_same(const EngineState& a, const EngineState& b) {
+    EXPECT_EQ(a.model.positions, b.model.positions);
+    EXPECT_EQ(a.model.sh, b.model.sh);
+    EXPECT_EQ(a.model.semantics, b.model.semantics);
+    EXPECT_EQ(a.arrays, b.arrays);
+  }
 
   template <class A, class B>
   static void expect_close(const A& a, const B& b, double tolerance, const std::string& what) {
@@ -280,6 +310,29 @@ TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
     EXPECT_EQ(again.model.semantics, first.model.semantics);
     EXPECT_EQ(again.arrays, first.arrays);
   });
+}
+
+TEST_F(CudaStep, TimersReportEveryStageOfTheCpuEngineAndChangeNothing) {
+  CudaEngineSettings timed;
+  timed.time_stages = true;
+  for (const int channels : {7, 0}) {
+    const SceneOptions o = scene(channels, 60);
+    std::map<std::string, double> stages, plain;
+    expect_same(train(timed, o, &stages), train({}, o, &plain));
+    std::set<std::string> names;
+    for (const auto& [name, seconds] : stages) {
+      EXPECT_GT(seconds, 0) << name;
+      names.insert(name);
+    }
+    std::set<std::string> expected(stage_names().begin(), stage_names().end());
+    if (channels == 0) {
+      expected.erase("semantic_rows");
+      expected.erase("semantics");
+    }
+    EXPECT_EQ(names, expected);
+    EXPECT_EQ(plain.size(), 1u);
+    EXPECT_GT(plain["step"], 0);
+  }
 }
 
 TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {

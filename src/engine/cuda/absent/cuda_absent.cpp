@@ -12,7 +12,7 @@ std::string cuda_build() { return "built without CUDA"; }
 
 namespace aligngs {
 
-std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int) {
+std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int, const CudaEngineSettings&) {
   throw Error({ErrorKind::kResources,
                "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
                {},
