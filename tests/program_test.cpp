@@ -80,6 +80,7 @@ TEST_F(Program, BenchHasATableForPeopleAndADocumentForPrograms) {
 }
 
 TEST_F(Program, OptionsOfBenchThatBelongToAnotherDeviceAreUsageErrors) {
+  EXPECT_EQ(run("bench --graphs").status, 2);
   EXPECT_EQ(run("bench --device quantum").status, 2);
 }
 

@@ -55,17 +55,19 @@ BenchMachine measure_cpu(int threads, bool matrix_tiles) {
   return m;
 }
 
-BenchMachine measure_device(const cuda::CudaDevice& device) {
+BenchMachine measure_device(const cuda::CudaDevice& device, bool graphs) {
   const cuda::DeviceCeilings c = cuda::measure_device_ceilings(device.index);
   BenchMachine m;
   m.ceilings.fma_gflops = c.fma_gflops;
   m.ceilings.amx_gflops = c.mma_gflops;
   m.ceilings.read_gbps = m.ceilings.triad_gbps = c.copy_gbps;
-  m.line = "cuda:" + std::to_string(device.index) + ", " + device.name + ": " + rates_line(m.ceilings);
+  m.line = "cuda:" + std::to_string(device.index) + ", " + device.name + (graphs ? ", CUDA graphs: " : ": ") +
+           rates_line(m.ceilings);
   m.document = {{"device", "cuda:" + std::to_string(device.index)},
                 {"name", device.name},
                 {"compute_capability", std::to_string(device.major) + "." + std::to_string(device.minor)},
                 {"build", cuda::cuda_build()},
+                {"graphs", graphs},
                 {"fma_gflops", c.fma_gflops},
                 {"mma_gflops", c.mma_gflops},
                 {"copy_gbps", c.copy_gbps}};
@@ -141,6 +143,7 @@ struct BenchOptions {
   StepBenchmarkOptions steps;
   Instructions instructions = Instructions::kAll;
   std::string device = "cpu";
+  bool graphs = false;
 };
 
 BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
@@ -153,11 +156,12 @@ BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
 BenchMachine run_on_device(BenchOptions& o, const cuda::CudaDevice& device, StepTiming& timing) {
   CudaEngineSettings settings;
   settings.time_stages = true;
+  settings.graphs = o.graphs;
   // Every view once: the first visit to a view waits inside the step.
   o.steps.warm_up = std::max(o.steps.warm_up, kBenchmarkViews);
   o.steps.make_engine = [&](int threads) { return make_cuda_engine(device.index, 0, threads, settings); };
   timing = time_steps(o.steps);
-  return measure_device(device);
+  return measure_device(device, o.graphs);
 }
 
 void run_bench(BenchOptions& o, bool json) {
@@ -172,6 +176,7 @@ void run_bench(BenchOptions& o, bool json) {
                                      [&](const cuda::CudaDevice& d) { return d.index == choice.index; });
     machine = run_on_device(o, *device, timing);
   } else {
+    if (o.graphs) throw_usage("--graphs are those of a CUDA device", "choose one: --device cuda:0");
     machine = run_on_cpu(o, timing);
   }
   const nlohmann::json document = document_of(timing, o.steps.room, machine);
@@ -205,6 +210,7 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
       ->default_str("all");
   command->add_option("--steps", steps.steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
   add_device_option(*command, options->device);
+  command->add_flag("--graphs", options->graphs, "with --device cuda:N: each step is one CUDA graph");
   command->callback([&context, options] {
     options->steps.threads = context.global.threads;
     run_bench(*options, context.global.json);

@@ -36,7 +36,8 @@ CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const Cud
       name_(name_of(device)),
       arena_(*context_),
       read_back_(std::make_unique<PinnedMemory>(sizeof(ReadBack))),
-      timer_(std::make_unique<StageTimer>(*context_, settings.time_stages)) {}
+      timer_(std::make_unique<StageTimer>(*context_, settings.time_stages)),
+      graph_(std::make_unique<StepGraph>(*context_, settings.graphs)) {}
 
 DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry,
                                    bool record, size_t pairs) const {
@@ -108,7 +109,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   return step;
 }
 
-CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
+void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
   const LossSettings& losses = request.losses;
   const bool geometry = has_geometry_terms(losses), density = request.collect_density;
   const size_t n = model_.size();
@@ -187,8 +188,18 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const View
   auto* back = static_cast<ReadBack*>(read_back_->data());
   context_->copy_to_host_later(&back->outcome, last_.outcome.data, sizeof(StepOutcome));
   context_->copy_to_host_later(&back->counts, frame.counts.data, sizeof(BinCounts));
+}
+
+CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
+  const auto enqueue = [&] { enqueue_step(request, view, coupling_scale); };
+  if (graph_->on() && view.pairs != 0) {
+    arena_.reset();  // may give memory back and take it, which a capture cannot
+    graph_->run(enqueue);
+  } else {
+    enqueue();
+  }
   context_->synchronise();
-  return *back;
+  return *static_cast<const ReadBack*>(read_back_->data());
 }
 
 StepReport CudaEngine::step(const StepRequest& request) {

@@ -14,6 +14,7 @@
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/runtime/stage_timer.h"
+#include "engine/cuda/runtime/step_graph.h"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/step_outcome.h"
 #include "engine/cuda/teacher_maps.h"
@@ -59,6 +60,7 @@ class CudaEngine final : public Engine {
   const CouplingBalance& coupling_balance() const { return balance_; }
   void set_coupling_balance(const CouplingBalance& balance) { balance_ = balance; }
   const DeviceContext& context() const { return *context_; }
+  const StepGraph::Counts& graph_counts() const { return graph_->counts(); }
 
  private:
   /// What a step needs of a view.
@@ -95,6 +97,8 @@ class CudaEngine final : public Engine {
   /// Projects and bins a view; `pairs` == 0: waits to learn how many there are.
   DeviceFrame make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry, bool record,
                          size_t pairs) const;
+  /// Puts a whole step on the stream, the copy of its outcome to read_back_ included. Waits where view.pairs == 0.
+  void enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
   ReadBack run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
   SemanticStep visit_semantics(const StepRequest& request, const ViewOnDevice& view);
   bool semantics_active(const StepRequest& request, const ViewOnDevice& view) const;
@@ -125,6 +129,7 @@ class CudaEngine final : public Engine {
   mutable DeviceArena arena_;
   std::unique_ptr<PinnedMemory> read_back_;
   std::unique_ptr<StageTimer> timer_;  ///< runs during steps alone
+  std::unique_ptr<StepGraph> graph_;
   StepArrays last_;
 };
 

@@ -269,26 +269,31 @@ TEST_F(CudaStep, NonFiniteParameterIsNamedAndNothingChanges) {
   EXPECT_EQ(state.model.sh, after.model.sh);
 }
 
-TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeated) {
+TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeatedAlsoAsAGraph) {
   // Scales a thousand times larger between two visits: pairs outgrow the room of the first visit.
   SceneOptions o = scene(0, 3000);
   o.width = 160;
   o.height = 120;
   o.log_scale_min = o.log_scale_max = -6;
   o.logit_min = o.logit_max = 3;
-  const std::unique_ptr<CudaEngine> engine = make_engine();
-  engine->load(make_model(o));
-  engine->set_training_views({make_view(o)});
-  StepRequest r = make_request();
-  EXPECT_FALSE(engine->step(r).non_finite.found);
-  EngineState state;
-  engine->save_state(state);
-  for (float& s : state.model.log_scales) s = -2.2f;
-  engine->load_state(state);
-  r.step = 2;
-  const StepReport report = engine->step(r);
-  EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
-  EXPECT_GT(report.visible, 0u);
+  for (const bool graphs : {false, true}) {
+    CudaEngineSettings settings;
+    settings.graphs = graphs;
+    const std::unique_ptr<CudaEngine> engine = make_engine(settings);
+    engine->load(make_model(o));
+    engine->set_training_views({make_view(o)});
+    StepRequest r = make_request();
+    EXPECT_FALSE(engine->step(r).non_finite.found);
+    EngineState state;
+    engine->save_state(state);
+    for (float& s : state.model.log_scales) s = -2.2f;
+    engine->load_state(state);
+    r.step = 2;
+    const StepReport report = engine->step(r);
+    EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+    EXPECT_GT(report.visible, 0u);
+    EXPECT_EQ(engine->graph_counts().launched, graphs ? 2u : 0u);
+  }
 }
 
 TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
@@ -333,6 +338,50 @@ TEST_F(CudaStep, TimersReportEveryStageOfTheCpuEngineAndChangeNothing) {
     EXPECT_EQ(plain.size(), 1u);
     EXPECT_GT(plain["step"], 0);
   }
+}
+
+TEST_F(CudaStep, GraphsOfStepsChangeNothing) {
+  CudaEngineSettings graphs;
+  graphs.graphs = graphs.time_stages = true;
+  const SceneOptions o = scene(7, 60);
+  expect_same(train(graphs, o), train({}, o));
+}
+
+/// Two views in turn, classes, a restructuring in between: the first visit to a view waits, all later ones are a graph,
+/// which is made once and again after the restructuring.
+TEST_F(CudaStep, AWarmStepIsOneGraphOfTheSameOperations) {
+  CudaEngineSettings graphs;
+  graphs.graphs = true;
+  const SceneOptions o = scene(7, 60);
+  TrainingView second = make_view(o);
+  second.data.camera.world_to_camera.translation.x += 0.3;
+  const std::unique_ptr<CudaEngine> engine = make_engine(graphs);
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o), second});
+  StepRequest r = make_geometry_request();
+  const auto steps = [&](int count) {
+    for (int i = 0; i < count; ++i, ++r.step) {
+      r.view = static_cast<int>(r.step % 2);
+      EXPECT_FALSE(engine->step(r).non_finite.found);
+    }
+  };
+  steps(2);
+  EXPECT_EQ(engine->graph_counts().launched, 0u);
+  steps(4);
+  EXPECT_EQ(engine->graph_counts().launched, 4u);
+  EXPECT_EQ(engine->graph_counts().instantiated, 1u);
+  EXPECT_EQ(engine->graph_counts().updated, 3u);
+  EXPECT_EQ(engine->graph_counts().failed, 0u);
+  const size_t nodes = engine->graph_counts().nodes;
+  EXPECT_GT(nodes, 20u);
+  engine->restructure(plan_keep(std::vector<uint8_t>(60, 1)));
+  steps(2);
+  EXPECT_EQ(engine->graph_counts().instantiated, 2u);
+  EXPECT_EQ(engine->graph_counts().nodes, nodes);
+  r.losses = make_request().losses;  // without geometry there are fewer operations
+  steps(1);
+  EXPECT_EQ(engine->graph_counts().instantiated, 3u);
+  EXPECT_LT(engine->graph_counts().nodes, nodes);
 }
 
 TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {

@@ -8,6 +8,9 @@
 #include "core/error.h"
 #include "core/memory_budget.h"
 #include "engine/cuda/runtime/cuda_check.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/tape.h"
+#endif
 
 namespace aligngs::cuda {
 namespace {
@@ -64,19 +67,23 @@ void DeviceContext::release(void* memory, uint64_t bytes) noexcept {
   used_ -= bytes;
 }
 void DeviceContext::copy_to_device(void* device, const void* host, uint64_t bytes) const {
+  refuse_while_recording("a copy of memory of the host");
   std::memcpy(device, host, bytes);
 }
 void DeviceContext::copy_to_host(void* host, const void* device, uint64_t bytes) const {
+  refuse_while_recording("waiting for a copy");
   std::memcpy(host, device, bytes);
 }
 void DeviceContext::copy_to_host_later(void* host, const void* device, uint64_t bytes) const {
-  std::memcpy(host, device, bytes);
+  emulated_stream_operation("copy to host", [=] { std::memcpy(host, device, bytes); });
 }
-void DeviceContext::copy_on_device(void* to, const void* from, uint64_t bytes) const { std::memmove(to, from, bytes); }
+void DeviceContext::copy_on_device(void* to, const void* from, uint64_t bytes) const {
+  emulated_stream_operation("copy on device", [=] { std::memmove(to, from, bytes); });
+}
 void DeviceContext::fill_bytes(void* device, unsigned char value, uint64_t bytes) const {
-  std::memset(device, value, bytes);
+  emulated_stream_operation("fill", [=] { std::memset(device, value, bytes); });
 }
-void DeviceContext::synchronise() const {}
+void DeviceContext::synchronise() const { refuse_while_recording("waiting for the device"); }
 
 PinnedMemory::PinnedMemory(uint64_t bytes) : data_(::operator new(bytes)) {}
 PinnedMemory::~PinnedMemory() { ::operator delete(data_); }

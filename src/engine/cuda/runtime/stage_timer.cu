@@ -1,6 +1,9 @@
 #include "engine/cuda/runtime/stage_timer.h"
 
 #include "engine/cuda/runtime/cuda_check.h"
+#ifdef ALIGNGS_CUDA_EMULATED
+#include "engine/cuda/runtime/emulation/tape.h"
+#endif
 
 namespace aligngs::cuda {
 
@@ -24,7 +27,7 @@ void StageTimer::mark(const char* stage) {
 StageTimer::~StageTimer() = default;
 
 void StageTimer::record() {
-  times_.push_back(std::chrono::steady_clock::now());
+  emulated_stream_operation("event", [this] { times_.push_back(std::chrono::steady_clock::now()); });
   ++marks_;
 }
 
@@ -47,7 +50,11 @@ void StageTimer::record() {
     check_cuda(cudaEventCreate(&event), "an event");
     events_.push_back(event);
   }
-  check_cuda(cudaEventRecord(events_[marks_], context_->stream()), "recording an event");
+  cudaStreamCaptureStatus capturing = cudaStreamCaptureStatusNone;
+  check_cuda(cudaStreamIsCapturing(context_->stream(), &capturing), "the state of the stream");
+  // Part of a graph, an event is one that the host may ask only if it is recorded as external.
+  const unsigned flags = capturing == cudaStreamCaptureStatusActive ? cudaEventRecordExternal : cudaEventRecordDefault;
+  check_cuda(cudaEventRecordWithFlags(events_[marks_], context_->stream(), flags), "recording an event");
   ++marks_;
 }
 
