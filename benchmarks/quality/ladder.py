@@ -9,6 +9,7 @@ results.csv holds stays. It writes
 
     results.csv    a line per row, room and seed
     settings.json  the program's version and what each row sets
+    settings/      every setting of each row, as `aligngs train --config` takes it
     table.md       means, and paired differences with 95 % intervals (percentile bootstrap over the pairs)
     ROOM_SEED.html pictures of all rows side by side (`aligngs compare`)
     acceptance/    what the simulated teachers of each scene measure
@@ -43,7 +44,11 @@ PGSR_PRIOR = ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
 NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
+# Normals at label edges (loss.crease) use labels too, and constant labels have no edges: the controls of the coupling go without.
+COUPLING_ALONE = ["loss.crease=0"]
 UNCOUPLED = "stereo, uncoupled"
+COUPLED = "stereo, coupled, no crease"
+PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
 
 
 class Row:
@@ -79,24 +84,42 @@ ROWS = [
     Row("default", "default", compare_with="+ feed-forward start"),
     Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
     Row("stereo, no semantics", "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
-    Row(UNCOUPLED, "default", ["semantic.coupling_strength=0"], refine=NO_LABELS_YET, compare_with="stereo, no semantics"),
-    Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=UNCOUPLED),
-    Row("stereo, placebo constant", "default", refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
-    Row("stereo, placebo shuffled", "default", refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
-    Row("stereo, placebo opacity", "default", ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
-    Row("stereo, true labels", "default", refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
+    Row(UNCOUPLED, "default", COUPLING_ALONE + ["semantic.coupling_strength=0"], refine=NO_LABELS_YET, compare_with="stereo, no semantics"),
+    Row(COUPLED, "default", COUPLING_ALONE, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
+    Row(PLACEBOS[0], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
+    Row(PLACEBOS[1], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
+    Row(PLACEBOS[2], "default", COUPLING_ALONE + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
+    Row("stereo, true labels", "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
+    Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=COUPLED),
     Row("default, refined", "default", refine=[],
-        compare_with=["stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras", "+ L_ng + L_nb (paper)"]),
+        compare_with=["stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras", "pgsr, the same scene",
+                      "+ L_ng + L_nb (paper)"]),
     Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="stereo, coupled"),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
+    # All that `aligngs refine` finds out is given to pgsr, its dense start included: what is left is training alone.
+    Row("pgsr, the same scene", "pgsr", PGSR_PRIOR + ["init.start=depth"], refine=[], compare_with="pgsr + prior depth, refined cameras"),
 ]
 PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
-YARDSTICKS = [(PRIOR, "--from-prior"), (CEILING, "--from-truth")]
-# What the yardsticks of a row are called, and how `refine` goes before them: what counts as the prior is the network's own
-# depth (a smooth factor per photo at most), so cameras alone are refined for it.
-YARDSTICK_ROWS = {"default": ("", None), "default, refined": (", refined cameras", CAMERAS_ONLY)}
+REFINED_PRIOR = "TSDF of the refined depth, no training"
+
+
+class Yardstick:
+    """A mesh that no training has touched, with the cameras of the scene that `refine` makes. `prior`: the depth is that of the
+    scene with these options of `refine` instead, None for the scene's own."""
+
+    def __init__(self, name, option, refine=None, prior=None):
+        self.name, self.option, self.refine, self.prior = name, option, refine, prior
+
+
+# What counts as the prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
+YARDSTICKS = {
+    "default": [Yardstick(PRIOR, "--from-prior"), Yardstick(CEILING, "--from-truth")],
+    "default, refined": [Yardstick(PRIOR + ", refined cameras", "--from-prior", [], CAMERAS_ONLY),
+                         Yardstick(REFINED_PRIOR, "--from-prior", []),
+                         Yardstick(CEILING + ", refined cameras", "--from-truth", [])],
+}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("fitted", "colour-fitted", 2, "nvs.exposure_fitted.psnr"),
     ("between", "between", 2, "nvs.interpolating.psnr"),
@@ -163,22 +186,43 @@ def train(output, room, room_seed, seed, row, iterations):
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *settings)
         if not interrupted:
             spent.write_text(str(processor_seconds() - before))
+    kept = output / "settings" / f"{row.folder}.toml"
+    if not kept.exists() and (folder / "config.toml").exists():
+        kept.parent.mkdir(exist_ok=True)
+        shutil.copy(folder / "config.toml", kept)
     result = scores(json.loads((folder / "metrics.json").read_text()))
     result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan  # unknown after an interrupted run
     return result
 
 
-def yardstick(output, room, room_seed, seed, row, option, refine):
-    """Scores of a mesh that no training has touched. The run that it needs is one of a single iteration."""
-    scene = make_scene(output, room, room_seed, seed, row) if refine is None else refined_scene(
-        make_scene(output, room, room_seed, seed, Row("", row.preset)), refine)
+def yardstick_scene(output, room, room_seed, seed, row, yard):
+    base = make_scene(output, room, room_seed, seed, Row("", row.preset))
+    if yard.refine is None:
+        return base
+    scene = refined_scene(base, yard.refine)
+    if yard.prior is None:
+        return scene
+    mixed = scene.with_name(scene.name + "_prior")
+    if not mixed.exists():
+        partial = mixed.with_name(mixed.name + ".partial")
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.copytree(scene, partial)
+        shutil.rmtree(partial / "pred_depths")
+        shutil.copytree(refined_scene(base, yard.prior) / "pred_depths", partial / "pred_depths")
+        partial.rename(mixed)
+    return mixed
+
+
+def measure_yardstick(output, room, room_seed, seed, row, yard):
+    """Its scores. The run that the commands need is one of a single iteration."""
+    scene = yardstick_scene(output, room, room_seed, seed, row, yard)
     folder = output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
-    result = folder / f"yardstick{option}.json"
+    result = folder / f"yardstick{yard.option}.json"
     if not result.exists():
         if not (folder / "metrics.json").exists():
             run("run", scene, "-o", folder, "--preset", row.preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite")
-        mesh = folder / f"yardstick{option}.ply"
-        run("mesh", folder, option, "-o", mesh)
+        mesh = folder / f"yardstick{yard.option}.ply"
+        run("mesh", folder, yard.option, "-o", mesh)
         partial = result.with_suffix(".partial")
         partial.write_text(run("eval", folder, "--mesh", mesh, "--json"))
         partial.rename(result)
@@ -205,6 +249,12 @@ def mean(values):
     return sum(finite) / len(finite) if finite else math.nan
 
 
+def mean_cell(values, digits):
+    """The mean; where some pairs lack the number and others have it, of how many."""
+    finite = sum(math.isfinite(v) for v in values)
+    return number(mean(values), digits) + (f" (of {finite})" if 0 < finite < len(values) else "")
+
+
 def difference_cell(results, row, base, key, digits):
     pairs = [results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]]
     middle, low, high, count = interval(pairs)
@@ -226,17 +276,26 @@ def read_results(output):
     return results
 
 
+def program_version():
+    """With the commit of the sources beside this script: defaults change between two releases."""
+    commit = subprocess.run(["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"], capture_output=True, text=True)
+    return " ".join([run("--version").strip(), commit.stdout.strip()]).strip()
+
+
 def write_settings(output, arguments):
-    """What made the numbers; a table must not mix lengths or rooms."""
+    """What made the numbers; a table must not mix lengths or rooms, and says when it mixes programs."""
     file = output / "settings.json"
-    now = {"program": run("--version").strip(), "rooms": arguments.rooms, "iterations": arguments.iterations,
+    now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations,
            "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine} for r in ROWS}}
     if file.exists():
         before = json.loads(file.read_text())
+        earlier = before.get("programs", [before.get("program", "unknown")])
+        now["programs"] = earlier + [p for p in now["programs"] if p not in earlier]
         for key in ("rooms", "iterations"):
             if before[key] != now[key]:
                 sys.exit(f"{file}: {key} is {before[key]}, and {now[key]} was asked for; give another OUTPUT")
     file.write_text(json.dumps(now, indent=2) + "\n")
+    return now["programs"]
 
 
 def write_tables(output, results, rows, arguments):
@@ -249,10 +308,11 @@ def write_tables(output, results, rows, arguments):
             for (room, room_seed, seed), values in by_pair.items():
                 writer.writerow([name, room, room_seed, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
     lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, 320x240, 20 training and 8 test views, **simulated** "
-             "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says.", "",
+             "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
+             "Processor seconds are those of `run`, without `refine` before it.", "",
              "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
     for name, by_pair in results.items():
-        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(number(mean([v[key] for v in by_pair.values()]), digits)
+        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits)
                                                  for key, _, digits, _ in COLUMNS) + " |")
     lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
               "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
@@ -267,20 +327,29 @@ def write_tables(output, results, rows, arguments):
 def gap_lines(results):
     """Which share of the way from the prior's own surface to the ceiling a row goes, and its labels against the teacher's."""
     lines = []
-    for row in YARDSTICK_ROWS:
+    for row in YARDSTICKS:
         gains = [v["miou"] - v["teacher"] for v in results.get(row, {}).values() if math.isfinite(v["miou"] - v["teacher"])]
         if gains:
             middle, low, high, count = interval(gains)
             lines += ["", f"mIoU of `{row}` less that of the teacher on the test photos: {middle:+.3f} [{low:+.3f}, {high:+.3f}], "
                       f"smallest {min(gains):+.3f}, over {count} pairs."]
-    for row, (suffix, _) in YARDSTICK_ROWS.items():
-        prior, ceiling = results.get(PRIOR + suffix, {}), results.get(CEILING + suffix, {})
+    for row, (first, *_, last) in YARDSTICKS.items():
+        prior, ceiling = results.get(first.name, {}), results.get(last.name, {})
         shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
                   for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
         if shares:
             middle, low, high, count = interval(shares)
             lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
                       f"smallest {min(shares):.2f}, over {count} pairs."]
+    placebos = [results[p] for p in PLACEBOS if p in results]
+    if placebos and COUPLED in results:
+        for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):
+            over = [results[COUPLED][k][key] - max(p[k][key] for p in placebos)
+                    for k in results[COUPLED] if all(k in p for p in placebos)]
+            if over:
+                middle, low, high, count = interval(over)
+                lines += ["", f"{title} of `{COUPLED}` over the best of {len(placebos)} placebos of each pair: {middle:+.{digits}f} "
+                          f"[{low:+.{digits}f}, {high:+.{digits}f}] over {count} pairs."]
     return lines
 
 
@@ -299,7 +368,9 @@ def main():
         parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
     output = arguments.output
     output.mkdir(parents=True, exist_ok=True)
-    write_settings(output, arguments)
+    programs = write_settings(output, arguments)
+    if len(programs) > 1:
+        print(f"{output}: rows of an earlier call stay, made by another program: {', '.join(programs[:-1])}", file=sys.stderr)
     results = read_results(output)
     for room, room_seed in ROOMS[arguments.rooms]:
         if arguments.kinds and room not in arguments.kinds:
@@ -311,11 +382,10 @@ def main():
                     print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
                     results[row.name][key] = train(output, room, room_seed, seed, row, arguments.iterations)
                     write_tables(output, results, rows, arguments)
-            for row in (r for r in rows if r.name in YARDSTICK_ROWS):
-                suffix, refine = YARDSTICK_ROWS[row.name]
-                for name, option in YARDSTICKS:
-                    if key not in results.setdefault(name + suffix, {}):
-                        results[name + suffix][key] = yardstick(output, room, room_seed, seed, row, option, refine)
+            for row in rows:
+                for yard in YARDSTICKS.get(row.name, []):
+                    if key not in results.setdefault(yard.name, {}):
+                        results[yard.name][key] = measure_yardstick(output, room, room_seed, seed, row, yard)
             folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if f.exists()]
             for folder in folders:  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)

@@ -11,6 +11,8 @@
 namespace aligngs {
 namespace {
 
+constexpr const char* kSemanticUpdates = "adam_updates.semantics";
+constexpr float kManyUpdates = 1e7f;  ///< beyond every step: corrected by the number of the step, as before they were counted
 constexpr size_t kBalanceFloats = 2 * sizeof(double) / sizeof(float);
 
 /// A copy of a named array of the state.
@@ -111,6 +113,7 @@ void pack_state(GaussianModel model, EngineMemory memory, EngineState& state) {
   };
   keep("adam_m.", arrays_of(memory.m));
   keep("adam_v.", arrays_of(memory.v));
+  state.arrays[kSemanticUpdates] = std::move(memory.semantic_updates);
   keep("density.", arrays_of(memory.statistics));
   const double running[2] = {memory.balance.photometric, memory.balance.semantic};
   std::vector<float>& balance = state.arrays["coupling.balance"];
@@ -129,6 +132,11 @@ EngineMemory unpack_state(const EngineState& state) {
   };
   fetch("adam_m.", arrays_of(memory.m));
   fetch("adam_v.", arrays_of(memory.v));
+  if (state.arrays.count(kSemanticUpdates) > 0) {
+    memory.semantic_updates = take(state, kSemanticUpdates, state.model.size());
+  } else {
+    memory.semantic_updates.assign(state.model.size(), kManyUpdates);
+  }
   fetch("density.", arrays_of(memory.statistics));
   const std::vector<float> balance = take(state, "coupling.balance", kBalanceFloats);
   double running[2];

@@ -32,6 +32,8 @@ float reset_logit(float maximum);
 /// What a checkpoint holds beside the model, with all classes.
 struct EngineMemory {
   GaussianModel m, v;  ///< Adam's moments
+  /// [N] updates of each semantic row so far. A checkpoint of a program that did not count them has more than any step.
+  std::vector<float> semantic_updates;
   DensityStatistics statistics;
   CouplingBalance balance;
   /// Spherical harmonics beyond this many numbers per row have zero moments.

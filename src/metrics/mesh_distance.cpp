@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/median.h"
 #include "metrics/point_index.h"
@@ -51,9 +52,12 @@ OneWay measure(const PointSet& from, const PointSet& to, const PointIndex& index
 
 MeshScores compare_points(const PointSet& predicted, const PointSet& truth, ThreadPool& pool,
                           const DistanceOptions& options) {
-  const PointIndex predicted_index(predicted.positions), truth_index(truth.positions);
-  const OneWay accuracy = measure(predicted, truth, truth_index, pool, options);
-  const OneWay completeness = measure(truth, predicted, predicted_index, pool, options);
+  std::optional<PointIndex> predicted_index, truth_index;  // each is made by one thread
+  pool.parallel_for(2, 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) i == 0 ? predicted_index.emplace(predicted.positions) : truth_index.emplace(truth.positions);
+  });
+  const OneWay accuracy = measure(predicted, truth, *truth_index, pool, options);
+  const OneWay completeness = measure(truth, predicted, *predicted_index, pool, options);
   MeshScores scores;
   scores.threshold = options.threshold;
   scores.predicted_points = predicted.positions.size();

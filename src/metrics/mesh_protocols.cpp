@@ -63,11 +63,10 @@ struct TruthView {
   std::vector<Image<uint8_t>> hit;
 };
 
-TruthView look_at_truth(const TriangleMesh& truth, const std::vector<Camera>& cameras, ThreadPool& pool,
+TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras, ThreadPool& pool,
                         const MeshProtocolOptions& options) {
   TruthView view;
   view.cameras = ray_cameras(cameras, options.ray_columns);
-  const RayScene rays(truth);
   std::vector<uint8_t> keep(truth.triangles.size(), 0);
   for (const Camera& camera : view.cameras) {
     const FirstHits hits = rays.cast(camera, pool);
@@ -155,12 +154,13 @@ Box scaled_box(const std::vector<Vec3f>& points, double scale) {
   return box;
 }
 
-TriangleMesh crop_to_box(const TriangleMesh& mesh, const Box& box) {
+/// Per triangle: all of it lies in the box.
+std::vector<uint8_t> triangles_in(const Box& box, const TriangleMesh& mesh) {
   std::vector<uint8_t> keep(mesh.triangles.size(), 1);
   for (size_t t = 0; t < keep.size(); ++t) {
     for (const uint32_t v : mesh.triangles[t]) keep[t] &= box.contains(mesh.vertices[v]);
   }
-  return keep_triangles(mesh, keep);
+  return keep;
 }
 
 /// In at least one frustum, and on no pixel, of any view, where the truth has no surface.
@@ -195,10 +195,8 @@ PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep)
 }
 
 /// Samples of a mesh that some camera sees; with `truth`, those where the truth is mostly missing are dropped.
-PointSet visible_samples(const TriangleMesh& mesh, const std::vector<Camera>& cameras, const TruthView* truth,
+PointSet visible_samples(const SurfaceSamples& samples, const RayScene& rays, const std::vector<Camera>& cameras, const TruthView* truth,
                          ThreadPool& pool, const MeshProtocolOptions& options, bool& capped, double& area) {
-  const SurfaceSamples samples = sample_surface(mesh, {options.points_per_area, options.max_points, options.seed});
-  const RayScene rays(mesh);
   std::vector<Vec3d> eyes;
   for (const Camera& c : cameras) eyes.push_back(c.centre());
   const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
@@ -222,7 +220,19 @@ PointSet visible_samples(const TriangleMesh& mesh, const std::vector<Camera>& ca
   return visible;
 }
 
-/// Runs protocols on one pair of meshes and remembers what it saw of the truth.
+/// A mesh with what every protocol asks of it; made one after the other, a mesh of a million triangles takes seconds.
+struct Surface {
+  explicit Surface(TriangleMesh m) : mesh(std::move(m)), rays(mesh) {}
+  TriangleMesh mesh;
+  RayScene rays;
+  std::optional<SurfaceSamples> samples;
+  const SurfaceSamples& sampled(const MeshProtocolOptions& options) {
+    if (!samples) samples = sample_surface(mesh, {options.points_per_area, options.max_points, options.seed});
+    return *samples;
+  }
+};
+
+/// Runs protocols on one pair of meshes and remembers what it made of either.
 class Evaluator {
  public:
   Evaluator(const MeshEvaluationInput& input, const MeshProtocolOptions& options, ThreadPool& pool)
@@ -230,12 +240,22 @@ class Evaluator {
     require_input(input);
   }
 
+  /// For protocols without ICP: a tree is built by one thread, so that it is always the same, but two trees can be at once.
+  void prepare(MeshAlignment alignment) {
+    pool_.parallel_for(2, 1, [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) {
+        if (i == 0) truth();
+        else align(alignment, {});
+      }
+    });
+  }
+
   MeshProtocolResult neuris_vertices(CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result = named("neuris_vertices", culling, alignment);
     const TruthView& truth = truth_seen_by(culling);
-    TriangleMesh mesh = aligned_prediction(input_, alignment, truth.culled, pool_, options_, result.alignment_report);
-    mesh = crop_to_box(mesh, scaled_box(truth.culled.vertices, kBoxScale));
-    mesh = keep_triangles(mesh, first_hit_triangles(RayScene(mesh), mesh.triangles.size(), truth.cameras, pool_));
+    const Surface& predicted = prediction(truth, alignment, result.alignment_report);
+    const std::vector<uint8_t> inside = triangles_in(scaled_box(truth.culled.vertices, kBoxScale), predicted.mesh);
+    const TriangleMesh mesh = keep_triangles(predicted.mesh, first_hit_triangles(predicted.rays, inside, truth.cameras, pool_));
     const std::vector<uint8_t> keep =
         test_points(mesh.vertices, pool_, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
     std::vector<Vec3f> vertices;
@@ -252,13 +272,12 @@ class Evaluator {
   MeshProtocolResult area_samples(CullingViews culling, MeshAlignment alignment) {
     MeshProtocolResult result = named("area_samples", culling, alignment);
     const std::vector<Camera> cameras = culling_cameras(input_, culling, options_.max_cameras);
-    const TruthView& truth = truth_seen_by(culling);
-    const TriangleMesh mesh =
-        aligned_prediction(input_, alignment, truth.culled, pool_, options_, result.alignment_report);
-    const PointSet predicted =
-        visible_samples(mesh, cameras, &truth, pool_, options_, result.capped, result.predicted_area);
+    const TruthView& seen = truth_seen_by(culling);
+    Surface& mesh = prediction(seen, alignment, result.alignment_report);
+    const PointSet predicted = visible_samples(mesh.sampled(options_), mesh.rays, cameras, &seen, pool_, options_, result.capped,
+                                               result.predicted_area);
     const PointSet expected =
-        visible_samples(*input_.truth, cameras, nullptr, pool_, options_, result.capped, result.truth_area);
+        visible_samples(truth().sampled(options_), truth().rays, cameras, nullptr, pool_, options_, result.capped, result.truth_area);
     result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false});
     return result;
   }
@@ -275,14 +294,37 @@ class Evaluator {
   const TruthView& truth_seen_by(CullingViews culling) {
     std::optional<TruthView>& view = culling == CullingViews::kAll ? by_all_ : by_training_;
     if (!view) {
-      view = look_at_truth(*input_.truth, culling_cameras(input_, culling, options_.max_cameras), pool_, options_);
+      view = look_at_truth(truth().mesh, truth().rays, culling_cameras(input_, culling, options_.max_cameras), pool_, options_);
     }
     return *view;
+  }
+
+  Surface& truth() {
+    if (!truth_) truth_.emplace(*input_.truth);
+    return *truth_;
+  }
+
+  /// `culled` is what ICP aligns to.
+  void align(MeshAlignment alignment, const TriangleMesh& culled) {
+    report_ = {};
+    predicted_.emplace(aligned_prediction(input_, alignment, culled, pool_, options_, report_));
+    alignment_ = alignment;
+  }
+
+  /// The predicted mesh aligned as asked. Valid until the next call.
+  Surface& prediction(const TruthView& truth, MeshAlignment alignment, AlignmentReport& report) {
+    const bool icp = alignment == MeshAlignment::kIcp || alignment == MeshAlignment::kCamerasAndIcp;
+    if (!predicted_ || icp || alignment_ != alignment) align(alignment, truth.culled);
+    report = report_;
+    return *predicted_;
   }
 
   const MeshEvaluationInput& input_;
   const MeshProtocolOptions& options_;
   ThreadPool& pool_;
+  std::optional<Surface> truth_, predicted_;
+  MeshAlignment alignment_ = MeshAlignment::kNone;  // of predicted_
+  AlignmentReport report_;
   std::optional<TruthView> by_all_, by_training_;
 };
 
@@ -308,7 +350,7 @@ TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Came
                                 const MeshProtocolOptions& options) {
   const RayScene rays(mesh);
   return keep_triangles(
-      mesh, first_hit_triangles(rays, mesh.triangles.size(), ray_cameras(cameras, options.ray_columns), pool));
+      mesh, first_hit_triangles(rays, std::vector<uint8_t>(mesh.triangles.size(), 1), ray_cameras(cameras, options.ray_columns), pool));
 }
 
 MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,
@@ -328,6 +370,7 @@ MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene
   const MeshAlignment alignment = metric_scene ? MeshAlignment::kNone : MeshAlignment::kCameras;
   const MeshAlignment icp = metric_scene ? MeshAlignment::kIcp : MeshAlignment::kCamerasAndIcp;
   Evaluator evaluator(input, options, pool);
+  evaluator.prepare(alignment);
   MeshEvaluation evaluation;
   evaluation.headline = evaluator.neuris_vertices(CullingViews::kAll, alignment);
   auto& variants = evaluation.variants;

@@ -247,6 +247,23 @@ TEST(RayScene, FirstHitsHaveTheDepthOfTheWall) {
   EXPECT_EQ(RayScene({}).cast(two_cameras()[0], pool).depth.at(100, 100), 0);
 }
 
+TEST(RayScene, RaysPassThroughTrianglesThatAreNotThere) {
+  TriangleMesh mesh = wall(2);
+  const size_t near_triangles = mesh.triangles.size();
+  const TriangleMesh far = wall(3);
+  for (const auto& t : far.triangles) {
+    const auto first = static_cast<uint32_t>(mesh.vertices.size());
+    mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  mesh.vertices.insert(mesh.vertices.end(), far.vertices.begin(), far.vertices.end());
+  std::vector<uint8_t> there(mesh.triangles.size(), 1);
+  std::fill_n(there.begin(), near_triangles, uint8_t{0});
+  ThreadPool pool(2);
+  const FirstHits hits = RayScene(mesh).cast(two_cameras()[0], pool, &there);
+  EXPECT_NEAR(hits.depth.at(100, 100), 3, 1e-5);
+  EXPECT_GE(hits.triangle.at(100, 100), near_triangles);
+}
+
 TEST(RayScene, SeesUpToTheSurfaceAndNotThroughIt) {
   const RayScene rays(wall(2));
   EXPECT_TRUE(rays.sees({0, 0, 0}, {0.01, 0.01, 2}, 0.02));

@@ -76,7 +76,7 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
-FirstHits RayScene::cast(const Camera& camera, ThreadPool& pool) const {
+FirstHits RayScene::cast(const Camera& camera, ThreadPool& pool, const std::vector<uint8_t>* there) const {
   FirstHits hits{Image<uint32_t>(camera.width, camera.height, 1, kNoTriangle), ImageF(camera.width, camera.height, 1)};
   const Vec3d eye = camera.centre();
   pool.parallel_for(camera.height, kRowGrain, [&](size_t begin, size_t end, int) {
@@ -92,6 +92,12 @@ FirstHits RayScene::cast(const Camera& camera, ThreadPool& pool) const {
         hit.ray = make_ray(eye, direction, kInfinity);
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(handle_->scene, &context, &hit);
+        while (there && hit.hit.geomID != RTC_INVALID_GEOMETRY_ID && !(*there)[hit.hit.primID]) {  // go on behind it
+          hit.ray.tnear = std::nextafter(hit.ray.tfar, kInfinity);
+          hit.ray.tfar = kInfinity;
+          hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+          rtcIntersect1(handle_->scene, &context, &hit);
+        }
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
         hits.triangle.at(x, static_cast<int>(y)) = hit.hit.primID;
         hits.depth.at(x, static_cast<int>(y)) = hit.ray.tfar;
@@ -120,11 +126,11 @@ std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point
   return uv;
 }
 
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, size_t triangles, const std::vector<Camera>& cameras,
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there, const std::vector<Camera>& cameras,
                                          ThreadPool& pool) {
-  std::vector<uint8_t> hit(triangles, 0);
+  std::vector<uint8_t> hit(there.size(), 0);
   for (const Camera& camera : cameras) {
-    for (const uint32_t t : scene.cast(camera, pool).triangle.data) {
+    for (const uint32_t t : scene.cast(camera, pool, &there).triangle.data) {
       if (t != kNoTriangle) hit[t] = 1;
     }
   }

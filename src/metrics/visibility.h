@@ -30,7 +30,8 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
-  FirstHits cast(const Camera& camera, ThreadPool& pool) const;
+  /// `there`, per triangle: rays pass through those marked 0. nullptr: all are there.
+  FirstHits cast(const Camera& camera, ThreadPool& pool, const std::vector<uint8_t>* there = nullptr) const;
   /// Whether the segment from `eye` to `point`, shortened by `tolerance` (units) at the point, meets no surface.
   bool sees(const Vec3d& eye, const Vec3d& point, double tolerance) const;
 
@@ -42,8 +43,8 @@ class RayScene {
 /// Image point of a world point that lies in front of the camera and inside its image.
 std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point);
 
-/// Per triangle 1 when it is the first hit of the ray of some pixel of some camera.
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, size_t triangles, const std::vector<Camera>& cameras,
+/// Per triangle 1 when it is the first hit, of the triangles that `there` marks 1, of the ray of some pixel of some camera.
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there, const std::vector<Camera>& cameras,
                                          ThreadPool& pool);
 
 /// The mesh of the triangles marked 1 and the vertices that they use; attributes follow.

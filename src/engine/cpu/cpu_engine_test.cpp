@@ -119,6 +119,46 @@ TEST(CpuEngine, AdamFollowsTheFormula) {
   check(rest[0], rest[1], rest[2], r.rates.sh_rest);
 }
 
+TEST(CpuEngine, SemanticRowsAreCorrectedByTheirOwnUpdates) {
+  const SceneOptions o;
+  CpuEngine engine(2);
+  engine.set_semantic_products(SemanticProducts::kFloat32);  // gradients that are not rounded
+  engine.keep_features(true);
+  const GaussianModel before = make_model(o);
+  engine.load(before);
+  TrainingView away = make_view(o);
+  for (const int axis : {0, 2}) {  // a half turn about the vertical: everything is behind it
+    Mat3d& rotation = away.data.camera.world_to_camera.rotation;
+    for (int k = 0; k < 3; ++k) rotation(axis, k) = -rotation(axis, k);
+  }
+  engine.set_training_views({make_view(o), away});
+  StepRequest r = make_request();
+  r.adam.skip_invisible_semantics = true;
+  std::vector<double> want(before.semantics.begin(), before.semantics.end()), m(want.size()), v(want.size());
+  std::vector<int> updates(before.size(), 0);
+  for (r.step = 1; r.step <= 30; ++r.step) {
+    r.view = r.step == 1 || r.step == 30 ? 0 : 1;
+    engine.step(r);
+    if (r.view == 1) continue;
+    const std::vector<float>& gradient = engine.last_gradients().semantics;
+    for (size_t i = 0; i < before.size(); ++i) {
+      const size_t row = i * static_cast<size_t>(o.channels);
+      const bool used = std::any_of(&gradient[row], &gradient[row] + o.channels, [](float g) { return g != 0; });
+      if (!used) continue;
+      const AdamStep<double> step = make_adam_step<double>(r.adam, r.rates.semantic, ++updates[i]);
+      for (size_t c = row; c < row + static_cast<size_t>(o.channels); ++c) {
+        adam_update<double>(step, gradient[c], want[c], m[c], v[c]);
+      }
+    }
+  }
+  GaussianModel after;
+  engine.store(after);
+  EXPECT_GT(std::count(updates.begin(), updates.end(), 2), 10);
+  for (size_t i = 0; i < want.size(); ++i) {
+    ASSERT_NEAR(after.semantics[i], want[i], 1e-3 * r.rates.semantic + 1e-5 * std::abs(want[i])) << i;
+  }
+}
+
 TEST(CpuEngine, NothingVisibleLeavesTheModelAsItIs) {
   SceneOptions o;
   o.depth_min = -3;
@@ -205,6 +245,9 @@ TEST(CpuEngine, RestructureCarriesMomentsAndZeroesThoseOfNewRows) {
   engine.restructure(plan);
   ASSERT_EQ(engine.size(), 3u);
   const EngineState after = state_of(engine);
+  const std::vector<float>& updates = after.arrays.at("adam_updates.semantics");
+  EXPECT_EQ(updates, (std::vector<float>{before.arrays.at("adam_updates.semantics")[7], 0,
+                                         before.arrays.at("adam_updates.semantics")[3]}));
   for (const char* name : {"adam_m.sh", "adam_v.sh"}) {
     const std::vector<float>&a = before.arrays.at(name), &b = after.arrays.at(name);
     for (int k = 0; k < 48; ++k) {

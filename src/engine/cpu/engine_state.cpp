@@ -36,6 +36,7 @@ void CpuEngine::adopt(const GaussianModel& model, const Moments* moments) {
   } else {
     take_in(moments->m, RowKind::kMoments, moments_.m);
     take_in(moments->v, RowKind::kMoments, moments_.v);
+    moments_.semantic_updates = moments->semantic_updates;
     moments_.sh_used = moments->sh_used;
   }
   settle_memory();
@@ -65,6 +66,7 @@ void CpuEngine::save_state(EngineState& state) const {
   EngineMemory memory;
   memory.m = expanded(moments_.m);
   memory.v = expanded(moments_.v);
+  memory.semantic_updates = moments_.semantic_updates;
   memory.statistics = statistics_;
   memory.balance = balance_;
   pack_state(expanded(model_), std::move(memory), state);
@@ -72,7 +74,11 @@ void CpuEngine::save_state(EngineState& state) const {
 
 void CpuEngine::load_state(const EngineState& state) {
   EngineMemory memory = unpack_state(state);  // everything is read before anything is replaced
-  const Moments moments{std::move(memory.m), std::move(memory.v), memory.sh_used};
+  Moments moments;
+  moments.m = std::move(memory.m);
+  moments.v = std::move(memory.v);
+  moments.semantic_updates = std::move(memory.semantic_updates);
+  moments.sh_used = memory.sh_used;
   adopt(state.model, &moments);
   statistics_ = std::move(memory.statistics);
   balance_ = memory.balance;
@@ -88,6 +94,7 @@ void CpuEngine::set_training_views(std::vector<TrainingView> views) {
   Moments moments;
   moments.m = expanded(moments_.m);
   moments.v = expanded(moments_.v);
+  moments.semantic_updates = moments_.semantic_updates;
   moments.sh_used = moments_.sh_used;
   adopt(model, &moments);
 }
@@ -99,6 +106,7 @@ void CpuEngine::restructure(const RestructurePlan& plan) {
   for (GaussianModel* m : {&moments_.m, &moments_.v}) {
     for (const NamedArray& a : arrays_of(*m)) restructure_rows(plan, a.width, *a.values);
   }
+  restructure_rows(plan, 1, moments_.semantic_updates);
   for (const NamedArray& a : arrays_of(statistics_)) restructure_rows(plan, a.width, *a.values);
   settle_memory();
 }

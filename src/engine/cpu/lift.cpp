@@ -36,6 +36,7 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
   rounded_for_.reset();
   moments_.m.semantics.assign(model_.semantics.size(), 0.0f);
   moments_.v.semantics.assign(model_.semantics.size(), 0.0f);
+  moments_.semantic_updates.assign(model_.size(), 0.0f);
 }
 
 uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {
@@ -49,7 +50,7 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
   per_gaussian *= 2;                                                                 // and their copy in a checkpoint
   // Gradients; blended rows, their gradients, and as much again for the rounded rows and sums between tiles.
   per_gaussian += numbers * kFloat + 3 * padded * kFloat + static_cast<uint64_t>(pool_->size()) * sizeof(uint32_t);
-  per_gaussian += 7 * kFloat;                                                        // density statistics
+  per_gaussian += 8 * kFloat;  // density statistics, updates of the semantic row
   per_gaussian += sizeof(Splat) + sizeof(TileRect) + kFloat + 8 + 6 * kFloat;        // projection and its order
   per_gaussian += kInstances * (sizeof(SplatGradient) + sizeof(uint32_t) + sizeof(uint16_t) + 1);  // BlendRecord
   per_gaussian += sizeof(DensitySums);

@@ -31,11 +31,13 @@ void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients
   });
 }
 
-void semantic_adam(const AdamStep<float>& step, bool skip_invisible, const SemanticGradients& semantics,
+void semantic_adam(const StepRequest& request, const SemanticGradients& semantics,
                    const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments) {
   const size_t channels = static_cast<size_t>(model.semantic_channels),
                padded = padded_channels(model.semantic_channels), depth = padded_depth(padded);
   std::vector<float> &m = moments.m.semantics, &v = moments.v.semantics;
+  const AdamStep<float> any = make_adam_step<float>(request.adam, request.rates.semantic, request.step);
+  const RowCorrection correction = make_row_correction(request.adam, request.rates.semantic, request.step);
   const auto gradient_of = [&](size_t i) -> const float* {
     if (semantics.gradients == nullptr || view.rects[i].area() == 0) return nullptr;
     const size_t rank = semantics.rank[i];
@@ -56,7 +58,8 @@ void semantic_adam(const AdamStep<float>& step, bool skip_invisible, const Seman
     for (size_t i = begin; i < end; ++i) {
       prefetch(i + kRowsAhead);
       const float* g = gradient_of(i);
-      if (g == nullptr && skip_invisible) continue;
+      if (g == nullptr && request.adam.skip_invisible_semantics) continue;
+      const AdamStep<float> step = correction.at(any, ++moments.semantic_updates[i]);
       float* row = model.semantics.data() + i * channels;
       uint16_t* rounded = semantics.rounded != nullptr ? semantics.rounded + i * depth : nullptr;
       if (rounded != nullptr && semantics.probabilities && g != nullptr) {
@@ -90,6 +93,7 @@ void Moments::reset(const GaussianModel& like) {
     x->sh.assign(like.sh.size(), 0.0f);
     x->semantics.assign(like.semantics.size(), 0.0f);
   }
+  semantic_updates.assign(like.size(), 0.0f);
   sh_used = 3;
 }
 
@@ -127,8 +131,7 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
   });
 
   if (model.semantic_channels > 0 && (semantics.gradients != nullptr || !request.adam.skip_invisible_semantics)) {
-    semantic_adam(step_of(rates.semantic), request.adam.skip_invisible_semantics, semantics, view, pool, model,
-                  moments);
+    semantic_adam(request, semantics, view, pool, model, moments);
   }
 
   const ShapeLimits& limits = request.limits;

@@ -15,8 +15,10 @@ namespace aligngs::cpu {
 /// Running moments, arrays as in the model.
 struct Moments {
   GaussianModel m, v;
+  std::vector<float> semantic_updates;  ///< [N] of each semantic row, which Adam's bias correction counts
   /// Spherical harmonics beyond this many numbers per row have zero moments and, so far, no gradient.
   size_t sh_used = 3;
+
 
   void reset(const GaussianModel& like);
 };

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "engine/cuda/blend_backward.h"
+#include "engine/cuda/constants.h"
 #include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/blending.h"
@@ -15,7 +16,7 @@
 namespace aligngs::cuda {
 
 inline constexpr int kBackwardWarps = kTilePixels / kWarp;
-inline constexpr int kBackwardChunk = kBackwardWarps;  ///< Gaussians at a time: one per warp in the second half
+static_assert(kBackwardChunk <= kBackwardWarps, "a Gaussian per warp in the second half");
 inline constexpr int kSplatVectors = sizeof(Splat) / sizeof(float4);
 
 /// Shared memory of a block; 35 KB, so that several fit on every architecture.

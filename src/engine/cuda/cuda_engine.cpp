@@ -178,7 +178,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   const DeviceSpan<const uint32_t> blocked = blocked_of(last_.outcome);
   optimise(*context_, request,
            {g, last_.touched, last_.semantic_gradients, last_.semantic_written, frame.lists.rank, blocked},
-           {model_.spans(), m_.spans(), v_.spans()},
+           {model_.spans(), m_.spans(), v_.spans(), semantic_updates_.span()},
            std::max(sh_used_, size_t(3) * static_cast<size_t>(sh_coefficient_count(request.sh_degree))));
   if (density) {
     add_density_statistics(*context_, {frame.view, last_.touched, density_sums, blocked}, density_spans());

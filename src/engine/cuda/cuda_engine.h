@@ -106,6 +106,8 @@ class CudaEngine final : public Engine {
   NonFinite locate(NonFinite symptom) const;
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
   void adopt(const GaussianModel& model, const EngineMemory* memory);
+  void upload_updates(const std::vector<float>& updates);
+  void forget_updates();
   GaussianModel expanded(const ModelArrays& rows) const;  ///< to all classes
   DensitySpans density_spans();
   void resize_statistics(size_t gaussians);
@@ -114,6 +116,7 @@ class CudaEngine final : public Engine {
   std::unique_ptr<ThreadPool> pool_;
   std::string name_;
   ModelArrays model_, m_, v_;
+  DeviceArray<float> semantic_updates_;  ///< [N]
   int sh_degree_ = 0;
   size_t sh_used_ = 3;  ///< spherical harmonics beyond this many numbers per row have zero moments
   static constexpr size_t kStatistics = 7;

@@ -40,6 +40,7 @@ void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
   if (memory != nullptr) {
     take_in(memory->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
     take_in(memory->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
+    upload_updates(memory->semantic_updates);
     sh_used_ = memory->sh_used;
     return;
   }
@@ -47,7 +48,18 @@ void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
     moment->resize(*context_, model_.size(), model_.channels(), "the optimiser's moments");
     moment->set_zero(*context_);
   }
+  forget_updates();
   sh_used_ = 3;
+}
+
+void CudaEngine::upload_updates(const std::vector<float>& updates) {
+  semantic_updates_.assign(*context_, updates, "the optimiser's moments");
+  context_->synchronise();  // the vector may be gone on return
+}
+
+void CudaEngine::forget_updates() {
+  semantic_updates_.resize(*context_, model_.size(), "the optimiser's moments");
+  fill_zero(*context_, semantic_updates_.span());
 }
 
 GaussianModel CudaEngine::expanded(const ModelArrays& rows) const {
@@ -87,6 +99,7 @@ void CudaEngine::save_state(EngineState& state) const {
   EngineMemory memory;
   memory.m = expanded(m_);
   memory.v = expanded(v_);
+  memory.semantic_updates = semantic_updates_.to_host();
   memory.statistics = density_statistics();
   memory.balance = balance_;
   pack_state(expanded(model_), std::move(memory), state);
@@ -131,6 +144,7 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
   EngineMemory memory;
   memory.m = expanded(m_);
   memory.v = expanded(v_);
+  memory.semantic_updates = semantic_updates_.to_host();
   memory.sh_used = sh_used_;
   adopt(expanded(model_), &memory);
 }
@@ -145,6 +159,7 @@ void CudaEngine::restructure(const RestructurePlan& plan) {
   restructure_model(*context_, device_plan, model_);
   restructure_moment(*context_, device_plan, m_);
   restructure_moment(*context_, device_plan, v_);
+  restructure_numbers(*context_, device_plan, semantic_updates_);
   for (DeviceArray<float>& a : statistics_) restructure_numbers(*context_, device_plan, a);
   if (before == 0) return;
   for (ViewOnDevice& view : views_) {  // more rows, more pairs: in proportion, as a guess that a repeated step corrects
@@ -154,7 +169,7 @@ void CudaEngine::restructure(const RestructurePlan& plan) {
 
 void CudaEngine::reset_opacity(float maximum) {
   (void)reset_logit(maximum);  // checks the range
-  cap_opacities(*context_, maximum, {model_.spans(), m_.spans(), v_.spans()});
+  cap_opacities(*context_, maximum, {model_.spans(), m_.spans(), v_.spans(), {}});
 }
 
 uint64_t CudaEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {

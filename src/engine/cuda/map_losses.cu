@@ -8,24 +8,6 @@
 namespace aligngs::cuda {
 namespace {
 
-/// Starts the terms of the step.
-__global__ void __launch_bounds__(kSumThreads)
-    finish_photometric_kernel(LossSettings settings, uint32_t counted, DeviceSpan<const double> partial,
-                              DeviceSpan<LossTerms> terms) {
-  double sums[kPhotometricSums];
-  load_partial_sums(partial, sums);
-  if (threadIdx.x != 0) return;
-  LossTerms t{};
-  if (counted > 0) {
-    const double scale = 1.0 / (3.0 * counted);
-    t.psnr = psnr_of(sums[kSumSquared] * scale);
-    if (settings.l1_weight != 0) t.l1 = sums[kSumAbsolute] * scale;
-    if (settings.ssim_weight != 0) t.ssim = 1 - sums[kSumSsim] * scale;
-    t.total = settings.l1_weight * t.l1 + settings.ssim_weight * t.ssim;
-  }
-  terms[0] = t;
-}
-
 void photometric_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutputs& out) {
   const DeviceContext& context = arena.context();
   const size_t pixels = size_t(in.maps.width) * in.maps.height;

@@ -3,6 +3,7 @@
 // A pixel gathers what its neighbours' terms mean for it; nothing is scattered, so sums have a fixed order.
 #pragma once
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/photometric.cuh"
@@ -12,8 +13,6 @@
 #include "engine/formulas/normal_terms.h"
 
 namespace aligngs::cuda {
-
-inline constexpr unsigned kPixelThreads = 256;
 
 /// Known after the first pass.
 struct MeasuredTerms {

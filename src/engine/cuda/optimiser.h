@@ -20,6 +20,7 @@ struct OptimiserInputs {
 /// Parameters and their running moments, all three of one shape.
 struct OptimiserState {
   ModelSpans model, m, v;
+  DeviceSpan<float> semantic_updates;  ///< [N] of each semantic row so far; a step that writes the row adds one
 };
 
 /// One step. Only the first `sh_used` numbers of a row of sh, rounded up to four, are visited: the others must have

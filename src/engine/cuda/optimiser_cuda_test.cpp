@@ -38,6 +38,7 @@ class CudaOptimiser : public DeviceTest {
     fill_model(moments.m, -0.01, 0.01);
     fill_model(moments.v, 0, 1e-4);
     fill_model(gradients, -0.1, 0.1);
+    for (size_t i = 0; i < kRows; ++i) moments.semantic_updates.push_back(static_cast<float>(i % 17));  // of 16 steps before
     moments.sh_used = 12;
     for (GaussianModel* m : {&moments.m, &moments.v}) {
       for (size_t i = 0; i < m->sh.size(); ++i) {
@@ -128,7 +129,10 @@ class CudaOptimiser : public DeviceTest {
       in.rank = ranks.span();
     }
     in.blocked = block.span();
-    optimise(context(), request, in, {p.spans(), m.spans(), v.spans()}, moments.sh_used);
+    DeviceArray<float> updates;
+    updates.assign(context(), moments.semantic_updates, "test");
+    optimise(context(), request, in, {p.spans(), m.spans(), v.spans(), updates.span()}, moments.sh_used);
+    device_moments.semantic_updates = updates.to_host();
     p.download(device_model);
     m.download(device_moments.m);
     v.download(device_moments.v);
@@ -159,6 +163,7 @@ class CudaOptimiser : public DeviceTest {
     expect_close(device_model, cpu_model, "parameters");
     expect_close(device_moments.m, cpu_moments.m, "first moments");
     expect_close(device_moments.v, cpu_moments.v, "second moments");
+    EXPECT_EQ(device_moments.semantic_updates, cpu_moments.semantic_updates);
   }
 
   using AlignedFloats = decltype(cpu::ParameterGradients::positions);
@@ -223,7 +228,7 @@ TEST_F(CudaOptimiser, OpacitiesAreCapped) {
   p.upload(context(), model, "test");
   m.upload(context(), moments.m, "test");
   v.upload(context(), moments.v, "test");
-  cap_opacities(context(), 0.4f, {p.spans(), m.spans(), v.spans()});
+  cap_opacities(context(), 0.4f, {p.spans(), m.spans(), v.spans(), {}});
   p.download(device_model);
   m.download(device_moments.m);
   v.download(device_moments.v);
@@ -255,7 +260,7 @@ TEST_F(CudaOptimiser, AModelWithoutRows) {
   ModelArrays none;
   none.upload(context(), GaussianModel(), "test");
   DeviceArena arena(context());
-  optimise(context(), request, {none.spans(), {}, {}, {}, {}, {}}, {none.spans(), none.spans(), none.spans()}, 3);
+  optimise(context(), request, {none.spans(), {}, {}, {}, {}, {}}, {none.spans(), none.spans(), none.spans(), {}}, 3);
   EXPECT_FALSE(find_bad_parameter(arena, none.spans()).found);
 }
 

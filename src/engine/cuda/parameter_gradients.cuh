@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/cpu/adam.h"
+#include "engine/cuda/constants.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/color.h"
@@ -9,11 +10,6 @@
 #include "engine/formulas/whitened.h"
 
 namespace aligngs::cuda {
-
-inline constexpr int kRowThreads = 128;  ///< rows per block; a row needs about 100 registers
-/// A thread adds up this many slots itself; beyond, its warp does it together, because one Gaussian close to the camera
-/// has a slot in every tile.
-inline constexpr uint32_t kOwnSlots = 16;
 
 __global__ void mark_touched_kernel(TileListSpans lists, BlendRecordSpans record, DeviceSpan<uint8_t> touched,
                                     DeviceSpan<uint32_t> visible) {
@@ -155,7 +151,7 @@ __device__ __forceinline__ double square_of_mean(const Splat& s, float p, float 
   return static_cast<double>(mean.x * mean.x + mean.y * mean.y);
 }
 
-__global__ void __launch_bounds__(kRowThreads)
+__global__ void __launch_bounds__(kGradientThreads)
     parameter_gradients_kernel(ParameterGradientInputs in, ParameterGradientOutputs out) {
   __shared__ double scratch[kWarp];
   const size_t i = item_index();

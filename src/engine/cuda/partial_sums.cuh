@@ -1,13 +1,11 @@
 // Sums over a grid in a fixed order: each block leaves its own, one block adds them up.
 #pragma once
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/cuda/runtime/device_span.h"
 
 namespace aligngs::cuda {
-
-/// Threads of the block that adds up: a picture of 640 x 480 leaves 1200 sums, five rounds of this many.
-inline constexpr unsigned kSumThreads = 256;
 
 /// Index and number of the blocks of a grid of any shape.
 __device__ __forceinline__ size_t block_number() {

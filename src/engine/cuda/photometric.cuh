@@ -2,6 +2,7 @@
 // by the local moments, one for the gradient.
 #pragma once
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/runtime/device_language.h"
@@ -9,7 +10,6 @@
 
 namespace aligngs::cuda {
 
-inline constexpr int kSsimTile = 16;  ///< pixels; edge of the square of a block
 inline constexpr int kSsimThreads = kSsimTile * kSsimTile;
 inline constexpr int kSsimPatch = kSsimTile + 2 * kSsimHalf;  ///< the square with its windows
 inline constexpr int kSsimMoments = 5, kSsimGradients = 3;
@@ -160,6 +160,24 @@ __global__ void __launch_bounds__(kSsimThreads)
     difference += d.absolute;
   }
   if (inside && !residual.empty()) residual[u] = counts ? difference / 3.0f : 0.0f;
+}
+
+/// Starts the terms of the step.
+__global__ void __launch_bounds__(kSumThreads)
+    finish_photometric_kernel(LossSettings settings, uint32_t counted, DeviceSpan<const double> partial,
+                              DeviceSpan<LossTerms> terms) {
+  double sums[kPhotometricSums];
+  load_partial_sums(partial, sums);
+  if (threadIdx.x != 0) return;
+  LossTerms t{};
+  if (counted > 0) {
+    const double scale = 1.0 / (3.0 * counted);
+    t.psnr = psnr_of(sums[kSumSquared] * scale);
+    if (settings.l1_weight != 0) t.l1 = sums[kSumAbsolute] * scale;
+    if (settings.ssim_weight != 0) t.ssim = 1 - sums[kSumSsim] * scale;
+    t.total = settings.l1_weight * t.l1 + settings.ssim_weight * t.ssim;
+  }
+  terms[0] = t;
 }
 
 }  // namespace aligngs::cuda

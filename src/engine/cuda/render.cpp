@@ -70,6 +70,7 @@ void CudaEngine::lift_semantics(const RasterSettings& raster) {
   start_semantic_rows(*context_, sums.span(), map_.remainder(), model_.spans());
   fill_zero(*context_, m_.spans().semantics);
   fill_zero(*context_, v_.spans().semantics);
+  fill_zero(*context_, semantic_updates_.span());
   context_->synchronise();  // the sums are gone on return
 }
 

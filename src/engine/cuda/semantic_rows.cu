@@ -1,5 +1,6 @@
 #include "engine/cuda/semantic_rows.h"
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/runtime/launch.h"
 #include "engine/cuda/semantic_rows.cuh"
 

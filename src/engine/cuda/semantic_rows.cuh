@@ -2,14 +2,12 @@
 #pragma once
 
 #include "engine/cpu/adam.h"
+#include "engine/cuda/constants.h"
 #include "engine/cuda/lane_channels.cuh"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/semantic_rows.h"
 
 namespace aligngs::cuda {
-
-inline constexpr int kRowWarps = 8;         ///< rows per block
-inline constexpr uint32_t kWarpSlots = 64;  ///< beyond this many slots a row is added up by its whole block
 
 __device__ __forceinline__ void load_logits(const SemanticRowInputs& in, size_t row, float (&x)[kLaneChannels]) {
   const size_t first = row * static_cast<size_t>(in.model.channels);

@@ -2,6 +2,7 @@
 // Thread t stands for pixel t % 64 of a block of 8 x 8 and for a quarter, t / 64, of the 32 Gaussians.
 #pragma once
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/runtime/tile_mma.cuh"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/warp_sums.cuh"
@@ -9,15 +10,11 @@
 
 namespace aligngs::cuda {
 
-inline constexpr int kVisitThreads = 256;
 inline constexpr int kVisitWarps = kVisitThreads / kWarp;
-inline constexpr int kVisitEntries = 32;  ///< Gaussians at a time: two steps of a product over Gaussians
 inline constexpr int kVisitParts = kVisitThreads / kBlockPixels;       ///< threads per pixel
 inline constexpr int kPartEntries = kVisitEntries / kVisitParts;       ///< Gaussians per thread
-inline constexpr int kVisitBatch = 1024;  ///< places looked at at a time: more than almost every tile has
 inline constexpr int kWeightStride = kBlockPixels + 8;                 ///< odd multiple of 8: no bank conflicts
 inline constexpr int kCouplingStride = kBlockPixels + 4;
-inline constexpr int kSumRows = 16;       ///< rows of dS at a time
 
 /// Shared memory, followed by what depends on the number of channels.
 struct VisitShared {

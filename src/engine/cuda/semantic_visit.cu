@@ -1,6 +1,7 @@
 #include "engine/cuda/semantic_visit.h"
 
 #include "core/error.h"
+#include "engine/cuda/constants.h"
 #include "engine/cuda/semantic_visit.cuh"
 #include "engine/cuda/sum_columns.cuh"
 

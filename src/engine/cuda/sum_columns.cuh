@@ -1,6 +1,7 @@
 // Sums of the columns of a small table on the device, in a fixed order.
 #pragma once
 
+#include "engine/cuda/constants.h"
 #include "engine/cuda/runtime/launch.h"
 #include "engine/cuda/warp_sums.cuh"
 
@@ -21,8 +22,7 @@ __global__ void sum_columns_kernel(DeviceSpan<const double> in, double factor, D
 
 template <int kWidth>
 void sum_columns(const DeviceContext& context, DeviceSpan<const double> in, double factor, DeviceSpan<double> out) {
-  constexpr unsigned kThreads = 256;
-  launch(context, "sum_columns", sum_columns_kernel<kWidth>, {dim3(1), dim3(kThreads), 0}, in, factor, out);
+  launch(context, "sum_columns", sum_columns_kernel<kWidth>, {dim3(1), dim3(kSumThreads), 0}, in, factor, out);
 }
 
 }  // namespace aligngs::cuda

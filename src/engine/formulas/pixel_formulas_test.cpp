@@ -124,6 +124,28 @@ TEST(Adam, NoGradientNoStep) {
   EXPECT_EQ(parameter, 1.0f);
 }
 
+TEST(Adam, RowsAreCorrectedByTheirOwnUpdates) {
+  const AdamSettings settings;
+  const AdamStep<float> late = make_adam_step<float>(settings, 0.02, 4000);
+  const RowCorrection correction = make_row_correction(settings, 0.02f, 4000);
+  for (const int count : {1, 2, 7, 40, 1000, 4000}) {
+    const AdamStep<float> got = correction.at(late, static_cast<float>(count));
+    const AdamStep<double> want = make_adam_step<double>(settings, 0.02, count);
+    EXPECT_NEAR(got.step_size, want.step_size, 1e-6 * want.step_size) << count;
+    EXPECT_NEAR(got.second_correction, want.second_correction, 1e-6 * want.second_correction) << count;
+    EXPECT_EQ(got.beta1, late.beta1);
+  }
+  EXPECT_EQ(correction.at(late, 1e7f).step_size, correction.at(late, 4000).step_size);  // not more updates than steps
+  EXPECT_EQ(correction.at(late, NAN).step_size, correction.at(late, 1).step_size);
+}
+
+TEST(Adam, FirstUpdateOfARowThatWaitedMovesItByTheRate) {
+  const RowCorrection correction = make_row_correction(AdamSettings(), 0.01f, 1000);
+  float parameter = 0, m = 0, v = 0;
+  adam_update(correction.at(make_adam_step<float>(AdamSettings(), 0.01, 1000), 1), 0.3f, parameter, m, v);
+  EXPECT_NEAR(parameter, -0.01, 1e-6);
+}
+
 TEST(Adam, FloatAgreesWithDoubleAtLargeStepNumbers) {
   float pf = 0, mf = 0, vf = 0;
   double pd = 0, md = 0, vd = 0;

@@ -3,43 +3,15 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/launch.h"
+#include "mesh/cuda/tsdf_fusion.cuh"
 
 namespace aligngs {
 namespace cuda {
 namespace {
 
-constexpr unsigned kBlocksPerLaunchBlock = 128;  // threads of the kernel that has one per block of voxels
-constexpr size_t kStagedBlocks = 4096;           // 32 MB: host memory through which voxels travel
-
-struct PlacedBlock {
-  Vec3f origin;  ///< of the first voxel, in the camera frame
-  int seen = 0;
-};
-
-__global__ void place_blocks(VoxelView view, DeviceSpan<const BlockCoordinate> coordinates, DeviceSpan<PlacedBlock> placed) {
-  const size_t b = item_index();
-  if (b >= coordinates.size) return;
-  PlacedBlock& out = placed[b];
-  out.seen = view.sees(coordinates[b]);
-  out.origin = view.origin(coordinates[b]);
-}
-
-/// One thread per voxel, one block of threads per block of voxels.
-__global__ void __launch_bounds__(kBlockVoxels)
-    fuse_blocks(VoxelView view, DeviceSpan<const PlacedBlock> placed, DeviceSpan<Voxel> voxels) {
-  const PlacedBlock block = placed[blockIdx.x];
-  if (block.seen == 0) return;
-  const int t = static_cast<int>(threadIdx.x);
-  const int i = t % kBlockSide, j = t / kBlockSide % kBlockSide, k = t / (kBlockSide * kBlockSide);
-  const Vec3f p = view.row(block.origin, j, k) + view.along_x * static_cast<float>(i);
-  Voxel& at = voxels[size_t(blockIdx.x) * kBlockVoxels + threadIdx.x];
-  Voxel voxel = at;
-  fuse_voxel(view, p, voxel);
-  at = voxel;
-}
+constexpr size_t kStagedBlocks = 4096;  // 32 MB: host memory through which voxels travel
 
 class CudaTsdfDevice : public TsdfDevice {
  public:
@@ -88,7 +60,7 @@ class CudaTsdfDevice : public TsdfDevice {
     });
     for (const VoxelView& view : views) {
       const VoxelView there = on_device(view, maps);
-      launch(context_, "place_blocks", place_blocks, one_per_item(count, kBlocksPerLaunchBlock), there, places.span(),
+      launch(context_, "place_blocks", place_blocks, one_per_item(count, kPlaceThreads), there, places.span(),
              placed.span());
       launch(context_, "fuse_blocks", fuse_blocks, {dim3(static_cast<unsigned>(count)), dim3(kBlockVoxels)}, there,
              placed.span(), voxels.span());
