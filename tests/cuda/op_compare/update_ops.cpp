@@ -83,6 +83,8 @@ void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable&
   }
 }
 
+constexpr int64_t kStep = 17;  ///< of the optimiser, which corrects a bias by it
+
 /// Moments as after some steps: not zero, and the second ones not so small that Adam divides rounding by rounding.
 cpu::Moments some_moments(const GaussianModel& like) {
   Random random(5);
@@ -94,6 +96,7 @@ cpu::Moments some_moments(const GaussianModel& like) {
   for (const NamedArray& a : arrays_of(moments.v)) {
     for (float& x : *a.values) x = static_cast<float>(random.uniform(1e-6, 1e-4));
   }
+  for (size_t i = 0; i < like.size(); ++i) moments.semantic_updates[i] = static_cast<float>(i % kStep);
   moments.sh_used = size_t(3) * kShCoefficients;
   return moments;
 }
@@ -101,7 +104,7 @@ cpu::Moments some_moments(const GaussianModel& like) {
 void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   const cpu::Moments start = some_moments(step.scene.model);
   StepRequest request = step.scene.request;
-  request.step = 17;
+  request.step = kStep;
   request.limits = {0.3f, 4.0f, 2.0f};  // all three act on some rows
   const bool semantics = step.semantics();
   const size_t n = step.scene.model.size(), padded = step.padded;
@@ -132,10 +135,11 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
     }
   }
   DeviceArray<uint8_t> touched, semantic_written;
-  DeviceArray<float> semantic_gradients;
+  DeviceArray<float> semantic_gradients, updates;
   touched.assign(context, step.with_shape.touched, "touched");
   semantic_written.assign(context, written, "written");
   semantic_gradients.assign(context, logits, "semantic gradients");
+  updates.assign(context, start.semantic_updates, "updates of the semantic rows");
   cuda::OptimiserInputs in;
   in.gradients = gradients.spans();
   in.touched = touched.span();
@@ -144,7 +148,7 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
     in.semantic_written = semantic_written.span();
     in.rank = const_cast<cuda::TestView&>(step.view).list_spans().rank;
   }
-  optimise(context, request, in, {model.spans(), m.spans(), v.spans()}, start.sh_used);
+  optimise(context, request, in, {model.spans(), m.spans(), v.spans(), updates.span()}, start.sh_used);
 
   const auto compare = [&](const char* what, cuda::DeviceModel& got, GaussianModel& expected) {
     const std::vector<float> arrays[] = {got.positions.to_host(),      got.log_scales.to_host(), got.rotations.to_host(),
@@ -157,6 +161,7 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
   compare("", model, want);
   compare("m ", m, want_moments.m);
   compare("v ", v, want_moments.v);
+  table.compare("optimiser", "updates of semantics", updates.to_host(), want_moments.semantic_updates, exact());
 }
 
 }  // namespace
