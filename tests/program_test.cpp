@@ -60,11 +60,29 @@ TEST_F(Program, AnUnknownOptionNamesTheHelp) {
 }
 
 TEST_F(Program, ADeviceThatIsNotThereIsStatus5) {
-  for (const char* command : {"train scene -o run", "run scene -o run", "render run", "mesh run", "poses photos -o scene", "priors scene"}) {
+  for (const char* command : {"train scene -o run", "run scene -o run", "render run", "mesh run", "poses photos -o scene", "priors scene",
+                              "bench"}) {
     const ProcessResult result = run(std::string(command) + " --device cuda:99");
     EXPECT_EQ(result.status, 5) << command << ": " << result.err;
     EXPECT_THAT(result.err, HasSubstr("--device cpu")) << command;
   }
+}
+
+TEST_F(Program, BenchHasATableForPeopleAndADocumentForPrograms) {
+  const std::string tiny = "bench --width 32 --height 32 --gaussians 100 --channels 3 --steps 1";
+  const ProcessResult table = run(tiny);
+  EXPECT_EQ(table.status, 0) << table.err;
+  for (const char* word : {"machine", "GFLOP/s float32", "GB/s memory", "backward", "of floor", "steps per second"}) {
+    EXPECT_THAT(table.out, HasSubstr(word));
+  }
+  const ProcessResult document = run(tiny + " --json");
+  EXPECT_EQ(document.status, 0) << document.err;
+  for (const char* key : {"\"fma_gflops\"", "\"floor_seconds\"", "\"instructions\""}) EXPECT_THAT(document.out, HasSubstr(key));
+}
+
+TEST_F(Program, OptionsOfBenchThatBelongToAnotherDeviceAreUsageErrors) {
+  EXPECT_EQ(run("bench --graphs").status, 2);
+  EXPECT_EQ(run("bench --device quantum").status, 2);
 }
 
 TEST_F(Program, VersionIsPrinted) {

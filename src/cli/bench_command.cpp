@@ -1,12 +1,18 @@
 // `aligngs bench`: how fast this version trains on this machine, and how far that is from what the machine can do.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/device_option.h"
+#include "core/error.h"
+#include "core/log.h"
 #include "core/memory_budget.h"
 #include "engine/benchmark/instruction_limit.h"
 #include "engine/benchmark/step_benchmark.h"
+#include "engine/cuda/make_engine.h"
+#include "engine/cuda/runtime/device_ceilings.h"
 
 namespace aligngs {
 namespace {
@@ -15,6 +21,58 @@ const std::map<std::string, SemanticBlend> kBlends = {{"probabilities", Semantic
                                                       {"logits", SemanticBlend::kLogits}};
 
 std::string name_of(SemanticBlend blend) { return blend == SemanticBlend::kProbabilities ? "probabilities" : "logits"; }
+
+/// What the stages are held against.
+struct BenchMachine {
+  std::string line;         ///< for people
+  nlohmann::json document;  ///< for programs
+  MachineCeilings ceilings;
+};
+
+std::string rates_line(const MachineCeilings& c) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%.0f GFLOP/s float32, ", c.fma_gflops);
+  std::string line = text;
+  if (c.amx_gflops > 0) {
+    std::snprintf(text, sizeof text, "%.2f TFLOP/s bfloat16 tiles, ", 1e-3 * c.amx_gflops);
+    line += text;
+  }
+  std::snprintf(text, sizeof text, "%.0f GB/s memory", std::max(c.read_gbps, c.triad_gbps));
+  return line + text;
+}
+
+BenchMachine measure_cpu(int threads, bool matrix_tiles) {
+  ThreadPool pool(threads);
+  BenchMachine m;
+  m.ceilings = measure_ceilings(pool, matrix_tiles);
+  m.line = std::to_string(pool.size()) + " threads, " + m.ceilings.instructions + ": " + rates_line(m.ceilings);
+  m.document = {{"threads", pool.size()},
+                {"instructions", m.ceilings.instructions},
+                {"fma_gflops", m.ceilings.fma_gflops},
+                {"amx_gflops", m.ceilings.amx_gflops},
+                {"read_gbps", m.ceilings.read_gbps},
+                {"triad_gbps", m.ceilings.triad_gbps}};
+  return m;
+}
+
+BenchMachine measure_device(const cuda::CudaDevice& device, bool graphs) {
+  const cuda::DeviceCeilings c = cuda::measure_device_ceilings(device.index);
+  BenchMachine m;
+  m.ceilings.fma_gflops = c.fma_gflops;
+  m.ceilings.amx_gflops = c.mma_gflops;
+  m.ceilings.read_gbps = m.ceilings.triad_gbps = c.copy_gbps;
+  m.line = "cuda:" + std::to_string(device.index) + ", " + device.name + (graphs ? ", CUDA graphs: " : ": ") +
+           rates_line(m.ceilings);
+  m.document = {{"device", "cuda:" + std::to_string(device.index)},
+                {"name", device.name},
+                {"compute_capability", std::to_string(device.major) + "." + std::to_string(device.minor)},
+                {"build", cuda::cuda_build()},
+                {"graphs", graphs},
+                {"fma_gflops", c.fma_gflops},
+                {"mma_gflops", c.mma_gflops},
+                {"copy_gbps", c.copy_gbps}};
+  return m;
+}
 
 double per(size_t a, size_t b) { return b > 0 ? static_cast<double>(a) / static_cast<double>(b) : 0.0; }
 
@@ -40,10 +98,10 @@ nlohmann::json densify_json(const StepTiming& timing, const BenchmarkRoom& room,
           {"fraction", floor / timing.densify_seconds}};
 }
 
-nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const MachineCeilings& machine) {
+nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const BenchMachine& machine) {
   nlohmann::json stages = nlohmann::json::object();
   for (const std::string& stage : stage_names()) {
-    if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine);
+    if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine.ceilings);
   }
   const cpu::TileStatistics& t = timing.tiles;
   return {{"version", ALIGNGS_VERSION},
@@ -58,34 +116,22 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
             {"pairs_per_tile", per(t.pairs, t.tiles)},
             {"used_per_tile", per(t.used, t.tiles)},
             {"splats_per_pixel", per(t.active, t.pixels)}}},
-          {"machine",
-           {{"threads", timing.threads},
-            {"instructions", machine.instructions},
-            {"fma_gflops", machine.fma_gflops},
-            {"amx_gflops", machine.amx_gflops},
-            {"read_gbps", machine.read_gbps},
-            {"triad_gbps", machine.triad_gbps}}},
+          {"machine", machine.document},
           {"step", {{"seconds", timing.seconds}, {"best_seconds", timing.best_seconds},
             {"cpu_seconds", timing.cpu_seconds}, {"stages", stages}}},
-          {"densify", densify_json(timing, room, machine)},
+          {"densify", densify_json(timing, room, machine.ceilings)},
           {"render", {{"seconds", timing.render_seconds}}},
           {"peak_memory_bytes", timing.peak_memory_bytes}};
 }
 
-void print_table(const nlohmann::json& d) {
+void print_table(const nlohmann::json& d, const std::string& machine) {
   const auto& scene = d["scene"];
-  const auto& machine = d["machine"];
   std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, %s of %.0f %% of the pixels\n",
               scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
               scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(),
               scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>(),
               scene["blend"].get<std::string>().c_str(), 100 * scene["pixel_share"].get<double>());
-  std::printf("machine  %d threads, %s: %.0f GFLOP/s float32", machine["threads"].get<int>(),
-              machine["instructions"].get<std::string>().c_str(), machine["fma_gflops"].get<double>());
-  if (machine["amx_gflops"].get<double>() > 0) {
-    std::printf(", %.2f TFLOP/s bfloat16 tiles", 1e-3 * machine["amx_gflops"].get<double>());
-  }
-  std::printf(", %.0f GB/s memory\n\n", std::max(machine["read_gbps"].get<double>(), machine["triad_gbps"].get<double>()));
+  std::printf("machine  %s\n\n", machine.c_str());
   std::printf("%-14s %9s %9s %9s %8s %9s %9s\n", "stage", "median ms", "best ms", "GFLOP/s", "GB/s", "floor ms", "of floor");
   for (const std::string& stage : stage_names()) {
     if (!d["step"]["stages"].contains(stage)) continue;
@@ -104,42 +150,84 @@ void print_table(const nlohmann::json& d) {
               format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
 }
 
+struct BenchOptions {
+  StepBenchmarkOptions steps;
+  Instructions instructions = Instructions::kAll;
+  std::string device = "cpu";
+  bool graphs = false;
+};
+
+BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
+  o.steps.matrix_tiles = o.instructions == Instructions::kAll;
+  const InstructionLimit limit(o.instructions);
+  timing = time_steps(o.steps);
+  return measure_cpu(o.steps.threads, o.steps.matrix_tiles);
+}
+
+BenchMachine run_on_device(BenchOptions& o, const cuda::CudaDevice& device, StepTiming& timing) {
+  cuda::CudaEngineOptions settings;
+  settings.time_stages = true;
+  settings.graphs = o.graphs;
+  // Every view once: the first visit to a view waits inside the step.
+  o.steps.warm_up = std::max(o.steps.warm_up, kBenchmarkViews);
+  o.steps.make_engine = [&](int threads) { return make_cuda_engine(device.index, 0, threads, settings); };
+  timing = time_steps(o.steps);
+  return measure_device(device, o.graphs);
+}
+
+void run_bench(BenchOptions& o, bool json) {
+  StepTiming timing;
+  BenchMachine machine;
+  const cuda::CudaDevices found = o.device == "cpu" ? cuda::CudaDevices() : cuda::list_cuda_devices();
+  const cuda::DeviceChoice choice = cuda::choose_device(o.device, found);
+  if (!choice.message.empty()) log_info("{}", choice.message);
+  if (choice.cuda) {
+    if (o.instructions != Instructions::kAll) throw_usage("--instructions are those of the CPU", "leave --device out");
+    const auto device = std::find_if(found.devices.begin(), found.devices.end(),
+                                     [&](const cuda::CudaDevice& d) { return d.index == choice.index; });
+    machine = run_on_device(o, *device, timing);
+  } else {
+    if (o.graphs) throw_usage("--graphs are those of a CUDA device", "choose one: --device cuda:0");
+    machine = run_on_cpu(o, timing);
+  }
+  const nlohmann::json document = document_of(timing, o.steps.room, machine);
+  if (json) {
+    std::printf("%s\n", document.dump(2).c_str());
+  } else {
+    print_table(document, machine.line);
+  }
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("bench", "Time training on this machine, stage by stage");
   command->group("Look");
-  command->footer("Examples: aligngs bench --gaussians 50000 --width 320 --height 240\n          aligngs bench --instructions avx2");
-  auto options = std::make_shared<StepBenchmarkOptions>();
-  command->add_option("--width", options->room.width, "pixels")->capture_default_str();
-  command->add_option("--height", options->room.height, "pixels")->capture_default_str();
-  command->add_option("--gaussians", options->room.gaussians, "Gaussians of the made-up room")->capture_default_str();
-  command->add_option("--channels", options->room.channels, "semantic classes, 0 without")->capture_default_str();
-  command->add_option("--pixel-share", options->pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
+  command->footer("Examples: aligngs bench --gaussians 50000 --width 320 --height 240\n          aligngs bench --instructions avx2\n"
+                  "          aligngs bench --device cuda:0");
+  auto options = std::make_shared<BenchOptions>();
+  StepBenchmarkOptions& steps = options->steps;
+  command->add_option("--width", steps.room.width, "pixels")->capture_default_str();
+  command->add_option("--height", steps.room.height, "pixels")->capture_default_str();
+  command->add_option("--gaussians", steps.room.gaussians, "Gaussians of the made-up room")->capture_default_str();
+  command->add_option("--channels", steps.room.channels, "semantic classes, 0 without")->capture_default_str();
+  command->add_option("--pixel-share", steps.pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str();
-  command->add_option("--blend", options->blend, "what the semantic loss blends (semantic.blend)")
+  command->add_option("--blend", steps.blend, "what the semantic loss blends (semantic.blend)")
       ->transform(CLI::CheckedTransformer(kBlends, CLI::ignore_case))
       ->default_str("probabilities");
-  auto instructions = std::make_shared<Instructions>(Instructions::kAll);
   const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
                                                      {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};
-  command->add_option("--instructions", *instructions, "as on a processor with at most these vectors and no matrix tiles")
+  command->add_option("--instructions", options->instructions, "as on a processor with at most these vectors and no matrix tiles")
       ->transform(CLI::CheckedTransformer(names, CLI::ignore_case))
       ->default_str("all");
-  command->add_option("--steps", options->steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->callback([&context, options, instructions] {
-    options->threads = context.global.threads;
-    options->matrix_tiles = *instructions == Instructions::kAll;
-    const InstructionLimit limit(*instructions);
-    const StepTiming timing = time_steps(*options);
-    ThreadPool pool(options->threads);
-    const nlohmann::json document = document_of(timing, options->room, measure_ceilings(pool, options->matrix_tiles));
-    if (context.global.json) {
-      std::printf("%s\n", document.dump(2).c_str());
-    } else {
-      print_table(document);
-    }
+  command->add_option("--steps", steps.steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
+  add_device_option(*command, options->device);
+  command->add_flag("--graphs", options->graphs, "with --device cuda:N: each step is one CUDA graph");
+  command->callback([&context, options] {
+    options->steps.threads = context.global.threads;
+    run_bench(*options, context.global.json);
   });
 }
 

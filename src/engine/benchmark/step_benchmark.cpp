@@ -47,6 +47,13 @@ void time_density_control(Engine& engine, StepTiming& out) {
   out.densified = engine.size();
 }
 
+std::unique_ptr<Engine> engine_for(const StepBenchmarkOptions& options) {
+  if (options.make_engine) return options.make_engine(options.threads);
+  auto engine = std::make_unique<cpu::CpuEngine>(options.threads);
+  if (!options.matrix_tiles) engine->set_semantic_products(cpu::SemanticProducts::kFloat32);
+  return engine;
+}
+
 }  // namespace
 
 const std::vector<std::string>& stage_names() {
@@ -58,8 +65,7 @@ const std::vector<std::string>& stage_names() {
 StepTiming time_steps(const StepBenchmarkOptions& options) {
   if (options.steps < 1 || options.warm_up < 0) throw_usage("a benchmark needs at least one step that counts");
   StepTiming out;
-  const auto engine = std::make_unique<cpu::CpuEngine>(options.threads);
-  if (!options.matrix_tiles) engine->set_semantic_products(cpu::SemanticProducts::kFloat32);
+  const std::unique_ptr<Engine> engine = engine_for(options);
   out.threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const StepRequest base = benchmark_request();
   Camera camera;

@@ -2,13 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "engine/benchmark/benchmark_room.h"
 #include "engine/benchmark/machine_ceilings.h"
 #include "engine/cpu/tile_statistics.h"
+#include "engine/engine.h"
 
 namespace aligngs {
 
@@ -18,6 +21,8 @@ struct StepBenchmarkOptions {
   int warm_up = 4;     ///< steps before the first one that counts: buffers, what is prepared once per view
   int steps = 20;      ///< steps that count
   bool matrix_tiles = true;   ///< bfloat16 products where the processor has them; else float32 by vectors
+  /// What makes the engine; empty: the CPU's, with `matrix_tiles`. Its steps must report stages (stage_names()).
+  std::function<std::unique_ptr<Engine>(int threads)> make_engine;
   double pixel_share = 0.25;  ///< 1, 0.5 or 0.25 of the pixels take part in the semantic loss of a step, as preset default has it
   SemanticBlend blend = SemanticBlend::kProbabilities;  ///< kLogits: as preset paper has it
 };
@@ -40,7 +45,7 @@ struct StepTiming {
   double render_seconds = 0;   ///< colour, geometry and labels of one view
   cpu::TileStatistics tiles;   ///< of view 0
   size_t touched = 0;          ///< Gaussians that reached a pixel, mean over the steps
-  uint64_t peak_memory_bytes = 0;  ///< of the process, so that it means this scene only when it is the first
+  uint64_t peak_memory_bytes = 0;  ///< of the process, without that of a device, so that it means this scene only when it is the first
 };
 
 StepTiming time_steps(const StepBenchmarkOptions& options);

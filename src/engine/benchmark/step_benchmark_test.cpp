@@ -103,6 +103,20 @@ TEST(StepBenchmarkTest, DensificationMovesEveryRowOfOldAndNewModel) {
   EXPECT_EQ(work.vector_flops, 0);
 }
 
+TEST(StepBenchmarkTest, AnyEngineIsTimed) {
+  StepBenchmarkOptions options;
+  options.room = {32, 32, 200, 3};
+  options.steps = options.warm_up = 1;
+  int asked_for = 0;
+  options.threads = 1;
+  options.make_engine = [&](int threads) {
+    asked_for = threads;
+    return make_cpu_engine(threads);
+  };
+  EXPECT_GT(time_steps(options).seconds, 0);
+  EXPECT_EQ(asked_for, 1);
+}
+
 TEST(StepBenchmarkTest, TheFloorIsTheSlowerOfComputingAndMoving) {
   MachineCeilings machine;
   machine.fma_gflops = 100;

@@ -10,6 +10,7 @@
 #include "core/random.h"
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/test_view.h"
+#include "engine/cuda/tolerances.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulation.h"
 #endif
@@ -21,9 +22,6 @@ using cpu::testing_scene::difference;
 using cpu::testing_scene::make_camera;
 using cpu::testing_scene::make_model;
 using cpu::testing_scene::SceneOptions;
-
-/// Relative to a field's largest: both engines compute the same sums of a few hundred float32 terms, in other orders.
-constexpr double kSumTolerance = 2e-5;
 
 struct Options {
   SceneOptions scene;
@@ -126,7 +124,7 @@ class CudaBlendBackward : public DeviceTest, public testing::WithParamInterface<
         b.push_back(reinterpret_cast<const float*>(&want[slot])[field]);
       }
       const auto d = difference(a, b);
-      EXPECT_LE(d.worst, kSumTolerance) << "field " << field << " of entry " << d.at << ", largest " << d.scale;
+      EXPECT_LE(d.worst, CudaTolerance().slot_sum) << "field " << field << " of entry " << d.at << ", largest " << d.scale;
       if ((in_density && !options.density) || (in_geometry && !options.geometry)) {
         for (const float x : a) ASSERT_EQ(x, 0.0f) << "field " << field;
       }

@@ -29,13 +29,16 @@ CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const Cud
       pool_(std::make_unique<ThreadPool>(threads)),
       name_("cuda:" + std::to_string(device) + ", " + context_->name()),
       arena_(*context_),
-      read_back_(std::make_unique<PinnedMemory>(*context_, sizeof(ReadBack))) {}
+      read_back_(std::make_unique<PinnedMemory>(*context_, sizeof(ReadBack))),
+      timer_(std::make_unique<StageTimer>(*context_, options.time_stages)),
+      graph_(std::make_unique<StepGraph>(*context_, options.graphs)) {}
 
 DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry,
                                    bool record, size_t pairs) const {
   arena_.reset();
   DeviceFrame frame = take_frame(arena_, camera, raster, model_.size(), geometry);
   project_view(*context_, {model_.spans(), raster, sh_degree}, frame.view, frame.bad);
+  timer_->mark("project");
   size_t room = room_for(pairs);
   if (pairs == 0) {
     count_tile_pairs(*context_, frame.view, frame.counts);
@@ -49,6 +52,7 @@ DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& r
   }
   take_lists(arena_, room, record, frame);
   build_tile_lists(arena_, frame.view, frame.lists, frame.counts, frame.bad);
+  timer_->mark("bin");
   return frame;
 }
 
@@ -68,6 +72,7 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   const SemanticRowInputs row_inputs{model_.spans(), last_.touched, frame.lists.rank, request.losses.semantic_blend,
                                      map_.remainder()};
   semantic_rows(*context_, row_inputs, rows);
+  timer_->mark("semantic_rows");
   SemanticStep step;
   step.row_slots = arena_.take<float>(pairs * padded, "semantic gradients of (Gaussian, tile) pairs");
   step.seen = arena_.take<uint8_t>(pairs, "semantic record");
@@ -95,14 +100,16 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   last_.semantic_written = arena_.take<uint8_t>(model_.size(), "semantic gradients");
   semantic_gradients(*context_, {row_inputs, frame.lists, step.row_slots, step.seen},
                      {last_.semantic_gradients, last_.semantic_written, frame.bad});
+  timer_->mark("semantics");
   return step;
 }
 
-CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevice& view, float coupling_scale) {
+void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
   const LossSettings& losses = request.losses;
   const bool geometry = has_geometry_terms(losses), density = request.collect_density;
   const size_t n = model_.size();
   last_ = {};
+  timer_->start();
   last_.semantics = semantics_active(request, view);
   last_.frame = make_frame(view.camera, request.raster, request.sh_degree, geometry, true, view.pairs);
   if (options_.blend_backward == BlendBackwardMethod::kPerSplat) take_checkpoints(arena_, geometry, last_.frame);
@@ -112,6 +119,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
   last_.touched = arena_.take<uint8_t>(n, "touched rows");
   const DeviceSpan<uint32_t> visible = arena_.take<uint32_t>(1, "state of the step");
   mark_touched(*context_, frame.lists, frame.record, last_.touched, visible);
+  timer_->mark("forward");
 
   MapGradientSpans gradients;
   gradients.color = arena_.take<float>(3 * pixels, "gradients of colour");
@@ -124,6 +132,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
   const DeviceSpan<LossTerms> terms = arena_.take<LossTerms>(1, "losses");
   const TrainingMapSpans training = view.maps.spans();
   map_losses(arena_, {frame.maps, training, losses}, {gradients, residual, terms});
+  timer_->mark("losses");
 
   const DeviceSpan<SplatGradient> slots =
       arena_.take<SplatGradient>(pairs, "gradients of (Gaussian, tile) pairs");
@@ -132,6 +141,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
                   density ? training.prior_depth : DeviceSpan<const float>{}, losses.prior_depth_scale, request.raster,
                   geometry, density, options_.blend_backward, frame.maps},
                  slots);
+  timer_->mark("backward");
   SemanticStep semantic;
   if (last_.semantics) semantic = visit_semantics(request, view);
 
@@ -149,6 +159,7 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
                        semantic.seen, coupling_scale, request.sh_degree},
                       {g, density_sums, squares, arena_.take<double>(square_scratch(n), "sums of squares"), frame.bad});
   add_shape_terms(arena_, {model_.spans(), last_.touched, visible, losses, request.extent}, {g, terms, frame.bad});
+  timer_->mark("reduce");
 
   last_.outcome = arena_.take<StepOutcome>(1, "state of the step");
   StepOutcomeInputs judged;
@@ -168,12 +179,23 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, ViewOnDevi
   if (density) {
     add_density_statistics(*context_, {frame.view, last_.touched, density_sums, blocked}, density_spans());
   }
+  timer_->mark("optimise");
 
   auto* back = static_cast<ReadBack*>(read_back_->data());
   context_->copy_to_host_later(&back->outcome, last_.outcome.data, sizeof(StepOutcome));
   context_->copy_to_host_later(&back->counts, frame.counts.data, sizeof(BinCounts));
+}
+
+CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
+  const auto enqueue = [&] { enqueue_step(request, view, coupling_scale); };
+  if (graph_->on() && view.pairs != 0) {
+    arena_.reset();  // may give memory back and take it, which a capture cannot
+    graph_->run(enqueue);
+  } else {
+    enqueue();
+  }
   context_->synchronise();
-  return *back;
+  return *static_cast<const ReadBack*>(read_back_->data());
 }
 
 StepReport CudaEngine::step(const StepRequest& request) {
@@ -189,17 +211,24 @@ StepReport CudaEngine::step(const StepRequest& request) {
   const bool bounded = is_balanced(request.losses.coupling);
   const float strength = request.losses.coupling_strength;
   StepReport report;
+  const auto attempt = [&] {
+    const ReadBack back = run_step(request, view, static_cast<float>(report.coupling_scale));
+    timer_->read(report.seconds);
+    return back;
+  };
   // The factor of the bounded coupling comes from earlier steps; this step's values enter the balance at its end.
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  ReadBack back = run_step(request, view, static_cast<float>(report.coupling_scale));
+  ReadBack back = attempt();
   if (back.counts.overflow != 0) {  // nothing was written; the pairs are known now
     view.pairs = back.counts.instances;
-    back = run_step(request, view, static_cast<float>(report.coupling_scale));
+    back = attempt();
   }
   view.pairs = std::max<size_t>(1, back.counts.instances);
   report.losses = back.outcome.terms;
   report.visible = back.outcome.visible;
-  report.seconds["step"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!timer_->on()) {
+    report.seconds["step"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
   if (back.outcome.blocked != 0) {
     report.non_finite = locate(symptom_of(back.outcome));
     return report;

@@ -13,6 +13,8 @@
 #include "engine/cuda/engine_options.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
+#include "engine/cuda/runtime/stage_timer.h"
+#include "engine/cuda/runtime/step_graph.h"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/step_outcome.h"
 #include "engine/cuda/teacher_maps.h"
@@ -60,6 +62,7 @@ class CudaEngine final : public Engine {
   const CouplingBalance& coupling_balance() const { return balance_; }
   void set_coupling_balance(const CouplingBalance& balance) { balance_ = balance; }
   const DeviceContext& context() const { return *context_; }
+  const StepGraph::Counts& graph_counts() const { return graph_->counts(); }
 
  private:
   /// What a step needs of a view.
@@ -96,7 +99,9 @@ class CudaEngine final : public Engine {
   /// Projects and bins a view; `pairs` == 0: waits to learn how many there are.
   DeviceFrame make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry, bool record,
                          size_t pairs) const;
-  ReadBack run_step(const StepRequest& request, ViewOnDevice& view, float coupling_scale);
+  /// Puts a whole step on the stream, the copy of its outcome to read_back_ included. Waits where view.pairs == 0.
+  void enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
+  ReadBack run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
   SemanticStep visit_semantics(const StepRequest& request, const ViewOnDevice& view);
   bool semantics_active(const StepRequest& request, const ViewOnDevice& view) const;
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
@@ -128,6 +133,8 @@ class CudaEngine final : public Engine {
 
   mutable DeviceArena arena_;
   std::unique_ptr<PinnedMemory> read_back_;
+  std::unique_ptr<StageTimer> timer_;  ///< runs during steps alone
+  std::unique_ptr<StepGraph> graph_;
   StepArrays last_;
 };
 

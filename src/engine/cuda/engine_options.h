@@ -1,4 +1,4 @@
-// Kernels with the same results, of which a device may prefer either. What is not measured on a device yet has the
+// What of the CUDA engine can be chosen without another result: kernels of which a device may prefer either, how they are launched. What is not measured on a device yet has the
 // default that costs least memory.
 #pragma once
 
@@ -10,6 +10,11 @@ namespace aligngs::cuda {
 struct CudaEngineOptions {
   BlendBackwardMethod blend_backward = BlendBackwardMethod::kPerPixel;
   SemanticVisitMethod semantic_visit = SemanticVisitMethod::kAutomatic;
+  /// A step becomes one CUDA graph (runtime/step_graph.h) instead of some 40 launches, except for the first visit to a
+  /// view. Off until a device has shown what it gains: `aligngs bench --device cuda:N --graphs`.
+  bool graphs = false;
+  /// StepReport::seconds has a stage for a stage, as the CPU engine's, instead of "step" alone: time on the device.
+  bool time_stages = false;
 };
 
 }  // namespace aligngs::cuda

@@ -23,6 +23,7 @@ void CudaEngine::load(const GaussianModel& model) {
 void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
   map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : cpu::ActiveClasses();
   last_ = {};
+  graph_->drop();
   const auto take_in = [&](const GaussianModel& from, cpu::RowKind kind, const char* what, ModelArrays& to) {
     if (!map_.has_remainder()) {
       to.upload(*context_, from, what);
@@ -116,6 +117,7 @@ void CudaEngine::load_state(const EngineState& state) {
 
 void CudaEngine::set_training_views(std::vector<TrainingView> views) {
   active_ = cpu::find_active_classes(views, active_top_k_, *pool_);
+  graph_->drop();
   views_.clear();
   for (TrainingView& view : views) {
     const SemanticTarget& target = view.data.semantics;
@@ -145,6 +147,7 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
 void CudaEngine::restructure(const RestructurePlan& plan) {
   check_plan(plan, model_.size());
   last_ = {};
+  graph_->drop();
   arena_.release();  // rows and their copies need the room
   const size_t before = model_.size();
   const DevicePlan device_plan(*context_, plan);

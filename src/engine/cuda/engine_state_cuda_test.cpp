@@ -155,11 +155,11 @@ TEST_F(CudaEngineState, RenderingMatchesTheReference) {
     const CudaTolerance t;
     close(got.color, want.color, t.map, "colour");
     close(got.alpha, want.alpha, t.map, "alpha");
-    close(got.normal, want.normal, 1e-4, "normal");
-    close(got.depth_plane, want.depth_plane, 1e-3, "plane depth");
-    close(got.depth_median, want.depth_median, 1e-3, "median depth");
-    close(got.depth_expected, want.depth_expected, 1e-3, "expected depth");
-    close(got.label_probability, want.label_probability, 1e-4, "label probability");
+    close(got.normal, want.normal, t.unit_normal, "normal");
+    close(got.depth_plane, want.depth_plane, t.depth, "plane depth");
+    close(got.depth_median, want.depth_median, t.depth, "median depth");
+    close(got.depth_expected, want.depth_expected, t.depth, "expected depth");
+    close(got.label_probability, want.label_probability, t.label_probability, "label probability");
     size_t different = 0;
     for (size_t u = 0; u < got.label.data.size(); ++u) different += got.label.data[u] != want.label.data[u];
     EXPECT_LE(different, 1u);  // a tie of two classes or an alpha of 0.5 may fall either way
@@ -190,7 +190,7 @@ TEST_F(CudaEngineState, LiftIsThatOfTheCpuEngine) {
   GaussianModel got, want;
   cuda->store(got);
   cpu.store(want);
-  EXPECT_LE(difference(got.semantics, want.semantics).worst, 1e-4);
+  EXPECT_LE(difference(got.semantics, want.semantics).worst, CudaTolerance().lift);
 }
 
 TEST_F(CudaEngineState, MergedClassesComeOutWhole) {

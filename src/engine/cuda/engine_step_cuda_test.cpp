@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
+#include <set>
 
 #include "core/error.h"
+#include "engine/benchmark/step_benchmark.h"
 #include "engine/cpu/test_scenes.h"
 #include "engine/cuda/cuda_engine.h"
 #include "engine/cuda/runtime/test_device.h"
@@ -17,8 +20,33 @@ using cpu::testing_scene::SceneOptions;
 
 class CudaStep : public DeviceTest {
  protected:
-  static std::unique_ptr<CudaEngine> make_engine(const CudaEngineOptions& options = {}) {
-    return std::make_unique<CudaEngine>(0, 0, 1, options);
+  static std::unique_ptr<CudaEngine> make_engine(const CudaEngineOptions& settings = {}) {
+    return std::make_unique<CudaEngine>(0, 0, 1, settings);
+  }
+  /// The state after three steps, the second on a view that was never visited; `seconds` of the last.
+  static EngineState train(const CudaEngineOptions& settings, const SceneOptions& o,
+                           std::map<std::string, double>* seconds = nullptr) {
+    TrainingView second = make_view(o);
+    second.data.camera.world_to_camera.translation.x += 0.3;
+    const std::unique_ptr<CudaEngine> engine = make_engine(settings);
+    engine->load(make_model(o));
+    engine->set_training_views({make_view(o), second});
+    StepRequest r = make_geometry_request();
+    for (r.step = 1; r.step <= 3; ++r.step) {
+      r.view = static_cast<int>(r.step % 2);
+      const StepReport report = engine->step(r);
+      EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+      if (seconds != nullptr) *seconds = report.seconds;
+    }
+    EngineState state;
+    engine->save_state(state);
+    return state;
+  }
+  static void expect_same(const EngineState& a, const EngineState& b) {
+    EXPECT_EQ(a.model.positions, b.model.positions);
+    EXPECT_EQ(a.model.sh, b.model.sh);
+    EXPECT_EQ(a.model.semantics, b.model.semantics);
+    EXPECT_EQ(a.arrays, b.arrays);
   }
 
   template <class A, class B>
@@ -68,24 +96,25 @@ class CudaStep : public DeviceTest {
     EXPECT_EQ(a.coupling_scale, b.coupling_scale);
     EXPECT_NEAR(a.losses.l1, b.losses.l1, t.loss);
     EXPECT_NEAR(a.losses.ssim, b.losses.ssim, t.loss);
-    EXPECT_NEAR(a.losses.psnr, b.losses.psnr, 1e-3);
+    EXPECT_NEAR(a.losses.psnr, b.losses.psnr, t.psnr);
     EXPECT_NEAR(a.losses.log_depth, b.losses.log_depth, t.loss);
-    EXPECT_NEAR(a.losses.normal_consistency, b.losses.normal_consistency, 10 * t.loss);
+    EXPECT_NEAR(a.losses.normal_consistency, b.losses.normal_consistency, t.normal_consistency);
     EXPECT_NEAR(a.losses.prior_normal, b.losses.prior_normal, t.loss);
     EXPECT_NEAR(a.losses.flatten, b.losses.flatten, t.loss);
     EXPECT_NEAR(a.losses.opacity_l1, b.losses.opacity_l1, t.loss);
     EXPECT_NEAR(a.losses.scale_l1, b.losses.scale_l1, t.loss);
     EXPECT_NEAR(a.losses.semantic_soft, b.losses.semantic_soft, t.semantic_loss);
     EXPECT_NEAR(a.losses.semantic_hard, b.losses.semantic_hard, t.semantic_loss);
-    EXPECT_NEAR(a.losses.total, b.losses.total, 1e-4 * std::abs(b.losses.total) + 2 * t.semantic_loss);
+    EXPECT_NEAR(a.losses.total, b.losses.total,
+                t.total_loss * std::abs(b.losses.total) + 2 * t.semantic_loss);
     expect_close(got->last_maps().color, want.last_maps().color, t.map, "colour");
     compare_gradients(got->last_gradients(), want.last_gradients(), t.gradient + (coupled ? t.coupling : 0.0),
                       t.semantic_gradient);
     compare_statistics(got->density_statistics(), want.density_statistics());
     EXPECT_NEAR(got->coupling_balance().photometric, want.coupling_balance().photometric,
-                1e-3 * want.coupling_balance().photometric);
+                t.photometric_rms * want.coupling_balance().photometric);
     EXPECT_NEAR(got->coupling_balance().semantic, want.coupling_balance().semantic,
-                1e-2 * want.coupling_balance().semantic);
+                t.coupling_rms * want.coupling_balance().semantic);
   }
 };
 
@@ -258,26 +287,31 @@ TEST_F(CudaStep, NonFiniteParameterIsNamedAndNothingChanges) {
   EXPECT_EQ(state.model.sh, after.model.sh);
 }
 
-TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeated) {
+TEST_F(CudaStep, AViewWithMorePairsThanRoomIsRepeatedAlsoAsAGraph) {
   // Scales a thousand times larger between two visits: pairs outgrow the room of the first visit.
   SceneOptions o = scene(0, 3000);
   o.width = 160;
   o.height = 120;
   o.log_scale_min = o.log_scale_max = -6;
   o.logit_min = o.logit_max = 3;
-  const std::unique_ptr<CudaEngine> engine = make_engine();
-  engine->load(make_model(o));
-  engine->set_training_views({make_view(o)});
-  StepRequest r = make_request();
-  EXPECT_FALSE(engine->step(r).non_finite.found);
-  EngineState state;
-  engine->save_state(state);
-  for (float& s : state.model.log_scales) s = -2.2f;
-  engine->load_state(state);
-  r.step = 2;
-  const StepReport report = engine->step(r);
-  EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
-  EXPECT_GT(report.visible, 0u);
+  for (const bool graphs : {false, true}) {
+    CudaEngineOptions settings;
+    settings.graphs = graphs;
+    const std::unique_ptr<CudaEngine> engine = make_engine(settings);
+    engine->load(make_model(o));
+    engine->set_training_views({make_view(o)});
+    StepRequest r = make_request();
+    EXPECT_FALSE(engine->step(r).non_finite.found);
+    EngineState state;
+    engine->save_state(state);
+    for (float& s : state.model.log_scales) s = -2.2f;
+    engine->load_state(state);
+    r.step = 2;
+    const StepReport report = engine->step(r);
+    EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
+    EXPECT_GT(report.visible, 0u);
+    EXPECT_EQ(engine->graph_counts().launched, graphs ? 2u : 0u);
+  }
 }
 
 TEST_F(CudaStep, AWarmStepWaitsOnceAndAllocatesNothing) {
@@ -314,6 +348,73 @@ TEST_F(CudaStep, SameBitsOnEveryRunAndInEveryOrderOfThreads) {
   });
 }
 
+TEST_F(CudaStep, TimersReportEveryStageOfTheCpuEngineAndChangeNothing) {
+  CudaEngineOptions timed;
+  timed.time_stages = true;
+  for (const int channels : {7, 0}) {
+    const SceneOptions o = scene(channels, 60);
+    std::map<std::string, double> stages, plain;
+    expect_same(train(timed, o, &stages), train({}, o, &plain));
+    std::set<std::string> names;
+    for (const auto& [name, seconds] : stages) {
+      EXPECT_GT(seconds, 0) << name;
+      names.insert(name);
+    }
+    std::set<std::string> expected(stage_names().begin(), stage_names().end());
+    if (channels == 0) {
+      expected.erase("semantic_rows");
+      expected.erase("semantics");
+    }
+    EXPECT_EQ(names, expected);
+    EXPECT_EQ(plain.size(), 1u);
+    EXPECT_GT(plain["step"], 0);
+  }
+}
+
+TEST_F(CudaStep, GraphsOfStepsChangeNothing) {
+  CudaEngineOptions graphs;
+  graphs.graphs = graphs.time_stages = true;
+  const SceneOptions o = scene(7, 60);
+  expect_same(train(graphs, o), train({}, o));
+}
+
+/// Two views in turn, classes, a restructuring in between: the first visit to a view waits, all later ones are a graph,
+/// which is made once and again after the restructuring.
+TEST_F(CudaStep, AWarmStepIsOneGraphOfTheSameOperations) {
+  CudaEngineOptions graphs;
+  graphs.graphs = true;
+  const SceneOptions o = scene(7, 60);
+  TrainingView second = make_view(o);
+  second.data.camera.world_to_camera.translation.x += 0.3;
+  const std::unique_ptr<CudaEngine> engine = make_engine(graphs);
+  engine->load(make_model(o));
+  engine->set_training_views({make_view(o), second});
+  StepRequest r = make_geometry_request();
+  const auto steps = [&](int count) {
+    for (int i = 0; i < count; ++i, ++r.step) {
+      r.view = static_cast<int>(r.step % 2);
+      EXPECT_FALSE(engine->step(r).non_finite.found);
+    }
+  };
+  steps(2);
+  EXPECT_EQ(engine->graph_counts().launched, 0u);
+  steps(4);
+  EXPECT_EQ(engine->graph_counts().launched, 4u);
+  EXPECT_EQ(engine->graph_counts().instantiated, 1u);
+  EXPECT_EQ(engine->graph_counts().updated, 3u);
+  EXPECT_EQ(engine->graph_counts().failed, 0u);
+  const size_t nodes = engine->graph_counts().nodes;
+  EXPECT_GT(nodes, 20u);
+  engine->restructure(plan_keep(std::vector<uint8_t>(60, 1)));
+  steps(2);
+  EXPECT_EQ(engine->graph_counts().instantiated, 2u);
+  EXPECT_EQ(engine->graph_counts().nodes, nodes);
+  r.losses = make_request().losses;  // without geometry there are fewer operations
+  steps(1);
+  EXPECT_EQ(engine->graph_counts().instantiated, 3u);
+  EXPECT_LT(engine->graph_counts().nodes, nodes);
+}
+
 TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {
   const SceneOptions o = scene(7, 100);
   TrainingView second = make_view(o);
@@ -332,7 +433,7 @@ TEST_F(CudaStep, AShortTrainingFollowsTheCpuEngine) {
     r.view = static_cast<int>(r.step % 2);
     const StepReport a = cuda->step(r), b = cpu.step(r);
     ASSERT_FALSE(a.non_finite.found) << a.non_finite.term;
-    EXPECT_NEAR(a.losses.total, b.losses.total, 5e-3 * b.losses.total) << "step " << r.step;
+    EXPECT_NEAR(a.losses.total, b.losses.total, CudaTolerance().trajectory * b.losses.total) << "step " << r.step;
     if (r.step == 2) start = b.losses.total;
     last_cpu = b.losses.total;
     last_cuda = a.losses.total;

@@ -158,10 +158,10 @@ class CudaMapLosses : public DeviceTest {
                                                                  {"prior_normal", &LossTerms::prior_normal},
                                                                  {"total", &LossTerms::total}};
     for (const auto& [name, term] : terms) {
-      EXPECT_NEAR(device.terms.*term, cpu.terms.*term, kTolerance.loss * std::max(1e-3, std::abs(cpu.terms.*term)))
-          << name;
+      const double limit = kTolerance.relative_loss * std::max(1e-3, std::abs(cpu.terms.*term));
+      EXPECT_NEAR(device.terms.*term, cpu.terms.*term, limit) << name;
     }
-    EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, 1e-3);
+    EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, kTolerance.psnr);
     expect_close(device.gradients.color, cpu.gradients.color, kTolerance.gradient, "color");
     expect_close(device.gradients.normal, cpu.gradients.normal, kTolerance.gradient, "normal");
     expect_close(device.gradients.distance, cpu.gradients.distance, kTolerance.gradient, "distance");
@@ -223,9 +223,9 @@ TEST_F(CudaMapLosses, AnExactCopyHasNoLoss) {
   }
   const Result r = run_device(f);
   EXPECT_EQ(r.terms.l1, 0);
-  EXPECT_NEAR(r.terms.ssim, 0, 1e-6);
+  EXPECT_NEAR(r.terms.ssim, 0, kTolerance.nothing);
   EXPECT_EQ(r.terms.psnr, kPsnrMaximum);
-  EXPECT_LT(largest(r.gradients.color), 1e-6);
+  EXPECT_LT(largest(r.gradients.color), kTolerance.nothing);
 }
 
 TEST_F(CudaMapLosses, AViewWithoutPriors) {

@@ -12,12 +12,10 @@
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/runtime/test_device.h"
 #include "engine/cuda/semantic_rows.h"
+#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
-
-/// Both sides compute in float32; a device may contract products with sums. Relative to 1, the size of parameters here.
-constexpr double kParameterTolerance = 1e-6;
 
 class CudaOptimiser : public DeviceTest {
  protected:
@@ -155,7 +153,7 @@ class CudaOptimiser : public DeviceTest {
         const double error = std::abs(double((a.*values)[i]) - (b.*values)[i]);
         worst = std::max(worst, std::isnan(error) ? 1e300 : error);
       }
-      EXPECT_LE(worst, kParameterTolerance) << what << " " << name;
+      EXPECT_LE(worst, CudaTolerance().parameter) << what << " " << name;
     }
   }
 

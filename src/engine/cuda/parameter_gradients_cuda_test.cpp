@@ -9,6 +9,7 @@
 
 #include "core/random.h"
 #include "engine/cuda/test_view.h"
+#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -19,8 +20,7 @@ using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_request;
 using cpu::testing_scene::SceneOptions;
 
-/// Float32 on both sides, other orders of operations. Relative to the class's largest gradient.
-constexpr double kGradientTolerance = 2e-5;
+const CudaTolerance kTolerance;
 
 class CudaParameterGradients : public DeviceTest {
  protected:
@@ -111,7 +111,7 @@ class CudaParameterGradients : public DeviceTest {
       b.push_back(want[i]);
     }
     const auto d = difference(a, b);
-    EXPECT_LE(d.worst, kGradientTolerance) << name << " " << d.at << ", largest " << d.scale;
+    EXPECT_LE(d.worst, kTolerance.row_gradient) << name << " " << d.at << ", largest " << d.scale;
   }
 
   void expect_equal(float coupling_scale) {
@@ -125,15 +125,15 @@ class CudaParameterGradients : public DeviceTest {
     expect_close(opacity_logits, want.opacity_logits, 1, false, "opacity_logits");
     expect_close(sh, want.sh, 3 * kShCoefficients, true, "sh");
     const double visible = static_cast<double>(std::max<size_t>(1, view->visible));
-    EXPECT_NEAR(std::sqrt(squares[0] / visible), totals.photometric_rms, 1e-5 * totals.photometric_rms);
+    EXPECT_NEAR(std::sqrt(squares[0] / visible), totals.photometric_rms, kTolerance.gradient_rms * totals.photometric_rms);
     if (coupling_scale != 0) {
-      EXPECT_NEAR(std::sqrt(squares[1] / visible), totals.coupling_rms, 1e-5 * totals.coupling_rms);
+      EXPECT_NEAR(std::sqrt(squares[1] / visible), totals.coupling_rms, kTolerance.gradient_rms * totals.coupling_rms);
     }
     for (size_t i = 0; i < model.size(); ++i) {
       if (touched[i] == 0) continue;
-      EXPECT_NEAR(density[i].weight, want.density[i].weight, 1e-4) << i;
-      EXPECT_NEAR(density[i].photometric_abs_y, want.density[i].photometric_abs_y, 1e-4) << i;
-      EXPECT_NEAR(density[i].unsupported, want.density[i].unsupported, 1e-4) << i;
+      EXPECT_NEAR(density[i].weight, want.density[i].weight, kTolerance.density_sum) << i;
+      EXPECT_NEAR(density[i].photometric_abs_y, want.density[i].photometric_abs_y, kTolerance.density_sum) << i;
+      EXPECT_NEAR(density[i].unsupported, want.density[i].unsupported, kTolerance.density_sum) << i;
     }
     EXPECT_EQ(bad, kNoBadGradient);
   }

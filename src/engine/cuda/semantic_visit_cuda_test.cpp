@@ -15,6 +15,7 @@
 #include "engine/cpu/semantic_visit.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/test_view.h"
+#include "engine/cuda/tolerances.h"
 #include "engine/formulas/semantic_loss.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulation.h"
@@ -29,10 +30,8 @@ using cpu::testing_scene::make_model;
 using cpu::testing_scene::make_view;
 using cpu::testing_scene::SceneOptions;
 
-/// Of bfloat16 products against float32 ones: nats, then beside the largest of the view. bfloat16 keeps each term of a
-/// product within 2^-8 of itself, and the errors of many terms partly cancel; those of a coupling through q - (what
-/// stands behind) remain.
-constexpr double kLossTolerance = 3e-4, kRowTolerance = 5e-3, kCouplingTolerance = 2e-2;
+const CudaTolerance kTolerance;
+
 /// The gradient -t / Q of blended probabilities jumps to 0 at the floor of Q. With logits this close together every Q
 /// stays above it, whatever the rounding.
 constexpr float kAboveTheFloor = 0.5f;
@@ -225,21 +224,21 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
                                     << int(options.blend) << ", coupling " << int(options.coupling) << ", remainder "
                                     << options.remainder);
     const Outcome want = run_cpu(), got = run_device();
-    EXPECT_NEAR(got.soft, want.soft, kLossTolerance);
-    EXPECT_NEAR(got.hard, want.hard, kLossTolerance);
+    EXPECT_NEAR(got.soft, want.soft, kTolerance.visit_loss);
+    EXPECT_NEAR(got.hard, want.hard, kTolerance.visit_loss);
     EXPECT_EQ(got.written, want.written);
     EXPECT_EQ(bad, kNoBadGradient);
     const double valid = static_cast<double>(cache.valid);
     if (channels == 1 && options.blend == SemanticBlend::kLogits) {  // one class: nothing to learn
-      for (const float g : got.features) EXPECT_NEAR(g, 0, 1e-6 / valid);
+      for (const float g : got.features) EXPECT_NEAR(g, 0, kTolerance.nothing / valid);
       return;
     }
-    expect_near(got.features, want.features, kRowTolerance, "dL/drow");
+    expect_near(got.features, want.features, kTolerance.semantic_gradient, "dL/drow");
     // Of one class the row is always 1.
-    if (channels > 1) expect_near(got.gradients, want.gradients, kRowTolerance, "dL/dlogit");
+    if (channels > 1) expect_near(got.gradients, want.gradients, kTolerance.semantic_gradient, "dL/dlogit");
     if (channels == 1 && options.coupling == SemanticCoupling::kBounded) return;  // rounding of 0
     // Whitened coordinates are of order 1, so the six moments share a scale; single ones may cancel.
-    expect_near(got.moments, want.moments, kCouplingTolerance, "moment");
+    expect_near(got.moments, want.moments, kTolerance.coupling_moment, "moment");
   }
 
   static void expect_near(const std::vector<float>& got, const std::vector<float>& want, double tolerance,
@@ -395,7 +394,7 @@ TEST_P(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
         worst = std::max(worst, std::abs(x - y));
       }
       EXPECT_GT(largest, 0.0);
-      EXPECT_LE(worst, 0.03 * largest);
+      EXPECT_LE(worst, kTolerance.hidden_moment * largest);
     }
   }
 }

@@ -63,10 +63,10 @@ class CudaStepEnd : public DeviceTest {
     add_shape_terms(arena, {device.spans(), touched.span(), visible.span(), request.losses, request.extent},
                     {gradients.spans(), terms.span(), bad.span()});
     const LossTerms got = terms.to_host()[0];
-    EXPECT_NEAR(got.flatten, want.flatten, kTolerance.loss * want.flatten);
-    EXPECT_NEAR(got.opacity_l1, want.opacity_l1, kTolerance.loss * want.opacity_l1);
-    EXPECT_NEAR(got.scale_l1, want.scale_l1, kTolerance.loss * want.scale_l1);
-    EXPECT_NEAR(got.total, want.total, kTolerance.loss * want.total);
+    EXPECT_NEAR(got.flatten, want.flatten, kTolerance.relative_loss * want.flatten);
+    EXPECT_NEAR(got.opacity_l1, want.opacity_l1, kTolerance.relative_loss * want.opacity_l1);
+    EXPECT_NEAR(got.scale_l1, want.scale_l1, kTolerance.relative_loss * want.scale_l1);
+    EXPECT_NEAR(got.total, want.total, kTolerance.relative_loss * want.total);
     const auto to_vector = [](const auto& a) { return std::vector<float>(a.data(), a.data() + a.size()); };
     EXPECT_LT(difference(gradients.log_scales.to_host(), to_vector(view->cpu_gradients.log_scales)).worst,
               kTolerance.gradient);

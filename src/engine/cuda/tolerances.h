@@ -1,4 +1,5 @@
-// How far the CUDA engine may be from the float32 CPU engine and the double reference, for its tests.
+// How far the CUDA engine may be from the float32 CPU engine and the double reference, for its tests and for
+// tests/cuda/op_compare. The only place with such numbers.
 #pragma once
 
 namespace aligngs::cuda {
@@ -7,15 +8,58 @@ namespace aligngs::cuda {
 struct CudaTolerance {
   // Tight: everything that is float32 on both sides. A mean of a few hundred pixels has an ulp of 3e-5 pixels, which
   // moves the alpha of a splat of one pixel's size by 1e-4 of itself; sums are formed in another order.
-  double map = 2e-5;
-  double expected_depth = 2e-4;
-  double loss = 2e-5;
-  double gradient = 2e-4;
-  double statistic = 5e-4;
-  // Loose: what passes through products of bfloat16 operands, 2^-9 relative per term.
-  double semantic_loss = 2e-3;      ///< nats
+
+  // One operation, from the same inputs on both sides.
+  double projection = 2e-5;     ///< a dozen operations per number, of which a device may contract products with sums
+  double map = 2e-5;            ///< sums of up to a few hundred terms front to back, each within some ulps (6e-8)
+  double slot_sum = 2e-5;       ///< the same sums of a few hundred terms in other orders
+  double row_gradient = 2e-5;   ///< slots added up, then projection backwards: as `slot_sum`
+  double gradient_rms = 1e-5;   ///< the mean of many such squares: their roundings average
+  double density_sum = 1e-4;    ///< absolute, of sums of numbers in [-1, 1] over a row's slots, some dozen
+  double parameter = 1e-6;      ///< absolute, of parameters of size 1 after Adam: the same operations, contracted or not
+  double tile_product = 1e-5;   ///< absolute, 32 products of numbers in [-1, 1] that are exact in bfloat16
+
+  // What follows from several of them.
+  double expected_depth = 2e-4;  ///< intersection depths of slanted splats amplify the rounding of the mean
+  double depth = 1e-3;           ///< a depth is a ratio of two such sums; also relative to 1 + depth
+  double unit_normal = 1e-4;     ///< a sum of normals that partly cancel, divided by its length
+  double label_probability = 1e-4;
+  double lift = 1e-4;            ///< of the logarithm of a sum over all pixels of a view
+  double loss = 2e-5;            ///< absolute, losses are of order 1
+  double relative_loss = 2e-5;   ///< of one loss from the same maps, beside itself or 1e-3
+  double normal_consistency = 2e-4;  ///< absolute; normals of depth are differences of neighbours
+  double psnr = 1e-3;            ///< dB: 2e-4 of the mean square
+  double gradient = 2e-4;        ///< of a whole step: the rounding of the means enters every alpha
+  double statistic = 5e-4;       ///< the same under absolute values, which do not cancel
+  double photometric_rms = 1e-3;
+  double total_loss = 1e-4;      ///< of itself, beside the semantic losses
+  double nothing = 1e-6;         ///< absolute, of what is 0 in exact arithmetic
+
+  // Loose: what passes through products of bfloat16 operands, 2^-9 relative per term; errors of many terms partly cancel.
+  double semantic_row = 4e-3;       ///< 2^-8: a row rounded to bfloat16, from a softmax of other rounding
+  double visit_loss = 3e-4;         ///< nats, from the same maps and rows
+  double semantic_loss = 2e-3;      ///< nats, of a whole step
   double semantic_gradient = 5e-3;
+  double coupling_moment = 2e-2;    ///< q - (what stands behind): the rounding of both remains where they cancel
+  double hidden_moment = 3e-2;      ///< the same behind an opaque surface, of the largest there
   double coupling = 2e-3;           ///< of gradients that the semantic loss reaches, beside `gradient`
+  double coupling_rms = 1e-2;
+  double trajectory = 5e-3;         ///< of the loss over a dozen steps: Adam turns the sign of a tiny gradient into a step
+
+  /// Share of entries that may lie beyond a limit because a decision fell the other way: an alpha at alpha_min, a
+  /// transmittance at a half or at its minimum, a rectangle at the edge of a tile. Of a small scene it is no entry.
+  double flips = 1e-4;
+  /// The same of what one such decision changes much: a median depth jumps to another surface, a depth at its alpha is
+  /// there or not, the lifted row of a Gaussian of few pixels loses one of them. One entry in 500.
+  double large_flips = 2e-3;
+};
+
+/// Of the networks' operators, relative to the largest entry.
+struct CudaNetworkTolerance {
+  double single = 2e-5;     ///< float32 sums in another order; TF32 with its 11 bits would be above 1e-4
+  double bfloat16 = 2e-2;   ///< bfloat16 operands have 8 significant bits
+  double rounded = 2e-4;    ///< of the same rounded operands: tensor cores cut sums off, not always alike
+  double same_path = 1e-6;  ///< of one operator through two interfaces
 };
 
 }  // namespace aligngs::cuda

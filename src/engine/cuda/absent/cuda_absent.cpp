@@ -2,11 +2,21 @@
 #include "core/error.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/networks/network_device.h"
+#include "engine/cuda/runtime/device_ceilings.h"
 
 namespace aligngs::cuda {
 
 CudaDevices list_cuda_devices() { return {{}, "built without CUDA"}; }
 std::string cuda_build() { return "built without CUDA"; }
+
+CeilingEffort usual_effort() { return {}; }
+DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) {
+  throw Error({ErrorKind::kResources,
+               "CUDA device " + std::to_string(device) + " is not available: built without CUDA",
+               {},
+               {},
+               "use --device cpu"});
+}
 
 }  // namespace aligngs::cuda
 

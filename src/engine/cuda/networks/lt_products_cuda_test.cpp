@@ -6,6 +6,7 @@
 #include "engine/cuda/networks/device_pool.h"
 #include "engine/cuda/networks/lt_products.h"
 #include "engine/cuda/runtime/test_device.h"
+#include "engine/cuda/tolerances.h"
 #include "nn/test_weights.h"
 
 namespace aligngs::cuda {
@@ -105,7 +106,7 @@ class LtProductsTest : public DeviceTest {
 TEST_F(LtProductsTest, Float32IsTheOwnProductWithSumsInAnotherOrder) {
   for (const Case& c : cases()) {
     const auto x = nn::random_values(size_t(c.rows * c.depth), 1), w = nn::random_values(size_t(c.outputs * c.depth), 2);
-    EXPECT_LT(distance(c, x, w), 2e-5) << c.rows << " x " << c.outputs;  // TF32 has 11 bits: above 1e-4
+    EXPECT_LT(distance(c, x, w), CudaNetworkTolerance().single) << c.rows << " x " << c.outputs;
   }
 }
 
@@ -118,7 +119,7 @@ TEST_F(LtProductsTest, Bfloat16OperandsAreSummedInFloat32) {
   for (const Case& c : cases()) {
     const auto x = rounded(nn::random_values(size_t(c.rows * c.depth), 1));
     const auto w = rounded(nn::random_values(size_t(c.outputs * c.depth), 2));
-    EXPECT_LT(distance(c, x, w), 2e-4) << c.rows << " x " << c.outputs;  // tensor cores cut sums off, not always alike
+    EXPECT_LT(distance(c, x, w), CudaNetworkTolerance().rounded) << c.rows << " x " << c.outputs;
   }
 }
 

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "engine/cuda/networks/network_device.h"
 #include "engine/cuda/runtime/test_device.h"
+#include "engine/cuda/tolerances.h"
 #include "nn/attention.h"
 #include "nn/ops/blocks.h"
 #include "nn/ops/convolution.h"
@@ -20,8 +21,7 @@ using nn::Matrix;
 using nn::Precision;
 using nn::Values;
 
-constexpr double kFloatLimit = 2e-5;  // of max|a - b| / max|b|: sums in another order
-constexpr double kHalfLimit = 2e-2;   // bfloat16 operands have 8 significant bits
+const cuda::CudaNetworkTolerance kTolerance;
 
 class CudaNetworks : public cuda::DeviceTest {
  protected:
@@ -68,7 +68,7 @@ TEST_F(CudaNetworks, ProductsOfAnySizeWithBiasAndActivation) {
     for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
       Compute compute = on_device(precision);
       const Matrix found = nn::Linear(compute, w, s.outputs, s.inputs, b)(compute, x, nn::Activation::kGelu);
-      EXPECT_LT(distance(found.data, expected.data), precision == Precision::kFloat32 ? kFloatLimit : kHalfLimit) << s.rows;
+      EXPECT_LT(distance(found.data, expected.data), precision == Precision::kFloat32 ? kTolerance.single : kTolerance.bfloat16) << s.rows;
     }
   }
 }
@@ -92,7 +92,7 @@ TEST_F(CudaNetworks, WeightsMultiplyRowsOfTheHostAsWell) {
     const nn::Linear linear(compute, w, 7, 33, {});
     Matrix y(5, 7);
     linear.product(x.row(0), 5, y.row(0), compute.scratch(0));
-    EXPECT_LT(distance(y.data, linear(compute, x).data), 1e-6);
+    EXPECT_LT(distance(y.data, linear(compute, x).data), kTolerance.same_path);
   }
 }
 
@@ -137,11 +137,11 @@ TEST_F(CudaNetworks, AttentionNeverFormsTheScoresAndMatchesTheCpu) {
   for (const int64_t dim : {12, 32, 64, 128}) {
     const AttentionCase c({2, 2, dim, 70, 131, 0});
     const Values expected = c.expected(cpu);
-    EXPECT_LT(distance(c.found(device(), Precision::kFloat32), expected), kFloatLimit) << dim;
-    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), expected), kHalfLimit) << dim;
+    EXPECT_LT(distance(c.found(device(), Precision::kFloat32), expected), kTolerance.single) << dim;
+    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), expected), kTolerance.bfloat16) << dim;
   }
   const AttentionCase one({1, 1, 16, 1, 1, 0});
-  EXPECT_LT(distance(one.found(device(), Precision::kBfloat16), one.expected(cpu)), kHalfLimit);
+  EXPECT_LT(distance(one.found(device(), Precision::kBfloat16), one.expected(cpu)), kTolerance.bfloat16);
 }
 
 TEST_F(CudaNetworks, AttentionDoesNotDependOnTheOrderOfThreads) {
@@ -156,7 +156,7 @@ TEST_F(CudaNetworks, MaskedAttentionIsExactWhateverThePrecision) {
   Compute cpu = on_cpu();
   for (const int64_t masks : {1, 2}) {
     const AttentionCase c({2, 2, 8, 9, 50, masks});
-    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), c.expected(cpu)), kFloatLimit) << masks;
+    EXPECT_LT(distance(c.found(device(), Precision::kBfloat16), c.expected(cpu)), kTolerance.single) << masks;
   }
 }
 
@@ -177,7 +177,7 @@ TEST_F(CudaNetworks, ConvolutionsWithStridePaddingAndRectifiedInput) {
   for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
     Compute compute = on_device(precision);
     const nn::FeatureMap found = nn::Convolution(compute, shape, w, b)(compute, x, {true, nn::Activation::kSilu});
-    EXPECT_LT(distance(found.data, expected.data), precision == Precision::kFloat32 ? kFloatLimit : kHalfLimit);
+    EXPECT_LT(distance(found.data, expected.data), precision == Precision::kFloat32 ? kTolerance.single : kTolerance.bfloat16);
   }
 }
 

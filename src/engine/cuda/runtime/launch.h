@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -10,6 +11,7 @@
 #include "engine/cuda/runtime/device_memory.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulated_devices.h"
+#include "engine/cuda/runtime/emulation/tape.h"
 #endif
 
 namespace aligngs::cuda {
@@ -38,9 +40,11 @@ void launch(const DeviceContext& context, const char* name, void (*kernel)(P...)
   context.use();
 #ifdef ALIGNGS_CUDA_EMULATED
   require_current_device(context.stream(), name);
-  auto body = [&] { kernel(static_cast<P>(args)...); };
-  emulate_grid(shape.grid, shape.block, shape.shared_bytes, [](void* b) { (*static_cast<decltype(body)*>(b))(); },
-               &body);
+  emulated_stream_operation(name, [kernel, shape, values = std::tuple<P...>(static_cast<P>(args)...)] {
+    auto body = [&] { std::apply(kernel, values); };
+    emulate_grid(shape.grid, shape.block, shape.shared_bytes, [](void* b) { (*static_cast<decltype(body)*>(b))(); },
+                 &body);
+  });
 #else
   constexpr size_t kWithoutAsking = 48 * 1024;  // dynamic shared memory that needs no attribute
   if (shape.shared_bytes > kWithoutAsking) {

@@ -13,6 +13,7 @@
 #include "engine/cuda/runtime/sort_scan.h"
 #include "engine/cuda/runtime/test_device.h"
 #include "engine/cuda/runtime/tile_mma.cuh"
+#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -129,7 +130,7 @@ class CudaTileProduct : public CudaRuntime {
           expected += 2.0 * rounded(kLeft == Operands::kPlain ? a[row * 16 + k] : a[k * 16 + row]) *
                       rounded(kRight == Operands::kPlain ? b[k * 16 + column] : b[column * 16 + k]);
         }
-        EXPECT_NEAR(v[row * 16 + column], expected, 1e-5);
+        EXPECT_NEAR(v[row * 16 + column], expected, CudaTolerance().tile_product);
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/cuda/runtime/emulation/emulated_devices.h"
+#include "engine/cuda/runtime/emulation/tape.h"
 #else
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -19,9 +20,8 @@ namespace {
 #ifdef ALIGNGS_CUDA_EMULATED
 
 template <class Key>
-void sort_pairs_of(DeviceArena& arena, DeviceSpan<const Key> keys, DeviceSpan<const uint32_t> values,
-                   DeviceSpan<Key> sorted_keys, DeviceSpan<uint32_t> sorted_values, int key_bits) {
-  require_current_device(arena.context().stream(), "radix sort");
+void sort_now(DeviceSpan<const Key> keys, DeviceSpan<const uint32_t> values, DeviceSpan<Key> sorted_keys,
+              DeviceSpan<uint32_t> sorted_values, int key_bits) {
   const Key mask = key_bits >= int(sizeof(Key)) * 8 ? Key(~Key(0)) : Key((Key(1) << key_bits) - 1);
   std::vector<size_t> order(keys.size);
   std::iota(order.begin(), order.end(), size_t(0));
@@ -31,6 +31,13 @@ void sort_pairs_of(DeviceArena& arena, DeviceSpan<const Key> keys, DeviceSpan<co
     sorted_keys[i] = keys[order[i]];
     sorted_values[i] = values[order[i]];
   }
+}
+
+template <class Key>
+void sort_pairs_of(DeviceArena& arena, DeviceSpan<const Key> keys, DeviceSpan<const uint32_t> values,
+                   DeviceSpan<Key> sorted_keys, DeviceSpan<uint32_t> sorted_values, int key_bits) {
+  require_current_device(arena.context().stream(), "radix sort");
+  emulated_stream_operation("radix sort", [=] { sort_now(keys, values, sorted_keys, sorted_values, key_bits); });
 }
 
 #else
@@ -71,12 +78,14 @@ void exclusive_scan(DeviceArena& arena, DeviceSpan<const uint32_t> in, DeviceSpa
   arena.context().use();
 #ifdef ALIGNGS_CUDA_EMULATED
   require_current_device(arena.context().stream(), "scan");
-  uint32_t sum = 0;
-  for (size_t i = 0; i < in.size; ++i) {
-    const uint32_t value = in[i];
-    out[i] = sum;
-    sum += value;
-  }
+  emulated_stream_operation("scan", [in, out] {
+    uint32_t sum = 0;
+    for (size_t i = 0; i < in.size; ++i) {
+      const uint32_t value = in[i];
+      out[i] = sum;
+      sum += value;
+    }
+  });
 #else
   size_t bytes = 0;
   const auto run = [&](void* scratch) {

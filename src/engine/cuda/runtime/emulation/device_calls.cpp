@@ -10,6 +10,7 @@
 #include "core/memory_budget.h"
 #include "engine/cuda/runtime/cuda_device.h"
 #include "engine/cuda/runtime/emulation/emulated_devices.h"
+#include "engine/cuda/runtime/emulation/tape.h"
 
 // In builds without the address sanitizer its marks are nothing.
 #if __has_include(<sanitizer/asan_interface.h>)
@@ -115,21 +116,25 @@ void destroy_stream(CUstream_st* stream) noexcept { delete stream; }
 
 void copy_to_device(void* device, const void* host, uint64_t bytes, CUstream_st* stream) {
   require_current_device(stream, "copy to the device");
+  refuse_while_recording("a copy of memory of the host");
   std::memcpy(device, host, bytes);
 }
 void copy_to_host(void* host, const void* device, uint64_t bytes, CUstream_st* stream) {
   require_current_device(stream, "copy to the host");
-  std::memcpy(host, device, bytes);
+  emulated_stream_operation("copy to host", [=] { std::memcpy(host, device, bytes); });
 }
 void copy_on_device(void* to, const void* from, uint64_t bytes, CUstream_st* stream) {
   require_current_device(stream, "copy on the device");
-  std::memmove(to, from, bytes);
+  emulated_stream_operation("copy on device", [=] { std::memmove(to, from, bytes); });
 }
 void fill_bytes(void* device, unsigned char value, uint64_t bytes, CUstream_st* stream) {
   require_current_device(stream, "fill");
-  std::memset(device, value, bytes);
+  emulated_stream_operation("fill", [=] { std::memset(device, value, bytes); });
 }
-void synchronise(CUstream_st* stream) { require_current_device(stream, "waiting"); }
+void synchronise(CUstream_st* stream) {
+  require_current_device(stream, "waiting");
+  refuse_while_recording("waiting for the device");
+}
 
 }  // namespace calls
 }  // namespace aligngs::cuda

@@ -1,0 +1,59 @@
+// The operations of a step as one CUDA graph instead of launches one by one. What a step puts on the stream is captured
+// anew each time, because nearly every kernel has an argument that changes with the step (camera, rates, room for
+// pairs); the executable graph of the step before gets the new arguments, or is made anew where the operations are
+// others. Emulated: a list of the operations, recorded and then carried out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "engine/cuda/runtime/device_memory.h"
+
+namespace aligngs::cuda {
+
+class StepGraph {
+ public:
+  struct Counts {
+    uint64_t plain = 0;         ///< runs that were launched one by one
+    uint64_t launched = 0;      ///< runs that were launched as a graph
+    uint64_t instantiated = 0;  ///< executables that were made
+    uint64_t updated = 0;       ///< executables that only got new arguments
+    uint64_t failed = 0;        ///< captures that were given up
+    size_t nodes = 0;           ///< operations of the last graph
+  };
+  /// Captures that fail in a row before there are no more; one may fail because memory has to grow.
+  static constexpr uint64_t kMostFailures = 3;
+
+  /// `on` == false: every run is launched one by one.
+  StepGraph(const DeviceContext& context, bool on);
+  ~StepGraph();
+  StepGraph(const StepGraph&) = delete;
+  StepGraph& operator=(const StepGraph&) = delete;
+
+  /// Puts on the stream what `body` puts there. Body may run twice: first captured and, where that fails (it waits for
+  /// the device, takes memory, or the graph is refused), once more with plain launches; what it throws then is thrown.
+  /// It must not read on the host what its own operations write.
+  void run(const std::function<void()>& body);
+  /// Forgets the executable graph: memory that it names is about to go.
+  void drop();
+
+  bool on() const { return on_; }
+  const std::string& reason() const { return reason_; }  ///< why the last capture failed
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Executable;
+  /// False: nothing is on the stream, reason_ says why.
+  bool run_captured(const std::function<void()>& body);
+
+  const DeviceContext* context_;
+  bool on_;
+  uint64_t failures_ = 0;  ///< in a row
+  std::string reason_;
+  Counts counts_;
+  std::unique_ptr<Executable> executable_;
+};
+
+}  // namespace aligngs::cuda
