@@ -37,8 +37,8 @@ struct RefineSceneReport {
 };
 
 /// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views
-/// (Error{kBadInput} otherwise: without it nothing says where to look for a match). sparse/points3D becomes the tracks
-/// when there are enough of them for a start, else the old cloud stays.
+/// (Error{kBadInput} otherwise: without it nothing says where to look for a match). The points of the
+/// scene stay as they came: training scales each photo's depth to them (docs/quality.md says what that does).
 RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 
