@@ -154,7 +154,7 @@ struct BenchOptions {
   StepBenchmarkOptions steps;
   Instructions instructions = Instructions::kAll;
   std::string device = "cpu";
-  bool graphs = false;
+  cuda::CudaEngineOptions cuda;  ///< with a CUDA device
 };
 
 BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
@@ -165,14 +165,12 @@ BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
 }
 
 BenchMachine run_on_device(BenchOptions& o, const cuda::CudaDevice& device, StepTiming& timing) {
-  cuda::CudaEngineOptions settings;
-  settings.time_stages = true;
-  settings.graphs = o.graphs;
+  o.cuda.time_stages = true;
   // Every view once: the first visit to a view waits inside the step.
   o.steps.warm_up = std::max(o.steps.warm_up, kBenchmarkViews);
-  o.steps.make_engine = [&](int threads) { return make_cuda_engine(device.index, 0, threads, settings); };
+  o.steps.make_engine = [&](int threads) { return make_cuda_engine(device.index, 0, threads, o.cuda); };
   timing = time_steps(o.steps);
-  return measure_device(device, o.graphs);
+  return measure_device(device, o.cuda.graphs);
 }
 
 void run_bench(BenchOptions& o, bool json) {
@@ -187,7 +185,7 @@ void run_bench(BenchOptions& o, bool json) {
                                      [&](const cuda::CudaDevice& d) { return d.index == choice.index; });
     machine = run_on_device(o, *device, timing);
   } else {
-    if (o.graphs) throw_usage("--graphs are those of a CUDA device", "choose one: --device cuda:0");
+    if (o.cuda.graphs) throw_usage("--graphs are those of a CUDA device", "choose one: --device cuda:0");
     machine = run_on_cpu(o, timing);
   }
   const nlohmann::json document = document_of(timing, o.steps.room, machine);
@@ -224,7 +222,18 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
       ->default_str("all");
   command->add_option("--steps", steps.steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
   add_device_option(*command, options->device);
-  command->add_flag("--graphs", options->graphs, "with --device cuda:N: each step is one CUDA graph");
+  command->add_flag("--graphs", options->cuda.graphs, "with --device cuda:N: each step is one CUDA graph");
+  using Backward = cuda::BlendBackwardMethod;
+  const std::map<std::string, Backward> backward = {{"pixel", Backward::kPerPixel}, {"splat", Backward::kPerSplat}};
+  command->add_option("--blend-backward", options->cuda.blend_backward, "with --device cuda:N: a thread per pixel or a lane per splat")
+      ->transform(CLI::CheckedTransformer(backward))
+      ->default_str("pixel");
+  using Visit = cuda::SemanticVisitMethod;
+  const std::map<std::string, Visit> visit = {
+      {"auto", Visit::kAutomatic}, {"compacted", Visit::kCompacted}, {"dense", Visit::kDense}};
+  command->add_option("--semantic-visit", options->cuda.semantic_visit, "with --device cuda:N: blocks of 8 x 8 pixels or whole tiles")
+      ->transform(CLI::CheckedTransformer(visit))
+      ->default_str("auto");
   command->callback([&context, options] {
     options->steps.threads = context.global.threads;
     run_bench(*options, context.global.json);

@@ -45,6 +45,7 @@ StageTimer::~StageTimer() {
 }
 
 void StageTimer::record() {
+  context_->use();  // an event belongs to the device that is current
   if (marks_ == events_.size()) {
     CUevent_st* event = nullptr;
     check_cuda(cudaEventCreate(&event), "an event");

@@ -84,6 +84,7 @@ std::string capture(CUstream_st* stream, const std::function<void()>& body, Capt
 }  // namespace
 
 bool StepGraph::run_captured(const std::function<void()>& body) {
+  context_->use();
   CapturedGraph captured;
   reason_ = capture(context_->stream(), body, captured);
   if (!reason_.empty()) return false;

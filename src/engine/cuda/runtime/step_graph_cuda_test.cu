@@ -71,7 +71,7 @@ TEST_F(CudaStepGraph, SortsScansAndCopiesAreOperationsToo) {
   DeviceArray<uint32_t> keys, rows, sorted(context(), 3, "test"), order(context(), 3, "test");
   keys.assign(context(), {5, 1, 3}, "test");
   rows.assign(context(), {0, 1, 2}, "test");
-  const PinnedMemory pinned(sizeof(uint32_t));
+  const PinnedMemory pinned(context(), sizeof(uint32_t));
   DeviceArena arena(context());
   const auto body = [&] {
     sort_pairs(arena, keys.span(), rows.span(), sorted.span(), order.span(), 8);
