@@ -101,7 +101,7 @@ TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
   EXPECT_FALSE(ply(whole) == ply(plain));
   for (const int64_t at : {5, 16, 37}) {
     TrainOptions o = ordered("ordered" + std::to_string(at), 2);
-    EXPECT_THROW(train_run(o, [at](int threads) { return std::make_unique<MortalEngine>(threads, at); }), Killed);
+    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
     o.resume = true;
     train_run(o);
     EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
