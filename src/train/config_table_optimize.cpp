@@ -63,7 +63,7 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"optimizer.opacity", field<&C::optimizer, &O::opacity>, 0, 10, "", all(0.05), "learning rate of opacity logits"},
       {"optimizer.scale", field<&C::optimizer, &O::scale>, 0, 10, "", all(5e-3), "learning rate of log scales"},
       {"optimizer.rotation", field<&C::optimizer, &O::rotation>, 0, 10, "", all(1e-3), "learning rate of quaternions"},
-      {"optimizer.semantic", field<&C::optimizer, &O::semantic>, 0, 10, "", ours_paper(2e-2, 1e-3),
+      {"optimizer.semantic", field<&C::optimizer, &O::semantic>, 0, 10, "", ours_paper(4e-2, 1e-3),
        "learning rate of semantic rows"},
       {"optimizer.skip_invisible_semantics", field<&C::optimizer, &O::skip_invisible_semantics>, 0, 0, "",
        ours_paper(true, false), "semantic rows that no pixel used keep their values and moments"},
