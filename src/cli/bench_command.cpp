@@ -7,7 +7,6 @@
 #include "cli/command.h"
 #include "cli/device_option.h"
 #include "core/error.h"
-#include "core/log.h"
 #include "core/memory_budget.h"
 #include "engine/benchmark/instruction_limit.h"
 #include "engine/benchmark/step_benchmark.h"
@@ -17,10 +16,13 @@
 namespace aligngs {
 namespace {
 
-const std::map<std::string, SemanticBlend> kBlends = {{"probabilities", SemanticBlend::kProbabilities},
-                                                      {"logits", SemanticBlend::kLogits}};
-
-std::string name_of(SemanticBlend blend) { return blend == SemanticBlend::kProbabilities ? "probabilities" : "logits"; }
+struct BenchOptions {
+  StepBenchmarkOptions steps;
+  Instructions instructions = Instructions::kAll;
+  std::string blend = "probabilities";
+  std::string device = "cpu";
+  cuda::CudaEngineOptions cuda;  ///< with a CUDA device
+};
 
 /// What the stages are held against.
 struct BenchMachine {
@@ -55,8 +57,11 @@ BenchMachine measure_cpu(int threads, bool matrix_tiles) {
   return m;
 }
 
-BenchMachine measure_device(const cuda::CudaDevice& device, bool graphs) {
-  const cuda::DeviceCeilings c = cuda::measure_device_ceilings(device.index);
+BenchMachine measure_device(int index, bool graphs) {
+  const cuda::CudaDevices found = cuda::list_cuda_devices();
+  const cuda::CudaDevice& device = *std::find_if(found.devices.begin(), found.devices.end(),
+                                                 [&](const cuda::CudaDevice& d) { return d.index == index; });
+  const cuda::DeviceCeilings c = cuda::measure_device_ceilings(index);
   BenchMachine m;
   m.ceilings.fma_gflops = c.fma_gflops;
   m.ceilings.amx_gflops = c.mma_gflops;
@@ -98,7 +103,8 @@ nlohmann::json densify_json(const StepTiming& timing, const BenchmarkRoom& room,
           {"fraction", floor / timing.densify_seconds}};
 }
 
-nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, const BenchMachine& machine) {
+nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options, const BenchMachine& machine) {
+  const BenchmarkRoom& room = options.steps.room;
   nlohmann::json stages = nlohmann::json::object();
   for (const std::string& stage : stage_names()) {
     if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine.ceilings);
@@ -111,7 +117,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchmarkRoom& room, 
             {"gaussians", room.gaussians},
             {"channels", room.channels},
             {"pixel_share", timing.pixel_share},
-            {"blend", name_of(timing.blend)},
+            {"blend", options.blend},
             {"visible", t.visible},
             {"pairs_per_tile", per(t.pairs, t.tiles)},
             {"used_per_tile", per(t.used, t.tiles)},
@@ -150,13 +156,6 @@ void print_table(const nlohmann::json& d, const std::string& machine) {
               format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
 }
 
-struct BenchOptions {
-  StepBenchmarkOptions steps;
-  Instructions instructions = Instructions::kAll;
-  std::string device = "cpu";
-  cuda::CudaEngineOptions cuda;  ///< with a CUDA device
-};
-
 BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
   o.steps.matrix_tiles = o.instructions == Instructions::kAll;
   const InstructionLimit limit(o.instructions);
@@ -164,31 +163,28 @@ BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
   return measure_cpu(o.steps.threads, o.steps.matrix_tiles);
 }
 
-BenchMachine run_on_device(BenchOptions& o, const cuda::CudaDevice& device, StepTiming& timing) {
+BenchMachine run_on_device(BenchOptions& o, int index, StepTiming& timing) {
   o.cuda.time_stages = true;
   // Every view once: the first visit to a view waits inside the step.
   o.steps.warm_up = std::max(o.steps.warm_up, kBenchmarkViews);
-  o.steps.make_engine = [&](int threads) { return make_cuda_engine(device.index, 0, threads, o.cuda); };
+  o.steps.make_engine = [&](int threads) { return make_cuda_engine(index, 0, threads, o.cuda); };
   timing = time_steps(o.steps);
-  return measure_device(device, o.cuda.graphs);
+  return measure_device(index, o.cuda.graphs);
 }
 
 void run_bench(BenchOptions& o, bool json) {
   StepTiming timing;
   BenchMachine machine;
-  const cuda::CudaDevices found = o.device == "cpu" ? cuda::CudaDevices() : cuda::list_cuda_devices();
-  const cuda::DeviceChoice choice = cuda::choose_device(o.device, found);
-  if (!choice.message.empty()) log_info("{}", choice.message);
+  o.steps.blend = semantic_blend_named(o.blend);
+  const cuda::DeviceChoice choice = chosen_device(o.device, true);
   if (choice.cuda) {
     if (o.instructions != Instructions::kAll) throw_usage("--instructions are those of the CPU", "leave --device out");
-    const auto device = std::find_if(found.devices.begin(), found.devices.end(),
-                                     [&](const cuda::CudaDevice& d) { return d.index == choice.index; });
-    machine = run_on_device(o, *device, timing);
+    machine = run_on_device(o, choice.index, timing);
   } else {
     if (o.cuda.graphs) throw_usage("--graphs are those of a CUDA device", "choose one: --device cuda:0");
     machine = run_on_cpu(o, timing);
   }
-  const nlohmann::json document = document_of(timing, o.steps.room, machine);
+  const nlohmann::json document = document_of(timing, o, machine);
   if (json) {
     std::printf("%s\n", document.dump(2).c_str());
   } else {
@@ -212,9 +208,9 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   command->add_option("--pixel-share", steps.pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str();
-  command->add_option("--blend", steps.blend, "what the semantic loss blends (semantic.blend)")
-      ->transform(CLI::CheckedTransformer(kBlends, CLI::ignore_case))
-      ->default_str("probabilities");
+  command->add_option("--blend", options->blend, "what the semantic loss blends (semantic.blend)")
+      ->transform(CLI::IsMember({"probabilities", "logits"}, CLI::ignore_case))
+      ->capture_default_str();
   const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
                                                      {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};
   command->add_option("--instructions", options->instructions, "as on a processor with at most these vectors and no matrix tiles")

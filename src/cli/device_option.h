@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/stages/mesh_stage.h"
+#include "engine/cuda/runtime/cuda_device.h"
 #include "nn/compute.h"
 #include "train/train_run.h"
 
@@ -16,8 +17,11 @@ namespace aligngs {
 /// Adds --device; `device` is auto, cpu or cuda:N and must outlive the command.
 void add_device_option(CLI::App& command, std::string& device);
 
-/// What makes the engine of that device. `auto` says why it runs on the CPU where it does. Error{kUsage} for another
-/// text, Error{kResources} for a device that is not there.
+/// The device itself; with `say`, `auto` says why it stays on the CPU where it does. Error{kUsage} for another text,
+/// Error{kResources} for a device that is not there.
+cuda::DeviceChoice chosen_device(const std::string& device, bool say);
+
+/// What makes the engine of that device. Says why as chosen_device does, and has its errors.
 EngineFactory engine_of_device(const std::string& device);
 
 /// What makes the same device for networks; empty for the CPU. The same errors; the message if it is to `say` it.

@@ -105,15 +105,24 @@ float reset_logit(float maximum) {
   return std::log(maximum / (1 - maximum));
 }
 
+void AdamMoments::reset(const GaussianModel& like) {
+  m = v = like;
+  for (GaussianModel* x : {&m, &v}) {
+    for (const NamedArray& a : arrays_of(*x)) std::fill(a.values->begin(), a.values->end(), 0.0f);
+  }
+  semantic_updates.assign(like.size(), 0.0f);
+  sh_used = 3;
+}
+
 void pack_state(GaussianModel model, EngineMemory memory, EngineState& state) {
   state.model = std::move(model);
   state.arrays.clear();
   const auto keep = [&](const char* prefix, const std::vector<NamedArray>& arrays) {
     for (const NamedArray& a : arrays) state.arrays[std::string(prefix) + a.name] = std::move(*a.values);
   };
-  keep("adam_m.", arrays_of(memory.m));
-  keep("adam_v.", arrays_of(memory.v));
-  state.arrays[kSemanticUpdates] = std::move(memory.semantic_updates);
+  keep("adam_m.", arrays_of(memory.moments.m));
+  keep("adam_v.", arrays_of(memory.moments.v));
+  state.arrays[kSemanticUpdates] = std::move(memory.moments.semantic_updates);
   keep("density.", arrays_of(memory.statistics));
   const double running[2] = {memory.balance.photometric, memory.balance.semantic};
   std::vector<float>& balance = state.arrays["coupling.balance"];
@@ -124,18 +133,19 @@ void pack_state(GaussianModel model, EngineMemory memory, EngineState& state) {
 EngineMemory unpack_state(const EngineState& state) {
   check_model(state.model);
   EngineMemory memory;
-  memory.m = memory.v = state.model;
+  AdamMoments& moments = memory.moments;
+  moments.m = moments.v = state.model;
   const auto fetch = [&](const char* prefix, const std::vector<NamedArray>& arrays) {
     for (const NamedArray& a : arrays) {
       *a.values = take(state, std::string(prefix) + a.name, a.width * state.model.size());
     }
   };
-  fetch("adam_m.", arrays_of(memory.m));
-  fetch("adam_v.", arrays_of(memory.v));
+  fetch("adam_m.", arrays_of(moments.m));
+  fetch("adam_v.", arrays_of(moments.v));
   if (state.arrays.count(kSemanticUpdates) > 0) {
-    memory.semantic_updates = take(state, kSemanticUpdates, state.model.size());
+    moments.semantic_updates = take(state, kSemanticUpdates, state.model.size());
   } else {
-    memory.semantic_updates.assign(state.model.size(), kManyUpdates);
+    moments.semantic_updates.assign(state.model.size(), kManyUpdates);
   }
   fetch("density.", arrays_of(memory.statistics));
   const std::vector<float> balance = take(state, "coupling.balance", kBalanceFloats);
@@ -143,8 +153,8 @@ EngineMemory unpack_state(const EngineState& state) {
   std::memcpy(running, balance.data(), sizeof(running));
   memory.balance = {running[0], running[1]};
   constexpr size_t kShRow = size_t(3) * kShCoefficients;
-  for (size_t i = 0; i < memory.m.sh.size(); ++i) {
-    if (memory.m.sh[i] != 0 || memory.v.sh[i] != 0) memory.sh_used = std::max(memory.sh_used, i % kShRow + 1);
+  for (size_t i = 0; i < moments.m.sh.size(); ++i) {
+    if (moments.m.sh[i] != 0 || moments.v.sh[i] != 0) moments.sh_used = std::max(moments.sh_used, i % kShRow + 1);
   }
   return memory;
 }

@@ -29,15 +29,21 @@ void check_plan(const RestructurePlan& plan, size_t rows);
 /// Natural logarithm of the odds of a reset opacity. Throws Error{kUsage} outside (0, 1).
 float reset_logit(float maximum);
 
+/// Adam's running moments, arrays as in the model.
+struct AdamMoments {
+  GaussianModel m, v;
+  std::vector<float> semantic_updates;  ///< [N] of each semantic row so far, which the bias correction counts
+  /// Spherical harmonics beyond this many numbers per row have zero moments and, so far, no gradient.
+  size_t sh_used = 3;
+
+  void reset(const GaussianModel& like);  ///< to zeros
+};
+
 /// What a checkpoint holds beside the model, with all classes.
 struct EngineMemory {
-  GaussianModel m, v;  ///< Adam's moments
-  /// [N] updates of each semantic row so far. A checkpoint of a program that did not count them has more than any step.
-  std::vector<float> semantic_updates;
+  AdamMoments moments;  ///< of a program that did not count the updates: more of them than any step
   DensityStatistics statistics;
   CouplingBalance balance;
-  /// Spherical harmonics beyond this many numbers per row have zero moments.
-  size_t sh_used = 3;
 };
 /// The running values of the coupling are kept bit for bit: rounded ones would make a resumed run differ.
 void pack_state(GaussianModel model, EngineMemory memory, EngineState& state);

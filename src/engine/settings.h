@@ -2,6 +2,7 @@
 // the same meaning in train/config.h.
 #pragma once
 
+#include <string_view>
 #include <cstdint>
 
 #include "engine/formulas/semantic_sample.h"
@@ -26,6 +27,10 @@ enum class SemanticBlend {
   kLogits,        ///< paper: P = sum w s, softmax per pixel
   kProbabilities  ///< guidance 2.1: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
 };
+/// "logits" or "probabilities", as the setting semantic.blend has them.
+inline SemanticBlend semantic_blend_named(std::string_view name) {
+  return name == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
+}
 
 enum class SemanticCoupling {
   kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength

@@ -74,7 +74,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   l.semantic_hard_weight = facts_.semantics ? to_float(s.hard) : 0;
   const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
-  l.semantic_blend = s.blend == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
+  l.semantic_blend = semantic_blend_named(s.blend);
   l.coupling = s.coupling == "plain"     ? SemanticCoupling::kPlain
                : s.coupling == "opacity" ? SemanticCoupling::kOpacity
                                          : SemanticCoupling::kBounded;

@@ -33,7 +33,7 @@ LoadOptions OpenRun::load_options() const {
 RenderOptions OpenRun::render_options() const {
   RenderOptions options;
   options.raster.near_plane = static_cast<float>(config.train.near_plane * robust_extent(scene));
-  options.semantic_blend = config.semantic.blend == "logits" ? SemanticBlend::kLogits : SemanticBlend::kProbabilities;
+  options.semantic_blend = semantic_blend_named(config.semantic.blend);
   options.labels = has_labels();
   return options;
 }

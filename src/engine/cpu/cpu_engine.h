@@ -78,8 +78,9 @@ class CpuEngine final : public Engine {
   /// Fills rounded_, unless it holds what this blend needs of the model as it is: false.
   bool prepare_rounded(SemanticBlend blend);
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
-  void adopt(const GaussianModel& model, const Moments* moments);
+  void adopt(const GaussianModel& model, const AdamMoments* moments);
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
+  AdamMoments expanded_moments() const;
   void settle_memory();                                     ///< large pages for parameters and moments
   bool semantics_active(const StepRequest& request);
   /// Renders the neighbour's plane depth into loss_workspace_. False when a Gaussian in its view is not finite.
@@ -90,7 +91,7 @@ class CpuEngine final : public Engine {
 
   std::unique_ptr<ThreadPool> pool_;
   GaussianModel model_;
-  Moments moments_;
+  AdamMoments moments_;
   DensityStatistics statistics_;
   CouplingBalance balance_;  ///< rounded to float, so that a checkpoint holds it exactly
   std::vector<TrainingView> views_;

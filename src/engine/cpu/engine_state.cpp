@@ -20,7 +20,7 @@ void CpuEngine::load(const GaussianModel& model) {
   reset_density_statistics();
 }
 
-void CpuEngine::adopt(const GaussianModel& model, const Moments* moments) {
+void CpuEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
   map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : ActiveClasses();
   const auto take_in = [&](const GaussianModel& from, RowKind kind, GaussianModel& to) {
     to = from;
@@ -56,6 +56,10 @@ GaussianModel CpuEngine::expanded(const GaussianModel& rows) const {
   return out;
 }
 
+AdamMoments CpuEngine::expanded_moments() const {
+  return {expanded(moments_.m), expanded(moments_.v), moments_.semantic_updates, moments_.sh_used};
+}
+
 void CpuEngine::store(GaussianModel& model) const { model = expanded(model_); }
 
 void CpuEngine::reset_density_statistics() {
@@ -64,9 +68,7 @@ void CpuEngine::reset_density_statistics() {
 
 void CpuEngine::save_state(EngineState& state) const {
   EngineMemory memory;
-  memory.m = expanded(moments_.m);
-  memory.v = expanded(moments_.v);
-  memory.semantic_updates = moments_.semantic_updates;
+  memory.moments = expanded_moments();
   memory.statistics = statistics_;
   memory.balance = balance_;
   pack_state(expanded(model_), std::move(memory), state);
@@ -74,12 +76,7 @@ void CpuEngine::save_state(EngineState& state) const {
 
 void CpuEngine::load_state(const EngineState& state) {
   EngineMemory memory = unpack_state(state);  // everything is read before anything is replaced
-  Moments moments;
-  moments.m = std::move(memory.m);
-  moments.v = std::move(memory.v);
-  moments.semantic_updates = std::move(memory.semantic_updates);
-  moments.sh_used = memory.sh_used;
-  adopt(state.model, &moments);
+  adopt(state.model, &memory.moments);
   statistics_ = std::move(memory.statistics);
   balance_ = memory.balance;
 }
@@ -91,11 +88,7 @@ void CpuEngine::set_training_views(std::vector<TrainingView> views) {
   for (TrainingView& view : views_) compress_target(active_, *pool_, view.data.semantics);
   if (!active_.has_remainder() && !map_.has_remainder()) return;
   const GaussianModel model = expanded(model_);
-  Moments moments;
-  moments.m = expanded(moments_.m);
-  moments.v = expanded(moments_.v);
-  moments.semantic_updates = moments_.semantic_updates;
-  moments.sh_used = moments_.sh_used;
+  const AdamMoments moments = expanded_moments();
   adopt(model, &moments);
 }
 

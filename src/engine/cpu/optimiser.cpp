@@ -32,12 +32,11 @@ void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients
 }
 
 void semantic_adam(const StepRequest& request, const SemanticGradients& semantics,
-                   const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments) {
+                   const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments) {
   const size_t channels = static_cast<size_t>(model.semantic_channels),
                padded = padded_channels(model.semantic_channels), depth = padded_depth(padded);
   std::vector<float> &m = moments.m.semantics, &v = moments.v.semantics;
-  const AdamStep<float> any = make_adam_step<float>(request.adam, request.rates.semantic, request.step);
-  const RowCorrection correction = make_row_correction(request.adam, request.rates.semantic, request.step);
+  const AdamRowSteps steps = make_adam_row_steps(request.adam, request.rates.semantic, request.step);
   const auto gradient_of = [&](size_t i) -> const float* {
     if (semantics.gradients == nullptr || view.rects[i].area() == 0) return nullptr;
     const size_t rank = semantics.rank[i];
@@ -59,7 +58,7 @@ void semantic_adam(const StepRequest& request, const SemanticGradients& semantic
       prefetch(i + kRowsAhead);
       const float* g = gradient_of(i);
       if (g == nullptr && request.adam.skip_invisible_semantics) continue;
-      const AdamStep<float> step = correction.at(any, ++moments.semantic_updates[i]);
+      const AdamStep<float> step = steps.at(++moments.semantic_updates[i]);
       float* row = model.semantics.data() + i * channels;
       uint16_t* rounded = semantics.rounded != nullptr ? semantics.rounded + i * depth : nullptr;
       if (rounded != nullptr && semantics.probabilities && g != nullptr) {
@@ -83,20 +82,6 @@ void semantic_adam(const StepRequest& request, const SemanticGradients& semantic
 
 }  // namespace
 
-void Moments::reset(const GaussianModel& like) {
-  for (GaussianModel* x : {&m, &v}) {
-    x->semantic_channels = like.semantic_channels;
-    x->positions.assign(like.positions.size(), 0.0f);
-    x->log_scales.assign(like.log_scales.size(), 0.0f);
-    x->rotations.assign(like.rotations.size(), 0.0f);
-    x->opacity_logits.assign(like.opacity_logits.size(), 0.0f);
-    x->sh.assign(like.sh.size(), 0.0f);
-    x->semantics.assign(like.semantics.size(), 0.0f);
-  }
-  semantic_updates.assign(like.size(), 0.0f);
-  sh_used = 3;
-}
-
 void check_optimiser_settings(const StepRequest& request) {
   const LearningRates& r = request.rates;
   check("the rate of positions", r.position, 0, 1e4);
@@ -112,7 +97,7 @@ void check_optimiser_settings(const StepRequest& request) {
 }
 
 void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
-              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments) {
+              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments) {
   const LearningRates& rates = request.rates;
   const auto step_of = [&](float rate) { return make_adam_step<float>(request.adam, rate, request.step); };
   GaussianModel &m = moments.m, &v = moments.v;

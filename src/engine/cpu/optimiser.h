@@ -7,21 +7,11 @@
 
 #include "core/thread_pool.h"
 #include "engine/cpu/reduce.h"
+#include "engine/engine_arrays.h"
 #include "engine/settings.h"
 #include "gaussians/gaussian_model.h"
 
 namespace aligngs::cpu {
-
-/// Running moments, arrays as in the model.
-struct Moments {
-  GaussianModel m, v;
-  std::vector<float> semantic_updates;  ///< [N] of each semantic row, which Adam's bias correction counts
-  /// Spherical harmonics beyond this many numbers per row have zero moments and, so far, no gradient.
-  size_t sh_used = 3;
-
-
-  void reset(const GaussianModel& like);
-};
 
 /// The semantic gradients of a step; null pointers when it had none.
 struct SemanticGradients {
@@ -41,6 +31,6 @@ void check_optimiser_settings(const StepRequest& request);
 
 /// Updates model and moments, then applies request.limits. All gradients must be within kGradientLimit.
 void optimise(const StepRequest& request, const ParameterGradients& gradients, const SemanticGradients& semantics,
-              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, Moments& moments);
+              const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments);
 
 }  // namespace aligngs::cpu

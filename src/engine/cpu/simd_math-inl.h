@@ -93,8 +93,8 @@ HWY_INLINE V fast_log(D d, V x) {
   return hn::MulAdd(ef, hn::Set(d, 0.693359375f), hn::Add(m, y));
 }
 
-/// Natural logarithm within 5e-7 of the larger of 1 and itself, for normal positive x: enough for values of a loss. Chebyshev series of degree 6 of
-/// log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
+/// Natural logarithm within 5e-7 max(1, |log x|) for normal positive x: enough for values of a loss. Chebyshev series of
+/// degree 6 of log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
 HWY_INLINE FloatVec loss_log(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;
@@ -110,8 +110,9 @@ HWY_INLINE FloatVec loss_log(FloatVec x) {
   return hn::MulAdd(p, z, hn::Mul(hn::ConvertTo(d, e), hn::Set(d, 0.693147181f)));
 }
 
-/// log2(x) within 1.5e-5 for x in [2^-20, 4), within 2.5e-5 for any normal positive x. Exponent and mantissa together are a number that is linear in the
-/// mantissa m; the minimax polynomial of degree 5 of log2(m) - (m - 1) for m in [1, 2) is what it lacks.
+/// log2(x) within 1.5e-5 for x in [2^-20, 4), within 2.5e-5 for any normal positive x. Exponent and mantissa together are a
+/// number that is linear in the mantissa m; the minimax polynomial of degree 5 of log2(m) - (m - 1) for m in [1, 2) is what it
+/// lacks.
 HWY_INLINE FloatVec rough_log2(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;

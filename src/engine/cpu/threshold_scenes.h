@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/cpu/test_scenes.h"
+#include "engine/engine_arrays.h"
 #include "gaussians/density_control.h"
 
 namespace aligngs::cpu::testing_scene {
@@ -20,7 +21,7 @@ inline double opacity_of(float logit) { return 1 / (1 + std::exp(-static_cast<do
 inline float logit_of(double opacity) { return static_cast<float>(std::log(opacity / (1 - opacity))); }
 
 /// The dots, coloured and labelled as make_model does, before the rows of `behind`.
-inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions& o, const GaussianModel& behind) {
+inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions& o, GaussianModel behind) {
   SceneOptions front = o;
   front.gaussians = dots.size();
   front.seed = o.seed + 50;
@@ -33,15 +34,8 @@ inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions&
     for (int k = 0; k < 3; ++k) m.log_scales[3 * i + k] = -12;
     m.opacity_logits[i] = logit_of(dots[i].opacity);
   }
-  const auto append = [](const std::vector<float>& from, std::vector<float>& to) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(behind.positions, m.positions);
-  append(behind.log_scales, m.log_scales);
-  append(behind.rotations, m.rotations);
-  append(behind.opacity_logits, m.opacity_logits);
-  append(behind.sh, m.sh);
-  append(behind.semantics, m.semantics);
+  const std::vector<NamedArray> from = arrays_of(behind), to = arrays_of(m);
+  for (size_t k = 0; k < to.size(); ++k) to[k].values->insert(to[k].values->end(), from[k].values->begin(), from[k].values->end());
   return m;
 }
 

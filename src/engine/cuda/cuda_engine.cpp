@@ -27,7 +27,7 @@ CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const Cud
     : options_(options),
       context_(std::make_unique<DeviceContext>(device, budget_bytes)),
       pool_(std::make_unique<ThreadPool>(threads)),
-      name_("cuda:" + std::to_string(device) + ", " + context_->name()),
+      name_("cuda:" + std::to_string(device) + ", " + context_->facts().name),
       arena_(*context_),
       read_back_(std::make_unique<PinnedMemory>(*context_, sizeof(ReadBack))),
       timer_(std::make_unique<StageTimer>(*context_, options.time_stages)),

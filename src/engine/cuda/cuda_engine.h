@@ -107,10 +107,9 @@ class CudaEngine final : public Engine {
   /// The parameter behind a non-finite value: the first one that is not finite itself, else the symptom.
   NonFinite locate(NonFinite symptom) const;
   /// Takes a model of all classes in, moments of the same shape or nullptr for zeros.
-  void adopt(const GaussianModel& model, const EngineMemory* memory);
-  void upload_updates(const std::vector<float>& updates);
-  void forget_updates();
+  void adopt(const GaussianModel& model, const AdamMoments* moments);
   GaussianModel expanded(const ModelArrays& rows) const;  ///< to all classes
+  AdamMoments expanded_moments() const;
   DensitySpans density_spans();
   void resize_statistics(size_t gaussians);
 

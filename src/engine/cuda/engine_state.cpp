@@ -20,7 +20,7 @@ void CudaEngine::load(const GaussianModel& model) {
   reset_density_statistics();
 }
 
-void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
+void CudaEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
   map_ = active_.has_remainder() && active_.classes == model.semantic_channels ? active_ : cpu::ActiveClasses();
   last_ = {};
   graph_->drop();
@@ -37,29 +37,25 @@ void CudaEngine::adopt(const GaussianModel& model, const EngineMemory* memory) {
   };
   take_in(model, cpu::RowKind::kLogits, "the Gaussians", model_);
   sh_degree_ = model.sh_degree;
-  if (memory != nullptr) {
-    take_in(memory->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
-    take_in(memory->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
-    upload_updates(memory->semantic_updates);
-    sh_used_ = memory->sh_used;
+  if (moments != nullptr) {
+    take_in(moments->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
+    take_in(moments->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
+    semantic_updates_.assign(*context_, moments->semantic_updates, "the optimiser's moments");
+    context_->synchronise();  // the vector may be gone on return
+    sh_used_ = moments->sh_used;
     return;
   }
   for (ModelArrays* moment : {&m_, &v_}) {
     moment->resize(*context_, model_.size(), model_.channels(), "the optimiser's moments");
     moment->set_zero(*context_);
   }
-  forget_updates();
+  semantic_updates_.resize(*context_, model_.size(), "the optimiser's moments");
+  fill_zero(*context_, semantic_updates_.span());
   sh_used_ = 3;
 }
 
-void CudaEngine::upload_updates(const std::vector<float>& updates) {
-  semantic_updates_.assign(*context_, updates, "the optimiser's moments");
-  context_->synchronise();  // the vector may be gone on return
-}
-
-void CudaEngine::forget_updates() {
-  semantic_updates_.resize(*context_, model_.size(), "the optimiser's moments");
-  fill_zero(*context_, semantic_updates_.span());
+AdamMoments CudaEngine::expanded_moments() const {
+  return {expanded(m_), expanded(v_), semantic_updates_.to_host(), sh_used_};
 }
 
 GaussianModel CudaEngine::expanded(const ModelArrays& rows) const {
@@ -97,9 +93,7 @@ DensityStatistics CudaEngine::density_statistics() const {
 
 void CudaEngine::save_state(EngineState& state) const {
   EngineMemory memory;
-  memory.m = expanded(m_);
-  memory.v = expanded(v_);
-  memory.semantic_updates = semantic_updates_.to_host();
+  memory.moments = expanded_moments();
   memory.statistics = density_statistics();
   memory.balance = balance_;
   pack_state(expanded(model_), std::move(memory), state);
@@ -107,7 +101,7 @@ void CudaEngine::save_state(EngineState& state) const {
 
 void CudaEngine::load_state(const EngineState& state) {
   EngineMemory memory = unpack_state(state);  // everything is read before anything is replaced
-  adopt(state.model, &memory);
+  adopt(state.model, &memory.moments);
   resize_statistics(model_.size());
   size_t k = 0;
   for (const NamedArray& a : arrays_of(memory.statistics)) upload(*context_, statistics_[k++].span(), a.values->data());
@@ -136,12 +130,8 @@ void CudaEngine::set_training_views(std::vector<TrainingView> views) {
     view = {};
   }
   if (!active_.has_remainder() && !map_.has_remainder()) return;
-  EngineMemory memory;
-  memory.m = expanded(m_);
-  memory.v = expanded(v_);
-  memory.semantic_updates = semantic_updates_.to_host();
-  memory.sh_used = sh_used_;
-  adopt(expanded(model_), &memory);
+  const AdamMoments moments = expanded_moments();
+  adopt(expanded(model_), &moments);
 }
 
 void CudaEngine::restructure(const RestructurePlan& plan) {

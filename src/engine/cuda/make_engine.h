@@ -11,8 +11,8 @@
 namespace aligngs {
 
 /// Trains and renders on CUDA device `index` within `budget_bytes` of its memory; 0: nine tenths of what is free now.
-/// `threads` are for what the host prepares once per view; 0: all. `options` change its speed, not its results. Throws Error{kResources} in builds without CUDA and
-/// when the device does not answer.
+/// `threads` are for what the host prepares once per view; 0: all. `options` change its speed, not its results. Throws
+/// Error{kResources} in builds without CUDA and when the device does not answer.
 std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t budget_bytes = 0, int threads = 0,
                                          const cuda::CudaEngineOptions& options = {});
 

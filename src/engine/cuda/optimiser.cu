@@ -28,7 +28,7 @@ void optimise(const DeviceContext& context, const StepRequest& request, const Op
   const bool skip = request.adam.skip_invisible_semantics;
   if (state.model.channels > 0 && (!in.semantic_gradients.empty() || !skip)) {
     launch(context, "adam_semantics", adam_semantics_kernel, one_per_item(32 * n, kRowThreads), in, state,
-           step_of(rates.semantic), make_row_correction(request.adam, rates.semantic, request.step), skip);
+           make_adam_row_steps(request.adam, rates.semantic, request.step), skip);
   }
 }
 

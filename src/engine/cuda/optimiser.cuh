@@ -77,13 +77,13 @@ __global__ void __launch_bounds__(kRowThreads)
 
 /// A warp per row.
 __global__ void __launch_bounds__(kRowThreads)
-    adam_semantics_kernel(OptimiserInputs in, OptimiserState s, AdamStep<float> any, RowCorrection correction, bool skip_invisible) {
+    adam_semantics_kernel(OptimiserInputs in, OptimiserState s, AdamRowSteps steps, bool skip_invisible) {
   const size_t row = item_index() / 32;
   if (row >= s.model.gaussians || is_blocked(in)) return;
   const bool written = !in.semantic_gradients.empty() && in.semantic_written[row] != 0;
   if (!written && skip_invisible) return;
   const float count = s.semantic_updates[row] + 1;
-  const AdamStep<float> step = correction.at(any, count);
+  const AdamStep<float> step = steps.at(count);
   __syncwarp();  // every lane has read it
   if (lane_index() == 0) s.semantic_updates[row] = count;
   const int channels = s.model.channels;

@@ -170,7 +170,7 @@ class CudaOptimiser : public DeviceTest {
   static constexpr int kPadded = 16;
   static constexpr size_t kCpuPadded = 16;
   GaussianModel model, gradients, cpu_model, device_model;
-  cpu::Moments moments, cpu_moments, device_moments;
+  AdamMoments moments, cpu_moments, device_moments;
   StepRequest request;
   std::vector<uint8_t> touched, culled, written;
   bool semantics = true, blocked = false;

@@ -38,18 +38,8 @@ void launch_visit(const DeviceContext& context, const SemanticVisitInputs& in, c
 }
 
 VisitDevice device_of(const DeviceContext& context) {
-#ifdef ALIGNGS_CUDA_EMULATED
-  (void)context;
-  return {9, 0, size_t(227) * 1024};
-#else
-  const auto attribute = [&](cudaDeviceAttr name) {
-    int value = 0;
-    check_cuda(cudaDeviceGetAttribute(&value, name, context.device()), "properties of the device");
-    return value;
-  };
-  return {attribute(cudaDevAttrComputeCapabilityMajor), attribute(cudaDevAttrComputeCapabilityMinor),
-          static_cast<size_t>(attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin))};
-#endif
+  const calls::DeviceFacts& facts = context.facts();
+  return {facts.major, facts.minor, facts.shared_memory_per_block};
 }
 
 }  // namespace
@@ -67,7 +57,7 @@ SemanticVisitMethod semantic_visit_method(SemanticVisitMethod wanted, const Visi
 
 void check_semantic_channels(const DeviceContext& context, int channels) {
   const VisitLayout<CompactedVisit> layout{padded_channels(channels)};
-  if (channels <= kMaxSemanticChannels && layout.bytes() <= context.shared_memory_per_block()) return;
+  if (channels <= kMaxSemanticChannels && layout.bytes() <= context.facts().shared_memory_per_block) return;
   throw_resources({}, std::to_string(channels) + " semantic channels are more than this device holds at a time",
                   "train fewer classes: keep the limit on active classes on, or train on the CPU (--device cpu)");
 }

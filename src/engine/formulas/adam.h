@@ -26,23 +26,26 @@ inline AdamStep<T> make_adam_step(const AdamSettings& settings, double rate, int
   return {T(rate / c1), T(1.0 / std::sqrt(c2)), T(settings.beta1), T(settings.beta2), T(settings.epsilon)};
 }
 
-/// The constants for a row that is not updated at every step: its moments know only its own updates, so the bias correction
-/// counts those. With the number of the step in its place the first update of a row would move it by
+/// AdamStep of rows that are not updated at every step: the moments of a row know only its own updates, so its bias correction
+/// counts those. With the number of the step in their place the first update of a row would move it by
 /// (1 - beta1) / sqrt(1 - beta2) = 3.2 times the rate.
-struct RowCorrection {
+struct AdamRowSteps {
+  AdamStep<float> any;  ///< what all rows have in common
   float rate = 0, log_beta1 = 0, log_beta2 = 0;
   float last = 1;  ///< number of the step; no row has had more updates
 
-  /// `step` for a row's update number `count`, 1-based. 1 - beta^t by expm1 keeps its digits for small t.
-  ALIGNGS_HD AdamStep<float> at(AdamStep<float> step, float count) const {
+  /// For a row's update number `count`, 1-based. 1 - beta^t by expm1 keeps its digits for small t.
+  ALIGNGS_HD AdamStep<float> at(float count) const {
     const float t = count >= 1 ? (count < last ? count : last) : 1;  // also where a file holds NaN
+    AdamStep<float> step = any;
     step.step_size = rate / -std::expm1(t * log_beta1);
     step.second_correction = 1 / std::sqrt(-std::expm1(t * log_beta2));
     return step;
   }
 };
-inline RowCorrection make_row_correction(const AdamSettings& settings, float rate, int64_t step) {
-  return {rate, static_cast<float>(std::log(static_cast<double>(settings.beta1))),
+inline AdamRowSteps make_adam_row_steps(const AdamSettings& settings, float rate, int64_t step) {
+  return {make_adam_step<float>(settings, static_cast<double>(rate), step), rate,
+          static_cast<float>(std::log(static_cast<double>(settings.beta1))),
           static_cast<float>(std::log(static_cast<double>(settings.beta2))), static_cast<float>(step < 1 ? 1 : step)};
 }
 

@@ -127,22 +127,22 @@ TEST(Adam, NoGradientNoStep) {
 TEST(Adam, RowsAreCorrectedByTheirOwnUpdates) {
   const AdamSettings settings;
   const AdamStep<float> late = make_adam_step<float>(settings, 0.02, 4000);
-  const RowCorrection correction = make_row_correction(settings, 0.02f, 4000);
+  const AdamRowSteps steps = make_adam_row_steps(settings, 0.02f, 4000);
   for (const int count : {1, 2, 7, 40, 1000, 4000}) {
-    const AdamStep<float> got = correction.at(late, static_cast<float>(count));
+    const AdamStep<float> got = steps.at(static_cast<float>(count));
     const AdamStep<double> want = make_adam_step<double>(settings, 0.02, count);
     EXPECT_NEAR(got.step_size, want.step_size, 1e-6 * want.step_size) << count;
     EXPECT_NEAR(got.second_correction, want.second_correction, 1e-6 * want.second_correction) << count;
     EXPECT_EQ(got.beta1, late.beta1);
   }
-  EXPECT_EQ(correction.at(late, 1e7f).step_size, correction.at(late, 4000).step_size);  // not more updates than steps
-  EXPECT_EQ(correction.at(late, NAN).step_size, correction.at(late, 1).step_size);
+  EXPECT_EQ(steps.at(1e7f).step_size, steps.at(4000).step_size);  // not more updates than steps
+  EXPECT_EQ(steps.at(NAN).step_size, steps.at(1).step_size);
 }
 
 TEST(Adam, FirstUpdateOfARowThatWaitedMovesItByTheRate) {
-  const RowCorrection correction = make_row_correction(AdamSettings(), 0.01f, 1000);
+  const AdamRowSteps steps = make_adam_row_steps(AdamSettings(), 0.01f, 1000);
   float parameter = 0, m = 0, v = 0;
-  adam_update(correction.at(make_adam_step<float>(AdamSettings(), 0.01, 1000), 1), 0.3f, parameter, m, v);
+  adam_update(steps.at(1), 0.3f, parameter, m, v);
   EXPECT_NEAR(parameter, -0.01, 1e-6);
 }
 

@@ -14,9 +14,9 @@ constexpr size_t kStagedBlocks = 4096;  // 32 MB: host memory through which voxe
 
 class CudaTsdfDevice : public TsdfDevice {
  public:
-  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes), name_(context_.name()) {}
+  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes) {}
 
-  std::string name() const override { return name_; }
+  std::string name() const override { return context_.facts().name; }
 
   void fuse(const std::vector<VoxelView>& views, const std::vector<BlockCoordinate>& coordinates,
             const std::vector<Voxel*>& blocks) override {
@@ -82,7 +82,6 @@ class CudaTsdfDevice : public TsdfDevice {
   }
 
   DeviceContext context_;
-  std::string name_;
 };
 
 }  // namespace

@@ -14,8 +14,6 @@ namespace {
 using cuda::CudaTolerance;
 using cuda::DeviceArray;
 
-cuda::TestView& device_view(const CpuStep& step) { return const_cast<cuda::TestView&>(step.view); }  // read alone
-
 void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   const RenderMaps<float>& maps = step.view.maps;
   const size_t n = maps.pixels();
@@ -56,7 +54,7 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
   residual.assign(context, step.residual, "residual");
   prior.assign(context, step.scene.training.data.prior_depth.data, "prior");
   DeviceArray<cuda::SplatGradient> slots(context, step.view.lists.instances(), "slots");
-  cuda::TestView& view = device_view(step);
+  cuda::TestView& view = step.view;
   cuda::BlendBackwardInputs in;
   in.view = view.view_spans();
   in.lists = view.list_spans();
@@ -83,7 +81,7 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
 }
 
 void compare_parameter_gradients(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
-  cuda::TestView& view = device_view(step);
+  cuda::TestView& view = step.view;
   const size_t n = step.scene.model.size(), instances = step.view.lists.instances();
   std::vector<cuda::SplatGradient> main(instances);
   std::vector<cuda::CouplingMoments> moments(instances);

@@ -23,7 +23,8 @@ struct CpuStep {
   CpuStep(cuda::DeviceContext& context, const CompareScene& scene);
 
   const CompareScene& scene;
-  cuda::TestView view;  ///< projection, lists, maps and record, and their copies on the device
+  /// Projection, lists, maps and record, and their copies on the device, whose spans are for reading alone.
+  mutable cuda::TestView view;
 
   LossTerms map_terms;  ///< of the maps
   MapGradients<float> gradients;

@@ -53,7 +53,7 @@ void compare_project(cuda::DeviceContext& context, const CpuStep& step, OpTable&
 DeviceFrame projected_frame(cuda::DeviceArena& arena, const CpuStep& step) {
   const CompareScene& scene = step.scene;
   DeviceFrame frame = take_frame(arena, scene.training.data.camera, step.view.raster, scene.model.size(), true);
-  const cuda::ViewSpans from = const_cast<cuda::TestView&>(step.view).view_spans();  // read alone
+  const cuda::ViewSpans from = step.view.view_spans();
   frame.view.camera = from.camera;
   copy(arena.context(), frame.view.splats, from.splats);
   copy(arena.context(), frame.view.rects, from.rects);
@@ -80,7 +80,7 @@ void compare_lists(cuda::DeviceContext& context, const CpuStep& step, OpTable& t
 }
 
 void compare_blend(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
-  cuda::TestView& view = const_cast<cuda::TestView&>(step.view);
+  cuda::TestView& view = step.view;
   cuda::DeviceArena arena(context);
   DeviceFrame frame = projected_frame(arena, step);
   take_lists(arena, step.view.lists.instances(), true, frame);

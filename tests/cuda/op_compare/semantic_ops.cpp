@@ -33,7 +33,7 @@ std::vector<float> sums_of_slots(const CpuStep& step, size_t width, const SlotFl
 void compare_semantics(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   if (!step.semantics()) return;
   const CompareScene& scene = step.scene;
-  cuda::TestView& view = const_cast<cuda::TestView&>(step.view);  // read alone
+  cuda::TestView& view = step.view;
   const size_t n = scene.model.size(), visible = view.lists.visible.size(), instances = view.lists.instances(),
                padded = static_cast<size_t>(cuda::padded_channels(scene.model.semantic_channels)),
                channels = step.channels;

@@ -75,7 +75,7 @@ void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable&
   std::vector<DeviceArray<float>> got(arrays.size());
   for (DeviceArray<float>& a : got) a.assign(context, std::vector<float>(n, 0.0f), "statistics");
   add_density_statistics(context,
-                         {const_cast<cuda::TestView&>(step.view).view_spans(), touched.span(), device_sums.span(), {}},
+                         {step.view.view_spans(), touched.span(), device_sums.span(), {}},
                          {got[0].span(), got[1].span(), got[2].span(), got[3].span(), got[4].span(), got[5].span(),
                           got[6].span()});
   for (size_t k = 0; k < arrays.size(); ++k) {
@@ -86,9 +86,9 @@ void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable&
 constexpr int64_t kStep = 17;  ///< of the optimiser, which corrects a bias by it
 
 /// Moments as after some steps: not zero, and the second ones not so small that Adam divides rounding by rounding.
-cpu::Moments some_moments(const GaussianModel& like) {
+AdamMoments some_moments(const GaussianModel& like) {
   Random random(5);
-  cpu::Moments moments;
+  AdamMoments moments;
   moments.reset(like);
   for (const NamedArray& a : arrays_of(moments.m)) {
     for (float& x : *a.values) x = static_cast<float>(random.uniform(-0.01, 0.01));
@@ -102,7 +102,7 @@ cpu::Moments some_moments(const GaussianModel& like) {
 }
 
 void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
-  const cpu::Moments start = some_moments(step.scene.model);
+  const AdamMoments start = some_moments(step.scene.model);
   StepRequest request = step.scene.request;
   request.step = kStep;
   request.limits = {0.3f, 4.0f, 2.0f};  // all three act on some rows
@@ -110,13 +110,13 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
   const size_t n = step.scene.model.size(), padded = step.padded;
 
   GaussianModel want = step.scene.model;
-  cpu::Moments want_moments = start;
+  AdamMoments want_moments = start;
   cpu::AlignedArray<float> rows;
   rows.resize(step.logit_gradients.size());
   std::copy(step.logit_gradients.begin(), step.logit_gradients.end(), rows.data());
   cpu::SemanticGradients semantic;
   if (semantics) semantic = {step.view.lists.rank.data(), step.written.data(), rows.data(), false, nullptr, 0, nullptr};
-  cpu::optimise(request, step.with_shape, semantic, step.view.view, const_cast<ThreadPool&>(step.view.pool), want,
+  cpu::optimise(request, step.with_shape, semantic, step.view.view, step.view.pool, want,
                 want_moments);
 
   cuda::DeviceModel model(context, step.scene.model), m(context, start.m), v(context, start.v),
@@ -146,7 +146,7 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
   if (semantics) {
     in.semantic_gradients = semantic_gradients.span();
     in.semantic_written = semantic_written.span();
-    in.rank = const_cast<cuda::TestView&>(step.view).list_spans().rank;
+    in.rank = step.view.list_spans().rank;
   }
   optimise(context, request, in, {model.spans(), m.spans(), v.spans(), updates.span()}, start.sh_used);
 

@@ -9,8 +9,7 @@ namespace aligngs::cuda {
 CudaDevices list_cuda_devices() { return {{}, "built without CUDA"}; }
 std::string cuda_build() { return "built without CUDA"; }
 
-CeilingEffort usual_effort() { return {}; }
-DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) {
+void throw_without_cuda(int device) {
   throw Error({ErrorKind::kResources,
                "CUDA device " + std::to_string(device) + " is not available: built without CUDA",
                {},
@@ -18,28 +17,21 @@ DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) {
                "use --device cpu"});
 }
 
+CeilingEffort usual_effort() { return {}; }
+DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) {
+  throw_without_cuda(device);
+}
+
 }  // namespace aligngs::cuda
 
 namespace aligngs {
 
 std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int, const cuda::CudaEngineOptions&) {
-  throw Error({ErrorKind::kResources,
-               "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
-               {},
-               {},
-               "use --device cpu"});
+  cuda::throw_without_cuda(index);
 }
 
-}  // namespace aligngs
-
-namespace aligngs {
-
 std::shared_ptr<nn::NetworkDevice> make_cuda_network_device(int index, uint64_t) {
-  throw Error({ErrorKind::kResources,
-               "CUDA device " + std::to_string(index) + " is not available: built without CUDA",
-               {},
-               {},
-               "use --device cpu"});
+  cuda::throw_without_cuda(index);
 }
 
 }  // namespace aligngs

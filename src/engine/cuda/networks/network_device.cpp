@@ -70,7 +70,7 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
   CudaNetworkDevice(int device, uint64_t budget_bytes)
       : pool_(std::make_shared<DevicePool>(device, budget_bytes)),
         products_(context(), start_lt_products(*pool_)),
-        name_(context().name()) {}
+        name_(context().facts().name) {}
 
   std::string name() const override { return name_; }
   std::shared_ptr<float> allocate(size_t count) override {

@@ -24,6 +24,9 @@ CudaDevices list_cuda_devices();
 /// What this build can run on: "built without CUDA", or the toolkit and the architectures.
 std::string cuda_build();
 
+/// In builds without CUDA: Error{kResources} that says so, with the remedy.
+[[noreturn]] void throw_without_cuda(int device);
+
 struct DeviceChoice {
   bool cuda = false;
   int index = 0;        ///< of the CUDA device

@@ -47,7 +47,8 @@ void set_device(int device) { check_cuda(cudaSetDevice(device), "cudaSetDevice")
 DeviceFacts facts_of(int device) {
   cudaDeviceProp properties{};
   check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
-  return {properties.name, properties.major, properties.minor, properties.sharedMemPerBlockOptin};
+  return {properties.name, properties.major, properties.minor, properties.sharedMemPerBlockOptin,
+          properties.multiProcessorCount};
 }
 
 DeviceMemory memory_of_current_device() {

@@ -24,6 +24,7 @@ struct DeviceFacts {
   std::string name;
   int major = 0, minor = 0;           ///< compute capability
   size_t shared_memory_per_block = 0;  ///< bytes that a kernel may ask for
+  int multiprocessors = 0;
 };
 DeviceFacts facts_of(int device);  ///< without starting it
 

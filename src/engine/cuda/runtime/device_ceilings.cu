@@ -8,61 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/cuda/runtime/device_ceilings.cuh"
 #include "engine/cuda/runtime/launch.h"
 #include "engine/cuda/runtime/stage_timer.h"
-#include "engine/cuda/runtime/tile_mma.cuh"
 
 namespace aligngs::cuda {
 namespace {
-
-constexpr unsigned kThreads = 256;
-constexpr int kFmaChains = 8;  ///< hide a latency of four cycles on two schedulers' worth of warps
-constexpr int kMmaChains = 4;  ///< sums of 8 registers each, so that a block's threads fit eightfold
-constexpr double kFmaOperations = 2.0 * kFmaChains;                                   ///< per thread and round
-constexpr double kMmaOperations = 2.0 * kMmaTile * kMmaTile * kMmaTile * kMmaChains;  ///< per warp and round
-
-__global__ void __launch_bounds__(kThreads) copy_kernel(DeviceSpan<const float4> from, DeviceSpan<float4> to) {
-  const size_t step = size_t(gridDim.x) * kThreads;
-  for (size_t i = item_index(); i < from.size; i += step) to[i] = from[i];
-}
-
-/// x = a x + b, again and again; the results are kept, so that no compiler may leave it out.
-__global__ void __launch_bounds__(kThreads) fma_kernel(int rounds, float a, float b, DeviceSpan<float> out) {
-  float x[kFmaChains];
-#pragma unroll
-  for (int k = 0; k < kFmaChains; ++k) x[k] = static_cast<float>(k);
-  for (int i = 0; i < rounds; ++i) {
-#pragma unroll
-    for (int k = 0; k < kFmaChains; ++k) x[k] = std::fma(a, x[k], b);
-  }
-  float sum = 0;
-#pragma unroll
-  for (int k = 0; k < kFmaChains; ++k) sum += x[k];
-  out[item_index()] = sum;
-}
-
-/// A warp adds products of two small operands to its sums.
-__global__ void __launch_bounds__(kThreads) mma_kernel(int rounds, float a, float b, DeviceSpan<float> out) {
-  TileOperand left, right;
-  for (int k = 0; k < 4; ++k) {
-    left.pair[k] = pack_bf16(a, a);
-    right.pair[k] = pack_bf16(b, b);
-  }
-  TileSum sums[kMmaChains];
-#pragma unroll
-  for (int k = 0; k < kMmaChains; ++k) sums[k].clear();
-  for (int i = 0; i < rounds; ++i) {
-#pragma unroll
-    for (int k = 0; k < kMmaChains; ++k) multiply_add(sums[k], left, right);
-  }
-  float total = 0;
-#pragma unroll
-  for (int k = 0; k < kMmaChains; ++k) {
-#pragma unroll
-    for (int j = 0; j < 8; ++j) total += sums[k].value[j];
-  }
-  out[item_index()] = total;
-}
 
 double best_seconds(const DeviceContext& context, int runs, const std::function<void()>& run) {
   StageTimer timer(context, true);
@@ -77,17 +28,6 @@ double best_seconds(const DeviceContext& context, int runs, const std::function<
     if (i > 0) best = std::min(best, seconds["run"]);
   }
   return best;
-}
-
-int multiprocessors(const DeviceContext& context) {
-#ifdef ALIGNGS_CUDA_EMULATED
-  (void)context;
-  return 1;
-#else
-  int count = 0;
-  check_cuda(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, context.device()), "multiprocessors");
-  return count;
-#endif
 }
 
 /// Every entry must be `expected`: a kernel that did less would look fast.
@@ -113,22 +53,22 @@ CeilingEffort usual_effort() {
 
 DeviceCeilings measure_device_ceilings(int device, const CeilingEffort& effort) {
   DeviceContext context(device);
-  const unsigned blocks = static_cast<unsigned>(multiprocessors(context) * effort.blocks_per_multiprocessor);
-  const LaunchShape shape{dim3(blocks), dim3(kThreads), 0};
+  const unsigned blocks = static_cast<unsigned>(context.facts().multiprocessors * effort.blocks_per_multiprocessor);
+  const LaunchShape shape{dim3(blocks), dim3(kCeilingThreads), 0};
   DeviceCeilings out;
   {
     const size_t count = effort.copy_bytes / sizeof(float4);
     DeviceArray<float4> from(context, count, "measuring its memory"), to(context, count, "measuring its memory");
     fill_zero(context, from.span());
     const double seconds = best_seconds(context, effort.runs, [&] {
-      launch(context, "copy", copy_kernel, shape, from.span(), to.span());
+      launch(context, "copy", copy_ceiling_kernel, shape, from.span(), to.span());
     });
     out.copy_gbps = 2e-9 * static_cast<double>(count * sizeof(float4)) / seconds;
   }
-  DeviceArray<float> results(context, size_t(blocks) * kThreads, "measuring its arithmetic");
-  const double threads = static_cast<double>(blocks) * kThreads;
+  DeviceArray<float> results(context, size_t(blocks) * kCeilingThreads, "measuring its arithmetic");
+  const double threads = static_cast<double>(blocks) * kCeilingThreads;
   const double fma = best_seconds(context, effort.runs, [&] {
-    launch(context, "fma", fma_kernel, shape, effort.rounds, 0.5f, 0.5f, results.span());
+    launch(context, "fma", fma_ceiling_kernel, shape, effort.rounds, 0.5f, 0.5f, results.span());
   });
   // x -> x / 2 + 1 / 2 goes to 1 from anywhere near, halving the distance in each round.
   float left = 0;
@@ -137,7 +77,7 @@ DeviceCeilings measure_device_ceilings(int device, const CeilingEffort& effort) 
   out.fma_gflops = 1e-9 * kFmaOperations * threads * effort.rounds / fma;
 
   const double mma = best_seconds(context, effort.runs, [&] {
-    launch(context, "mma", mma_kernel, shape, effort.rounds, 0.25f, 0.25f, results.span());
+    launch(context, "mma", mma_ceiling_kernel, shape, effort.rounds, 0.25f, 0.25f, results.span());
   });
   // 16 products of 1 / 16 are 1 per round, exact in float32 up to 2^24 rounds.
   check_results(results.to_host(), 8.0f * kMmaChains * static_cast<float>(effort.rounds), "tile products");

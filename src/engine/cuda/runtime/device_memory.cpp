@@ -20,6 +20,7 @@ std::string megabytes(uint64_t bytes) { return std::to_string((bytes + (1u << 20
 
 DeviceContext::DeviceContext(int device, uint64_t budget_bytes) : device_(device), budget_(budget_bytes) {
   calls::set_device(device);
+  facts_ = calls::facts_of(device);
   if (budget_ == 0) budget_ = calls::memory_of_current_device().free_bytes / 10 * 9;
   stream_ = calls::create_stream();
 }
@@ -29,9 +30,6 @@ DeviceContext::~DeviceContext() { calls::destroy_stream(stream_); }
 void DeviceContext::use() const {
   if (calls::current_device() != device_) calls::set_device(device_);
 }
-
-std::string DeviceContext::name() const { return calls::facts_of(device_).name; }
-size_t DeviceContext::shared_memory_per_block() const { return calls::facts_of(device_).shared_memory_per_block; }
 
 void* DeviceContext::allocate(uint64_t bytes, const char* what) {
   use();

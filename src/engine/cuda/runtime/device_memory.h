@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/cuda/runtime/device_calls.h"
 #include "engine/cuda/runtime/device_span.h"
 
 struct CUstream_st;
@@ -28,8 +29,7 @@ class DeviceContext {
   /// called before another library's functions. The device that was current is not put back: nobody else asks for one,
   /// and putting it back would start a device that the run does not use.
   void use() const;
-  std::string name() const;  ///< of the device, as its maker calls it
-  size_t shared_memory_per_block() const;  ///< bytes that a kernel may ask for
+  const calls::DeviceFacts& facts() const { return facts_; }
 
   /// Throws Error{kResources} naming what, the bytes wanted, used and allowed, and a remedy. Aligned to 256 bytes.
   void* allocate(uint64_t bytes, const char* what);
@@ -55,6 +55,7 @@ class DeviceContext {
 
  private:
   int device_ = 0;
+  calls::DeviceFacts facts_;  ///< asked for once: that takes a moment
   uint64_t budget_ = 0, used_ = 0, peak_ = 0, allocations_ = 0;
   mutable uint64_t synchronisations_ = 0;
   CUstream_st* stream_ = nullptr;
