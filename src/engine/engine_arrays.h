@@ -23,6 +23,9 @@ void check_model(const GaussianModel& model);
 /// Throws Error{kFailed} for a view that does not exist and Error{kUsage} for a degree or extent out of range.
 void check_step_request(const StepRequest& request, size_t views);
 
+/// The name of the first loss that is not finite, or nullptr.
+const char* non_finite_loss(const LossTerms& terms);
+
 /// Throws Error{kFailed} when the plan names a row that the model has not.
 void check_plan(const RestructurePlan& plan, size_t rows);
 

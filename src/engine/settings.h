@@ -69,6 +69,13 @@ struct LossSettings {
 
   float opacity_l1_weight = 0.0f;    ///< mean opacity (MCMC regulariser)
   float scale_l1_weight = 0.0f;      ///< mean scale / extent (MCMC regulariser)
+
+  bool has_multi_view_weight() const { return multi_view_geometric_weight != 0 || multi_view_photometric_weight != 0; }
+  /// Some loss looks at normal, distance or alpha; the multi-view terms only in a step with a neighbour.
+  bool has_geometry_terms(bool neighbour) const {
+    return (neighbour && has_multi_view_weight()) || pearson_weight != 0 || log_depth_weight != 0 ||
+           normal_consistency_weight != 0 || normal_boundary_weight != 0 || crease_weight != 0 || prior_normal_weight != 0;
+  }
 };
 
 /// Adam rates of one step. Positions and scales are in scene units, so the trainer multiplies by the extent.
@@ -109,9 +116,8 @@ struct StepRequest {
   float extent = 1;             ///< robust scene extent, scene units
   NeighbourRequest neighbour;
 
-  bool has_multi_view_terms() const {
-    return neighbour.view >= 0 && (losses.multi_view_geometric_weight != 0 || losses.multi_view_photometric_weight != 0);
-  }
+  bool has_multi_view_terms() const { return neighbour.view >= 0 && losses.has_multi_view_weight(); }
+  bool has_geometry_terms() const { return losses.has_geometry_terms(neighbour.view >= 0); }
 };
 
 }  // namespace aligngs

@@ -130,6 +130,34 @@ TEST_F(TrainOnCuda, KilledAnywhereAndResumedEndsByteIdentical) {
   }
 }
 
+TEST_F(TrainOnCuda, MultiViewTermsActAndAResumedRunDrawsTheSameNeighbours) {
+  const auto with_terms = [&](const char* run) {
+    TrainOptions o = options(run);
+    for (const char* set : {"loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15", "loss.multi_view_from=40",
+                            "init.max_gaussians=400", "densify.enabled=false"}) {
+      o.config.sets.push_back(set);
+    }
+    return o;
+  };
+  const TrainOptions whole = with_terms("whole");
+  train_run(whole, engine());
+  const std::string events = file(whole, "events.ndjson");
+  const auto acts = [&](int step) {
+    const size_t begin = events.find("\"step\":" + std::to_string(step) + ",");
+    const std::string line = events.substr(begin, events.find('\n', begin) - begin);
+    EXPECT_THAT(line, HasSubstr("\"multi_view_geometric\":"));
+    return line.find("\"multi_view_geometric\":0.0,") == std::string::npos;
+  };
+  EXPECT_FALSE(acts(4));
+  EXPECT_TRUE(acts(5));
+  EXPECT_TRUE(acts(12));
+  TrainOptions resumed = with_terms("resumed");
+  EXPECT_THROW(train_run(resumed, killed_at(8)), Killed);
+  resumed.resume = true;
+  train_run(resumed, engine());
+  EXPECT_TRUE(file(resumed, "scene.ply") == file(whole, "scene.ply"));
+}
+
 TEST_F(TrainOnCuda, OutOfMemoryInTheMiddleLeavesACheckpointToGoOnFrom) {
   // What the device's memory must hold before anything grew, and at the end.
   uint64_t early = 0, late = 0;

@@ -37,37 +37,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Name of the first loss that is not finite, or nullptr.
-const char* bad_loss(const LossTerms& t) {
-  const std::pair<const char*, double> terms[] = {{"l1", t.l1},
-                                                  {"ssim", t.ssim},
-                                                  {"flatten", t.flatten},
-                                                  {"semantic_soft", t.semantic_soft},
-                                                  {"semantic_hard", t.semantic_hard},
-                                                  {"pearson", t.pearson},
-                                                  {"log_depth", t.log_depth},
-                                                  {"normal_consistency", t.normal_consistency},
-                                                  {"normal_boundary", t.normal_boundary},
-                                                  {"crease", t.crease},
-                                                  {"prior_normal", t.prior_normal},
-                                                  {"opacity_l1", t.opacity_l1},
-                                                  {"scale_l1", t.scale_l1},
-                                                  {"multi_view_geometric", t.multi_view_geometric},
-                                                  {"multi_view_photometric", t.multi_view_photometric},
-                                                  {"total", t.total}};
-  for (const auto& [name, value] : terms) {
-    if (!std::isfinite(value)) return name;
-  }
-  return nullptr;
-}
-
-/// Some loss looks at normal, distance or alpha.
-bool needs_geometry(const StepRequest& request) {
-  const LossSettings& s = request.losses;
-  return request.has_multi_view_terms() || s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 ||
-         s.normal_boundary_weight != 0 || s.crease_weight != 0 || s.prior_normal_weight != 0;
-}
-
 /// MapGradients::reset on several threads: ten megabytes at 640 x 480.
 void clear_gradients(size_t pixels, ThreadPool& pool, MapGradients<float>& out) {
   const std::pair<std::vector<float>*, size_t> maps[] = {{&out.color, 3 * pixels},
@@ -190,7 +159,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   check_step_request(request, views_.size());
   check_optimiser_settings(request);
   const TrainingView& view = views_[static_cast<size_t>(request.view)];
-  const bool geometry = needs_geometry(request), density = request.collect_density;
+  const bool geometry = request.has_geometry_terms(), density = request.collect_density;
   StepReport report;
   Stopwatch watch(report.seconds);
 
@@ -278,7 +247,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   ReduceTotals totals;
   const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, totals, gradients_);
   watch.lap("reduce");
-  if (const char* term = bad_loss(report.losses)) {
+  if (const char* term = non_finite_loss(report.losses)) {
     report.non_finite = locate({true, -1, term});
     return report;
   }

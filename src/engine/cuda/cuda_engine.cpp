@@ -33,14 +33,16 @@ CudaEngine::CudaEngine(int device, uint64_t budget_bytes, int threads, const Cud
       timer_(std::make_unique<StageTimer>(*context_, options.time_stages)),
       graph_(std::make_unique<StepGraph>(*context_, options.graphs)) {}
 
-DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry,
-                                   bool record, size_t pairs) const {
+DeviceFrame CudaEngine::make_frame(const FrameRequest& request) const {
+  const auto mark = [&](const char* stage) {
+    if (request.stages) timer_->mark(stage);
+  };
   arena_.reset();
-  DeviceFrame frame = take_frame(arena_, camera, raster, model_.size(), geometry);
-  project_view(*context_, {model_.spans(), raster, sh_degree}, frame.view, frame.bad);
-  timer_->mark("project");
-  size_t room = room_for(pairs);
-  if (pairs == 0) {
+  DeviceFrame frame = take_frame(arena_, request.camera, request.raster, model_.size(), request.geometry);
+  project_view(*context_, {model_.spans(), request.raster, request.sh_degree}, frame.view, frame.bad);
+  mark("project");
+  size_t room = room_for(request.pairs);
+  if (request.pairs == 0) {
     count_tile_pairs(*context_, frame.view, frame.counts);
     BinCounts counts;
     download(*context_, &counts, frame.counts);
@@ -50,10 +52,33 @@ DeviceFrame CudaEngine::make_frame(const Camera& camera, const RasterSettings& r
                       "limit the size of the Gaussians (scale limit) or their number");
     }
   }
-  take_lists(arena_, room, record, frame);
+  take_lists(arena_, room, request.record, frame);
   build_tile_lists(arena_, frame.view, frame.lists, frame.counts, frame.bad);
-  timer_->mark("bin");
+  mark("bin");
   return frame;
+}
+
+CudaEngine::ViewOnDevice* CudaEngine::neighbour_of(const StepRequest& request) {
+  return request.has_multi_view_terms() ? &views_[static_cast<size_t>(request.neighbour.view)] : nullptr;
+}
+
+NeighbourSpans CudaEngine::render_neighbour(const StepRequest& request, const ViewOnDevice& view) {
+  const ViewOnDevice* other = neighbour_of(request);
+  if (other == nullptr) return {};
+  RasterSettings raster = request.raster;
+  raster.near_plane = request.neighbour.near_plane;
+  const DeviceFrame frame = make_frame({other->camera, raster, request.sh_degree, true, false, other->pairs, false});
+  blend_forward(*context_, {frame.view, frame.lists, raster, true}, frame.maps, frame.record);
+  // What the step needs of it outlives the arena's next reset.
+  neighbour_depth_.resize(*context_, frame.maps.alpha.size, "the depth of a neighbouring view");
+  neighbour_bad_.resize(*context_, 1, "state of the step");
+  const TrainingMapSpans maps = other->maps.spans();
+  keep_neighbour_depth(*context_, frame.maps, maps, request.losses.paper_normals, neighbour_depth_.span());
+  copy(*context_, neighbour_bad_.span(), frame.bad);
+  context_->copy_to_host_later(&static_cast<ReadBack*>(read_back_->data())->neighbour_counts, frame.counts.data,
+                               sizeof(BinCounts));
+  timer_->mark("neighbour");
+  return {TwoViews<float>(view.camera, other->camera), maps, neighbour_depth_.span(), request.neighbour.seed};
 }
 
 bool CudaEngine::semantics_active(const StepRequest& request, const ViewOnDevice& view) const {
@@ -106,12 +131,13 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
 
 void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
   const LossSettings& losses = request.losses;
-  const bool geometry = has_geometry_terms(losses), density = request.collect_density;
+  const bool geometry = request.has_geometry_terms(), density = request.collect_density;
   const size_t n = model_.size();
   last_ = {};
   timer_->start();
   last_.semantics = semantics_active(request, view);
-  last_.frame = make_frame(view.camera, request.raster, request.sh_degree, geometry, true, view.pairs);
+  const NeighbourSpans neighbour = render_neighbour(request, view);
+  last_.frame = make_frame({view.camera, request.raster, request.sh_degree, geometry, true, view.pairs});
   if (options_.blend_backward == BlendBackwardMethod::kPerSplat) take_checkpoints(arena_, geometry, last_.frame);
   const DeviceFrame& frame = last_.frame;
   const size_t pixels = frame.maps.alpha.size, pairs = frame.lists.gaussians.size;
@@ -131,7 +157,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   const DeviceSpan<float> residual = arena_.take<float>(density ? pixels : 0, "colour residual");
   const DeviceSpan<LossTerms> terms = arena_.take<LossTerms>(1, "losses");
   const TrainingMapSpans training = view.maps.spans();
-  map_losses(arena_, {frame.maps, training, losses}, {gradients, residual, terms});
+  map_losses(arena_, {frame.maps, training, losses, neighbour}, {gradients, residual, terms});
   timer_->mark("losses");
 
   const DeviceSpan<SplatGradient> slots =
@@ -167,6 +193,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   judged.semantic_terms = semantic.terms;
   judged.squares = squares;
   judged.bad = frame.bad;
+  if (!neighbour.empty()) judged.neighbour_bad = neighbour_bad_.span();
   judged.visible = visible;
   judged.soft_weight = losses.semantic_soft_weight;
   judged.hard_weight = losses.semantic_hard_weight;
@@ -188,7 +215,9 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
 
 CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
   const auto enqueue = [&] { enqueue_step(request, view, coupling_scale); };
-  if (graph_->on() && view.pairs != 0) {
+  const ViewOnDevice* neighbour = neighbour_of(request);
+  static_cast<ReadBack*>(read_back_->data())->neighbour_counts = {};
+  if (graph_->on() && view.pairs != 0 && (neighbour == nullptr || neighbour->pairs != 0)) {
     arena_.reset();  // may give memory back and take it, which a capture cannot
     graph_->run(enqueue);
   } else {
@@ -201,10 +230,6 @@ CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const View
 StepReport CudaEngine::step(const StepRequest& request) {
   check_step_request(request, views_.size());
   cpu::check_optimiser_settings(request);
-  if (request.has_multi_view_terms()) {
-    throw_usage("the CUDA engine does not have the multi-view terms",
-                "use --device cpu, or set loss.multi_view_geometric=0 and loss.multi_view_photometric=0");
-  }
   const auto start = std::chrono::steady_clock::now();
   ViewOnDevice& view = views_[static_cast<size_t>(request.view)];
   const bool semantics = semantics_active(request, view);
@@ -218,12 +243,17 @@ StepReport CudaEngine::step(const StepRequest& request) {
   };
   // The factor of the bounded coupling comes from earlier steps; this step's values enter the balance at its end.
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
+  ViewOnDevice* neighbour = neighbour_of(request);
+  const auto learn_pairs = [&](const ReadBack& back) {
+    view.pairs = std::max<size_t>(1, back.counts.instances);
+    if (neighbour != nullptr) neighbour->pairs = std::max<size_t>(1, back.neighbour_counts.instances);
+  };
   ReadBack back = attempt();
-  if (back.counts.overflow != 0) {  // nothing was written; the pairs are known now
-    view.pairs = back.counts.instances;
+  learn_pairs(back);
+  if (back.counts.overflow != 0 || back.neighbour_counts.overflow != 0) {  // nothing was written
     back = attempt();
+    learn_pairs(back);
   }
-  view.pairs = std::max<size_t>(1, back.counts.instances);
   report.losses = back.outcome.terms;
   report.visible = back.outcome.visible;
   if (!timer_->on()) {

@@ -12,6 +12,7 @@
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/engine_options.h"
 #include "engine/cuda/model_arrays.h"
+#include "engine/cuda/multi_view.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/runtime/stage_timer.h"
 #include "engine/cuda/runtime/step_graph.h"
@@ -42,6 +43,7 @@ class CudaEngine final : public Engine {
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
   /// Throws Error{kResources} for more channels than the device's matrix products take (kMaxSemanticChannels).
   void set_training_views(std::vector<TrainingView> views) override;
+  bool offers_multi_view() const override { return true; }
   StepReport step(const StepRequest& request) override;
 
   DensityStatistics density_statistics() const override;
@@ -86,6 +88,16 @@ class CudaEngine final : public Engine {
   struct ReadBack {
     StepOutcome outcome;
     BinCounts counts;
+    BinCounts neighbour_counts;  ///< zero without a neighbour
+  };
+  struct FrameRequest {
+    const Camera& camera;
+    RasterSettings raster;
+    int sh_degree = 0;
+    bool geometry = false;  ///< maps beside colour and alpha
+    bool record = false;    ///< what the backward passes need
+    size_t pairs = 0;       ///< of the last visit; 0: waits to learn how many there are
+    bool stages = true;     ///< the timer hears of projection and lists
   };
 
   /// Gradients of the losses of the semantic rows and of the coupling.
@@ -96,9 +108,12 @@ class CudaEngine final : public Engine {
     DeviceSpan<double> terms;
   };
 
-  /// Projects and bins a view; `pairs` == 0: waits to learn how many there are.
-  DeviceFrame make_frame(const Camera& camera, const RasterSettings& raster, int sh_degree, bool geometry, bool record,
-                         size_t pairs) const;
+  /// Empties the arena, then projects and bins a view.
+  DeviceFrame make_frame(const FrameRequest& request) const;
+  /// The view of `request.neighbour`, or nullptr for a step without multi-view terms.
+  ViewOnDevice* neighbour_of(const StepRequest& request);
+  /// Puts the depth of the neighbour on the stream, and the copy of its counts to read_back_. Empties the arena.
+  NeighbourSpans render_neighbour(const StepRequest& request, const ViewOnDevice& view);
   /// Puts a whole step on the stream, the copy of its outcome to read_back_ included. Waits where view.pairs == 0.
   void enqueue_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
   ReadBack run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale);
@@ -125,6 +140,9 @@ class CudaEngine final : public Engine {
   mutable DeviceArray<float> statistics_[kStatistics];  ///< in the order of arrays_of(DensityStatistics&)
   CouplingBalance balance_;
   std::vector<ViewOnDevice> views_;
+
+  DeviceArray<float> neighbour_depth_;               ///< of the step in progress
+  DeviceArray<unsigned long long> neighbour_bad_;    ///< [1]
 
   int active_top_k_ = 0;
   cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels

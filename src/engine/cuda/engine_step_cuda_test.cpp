@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "core/error.h"
 #include "engine/benchmark/step_benchmark.h"
 #include "engine/cpu/test_scenes.h"
 #include "engine/cuda/cuda_engine.h"
@@ -125,26 +124,6 @@ SceneOptions scene(int channels, size_t gaussians = 120) {
   o.channels = channels;
   o.gaussians = gaussians;
   return o;
-}
-
-TEST_F(CudaStep, MultiViewTermsAreRefused) {
-  SceneOptions o;
-  TrainingView second = make_view(o);
-  second.data.camera.world_to_camera.translation.x += 0.1;
-  const std::unique_ptr<CudaEngine> engine = make_engine();
-  engine->load(make_model(o));
-  engine->set_training_views({make_view(o), second});
-  StepRequest request = make_request();
-  request.losses.multi_view_photometric_weight = 0.15f;
-  request.neighbour.view = 1;
-  EXPECT_FALSE(engine->offers_multi_view());
-  try {
-    engine->step(request);
-    FAIL() << "expected an error";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::kUsage);
-    EXPECT_NE(e.details().remedy.find("--device cpu"), std::string::npos);
-  }
 }
 
 TEST_F(CudaStep, PhotometricLosses) {

@@ -85,7 +85,7 @@ __device__ __forceinline__ Vec3<float> gather_pairs(const MapTermInputs& in, con
 
 /// Writes normal and distance of every pixel.
 __global__ void __launch_bounds__(kPixelThreads)
-    map_gradient_kernel(MapTermInputs in, MapTermScratch scratch, MapGradientSpans out) {
+    map_gradient_kernel(MapTermInputs in, MapTermScratch scratch, MultiViewGradients views, MapGradientSpans out) {
   const size_t i = item_index(), pixels = pixels_of(in);
   if (i >= pixels) return;
   const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
@@ -113,6 +113,7 @@ __global__ void __launch_bounds__(kPixelThreads)
     g += static_cast<float>(c.pearson.along_rendered * (static_cast<double>(depth) - m.mean_rendered) -
                             c.pearson.along_prior * (static_cast<double>(in.view.prior_depth[i]) - m.mean_prior));
   }
+  if (!views.depth.empty()) g += views.steps[0].geometric * views.depth[i];
 
   const Vec3<float> ray = in.view.rays(x, y), n = vector_at(in.maps.normal, i, pixels);
   const float distance = in.maps.distance[i];
@@ -142,6 +143,11 @@ __global__ void __launch_bounds__(kPixelThreads)
                                           m.prior_normal_step);
       }
     }
+  }
+  if (!views.plane.empty()) {
+    const float step = views.steps[0].photometric;
+    d_normal += vector_at(views.plane, i, pixels) * step;
+    d_distance += step * views.plane[3 * pixels + i];
   }
   out.distance[i] = d_distance;
   for (int k = 0; k < 3; ++k) out.normal[size_t(k) * pixels + i] = d_normal[k];

@@ -48,26 +48,27 @@ void geometry_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossO
   launch(context, "finish_measure", finish_measure_kernel, one, terms, measured, scratch.measured);
   launch(context, "compare", compare_kernel, shape, terms, scratch, out.gradients.normal, compared);
   launch(context, "finish_compare", finish_compare_kernel, one, terms, compared, scratch, out.terms);
-  launch(context, "map_gradient", map_gradient_kernel, shape, terms, scratch, out.gradients);
+  MultiViewGradients views;
+  if (!in.neighbour.empty() && in.settings.has_multi_view_weight()) {
+    views = multi_view_losses(
+        arena, {in.maps, in.view, in.settings, in.neighbour, scratch.depth, scratch.validity}, out.terms);
+  }
+  launch(context, "map_gradient", map_gradient_kernel, shape, terms, scratch, views, out.gradients);
 }
 
 }  // namespace
 
-bool has_geometry_terms(const LossSettings& s) {
-  return s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 ||
-         s.normal_boundary_weight != 0 || s.crease_weight != 0 || s.prior_normal_weight != 0;
-}
-
 void map_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutputs& out) {
   photometric_losses(arena, in, out);
-  if (has_geometry_terms(in.settings)) geometry_losses(arena, in, out);
+  if (in.settings.has_geometry_terms(!in.neighbour.empty())) geometry_losses(arena, in, out);
 }
 
 uint64_t map_loss_scratch_bytes(const LossSettings& settings, size_t pixels) {
   // Blocks of kSsimThreads and kPixelThreads leave one sum each per term; the rest of a tile at the border is small.
   uint64_t bytes = uint64_t(3 * kPhotometricSums) * (pixels / kSsimThreads + 1) * sizeof(double);
   if (settings.ssim_weight != 0) bytes += uint64_t(3 * kSsimGradients) * pixels * sizeof(float);
-  if (has_geometry_terms(settings)) {
+  if (settings.has_geometry_terms(true)) {
+    bytes += multi_view_bytes(settings, pixels);
     bytes += uint64_t(pixels) * (sizeof(float) + 2 * sizeof(uint8_t) + sizeof(float4));
     bytes += (uint64_t(kMeasuredSums) + uint64_t(kComparedSums)) * (pixels / kPixelThreads + 1) * sizeof(double);
   }

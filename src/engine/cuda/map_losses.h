@@ -2,6 +2,7 @@
 // engine/losses/map_losses.h, whose terms and degenerate cases it has.
 #pragma once
 
+#include "engine/cuda/multi_view.h"
 #include "engine/cuda/training_maps.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/loss_terms.h"
@@ -9,17 +10,15 @@
 
 namespace aligngs::cuda {
 
-/// Some loss looks at normal, distance or alpha.
-bool has_geometry_terms(const LossSettings& settings);
-
 struct MapLossInputs {
   RenderMapSpans maps;
   TrainingMapSpans view;
   LossSettings settings;
+  NeighbourSpans neighbour{};  ///< empty: no multi-view term, whatever its weight
 };
 
 struct MapLossOutputs {
-  /// color: written. normal, distance: written where has_geometry_terms, else untouched. alpha: untouched, because no
+  /// color: written. normal, distance: written where the settings have geometry terms, else untouched. alpha: untouched, because no
   /// loss of the maps has a gradient for it.
   MapGradientSpans gradients;
   DeviceSpan<float> residual;   ///< [H W] written: mean absolute colour difference, 0 under the mask; empty: not wanted
@@ -29,6 +28,7 @@ struct MapLossOutputs {
 /// Scratch comes from the arena: map_loss_scratch_bytes.
 void map_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutputs& out);
 
+/// With a neighbour of as many pixels, where the multi-view terms have a weight.
 uint64_t map_loss_scratch_bytes(const LossSettings& settings, size_t pixels);
 
 }  // namespace aligngs::cuda

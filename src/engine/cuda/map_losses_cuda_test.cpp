@@ -10,10 +10,8 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "engine/cuda/runtime/test_device.h"
-#include "engine/cuda/tolerances.h"
+#include "engine/cuda/test_maps.h"
 #include "engine/formulas/photometric.h"
-#include "engine/losses/test_maps.h"
 #include "scene/triangle_mesh.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulation.h"
@@ -23,12 +21,9 @@ namespace aligngs::cuda {
 namespace {
 
 using testing_maps::LossFixture;
-using testing_maps::narrow;
+using Result = MapLossResult;
 
 const CudaTolerance kTolerance;
-/// Terms are 1 - cosine, of one pixel in the smallest maps: the cosine's sum of three products, contracted or not, is off by
-/// two ulps of 1.
-constexpr double kOneMinusCosine = 2.4e-7;
 
 struct Case {
   const char* name;
@@ -57,30 +52,6 @@ void set_weights(const Case& c, LossSettings& s) {
   }
 }
 
-struct Result {
-  LossTerms terms;
-  MapGradients<float> gradients;
-  std::vector<float> residual;
-};
-
-double largest(const std::vector<float>& values) {
-  double m = 0;
-  for (const float v : values) m = std::max(m, std::abs(double(v)));
-  return m;
-}
-
-void expect_close(const std::vector<float>& a, const std::vector<float>& b, double tolerance, const char* what) {
-  ASSERT_EQ(a.size(), b.size()) << what;
-  const double limit = tolerance * largest(b) + 1e-12;
-  size_t wrong = 0, first = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    if (std::abs(double(a[i]) - b[i]) <= limit) continue;
-    if (wrong++ == 0) first = i;
-  }
-  EXPECT_EQ(wrong, 0u) << what << "[" << first << "] is " << a[first] << " instead of " << b[first] << ", largest "
-                       << largest(b);
-}
-
 class CudaMapLosses : public DeviceTest {
  protected:
   /// A view in which every term meets what it can: two walls with a fold, labels that change across and along it, prior
@@ -106,72 +77,9 @@ class CudaMapLosses : public DeviceTest {
     return f;
   }
 
-  static Result run_cpu(const LossFixture& f) {
-    Result r;
-    const RenderMaps<float> maps = narrow(f.maps);
-    r.gradients.reset(maps.pixels());
-    const aligngs::MapLossInputs<float> in{maps, f.view, f.settings};
-    aligngs::map_losses<float>(in, r.terms, r.gradients);
-    color_residual(in, r.residual);
-    return r;
-  }
-
-  Result run_device(const LossFixture& f) {
-    const RenderMaps<float> maps = narrow(f.maps);
-    const size_t n = maps.pixels();
-    DeviceArray<float> color, alpha, normal, distance, expected, d_color, d_normal, d_distance, residual;
-    color.assign(context(), maps.color, "test");
-    alpha.assign(context(), maps.alpha, "test");
-    normal.assign(context(), maps.normal, "test");
-    distance.assign(context(), maps.distance, "test");
-    expected.assign(context(), maps.expected, "test");
-    d_color.resize(context(), 3 * n, "test");
-    d_normal.resize(context(), 3 * n, "test");
-    d_distance.resize(context(), n, "test");
-    residual.resize(context(), n, "test");
-    DeviceArray<LossTerms> terms(context(), 1, "test");
-    const TrainingMaps view(context(), f.view);
-    DeviceArena arena(context());
-    MapLossInputs in;
-    in.maps = {maps.width,   maps.height,     color.span(),    normal.span(),
-               alpha.span(), distance.span(), expected.span(), {}};
-    in.view = view.spans();
-    in.settings = f.settings;
-    map_losses(arena, in, {{d_color.span(), d_normal.span(), d_distance.span(), {}}, residual.span(), terms.span()});
-    Result r;
-    r.terms = terms.to_host()[0];
-    r.gradients.reset(n);
-    r.gradients.color = d_color.to_host();
-    if (has_geometry_terms(f.settings)) {
-      r.gradients.normal = d_normal.to_host();
-      r.gradients.distance = d_distance.to_host();
-    }
-    r.residual = residual.to_host();
-    return r;
-  }
-
-  static void expect_same(const Result& device, const Result& cpu) {
-    const std::pair<const char*, double LossTerms::*> terms[] = {{"l1", &LossTerms::l1},
-                                                                 {"ssim", &LossTerms::ssim},
-                                                                 {"pearson", &LossTerms::pearson},
-                                                                 {"log_depth", &LossTerms::log_depth},
-                                                                 {"normal_consistency", &LossTerms::normal_consistency},
-                                                                 {"normal_boundary", &LossTerms::normal_boundary},
-                                                                 {"crease", &LossTerms::crease},
-                                                                 {"prior_normal", &LossTerms::prior_normal},
-                                                                 {"total", &LossTerms::total}};
-    for (const auto& [name, term] : terms) {
-      EXPECT_NEAR(device.terms.*term, cpu.terms.*term, kTolerance.relative_loss * std::abs(cpu.terms.*term) + kOneMinusCosine)
-          << name;
-    }
-    EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, kTolerance.psnr);
-    expect_close(device.gradients.color, cpu.gradients.color, kTolerance.gradient, "color");
-    expect_close(device.gradients.normal, cpu.gradients.normal, kTolerance.gradient, "normal");
-    expect_close(device.gradients.distance, cpu.gradients.distance, kTolerance.gradient, "distance");
-    expect_close(device.residual, cpu.residual, kTolerance.map, "residual");
-  }
-
-  void compare(const LossFixture& f) { expect_same(run_device(f), run_cpu(f)); }
+  static Result run_cpu(const LossFixture& f) { return losses_on_cpu(f); }
+  Result run_device(const LossFixture& f) { return losses_on_device(context(), f); }
+  void compare(const LossFixture& f) { expect_same_losses(run_device(f), run_cpu(f)); }
 };
 
 class CudaMapLossTerms : public CudaMapLosses, public testing::WithParamInterface<Case> {};
@@ -183,7 +91,7 @@ TEST_P(CudaMapLossTerms, AgreesWithTheCpu) {
   set_weights(GetParam(), f.settings);
   const Result cpu = run_cpu(f);
   ASSERT_GT(cpu.terms.total, 0) << "the fixture must give the term something to do";
-  expect_same(run_device(f), cpu);
+  expect_same_losses(run_device(f), cpu);
 }
 
 TEST_F(CudaMapLosses, MaskedPixelsHaveNoPart) {
@@ -203,7 +111,7 @@ TEST_F(CudaMapLosses, NothingCounts) {
   const Result r = run_device(f);
   EXPECT_EQ(r.terms.total, 0);
   EXPECT_EQ(largest(r.gradients.color) + largest(r.gradients.normal) + largest(r.gradients.distance), 0);
-  expect_same(r, run_cpu(f));
+  expect_same_losses(r, run_cpu(f));
 }
 
 TEST_F(CudaMapLosses, PhotosOfEightBitsLoseNothing) {
@@ -253,7 +161,7 @@ TEST_F(CudaMapLosses, AFrontalPlaneHasNoCorrelation) {
   const Result r = run_device(f);
   EXPECT_EQ(r.terms.pearson, 0);
   EXPECT_EQ(largest(r.gradients.distance), 0);
-  expect_same(r, run_cpu(f));
+  expect_same_losses(r, run_cpu(f));
 }
 
 TEST_F(CudaMapLosses, TooFewPixelsSwitchATermOff) {
@@ -265,7 +173,7 @@ TEST_F(CudaMapLosses, TooFewPixelsSwitchATermOff) {
   }
   const Result r = run_device(f);
   EXPECT_EQ(r.terms.log_depth + r.terms.normal_consistency + r.terms.pearson + r.terms.prior_normal, 0);
-  expect_same(r, run_cpu(f));
+  expect_same_losses(r, run_cpu(f));
 }
 
 TEST_F(CudaMapLosses, OnePixelAndOneRow) {

@@ -6,8 +6,8 @@
 #include "engine/cuda/constants.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
-#include "engine/cuda/photometric.cuh"
 #include "engine/cuda/runtime/device_language.h"
+#include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/depth_terms.h"
 #include "engine/formulas/label_edges.h"
 #include "engine/formulas/normal_terms.h"
@@ -68,9 +68,6 @@ enum ComparedSum {
   kComparedSums
 };
 
-__device__ __forceinline__ Vec3<float> vector_at(DeviceSpan<const float> planes, size_t pixel, size_t pixels) {
-  return {planes[pixel], planes[pixels + pixel], planes[2 * pixels + pixel]};
-}
 __device__ __forceinline__ size_t pixels_of(const MapTermInputs& in) { return in.view.flags.size; }
 
 __device__ __forceinline__ UnitNormal<float> unit_normal_at(const MapTermInputs& in, size_t pixel) {
@@ -105,16 +102,7 @@ __global__ void __launch_bounds__(kPixelThreads)
   const size_t i = item_index(), pixels = pixels_of(in);
   float sums[kMeasuredSums] = {};
   if (i < pixels) {
-    const int x = static_cast<int>(i % static_cast<size_t>(in.maps.width));
-    const int y = static_cast<int>(i / static_cast<size_t>(in.maps.width));
-    const Vec3<float> ray = in.view.rays(x, y), n = vector_at(in.maps.normal, i, pixels);
-    const float distance = in.maps.distance[i], alpha = in.maps.alpha[i];
-    const float z = in.settings.paper_normals
-                        ? plane_depth_paper(n, distance, ray).z
-                        : distance * plane_slope(n.x, n.y, n.z, alpha, distance, ray.x, ray.y).inverse;
-    DepthSample<float> sample = judge_depth(z, alpha, in.maps.expected[i]);
-    const bool counts = pixel_counts(in.view, i);
-    if (!counts) sample = {};
+    const DepthSample<float> sample = depth_sample_at(in.maps, in.view, in.settings.paper_normals, i);
     const uint8_t validity = static_cast<uint8_t>(sample.level);
     scratch.depth[i] = sample.z;
     scratch.validity[i] = validity;

@@ -54,7 +54,9 @@ uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
 uint64_t pixel_bytes(uint64_t pixels) {
   LossSettings all;
   all.pearson_weight = 1;  // any loss on depth or normals: scratch is the same for all of them
-  return pixels * (10 + 8 + 1 + 2) * kFloat + map_loss_scratch_bytes(all, pixels);
+  all.multi_view_geometric_weight = all.multi_view_photometric_weight = 1;  // and those between views take a quarter more
+  const uint64_t neighbour = 1;  // its depth, which stays while the step's own maps are made
+  return pixels * (10 + 8 + 1 + 2 + neighbour) * kFloat + map_loss_scratch_bytes(all, pixels);
 }
 
 }  // namespace

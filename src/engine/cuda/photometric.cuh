@@ -6,6 +6,7 @@
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/runtime/device_language.h"
+#include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/photometric.h"
 
 namespace aligngs::cuda {
@@ -24,15 +25,6 @@ struct PhotometricInputs {
   float l1_step = 0;      ///< L1 weight / (3 counted)
   float ssim_factor = 0;  ///< -SSIM weight / (3 counted)
 };
-
-__device__ __forceinline__ bool pixel_counts(const TrainingMapSpans& view, size_t pixel) {
-  return (view.flags[pixel] & kPixelCounts) != 0;
-}
-
-/// The photo: what was divided by 255 when it was read is divided by 255 here.
-__device__ __forceinline__ float truth_at(const TrainingMapSpans& view, size_t i) {
-  return view.color_bytes.empty() ? view.color[i] : float(view.color_bytes[i]) / 255.0f;
-}
 
 /// What the losses take for the render: the photo under the mask.
 __device__ __forceinline__ float render_at(const PhotometricInputs& in, size_t plane, size_t pixel, float truth) {

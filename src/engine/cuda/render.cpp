@@ -10,7 +10,7 @@ namespace aligngs::cuda {
 
 Rendering CudaEngine::render(const Camera& camera, const RenderOptions& options) const {
   const bool labels = options.labels && model_.channels() > 0;
-  const DeviceFrame frame = make_frame(camera, options.raster, sh_degree_, options.geometry, labels, 0);
+  const DeviceFrame frame = make_frame({camera, options.raster, sh_degree_, options.geometry, labels});
   blend_forward(*context_, {frame.view, frame.lists, options.raster, options.geometry}, frame.maps, frame.record);
   const int w = frame.view.width, h = frame.view.height;
   const size_t pixels = frame.maps.alpha.size;
@@ -63,7 +63,7 @@ void CudaEngine::lift_semantics(const RasterSettings& raster) {
   for (const ViewOnDevice& view : views_) {
     if (view.teacher_channels != model_.channels()) continue;
     if (map_.remainder() != active_.remainder()) continue;  // a model of another number of classes
-    const DeviceFrame frame = make_frame(view.camera, raster, sh_degree_, false, true, 0);
+    const DeviceFrame frame = make_frame({view.camera, raster, sh_degree_, false, true});
     blend_forward(*context_, {frame.view, frame.lists, raster, false}, frame.maps, frame.record);
     add_teacher_sums(arena_, {frame.view, frame.lists, frame.record, view.teacher.spans(), raster}, sums.span());
   }

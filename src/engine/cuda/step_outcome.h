@@ -24,6 +24,7 @@ struct StepOutcomeInputs {
   DeviceSpan<const unsigned long long> bad;  ///< [1]
   DeviceSpan<const uint32_t> visible;        ///< [1]
   float soft_weight = 0, hard_weight = 0;    ///< LossSettings
+  DeviceSpan<const unsigned long long> neighbour_bad{};  ///< [1] of the neighbour's projection and lists; empty: no neighbour
 };
 
 /// StepOutcome::blocked of out[0], for the kernels that must not write after a failure.
@@ -32,9 +33,6 @@ DeviceSpan<const uint32_t> blocked_of(DeviceSpan<StepOutcome> out);
 /// Puts the parts together, total included, and decides whether the optimiser may write. The optimiser and the density
 /// statistics read `blocked` on the device, so nothing waits for the host in between.
 void judge_step(const DeviceContext& context, const StepOutcomeInputs& in, DeviceSpan<StepOutcome> out);
-
-/// The name of the first loss that is not finite, or nullptr.
-const char* bad_loss(const LossTerms& terms);
 
 /// Root mean squares over the visible rows, as update_coupling_balance wants them; 0 where none is visible.
 struct GradientScale {

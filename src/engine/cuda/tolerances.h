@@ -30,6 +30,7 @@ struct CudaTolerance {
   double normal_consistency = 2e-4;  ///< absolute; normals of depth are differences of neighbours
   double psnr = 1e-3;            ///< dB: 2e-4 of the mean square
   double gradient = 2e-4;        ///< of a whole step: the rounding of the means enters every alpha
+  double two_views = 2e-3;       ///< of a multi-view loss of a whole step: a pixel or patch at a limit is in or out
   double statistic = 5e-4;       ///< the same under absolute values, which do not cancel
   double photometric_rms = 1e-3;
   double total_loss = 1e-4;      ///< of itself, beside the semantic losses

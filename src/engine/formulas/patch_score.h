@@ -11,6 +11,11 @@ inline constexpr int kPatchSide = 2 * kPatchRadius + 1, kPatchPixels = kPatchSid
 inline constexpr double kPatchVarianceFloor = 1e-8;  ///< added to the product of the variances: flat patches score badly
 inline constexpr double kPatchScoreMax = 0.9;        ///< a worse score says that the patches show different things
 
+/// What patches compare: the luma of ITU-R BT.601, as published.
+ALIGNGS_HD inline float grey_of(float red, float green, float blue) {
+  return 0.299f * red + 0.587f * green + 0.114f * blue;
+}
+
 /// The blended plane of a pixel: N . x = -D with N and D not divided by alpha, which cancels.
 template <class T>
 struct BlendedPlane {

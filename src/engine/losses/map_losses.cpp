@@ -59,7 +59,7 @@ void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& g
 
   photometric_losses(in, workspace, terms, gradients);
 
-  const bool multi_view = in.neighbour && (s.multi_view_geometric_weight != 0 || s.multi_view_photometric_weight != 0);
+  const bool multi_view = in.neighbour && s.has_multi_view_weight();
   const bool depth_terms =
       s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 || multi_view;
   if (depth_terms || (s.normal_boundary_weight != 0 && !s.paper_normals)) compute_depth_map(in, workspace);

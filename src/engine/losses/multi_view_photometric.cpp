@@ -1,6 +1,5 @@
 #include "engine/losses/multi_view_photometric.h"
 
-#include <algorithm>
 #include <array>
 
 #include "engine/formulas/depth_terms.h"
@@ -10,8 +9,6 @@
 namespace aligngs {
 namespace {
 
-constexpr float kGreyWeights[3] = {0.299f, 0.587f, 0.114f};  // of red, green, blue (ITU-R BT.601, as published)
-
 template <class T>
 void make_grey(const ImageF& photo, ThreadPool* pool, std::vector<T>& grey) {
   grey.resize(static_cast<size_t>(photo.width) * photo.height);
@@ -19,7 +16,7 @@ void make_grey(const ImageF& photo, ThreadPool* pool, std::vector<T>& grey) {
     const size_t begin = static_cast<size_t>(y) * photo.width;
     for (size_t i = begin; i < begin + photo.width; ++i) {
       const float* c = &photo.data[3 * i];
-      grey[i] = static_cast<T>(kGreyWeights[0] * c[0] + kGreyWeights[1] * c[1] + kGreyWeights[2] * c[2]);
+      grey[i] = static_cast<T>(grey_of(c[0], c[1], c[2]));
     }
   });
 }
@@ -32,15 +29,6 @@ BlendedPlane<T> plane_at(const RenderMaps<T>& maps, size_t i) {
 
 }  // namespace
 
-bool draws_patch(uint64_t seed, size_t pixel, double share) {
-  // The finaliser of SplitMix64 (Steele et al. 2014) over seed and pixel.
-  uint64_t z = seed + (static_cast<uint64_t>(pixel) + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  z ^= z >> 31;
-  return static_cast<double>(z >> 11) * 0x1p-53 < share;
-}
-
 template <class T>
 double multi_view_photometric_loss(const MapLossInputs<T>& in, double weight, const ViewAgreement& agreement,
                                    MapLossWorkspace<T>& workspace, MapGradients<T>& gradients) {
@@ -51,8 +39,7 @@ double multi_view_photometric_loss(const MapLossInputs<T>& in, double weight, co
   make_grey(in.view.data.color, in.pool, workspace.grey);
   make_grey(in.neighbour->view.data.color, in.pool, workspace.neighbour_grey);
   const GreyImages<T> images{workspace.grey.data(), workspace.neighbour_grey.data()};
-  const double patches = std::min(kPatchesMax, kPatchShare * static_cast<double>(pixels));
-  const double share = patches / agreement.count;
+  const double share = patch_share(agreement.count, static_cast<double>(pixels));
 
   // Gradients wait in patch_gradient until it is known over how many patches the mean goes.
   workspace.patch_gradient.resize(4 * pixels);

@@ -4,6 +4,8 @@
 
 #include "compare_ops.h"
 #include "engine/cuda/blend_backward.h"
+#include "engine/cuda/blend_forward.h"
+#include "engine/cuda/device_frame.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/tolerances.h"
@@ -45,7 +47,8 @@ void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTab
   table.compare("map_losses", "residual", residual.to_host(), step.residual, tight(t.map));
 }
 
-void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
+std::vector<cuda::SplatGradient> run_blend_backward(cuda::DeviceContext& context, const CpuStep& step,
+                                                    cuda::BlendBackwardMethod method) {
   DeviceArray<float> color, normal, distance, alpha, residual, prior;
   color.assign(context, step.gradients.color, "gradients");
   normal.assign(context, step.gradients.normal, "gradients");
@@ -55,28 +58,46 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
   prior.assign(context, step.scene.training.data.prior_depth.data, "prior");
   DeviceArray<cuda::SplatGradient> slots(context, step.view.lists.instances(), "slots");
   cuda::TestView& view = step.view;
+  cuda::DeviceArena arena(context);
+  cuda::DeviceFrame frame = take_frame(arena, step.scene.training.data.camera, view.raster, step.scene.model.size(), true);
   cuda::BlendBackwardInputs in;
   in.view = view.view_spans();
   in.lists = view.list_spans();
   in.record = view.record_spans();
+  if (method == cuda::BlendBackwardMethod::kPerSplat) {
+    frame.lists = view.list_spans();
+    take_checkpoints(arena, true, frame);  // which the CPU engine does not leave
+    blend_forward(context, {in.view, in.lists, view.raster, true}, frame.maps, frame.record);
+    in.record.checkpoints = frame.record.checkpoints;
+    in.record.plane_checkpoints = frame.record.plane_checkpoints;
+    in.maps = frame.maps;
+  }
   in.gradients = {color.span(), normal.span(), distance.span(), alpha.span()};
   in.residual = residual.span();
   in.prior = prior.span();
   in.prior_scale = step.scene.request.losses.prior_depth_scale;
   in.raster = view.raster;
   in.geometry = in.density = true;
+  in.method = method;
   blend_backward(context, in, slots.span());
-  const std::vector<cuda::SplatGradient> got = slots.to_host();
+  return slots.to_host();
+}
+
+void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   const struct {
     const char* name;
     size_t first, count;
   } fields[] = {{"colour", 0, 3},    {"weight", 3, 1},    {"normal", 4, 3},          {"distance", 7, 1},
                 {"moments", 8, 6},   {"residual", 14, 1}, {"unsupported", 15, 1},    {"photometric", 16, 2},
                 {"absolute", 18, 2}};
-  const auto seen = [&](size_t slot) { return view.record.seen[slot] != 0; };
-  for (const auto& f : fields) {
-    table.compare("blend_backward", f.name, fields_of(got, got.size(), f.first, f.count, seen),
-                  fields_of(step.slots, got.size(), f.first, f.count, seen), tight(CudaTolerance().slot_sum));
+  const auto seen = [&](size_t slot) { return step.view.record.seen[slot] != 0; };
+  for (const auto method : {cuda::BlendBackwardMethod::kPerPixel, cuda::BlendBackwardMethod::kPerSplat}) {
+    const std::vector<cuda::SplatGradient> got = run_blend_backward(context, step, method);
+    const char* op = method == cuda::BlendBackwardMethod::kPerPixel ? "backward_per_pixel" : "backward_per_splat";
+    for (const auto& f : fields) {
+      table.compare(op, f.name, fields_of(got, got.size(), f.first, f.count, seen),
+                    fields_of(step.slots, got.size(), f.first, f.count, seen), tight(CudaTolerance().slot_sum));
+    }
   }
 }
 

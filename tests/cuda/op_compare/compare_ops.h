@@ -13,6 +13,8 @@ void compare_forward(cuda::DeviceContext& context, const CpuStep& step, OpTable&
 void compare_backward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);   ///< losses, blend, reduce
 void compare_semantics(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);  ///< rows, visit, gradients
 void compare_updates(cuda::DeviceContext& context, const CpuStep& step, OpTable& table);    ///< shape, density, Adam
+/// The multi-view terms, on two photos of a folded wall: in the room nothing is seen alike from two places.
+void compare_multi_view(cuda::DeviceContext& context, const BenchmarkRoom& room, OpTable& table);
 /// Render, labels, lift, restructuring and a whole step, by the engines.
 void compare_engines(int device, const CompareScene& scene, OpTable& table);
 

@@ -70,6 +70,7 @@ int run(const Options& options) {
     compare_forward(context, step, table);
     compare_backward(context, step, table);
     compare_semantics(context, step, table);
+    compare_multi_view(context, options.room, table);
     compare_updates(context, step, table);
   }
   compare_engines(device, scene, table);

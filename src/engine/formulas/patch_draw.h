@@ -1,0 +1,31 @@
+// Which pixels a step compares patches at (patch_score.h), alike on every engine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/vec.h"
+
+namespace aligngs {
+
+/// Patches of one step: the published 102400 of a view of 640 x 480, and the same share of a smaller one.
+inline constexpr double kPatchesMax = 102400;
+inline constexpr double kPatchShare = kPatchesMax / (640.0 * 480.0);
+
+/// Of `agreeing` > 0 pixels of an image of `pixels`, the share that makes the number above expected; above 1: all of them.
+ALIGNGS_HD inline double patch_share(double agreeing, double pixels) {
+  const double patches = kPatchShare * pixels;
+  return (patches < kPatchesMax ? patches : kPatchesMax) / agreeing;
+}
+
+/// True for `share` of all pixels in the mean; the same for the same seed and pixel on every machine.
+ALIGNGS_HD inline bool draws_patch(uint64_t seed, size_t pixel, double share) {
+  // The finaliser of SplitMix64 (Steele et al. 2014) over seed and pixel.
+  uint64_t z = seed + (static_cast<uint64_t>(pixel) + 1) * 0x9e3779b97f4a7c15ull;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+  z ^= z >> 31;
+  return static_cast<double>(z >> 11) * 0x1p-53 < share;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,22 @@
+#include "compare_ops.h"
+#include "engine/cuda/test_maps.h"
+#include "engine/losses/two_view_maps.h"
+
+namespace aligngs::op_compare {
+
+void compare_multi_view(cuda::DeviceContext& context, const BenchmarkRoom& room, OpTable& table) {
+  testing_maps::TwoViewFixture f(room.width, room.height);
+  f.settings.multi_view_geometric_weight = f.settings.multi_view_photometric_weight = 1;
+  const cuda::TestNeighbour neighbour{&f.other, {f.other_depth.begin(), f.other_depth.end()}, f.seed};
+  const cuda::MapLossResult got = losses_on_device(context, f, neighbour), want = cuda::losses_on_cpu(f, neighbour);
+  const cuda::CudaTolerance t;
+  const char* op = "multi_view";
+  table.compare_number(op, "geometric", got.terms.multi_view_geometric, want.terms.multi_view_geometric, tight(t.relative_loss));
+  table.compare_number(op, "photometric", got.terms.multi_view_photometric, want.terms.multi_view_photometric,
+                       tight(t.relative_loss));
+  // A pixel that comes home on one side alone, or a patch at its limit, changes its own gradient wholly.
+  table.compare(op, "d normal", got.gradients.normal, want.gradients.normal, with_large_flips(tight(t.gradient)));
+  table.compare(op, "d distance", got.gradients.distance, want.gradients.distance, with_large_flips(tight(t.gradient)));
+}
+
+}  // namespace aligngs::op_compare
