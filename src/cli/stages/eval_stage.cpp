@@ -16,6 +16,7 @@
 #include "metrics/mesh_protocols.h"
 #include "metrics/semantic_metrics.h"
 #include "metrics/view_novelty.h"
+#include "refine/photo_alignment.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
 
@@ -65,14 +66,30 @@ std::vector<Camera> true_training_cameras(const Scene& scene) {
   return cameras;
 }
 
-ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
+/// What the picture gains where the test photo itself says where it was taken; the scene stays as it is.
+void measure_with_refined_pose(OpenRun& run, const ViewData& data, Json& entry) {
+  RenderOptions options = run.render_options();
+  options.labels = false;
+  const LookAtScene look = [&](const Camera& camera) {
+    Rendering r = run.engine->render(camera, options);
+    return SceneLook{std::move(r.color), std::move(r.depth_plane)};
+  };
+  const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
+  const ImageScores scores = compare_images(look(aligned.camera).color, data.color, data.mask, {}, run.pool.get());
+  entry["pose_refined"] = {{"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)},
+                           {"shift", norm(aligned.camera.centre() - data.camera.centre())},
+                           {"turn_degrees", rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation,
+                                                                           data.camera.world_to_camera.rotation)}};
+}
+
+ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
   ViewMetrics result;
   ConfusionMatrix confusion(run.scene.labels.size()), taught(run.scene.labels.size());
   bool labelled = false, judged = false;
   const std::vector<Camera> training = true_training_cameras(run.scene);
   const double metres_per_unit = run.scene.metric ? 1 : kMetresPerExtent / robust_extent(run.scene);
   const PerceptualMetric perceptual(ModelStore(ModelStoreOptions::from_environment(true)), *run.pool);
-  Progress progress(style, "evaluate views", run.scene.test.size());
+  Progress progress(options.progress, "evaluate views", run.scene.test.size());
   LoadOptions load = run.load_options();
   load.scores_as_logits = run.config.data.scores_as_logits;
   for (const int index : run.scene.test) {
@@ -100,6 +117,7 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
       if (!data.labels.empty()) taught.add(truth, data.labels);
       judged |= !data.labels.empty();
     }
+    if (options.refine_test_poses) measure_with_refined_pose(run, data, entry);
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
   }
@@ -110,6 +128,12 @@ ViewMetrics measure_views(OpenRun& run, const ProgressStyle& style) {
                 {"views", result.per_view.size()}, {"pose_refined", nullptr},
                 {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
                                      {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
+  if (options.refine_test_poses && !result.per_view.empty()) {
+    Json refined = Json::array();
+    for (const Json& view : result.per_view) refined.push_back(view["pose_refined"]);
+    result.nvs["pose_refined"] = {{"psnr", mean_of(refined, "psnr")}, {"ssim", mean_of(refined, "ssim")},
+                                  {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
+  }
   for (const bool extrapolating : {false, true}) {
     result.nvs[extrapolating ? "extrapolating" : "interpolating"] = {
         {"psnr", mean_of(result.per_view, "psnr", extrapolating)},
@@ -184,7 +208,7 @@ Json training_json(const OpenRun& run) {
 }  // namespace
 
 Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
-  ViewMetrics views = measure_views(run, options.progress);
+  ViewMetrics views = measure_views(run, options);
   Json geometry = nullptr, mesh_semantics = nullptr;
   measure_mesh(run, options, geometry, mesh_semantics);
   Json semantics = views.semantics;

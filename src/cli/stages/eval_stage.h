@@ -14,6 +14,7 @@ namespace aligngs {
 struct EvalStageOptions {
   std::filesystem::path truth_mesh;  ///< empty: truth/mesh.ply of the scene
   std::filesystem::path mesh;        ///< empty: mesh/mesh.ply of the run; otherwise metrics.json is not written
+  bool refine_test_poses = true;     ///< adds nvs.pose_refined: the scores once each test photo's pose is fitted to it
   bool icp = false;                  ///< adds the ICP-aligned variants (a diagnostic)
   ProgressStyle progress;
 };

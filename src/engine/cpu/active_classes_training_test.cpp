@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/cpu/active_class_scenes.h"
+#include "engine/cpu/matrix_tiles.h"
 #include "engine/cpu/active_classes.h"
 #include "engine/formulas/teacher_sampling.h"
 #include "scene/triangle_mesh.h"
@@ -15,6 +16,32 @@ using namespace testing_scene;
 
 /// With equal teachers and equal logits among the inactive classes, nothing is lost: losses and gradients are those of
 /// all classes within float rounding; the remainder's row gradient is the sum of its classes'.
+/// What preset default runs where there are matrix tiles: a remainder and rows in bfloat16.
+TEST(ActiveClasses, MatrixTilesWithARemainderGiveTheGradientsOfFloat32) {
+  if (!matrix_tiles_available()) GTEST_SKIP() << "this processor has no matrix tiles";
+  for (const int channels : {40, 150, 151}) {
+    const SceneOptions o = options(channels);
+    const TrainingView view = teacher_view(o, true);
+    for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
+      SCOPED_TRACE(testing::Message() << channels << " classes, blend " << int(blend));
+      StepRequest r = make_request();
+      r.losses.semantic_blend = blend;
+      CpuEngine exact(2), rounded(2);
+      for (CpuEngine* e : {&exact, &rounded}) e->keep_features(true);
+      prepare(exact, 2, model_with_remainder(o), view, SemanticProducts::kFloat32);
+      prepare(rounded, 2, model_with_remainder(o), view, SemanticProducts::kBfloat16);
+      const StepReport want = exact.step(r), got = rounded.step(r);
+      EXPECT_NEAR(got.losses.semantic_soft, want.losses.semantic_soft, 2e-3);
+      EXPECT_NEAR(got.losses.semantic_hard, want.losses.semantic_hard, 2e-3);
+      const GaussianModel a = rounded.last_gradients(), b = exact.last_gradients();
+      ASSERT_EQ(a.semantic_channels, kActive + 1);
+      EXPECT_LE(difference(a.semantics, b.semantics).worst, 1e-2);
+      EXPECT_LE(difference(a.opacity_logits, b.opacity_logits).worst, 1e-2);
+      EXPECT_LE(difference(a.positions, b.positions).worst, 1e-2);
+    }
+  }
+}
+
 TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
   for (const int channels : {40, 150, 151}) {
     const SceneOptions o = options(channels);

@@ -1,6 +1,6 @@
 // The vectors' alpha against the scalar formula in double precision, above all beside the two thresholds that decide whether
 // a Gaussian takes part in a pixel.
-#include "engine/cpu/simd_targets.h"
+#include "engine/cpu/every_target.h"
 
 #include <gtest/gtest.h>
 
@@ -57,18 +57,6 @@ namespace {
 /// roundings of its own size.
 constexpr double kRounding = 5e-6;
 const std::vector<double> kBeside = {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4, 1e-5, -1e-5};
-
-template <class Body>
-void for_each_target(const Body& body) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SCOPED_TRACE(hwy::TargetName(target));
-    body();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
 
 /// A Gaussian and a pixel within three standard deviations of it.
 struct Sight {

@@ -69,6 +69,12 @@ RoomWindow make_room_window() {
   return window;
 }
 
+TEST_P(CpuParityAtLimits, NoGaussians) {
+  SceneOptions o;
+  o.gaussians = 0;
+  compare_step(make_model(o), make_view(o), make_geometry_request());
+}
+
 TEST_P(CpuParityAtLimits, ExactlyOneGaussian) {
   SceneOptions o;
   o.width = o.height = 20;  // four tiles, the Gaussian over all of them

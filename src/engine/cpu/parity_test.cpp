@@ -1,4 +1,5 @@
 // The engine against the scalar reference in double precision, loss by loss and scene by scene.
+#include "engine/cpu/every_target.h"
 #include "engine/cpu/parity.h"
 
 #include <hwy/targets.h>
@@ -225,17 +226,12 @@ TEST_P(CpuParity, EveryInstructionSet) {
   o.gaussians = 150;
   const GaussianModel model = make_model(o);
   const TrainingView view = make_view(o);
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SCOPED_TRACE(hwy::TargetName(target));
+  for_each_target([&] {
     compare_step(model, view, make_geometry_request());
     StepRequest r = make_request();
     r.losses.semantic_blend = SemanticBlend::kLogits;
     compare_step(model, view, r);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 }  // namespace

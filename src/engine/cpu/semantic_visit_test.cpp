@@ -1,5 +1,6 @@
 // The semantic visit to one tile against the formulas in double precision: every way to form the products, on tiles
 // made by hand.
+#include "engine/cpu/every_target.h"
 #include "engine/cpu/hand_made_tile.h"
 
 #include <hwy/targets.h>
@@ -140,16 +141,11 @@ TEST_P(SemanticVisitTile, TileOfARealRoom) {
 }
 
 TEST_P(SemanticVisitTile, EveryInstructionSet) {
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    SCOPED_TRACE(hwy::TargetName(target));
+  for_each_target([&] {
     TileOptions o;
     o.channels = 37;
     check_every_loss(o);
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 /// Behind an opaque surface dL/dalpha is T (q - what stands behind), with T < 0.01: a total of other rounding than the

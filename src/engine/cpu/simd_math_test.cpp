@@ -1,6 +1,6 @@
 // How far the vector functions are from the true values, with every instruction set of this machine. The bounds are those
 // that their comments state.
-#include "engine/cpu/simd_targets.h"
+#include "engine/cpu/every_target.h"
 
 #include <gtest/gtest.h>
 
@@ -100,9 +100,7 @@ double mixed(double got, double want) { return std::abs(got - want) / std::max(1
 void expect_within(double bound, double (*error)(double, double), const VectorFunction& function, TrueFunction truth,
                    const std::vector<float>& arguments) {
   std::vector<float> got(arguments.size());
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  for_each_target([&] {
     function(arguments, got);
     double worst = 0;
     size_t at = 0;
@@ -112,11 +110,9 @@ void expect_within(double bound, double (*error)(double, double), const VectorFu
       const double e = error(static_cast<double>(got[i]), want);
       if (!(e <= worst)) worst = e, at = i;
     }
-    EXPECT_LE(worst, bound) << hwy::TargetName(target) << " at " << arguments[at];
+    EXPECT_LE(worst, bound) << "at " << arguments[at];
     EXPECT_GT(worst, 0) << "nothing was compared";
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  });
 }
 
 TEST(SimdMath, ExponentialIsWithinTwoUnits) {
