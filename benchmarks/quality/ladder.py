@@ -122,6 +122,7 @@ YARDSTICKS = {
 }
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("fitted", "colour-fitted", 2, "nvs.exposure_fitted.psnr"),
+    ("posed", "pose-fitted", 2, "nvs.pose_refined.psnr"),
     ("between", "between", 2, "nvs.interpolating.psnr"),
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
     ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
@@ -224,7 +225,7 @@ def measure_yardstick(output, room, room_seed, seed, row, yard):
         mesh = folder / f"yardstick{yard.option}.ply"
         run("mesh", folder, yard.option, "-o", mesh)
         partial = result.with_suffix(".partial")
-        partial.write_text(run("eval", folder, "--mesh", mesh, "--json"))
+        partial.write_text(run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json"))
         partial.rename(result)
         mesh.unlink()
     return scores(json.loads(result.read_text()), GEOMETRY)
@@ -272,7 +273,7 @@ def read_results(output):
         with open(file, newline="") as text:
             for line in csv.DictReader(text):
                 key = (line["room"], int(line["room_seed"]), int(line["seed"]))
-                results.setdefault(line["row"], {})[key] = {k: float(line[k]) if line[k] else math.nan for k, *_ in COLUMNS}
+                results.setdefault(line["row"], {})[key] = {k: float(line.get(k) or "nan") for k, *_ in COLUMNS}
     return results
 
 

@@ -124,8 +124,7 @@ Check check_device() {
   if (found.devices.empty()) return {"device", true, "cpu: " + found.reason, ""};
   std::string value;
   for (const cuda::CudaDevice& d : found.devices) {
-    value += fmt::format("cuda:{} {}, compute capability {}.{}, {} of {} free; ", d.index, d.name, d.major, d.minor,
-                         format_bytes(d.free_bytes), format_bytes(d.memory_bytes));
+    value += fmt::format("cuda:{} {}, compute capability {}.{}, {}; ", d.index, d.name, d.major, d.minor, format_bytes(d.memory_bytes));
   }
   return {"device", true, value + cuda::cuda_build(), ""};
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/device_option.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/summary.h"
 
@@ -16,8 +17,8 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   command->group("Measure");
   command->footer("Example: aligngs eval demo_run --fail-under psnr=20");
   struct Options {
-    std::string run, scene, truth, mesh;
-    bool icp = false;
+    std::string run, scene, truth, mesh, device = "auto";
+    bool icp = false, no_pose_fit = false;
     std::vector<std::string> fail_under;
   };
   auto options = std::make_shared<Options>();
@@ -26,13 +27,16 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   command->add_option("--gt-mesh", options->truth, "true mesh (default: truth/mesh.ply of the scene)");
   command->add_option("--mesh", options->mesh, "measure this mesh instead of mesh/mesh.ply; prints, writes no metrics.json");
   command->add_flag("--icp", options->icp, "add variants aligned by ICP (a diagnostic: hides scale and bend)");
+  command->add_flag("--no-pose-fit", options->no_pose_fit, "leave out the scores once each test photo's pose is fitted to it");
   command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
+  add_device_option(*command, options->device);
   command->callback([&context, options] {
-    OpenRun run = open_run(options->run, {options->scene, context.global.threads});
+    OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     EvalStageOptions stage;
     stage.truth_mesh = options->truth;
     stage.mesh = options->mesh;
     stage.icp = options->icp;
+    stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
     const nlohmann::json metrics = evaluate_run(run, stage);
     if (context.global.json) std::printf("%s\n", metrics.dump(2).c_str());

@@ -23,8 +23,8 @@ std::string metrics_summary(const Json& metrics) {
     text += "novel views  no test views\n";
   } else {
     const bool lpips = nvs.contains("lpips") && nvs["lpips"].is_number();
-    text += fmt::format("novel views  PSNR {} dB (after colour fit {}), SSIM {}, {}{} test views\n", value(nvs, "psnr", "{:.2f}"),
-                        value(nvs["exposure_fitted"], "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"),
+    text += fmt::format("novel views  PSNR {} dB (after colour fit {}, after pose fit {}), SSIM {}, {}{} test views\n", value(nvs, "psnr", "{:.2f}"),
+                        value(nvs["exposure_fitted"], "psnr", "{:.2f}"), value(nvs.value("pose_refined", Json()), "psnr", "{:.2f}"), value(nvs, "ssim", "{:.3f}"),
                         lpips ? "LPIPS " + value(nvs, "lpips", "{:.3f}") + " (inputs in [0, 1]: " + value(nvs, "lpips_unit", "{:.3f}") + "), " : "",
                         nvs.value("views", 0));
   }

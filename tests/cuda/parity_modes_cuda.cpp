@@ -9,12 +9,12 @@ namespace aligngs::parity {
 
 const std::vector<Mode>& modes() {
   static const std::vector<Mode> list = [] {
-    const cuda::CudaDevices found = cuda::list_cuda_devices();
-    if (found.devices.empty()) {
-      std::printf("skipped: %s\n", found.reason.c_str());
+    const cuda::DeviceChoice choice = cuda::choose_device("auto", cuda::list_cuda_devices(), true);
+    if (!choice.cuda) {
+      std::printf("skipped: %s\n", choice.message.c_str());
       return std::vector<Mode>();
     }
-    const auto device = make_cuda_network_device(found.devices.front().index);
+    const auto device = make_cuda_network_device(choice.index);
     return std::vector<Mode>{{"float32 CUDA", {nn::Precision::kFloat32, false, false, device}, 2e-5, 2e-5, 0},
                              {"bfloat16 CUDA", {nn::Precision::kBfloat16, false, false, device}, 6e-2, 2e-2, 0.03}};
   }();

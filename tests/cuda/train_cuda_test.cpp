@@ -33,9 +33,9 @@ void look_away(const StepRequest&, const cuda::CudaEngine&) {}
 class TrainOnCuda : public testing::Test {
  protected:
   void SetUp() override {
-    const cuda::CudaDevices found = cuda::list_cuda_devices();
-    if (found.devices.empty()) GTEST_SKIP() << found.reason;
-    device_ = found.devices.front().index;
+    const cuda::DeviceChoice choice = cuda::test_device();
+    if (!choice.cuda) GTEST_SKIP() << choice.message;
+    device_ = choice.index;
     set_log_level(LogLevel::kSilent);
     clear_stop_request();
     scene_ = test_scene::write_scene();

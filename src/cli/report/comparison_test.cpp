@@ -82,8 +82,8 @@ TEST_F(ComparisonTest, TextHasARowPerRunAndTheDifferenceOverSharedViews) {
 
 TEST_F(ComparisonTest, CsvKeepsEveryColumnAndLeavesHolesEmpty) {
   const std::string csv = comparison_csv(read({write_run("a, b", 20)}));
-  EXPECT_THAT(csv, HasSubstr("run,psnr,psnr_fitted,psnr_interpolating,psnr_extrapolating,ssim,lpips,"));
-  EXPECT_THAT(csv, HasSubstr("\"a, b\",21.5,,,,0.5,,"));
+  EXPECT_THAT(csv, HasSubstr("run,psnr,psnr_fitted,psnr_pose,psnr_interpolating,psnr_extrapolating,ssim,lpips,"));
+  EXPECT_THAT(csv, HasSubstr("\"a, b\",21.5,,,,,0.5,,"));
 }
 
 TEST_F(ComparisonTest, EqualNamesAreToldApartByTheirPath) {

@@ -115,11 +115,11 @@ std::string charts(const fs::path& run) {
 
 std::string per_view_table(const Json& metrics) {
   if (!metrics.contains("per_view") || !metrics["per_view"].is_array() || metrics["per_view"].empty()) return "";
-  std::string html = "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>SSIM</th><th>label accuracy</th></tr>";
+  std::string html = "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>after pose fit</th><th>SSIM</th><th>label accuracy</th></tr>";
   for (const Json& view : metrics["per_view"]) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
                         escape_html(view.value("name", std::string())), number(view, "psnr", "{:.2f}"),
-                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
+                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "pose_refined.psnr", "{:.2f}"), number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
   }
   return html + "</table>";
 }

@@ -26,6 +26,7 @@ const std::array<ScoreColumn, kScoreCount>& score_columns() {
   static constexpr std::array<ScoreColumn, kScoreCount> kColumns = {{
       {"PSNR (dB)", "psnr", "nvs.psnr", 2},
       {"after colour fit", "psnr_fitted", "nvs.exposure_fitted.psnr", 2},
+      {"after pose fit", "psnr_pose", "nvs.pose_refined.psnr", 2},
       {"between", "psnr_interpolating", "nvs.interpolating.psnr", 2},
       {"beyond", "psnr_extrapolating", "nvs.extrapolating.psnr", 2},
       {"SSIM", "ssim", "nvs.ssim", 3},

@@ -11,9 +11,9 @@ namespace aligngs {
 /// Columns of a comparison, in the order in which they are printed; "between" and "beyond" are the PSNR (dB) of test views
 /// that interpolate and extrapolate the training views (metrics/view_novelty.h).
 enum class Score {
-  kPsnr, kPsnrFitted, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore, kMiou, kSeconds, kGaussians
+  kPsnr, kPsnrFitted, kPsnrPose, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore, kMiou, kSeconds, kGaussians
 };
-inline constexpr size_t kScoreCount = 14;
+inline constexpr size_t kScoreCount = 15;
 
 struct ScoreColumn {
   const char* name;      ///< heading, with unit

@@ -46,7 +46,7 @@ DeviceFrame CudaEngine::make_frame(const FrameRequest& request) const {
     count_tile_pairs(*context_, frame.view, frame.counts);
     BinCounts counts;
     download(*context_, &counts, frame.counts);
-    room = counts.instances;
+    room = request.record ? room_for(counts.instances) : counts.instances;  // as much as at the next visit, or once
     if (counts.instances > 0xffffffffull) {
       throw_resources({}, std::to_string(counts.instances) + " (Gaussian, tile) pairs in one view",
                       "limit the size of the Gaussians (scale limit) or their number");

@@ -33,7 +33,6 @@ void CudaEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
     rows.semantics = compress_rows(map_, kind, from.semantics);
     rows.semantic_channels = map_.channels();
     to.upload(*context_, rows, what);
-    context_->synchronise();  // the copy is gone on return
   };
   take_in(model, cpu::RowKind::kLogits, "the Gaussians", model_);
   sh_degree_ = model.sh_degree;
@@ -41,7 +40,6 @@ void CudaEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
     take_in(moments->m, cpu::RowKind::kMoments, "the optimiser's moments", m_);
     take_in(moments->v, cpu::RowKind::kMoments, "the optimiser's moments", v_);
     semantic_updates_.assign(*context_, moments->semantic_updates, "the optimiser's moments");
-    context_->synchronise();  // the vector may be gone on return
     sh_used_ = moments->sh_used;
     return;
   }
@@ -105,7 +103,6 @@ void CudaEngine::load_state(const EngineState& state) {
   resize_statistics(model_.size());
   size_t k = 0;
   for (const NamedArray& a : arrays_of(memory.statistics)) upload(*context_, statistics_[k++].span(), a.values->data());
-  context_->synchronise();  // the vectors are gone on return
   balance_ = memory.balance;
 }
 

@@ -17,7 +17,7 @@ using cpu::testing_scene::SceneOptions;
 class CudaEngineState : public DeviceTest {
  protected:
   std::unique_ptr<Engine> engine(const GaussianModel& model, const std::vector<TrainingView>& views = {}) {
-    std::unique_ptr<Engine> e = make_cuda_engine(0, 0, 1);
+    std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, 0, 1);
     e->set_training_views(views);
     e->load(model);
     return e;
@@ -199,7 +199,7 @@ TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
   const GaussianModel model = make_model(o);
   const std::vector<TrainingView> views = {make_view(o)};
   cpu::CpuEngine cpu(1);
-  const std::unique_ptr<Engine> cuda = make_cuda_engine(0, 0, 1);
+  const std::unique_ptr<Engine> cuda = make_cuda_engine(test_device().index, 0, 1);
   for (Engine* e : {static_cast<Engine*>(&cpu), cuda.get()}) {
     e->limit_classes(1);
     e->set_training_views(views);
@@ -214,7 +214,7 @@ TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
 
 TEST_F(CudaEngineState, TooLittleMemoryIsTyped) {
   try {
-    const std::unique_ptr<Engine> e = make_cuda_engine(0, 100000, 1);
+    const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, 100000, 1);
     SceneOptions o = small_scene();
     o.gaussians = 5000;
     e->load(make_model(o));
@@ -236,9 +236,9 @@ TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
   const auto needed = [&](const Engine& e) {
     return e.own_memory(views)->views + e.predicted_bytes(model.size(), model.semantic_channels, size_t(o.width) * o.height);
   };
-  const uint64_t budget = needed(*make_cuda_engine(0, 0, 1));
+  const uint64_t budget = needed(*make_cuda_engine(test_device().index, 0, 1));
   const auto train = [&](uint64_t bytes) {
-    const std::unique_ptr<Engine> e = make_cuda_engine(0, bytes, 1);
+    const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, bytes, 1);
     EXPECT_EQ(e->own_memory(views)->limit, bytes);
     e->load(model);
     e->set_training_views(views);
@@ -261,7 +261,7 @@ TEST_F(CudaEngineState, OwnMemoryCountsTheClassesThatRowsWillCarry) {
   for (size_t i = 0; i < teacher.size(); ++i) {
     if (i % 12 >= 4) teacher[i] = 0;  // eight classes that nobody sees
   }
-  const std::unique_ptr<Engine> e = make_cuda_engine(0, uint64_t(1) << 30, 1);
+  const std::unique_ptr<Engine> e = make_cuda_engine(test_device().index, uint64_t(1) << 30, 1);
   const OwnMemory all = *e->own_memory(views);
   e->limit_classes(1);
   const OwnMemory few = *e->own_memory(views);

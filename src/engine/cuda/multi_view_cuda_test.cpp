@@ -147,7 +147,7 @@ TEST_F(CudaMultiView, ScratchIsWithinItsForecast) {
 class CudaMultiViewStep : public DeviceTest {
  protected:
   static std::unique_ptr<CudaEngine> make_engine(const CudaEngineOptions& options = {}) {
-    auto engine = std::make_unique<CudaEngine>(0, 0, 1, options);
+    auto engine = std::make_unique<CudaEngine>(test_device().index, 0, 1, options);
     engine->load(make_wall());
     engine->set_training_views(make_view_pair());
     return engine;
@@ -232,7 +232,7 @@ TEST_F(CudaMultiViewStep, AStepIsRepeatedWhenTheNeighbourHasMorePairsThanRoom) {
   o.log_scale_min = o.log_scale_max = -2.2;
   TrainingView second = make_view(o);
   second.data.camera.world_to_camera.translation.x += 0.1;
-  const auto engine = std::make_unique<CudaEngine>(0, 0, 1);
+  const auto engine = std::make_unique<CudaEngine>(test_device().index, 0, 1);
   engine->load(make_model(o));
   engine->set_training_views({make_view(o), second});
   const EngineState large = state_of(*engine);

@@ -46,7 +46,6 @@ DevicePlan::DevicePlan(DeviceContext& context, const RestructurePlan& plan) {
   kept_.assign(context, kept, "a plan of density control");
   offset_.assign(context, offset, "a plan of density control");
   log_shrink_.assign(context, log_shrink, "a plan of density control");
-  context.synchronise();  // the vectors are gone on return
 }
 
 void restructure_model(DeviceContext& context, const DevicePlan& plan, ModelArrays& model) {

@@ -30,7 +30,6 @@ TeacherMaps::TeacherMaps(DeviceContext& context, const TrainingView& view, const
   negative_entropy_.assign(context, cache.negative_entropy, "semantic teacher");
   top_class_.assign(context, cache.top_class, "semantic teacher");
   weight_.assign(context, view.semantic_weight.data, "semantic teacher");
-  context.synchronise();  // what was copied is gone on return
 }
 
 TeacherSpans TeacherMaps::spans() const {

@@ -30,11 +30,9 @@ std::vector<To> planes_of(const ImageF& image, const Convert& convert) {
   return out;
 }
 
-/// Waits for the copy, because `values` need not outlive the call.
 template <class T>
 void fill(DeviceContext& context, const std::vector<T>& values, DeviceArray<T>& to) {
   to.assign(context, values, "training views");
-  context.synchronise();
 }
 
 std::vector<uint8_t> pixel_flags(const TrainingView& view) {

@@ -7,19 +7,23 @@ namespace aligngs::cuda {
 
 inline constexpr int kWarp = 32;
 
+/// Steps kWidth, kWidth / 2, ... 1 of warp_sums. Each is an instance of its own: a loop over the widths is not always
+/// unrolled, and then v lies in memory instead of registers.
+template <int kWidth>
+__device__ __forceinline__ void halve_sums(float (&v)[kWarp], int lane) {
+  const bool upper = (lane & kWidth) != 0;
+#pragma unroll
+  for (int k = 0; k < kWidth; ++k) {
+    const float give = upper ? v[k] : v[k + kWidth], keep = upper ? v[k + kWidth] : v[k];
+    v[k] = keep + __shfl_xor_sync(kFullWarp, give, kWidth);
+  }
+  if constexpr (kWidth > 1) halve_sums<kWidth / 2>(v, lane);
+}
+
 /// The sum over the lanes of v[l], to lane l; v is used up. 31 shuffles for 32 sums: at each step a lane hands on half
 /// of what it still holds.
 __device__ __forceinline__ float warp_sums(float (&v)[kWarp]) {
-  const int lane = static_cast<int>(lane_index());
-#pragma unroll
-  for (int width = kWarp / 2; width >= 1; width /= 2) {
-    const bool upper = (lane & width) != 0;
-#pragma unroll
-    for (int k = 0; k < width; ++k) {
-      const float give = upper ? v[k] : v[k + width], keep = upper ? v[k + width] : v[k];
-      v[k] = keep + __shfl_xor_sync(kFullWarp, give, width);
-    }
-  }
+  halve_sums<kWarp / 2>(v, static_cast<int>(lane_index()));
   return v[0];
 }
 

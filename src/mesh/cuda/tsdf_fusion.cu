@@ -14,7 +14,8 @@ constexpr size_t kStagedBlocks = 4096;  // 32 MB: host memory through which voxe
 
 class CudaTsdfDevice : public TsdfDevice {
  public:
-  CudaTsdfDevice(int device, uint64_t budget_bytes) : context_(device, budget_bytes) {}
+  CudaTsdfDevice(int device, uint64_t budget_bytes)
+      : context_(device, budget_bytes, "use larger voxels (--voxel) or smaller images, or --device cpu") {}
 
   std::string name() const override { return context_.facts().name; }
 

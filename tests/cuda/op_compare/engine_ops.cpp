@@ -115,6 +115,15 @@ void compare_restructuring(Engines& engines, OpTable& table) {
   for (const auto& [name, values] : want.arrays) table.compare("restructure", name, got.arrays.at(name), values, exact());
 }
 
+void compare_opacity_reset(Engines& engines, OpTable& table) {
+  engines.device.reset_opacity(0.1f);
+  engines.cpu.reset_opacity(0.1f);
+  GaussianModel got, want;
+  engines.device.store(got);
+  engines.cpu.store(want);
+  table.compare("reset_opacity", "opacity logits", got.opacity_logits, want.opacity_logits, exact());
+}
+
 void compare_lift(Engines& engines, const CompareScene& scene, OpTable& table) {
   if (scene.model.semantic_channels == 0) return;
   engines.device.lift_semantics(scene.request.raster);
@@ -132,6 +141,7 @@ void compare_engines(int device, const CompareScene& scene, OpTable& table) {
   compare_rendering(engines, scene, table);
   compare_step(engines, scene, table);
   compare_restructuring(engines, table);
+  compare_opacity_reset(engines, table);
   compare_lift(engines, scene, table);
 }
 

@@ -16,7 +16,7 @@ namespace {
 constexpr int kNoDevice = 77;  ///< what ctest takes for "skipped"
 
 struct Options {
-  int device = -1;  ///< -1: the first that answers
+  int device = -1;  ///< -1: the one with most memory
   BenchmarkRoom room{64, 48, 600, 12};
   std::string dump;
 };
@@ -56,12 +56,12 @@ Options parse(int argc, char** argv) {
 }
 
 int run(const Options& options) {
-  const cuda::CudaDevices found = cuda::list_cuda_devices();
-  if (found.devices.empty()) {
-    std::printf("skipped: %s\n", found.reason.c_str());
+  const cuda::DeviceChoice choice = cuda::choose_device("auto", cuda::list_cuda_devices(), true);
+  if (!choice.cuda) {
+    std::printf("skipped: %s\n", choice.message.c_str());
     return kNoDevice;
   }
-  const int device = options.device >= 0 ? options.device : found.devices.front().index;
+  const int device = options.device >= 0 ? options.device : choice.index;
   const CompareScene scene = make_compare_scene(options.room);
   OpTable table(options.dump);
   {

@@ -70,7 +70,9 @@ void OpTable::add(const std::string& op, const std::string& channel, const std::
       row.beyond += d > limit.value;
     }
     if (!got.empty()) row.rms = std::sqrt(squares / static_cast<double>(got.size()));
-    row.ok = static_cast<double>(row.beyond) <= std::floor(limit.flips * static_cast<double>(got.size()));
+    // A number on one side alone is no flip, however many entries there are.
+    row.ok = std::isfinite(row.worst) &&
+             static_cast<double>(row.beyond) <= std::floor(limit.flips * static_cast<double>(got.size()));
   }
   rows_.push_back(row);
   if (dump_.empty()) return;

@@ -45,6 +45,10 @@ TEST(OpTable, WhatIsNotANumberIsADifferenceUnlessBothSidesAreNone) {
   table.compare("a", "one", Floats{nan, 1.0f}, Floats{1.0f, 1.0f}, tight(0.1));
   EXPECT_FALSE(table.ok());
   EXPECT_TRUE(std::isinf(table.rows().back().worst));
+  Floats many(1000000, 1.0f);
+  many[7] = nan;
+  table.compare("a", "one of many", many, Floats(many.size(), 1.0f), tight(0.1));
+  EXPECT_FALSE(table.rows().back().ok) << "not a flip";
 }
 
 TEST(OpTable, ADecisionMayFlipInOneOfManyEntriesAndInNoneOfFew) {

@@ -49,8 +49,7 @@ class LtProductsTest : public DeviceTest {
   void SetUp() override {
     DeviceTest::SetUp();
     if (IsSkipped()) return;
-    const auto found = list_cuda_devices();
-    pool_ = std::make_shared<DevicePool>(found.devices.front().index, 0);
+    pool_ = std::make_shared<DevicePool>(test_device().index, 0);
     LibraryStart start = start_lt_products(*pool_);
     if (start.products == nullptr) GTEST_SKIP() << (kEmulated ? "the emulation has no cuBLASLt" : start.reason);
     library_ = std::move(start.products);

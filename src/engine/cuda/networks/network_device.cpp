@@ -49,7 +49,6 @@ class CudaMatrix : public nn::PackedMatrix {
     }
     memory_ = pool_->take(uint64_t(bytes()), "weights");
     upload(context, {static_cast<uint16_t*>(memory_.get()), size_t(count_)}, rounded.data());
-    context.synchronise();
   }
 
   size_t bytes() const override { return size_t(count_) * (precision() == Precision::kFloat32 ? 4 : 2); }
@@ -254,7 +253,6 @@ class CudaNetworkDevice : public nn::NetworkDevice, public std::enable_shared_fr
       const auto operands = pool_->take<uint16_t>(padded.size(), "operands of a product");
       cuda::upload(context(), span(operands, rows * depth), padded.data());
       multiply(matrix, DeviceSpan<const uint16_t>(span(operands, rows * depth)), rows, {}, result.get());
-      context().synchronise();  // before `padded` is gone
     }
     download(y, result.get(), size_t(rows * matrix.outputs()));
   }

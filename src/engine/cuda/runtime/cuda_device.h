@@ -11,7 +11,8 @@ struct CudaDevice {
   int index = 0;           ///< N of cuda:N
   std::string name;
   int major = 0, minor = 0;  ///< compute capability
-  uint64_t memory_bytes = 0, free_bytes = 0;
+  uint64_t memory_bytes = 0;  ///< that it has; what is free of it is seen when a context is made
+  bool has_code = true;       ///< this build has kernels for it
 };
 
 struct CudaDevices {
@@ -27,6 +28,10 @@ std::string cuda_build();
 /// In builds without CUDA: Error{kResources} that says so, with the remedy.
 [[noreturn]] void throw_without_cuda(int device);
 
+/// Whether code compiled for `architectures`, as CMake lists them ("80-real;90;100-virtual"), runs on a device of that
+/// compute capability: machine code within its major version, PTX on everything later.
+bool architectures_run(const std::string& architectures, int major, int minor);
+
 struct DeviceChoice {
   bool cuda = false;
   int index = 0;        ///< of the CUDA device
@@ -40,9 +45,10 @@ inline constexpr bool kAutoTakesADevice = false;
 /// Compute capability that the kernels need: bfloat16 on tensor cores came with 8.0.
 inline constexpr int kLeastCapability = 8;
 
-/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes, if it `auto_takes_a_device`, the one with most free
+/// `request` is auto, cpu, cuda (the first one) or cuda:N. auto takes, if it `auto_takes_a_device`, the one with most
 /// memory among those that run the kernels, else the CPU, with a message that says why. Throws Error{kUsage} for any other
-/// text and Error{kResources} when cuda:N is not there or too old.
+/// text and Error{kResources} when cuda:N is not there, too old, or one
+/// that this build has no kernels for.
 DeviceChoice choose_device(const std::string& request, const CudaDevices& devices,
                            bool auto_takes_a_device = kAutoTakesADevice);
 

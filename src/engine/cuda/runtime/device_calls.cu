@@ -13,7 +13,7 @@ void check_cuda(cudaError_t status, const char* operation) {
   (void)cudaGetLastError();  // said here; where it can be forgotten at all, the next launch must not report it again
   const bool resources = status == cudaErrorMemoryAllocation || status == cudaErrorNoDevice ||
                          status == cudaErrorInsufficientDriver || status == cudaErrorInvalidDevice ||
-                         status == cudaErrorDevicesUnavailable;
+                         status == cudaErrorDevicesUnavailable || status == cudaErrorNoKernelImageForDevice;
   throw Error({resources ? ErrorKind::kResources : ErrorKind::kFailed,
                std::string("CUDA, ") + operation + ": " + cudaGetErrorString(status),
                {},
@@ -48,8 +48,10 @@ DeviceFacts facts_of(int device) {
   cudaDeviceProp properties{};
   check_cuda(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   return {properties.name, properties.major, properties.minor, properties.sharedMemPerBlockOptin,
-          properties.multiProcessorCount};
+          properties.multiProcessorCount, properties.totalGlobalMem};
 }
+
+bool has_code_for(int major, int minor) { return architectures_run(ALIGNGS_CUDA_ARCHITECTURES, major, minor); }
 
 DeviceMemory memory_of_current_device() {
   size_t free_bytes = 0, total_bytes = 0;
@@ -87,6 +89,7 @@ void destroy_stream(CUstream_st* stream) noexcept { (void)cudaStreamDestroy(stre
 
 void copy_to_device(void* device, const void* host, uint64_t bytes, CUstream_st* stream) {
   check_cuda(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream), "copy to the device");
+  check_cuda(cudaStreamSynchronize(stream), "copy to the device");
 }
 void copy_to_host(void* host, const void* device, uint64_t bytes, CUstream_st* stream) {
   check_cuda(cudaMemcpyAsync(host, device, bytes, cudaMemcpyDeviceToHost, stream), "copy to the host");

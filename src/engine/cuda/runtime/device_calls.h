@@ -25,8 +25,11 @@ struct DeviceFacts {
   int major = 0, minor = 0;           ///< compute capability
   size_t shared_memory_per_block = 0;  ///< bytes that a kernel may ask for
   int multiprocessors = 0;
+  uint64_t memory_bytes = 0;  ///< that it has
 };
 DeviceFacts facts_of(int device);  ///< without starting it
+/// Whether this build has kernels for a device of that compute capability.
+bool has_code_for(int major, int minor);
 
 struct DeviceMemory {
   uint64_t free_bytes = 0, total_bytes = 0;
@@ -45,6 +48,7 @@ void release_pinned(void* memory) noexcept;
 
 CUstream_st* create_stream();
 void destroy_stream(CUstream_st* stream) noexcept;
+/// Waits: what the host gave may be gone on return. Other copies and fills are carried out in the stream's order.
 void copy_to_device(void* device, const void* host, uint64_t bytes, CUstream_st* stream);
 void copy_to_host(void* host, const void* device, uint64_t bytes, CUstream_st* stream);
 void copy_on_device(void* to, const void* from, uint64_t bytes, CUstream_st* stream);

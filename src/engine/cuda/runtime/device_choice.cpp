@@ -1,4 +1,5 @@
 #include <charconv>
+#include <sstream>
 
 #include "core/error.h"
 #include "engine/cuda/runtime/cuda_device.h"
@@ -7,18 +8,19 @@ namespace aligngs::cuda {
 
 namespace {
 
-bool runs_kernels(const CudaDevice& d) { return d.major >= kLeastCapability; }
+bool runs_kernels(const CudaDevice& d) { return d.major >= kLeastCapability && d.has_code; }
 
-std::string too_old(const CudaDevice& d) {
-  return d.name + " has compute capability " + std::to_string(d.major) + "." + std::to_string(d.minor) + ", and " +
-         std::to_string(kLeastCapability) + ".0 is needed";
+std::string why_not(const CudaDevice& d) {
+  const std::string has = d.name + " has compute capability " + std::to_string(d.major) + "." + std::to_string(d.minor);
+  if (d.major < kLeastCapability) return has + ", and " + std::to_string(kLeastCapability) + ".0 is needed";
+  return has + ", which this program was not built for (" + cuda_build() + ")";
 }
 
-/// The one with most free memory among those that run the kernels, or nullptr.
+/// The one with most memory among those that run the kernels, or nullptr.
 const CudaDevice* roomiest(const CudaDevices& devices) {
   const CudaDevice* best = nullptr;
   for (const CudaDevice& d : devices.devices) {
-    if (runs_kernels(d) && (best == nullptr || d.free_bytes > best->free_bytes)) best = &d;
+    if (runs_kernels(d) && (best == nullptr || d.memory_bytes > best->memory_bytes)) best = &d;
   }
   return best;
 }
@@ -26,13 +28,30 @@ const CudaDevice* roomiest(const CudaDevices& devices) {
 DeviceChoice choose_automatically(const CudaDevices& devices, bool takes_a_device) {
   if (devices.devices.empty()) return {false, 0, "running on the CPU: " + devices.reason};
   const CudaDevice* device = roomiest(devices);
-  if (device == nullptr) return {false, 0, "running on the CPU: " + too_old(devices.devices.front())};
+  if (device == nullptr) return {false, 0, "running on the CPU: " + why_not(devices.devices.front())};
   if (takes_a_device) return {true, device->index, {}};
   return {false, 0, "running on the CPU: the CUDA engine has not been run on a device yet; to try it: --device cuda:" +
                         std::to_string(device->index)};
 }
 
 }  // namespace
+
+bool architectures_run(const std::string& architectures, int major, int minor) {
+  std::istringstream list(architectures);
+  for (std::string entry; std::getline(list, entry, ';');) {
+    int number = 0;
+    const char* end = entry.data() + entry.size();
+    const auto [last, status] = std::from_chars(entry.data(), end, number);
+    if (status != std::errc()) continue;
+    const std::string kind(last, static_cast<size_t>(end - last));  // "", "-real", "-virtual"; "a" is for that device alone
+    const int its_major = number / 10, its_minor = number % 10;
+    const bool exact = major == its_major && minor == its_minor;
+    const bool machine_code = kind != "-virtual" && major == its_major && minor >= its_minor;
+    const bool ptx = kind != "-real" && (major > its_major || (major == its_major && minor >= its_minor));
+    if (kind.empty() || kind[0] == '-' ? machine_code || ptx : exact) return true;
+  }
+  return false;
+}
 
 DeviceChoice choose_device(const std::string& request, const CudaDevices& devices, bool auto_takes_a_device) {
   if (request == "cpu") return {};
@@ -52,7 +71,7 @@ DeviceChoice choose_device(const std::string& request, const CudaDevices& device
   for (const CudaDevice& d : devices.devices) {
     if (d.index != index) continue;
     if (runs_kernels(d)) return {true, index, {}};
-    reason = too_old(d);
+    reason = why_not(d);
   }
   throw Error({ErrorKind::kResources,
                "CUDA device " + std::to_string(index) + " is not available: " + reason,

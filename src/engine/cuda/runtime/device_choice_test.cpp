@@ -8,10 +8,10 @@ namespace aligngs::cuda {
 namespace {
 
 const CudaDevices kNone{{}, "built without CUDA"};
-const CudaDevices kTwo{{{0, "small", 8, 6, 8, 7}, {1, "large", 9, 0, 80, 70}}, {}};
+const CudaDevices kTwo{{{0, "small", 8, 6, 8}, {1, "large", 9, 0, 80}}, {}};
 
-const CudaDevices kOldAndNew{{{0, "old", 7, 5, 99, 98}, {1, "new", 8, 0, 8, 7}}, {}};
-const CudaDevices kOld{{{0, "old", 7, 5, 99, 98}}, {}};
+const CudaDevices kOldAndNew{{{0, "old", 7, 5, 99}, {1, "new", 8, 0, 8}}, {}};
+const CudaDevices kOld{{{0, "old", 7, 5, 99}}, {}};
 
 ErrorKind kind_of(const std::string& request, const CudaDevices& devices) {
   try {
@@ -22,14 +22,14 @@ ErrorKind kind_of(const std::string& request, const CudaDevices& devices) {
   return ErrorKind::kFailed;
 }
 
-TEST(DeviceChoice, WhereAutoTakesNoDeviceItNamesTheOneWithMostFreeMemory) {
+TEST(DeviceChoice, WhereAutoTakesNoDeviceItNamesTheOneWithMostMemory) {
   const DeviceChoice choice = choose_device("auto", kTwo, false);
   EXPECT_FALSE(choice.cuda);
   EXPECT_THAT(choice.message, testing::HasSubstr("--device cuda:1"));
   EXPECT_THAT(choose_device("auto", kOldAndNew, false).message, testing::HasSubstr("--device cuda:1"));
 }
 
-TEST(DeviceChoice, WhereAutoTakesADeviceItIsTheOneWithMostFreeMemoryInSilence) {
+TEST(DeviceChoice, WhereAutoTakesADeviceItIsTheOneWithMostMemoryInSilence) {
   const DeviceChoice choice = choose_device("auto", kTwo, true);
   EXPECT_TRUE(choice.cuda);
   EXPECT_EQ(choice.index, 1);
@@ -55,6 +55,27 @@ TEST(DeviceChoice, OneConstantDecidesForAuto) {
 TEST(DeviceChoice, ADeviceThatIsTooOldIsAResourceError) {
   EXPECT_EQ(kind_of("cuda:0", kOldAndNew), ErrorKind::kResources);
   EXPECT_EQ(choose_device("cuda:1", kOldAndNew).index, 1);
+}
+
+TEST(DeviceChoice, ADeviceThatTheBuildHasNoKernelsForIsAResourceError) {
+  const CudaDevices other{{{0, "other", 8, 9, 24, false}}, {}};
+  EXPECT_EQ(kind_of("cuda:0", other), ErrorKind::kResources);
+  EXPECT_THAT(choose_device("auto", other, true).message, testing::HasSubstr("8.9, which this program was not built for"));
+}
+
+TEST(DeviceChoice, MachineCodeRunsWithinItsMajorVersionAndPtxOnEverythingLater) {
+  EXPECT_TRUE(architectures_run("80-real", 8, 0));
+  EXPECT_TRUE(architectures_run("80-real", 8, 9));
+  EXPECT_FALSE(architectures_run("86-real", 8, 0));
+  EXPECT_FALSE(architectures_run("80-real;86-real", 9, 0));
+  EXPECT_TRUE(architectures_run("90", 9, 0));
+  EXPECT_TRUE(architectures_run("90", 12, 0));
+  EXPECT_FALSE(architectures_run("90", 8, 9));
+  EXPECT_TRUE(architectures_run("80-real;120-virtual", 12, 1));
+  EXPECT_FALSE(architectures_run("90a", 10, 0));
+  EXPECT_TRUE(architectures_run("90a", 9, 0));
+  EXPECT_FALSE(architectures_run("", 9, 0));
+  EXPECT_FALSE(architectures_run("native", 9, 0));
 }
 
 TEST(DeviceChoice, CpuStaysOnTheCpuInSilence) {

@@ -18,7 +18,8 @@ std::string megabytes(uint64_t bytes) { return std::to_string((bytes + (1u << 20
 
 }  // namespace
 
-DeviceContext::DeviceContext(int device, uint64_t budget_bytes) : device_(device), budget_(budget_bytes) {
+DeviceContext::DeviceContext(int device, uint64_t budget_bytes, std::string remedy)
+    : device_(device), remedy_(std::move(remedy)), budget_(budget_bytes) {
   calls::set_device(device);
   facts_ = calls::facts_of(device);
   if (budget_ == 0) budget_ = calls::memory_of_current_device().free_bytes / 10 * 9;
@@ -31,7 +32,14 @@ void DeviceContext::use() const {
   if (calls::current_device() != device_) calls::set_device(device_);
 }
 
+void DeviceContext::may_allocate(const char* what) const {
+  if (!capturing_) return;
+  growth_refused_ = true;
+  throw Error({ErrorKind::kFailed, std::string("memory for ") + what + " has to grow, which a capture cannot", {}, {}, {}});
+}
+
 void* DeviceContext::allocate(uint64_t bytes, const char* what) {
+  may_allocate(what);
   use();
   void* memory = nullptr;
   uint64_t free_bytes = room();
@@ -45,7 +53,7 @@ void* DeviceContext::allocate(uint64_t bytes, const char* what) {
                      megabytes(used_) + " in use, " + megabytes(free_bytes) + " free",
                  {},
                  {},
-                 "use fewer Gaussians, classes or views, smaller images, or --device cpu; the last checkpoint is valid"});
+                 remedy_});
   }
   used_ += bytes;
   peak_ = std::max(peak_, used_);

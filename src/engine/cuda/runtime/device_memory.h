@@ -19,8 +19,11 @@ namespace aligngs::cuda {
 /// or launches through a context works on its device, from any thread.
 class DeviceContext {
  public:
-  /// budget_bytes == 0: nine tenths of what is free on the device now.
-  explicit DeviceContext(int device, uint64_t budget_bytes = 0);
+  static constexpr const char* kRemedyOfTraining =
+      "use fewer Gaussians, classes or views, smaller images, or --device cpu; the last checkpoint is valid";
+
+  /// budget_bytes == 0: nine tenths of what is free on the device now. `remedy` is for errors of memory that is not there.
+  explicit DeviceContext(int device, uint64_t budget_bytes = 0, std::string remedy = kRemedyOfTraining);
   ~DeviceContext();
   DeviceContext(const DeviceContext&) = delete;
   DeviceContext& operator=(const DeviceContext&) = delete;
@@ -30,6 +33,14 @@ class DeviceContext {
   /// and putting it back would start a device that the run does not use.
   void use() const;
   const calls::DeviceFacts& facts() const { return facts_; }
+
+  /// While operations are captured (step_graph.h) no memory can be taken or given back: may_allocate() throws then, and
+  /// growth_refused() says whether somebody asked.
+  void begin_capture() const { capturing_ = true, growth_refused_ = false; }
+  void end_capture() const { capturing_ = false; }
+  bool growth_refused() const { return growth_refused_; }
+  bool capturing() const { return capturing_; }
+  void may_allocate(const char* what) const;
 
   /// Throws Error{kResources} naming what, the bytes wanted, used and allowed, and a remedy. Aligned to 256 bytes.
   void* allocate(uint64_t bytes, const char* what);
@@ -55,9 +66,11 @@ class DeviceContext {
 
  private:
   int device_ = 0;
+  std::string remedy_;
   calls::DeviceFacts facts_;  ///< asked for once: that takes a moment
   uint64_t budget_ = 0, used_ = 0, peak_ = 0, allocations_ = 0;
   mutable uint64_t synchronisations_ = 0;
+  mutable bool capturing_ = false, growth_refused_ = false;
   CUstream_st* stream_ = nullptr;
 };
 
@@ -97,6 +110,7 @@ class DeviceArray {
   /// Keeps the memory when it is enough and at most twice too much.
   void resize(DeviceContext& context, size_t size, const char* what) {
     if (size > capacity_ || size < capacity_ / 2) {
+      context.may_allocate(what);
       clear();
       data_ = size == 0 ? nullptr : static_cast<T*>(context.allocate(size * sizeof(T), what));
       context_ = &context;

@@ -28,7 +28,7 @@ inline LaunchShape one_per_item(size_t items, unsigned threads) {
 }
 
 /// Starts kernel(args...) on the context's device and stream; arguments are converted to the kernel's parameter types.
-/// A grid without blocks starts nothing. Debug builds wait for the kernel, so that its errors carry its name.
+/// A grid without blocks starts nothing. Debug builds wait for the kernel, unless it is captured, so that its errors carry its name.
 template <class... P, class... A>
 void launch(const DeviceContext& context, const char* name, void (*kernel)(P...), const LaunchShape& shape,
             A&&... args) {
@@ -56,7 +56,7 @@ void launch(const DeviceContext& context, const char* name, void (*kernel)(P...)
   kernel<<<shape.grid, shape.block, shape.shared_bytes, context.stream()>>>(static_cast<P>(args)...);
   check_cuda(cudaGetLastError(), name);
 #ifndef NDEBUG
-  check_cuda(cudaStreamSynchronize(context.stream()), name);
+  if (!context.capturing()) check_cuda(cudaStreamSynchronize(context.stream()), name);
 #endif
 #endif
 }

@@ -5,13 +5,37 @@
 
 namespace aligngs::cuda {
 
+namespace {
+
+/// While it lives, memory cannot be taken.
+class ScopedCapture {
+ public:
+  explicit ScopedCapture(const DeviceContext& context) : context_(context) { context.begin_capture(); }
+  ~ScopedCapture() { context_.end_capture(); }
+  ScopedCapture(const ScopedCapture&) = delete;
+  ScopedCapture& operator=(const ScopedCapture&) = delete;
+  bool growth_refused() const { return context_.growth_refused(); }
+
+ private:
+  const DeviceContext& context_;
+};
+
+}  // namespace
+
 void StepGraph::run(const std::function<void()>& body) {
-  if (on_ && run_captured(body)) {
-    failures_ = 0;
-    ++counts_.launched;
-    return;
-  }
+  bool grows = false;
   if (on_) {
+    const ScopedCapture capture(*context_);
+    if (run_captured(body)) {
+      failures_ = 0;
+      ++counts_.launched;
+      return;
+    }
+    grows = capture.growth_refused();
+  }
+  if (grows) {
+    ++counts_.grown;  // launched one by one it takes the memory, and the next step finds it
+  } else if (on_) {
     ++counts_.failed;
     drop();
     if (++failures_ == kMostFailures) {

@@ -21,9 +21,10 @@ class StepGraph {
     uint64_t instantiated = 0;  ///< executables that were made
     uint64_t updated = 0;       ///< executables that only got new arguments
     uint64_t failed = 0;        ///< captures that were given up
+    uint64_t grown = 0;         ///< captures that were given up because memory had to grow, which is no failure
     size_t nodes = 0;           ///< operations of the last graph
   };
-  /// Captures that fail in a row before there are no more; one may fail because memory has to grow.
+  /// Captures that fail in a row before there are no more.
   static constexpr uint64_t kMostFailures = 3;
 
   /// `on` == false: every run is launched one by one.

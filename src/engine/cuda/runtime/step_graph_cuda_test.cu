@@ -110,6 +110,24 @@ TEST_F(CudaStepGraph, WhatWaitsIsLaunchedOneByOne) {
   EXPECT_EQ(graph.counts().launched, 1u);
 }
 
+TEST_F(CudaStepGraph, WhatNeedsMoreMemoryTakesItOneByOneAndIsNoFailure) {
+  StepGraph graph(context(), true);
+  DeviceArray<float> more;
+  for (uint64_t i = 0; i <= StepGraph::kMostFailures; ++i) {
+    const auto grows = [&] {
+      add(1);
+      more.resize(context(), 100 << (2 * i), "test");
+    };
+    graph.run(grows);
+    EXPECT_EQ(graph.counts().grown, i + 1);
+    graph.run(grows);  // it is there now
+    EXPECT_EQ(graph.counts().launched, i + 1);
+  }
+  EXPECT_TRUE(graph.on());
+  EXPECT_EQ(graph.counts().failed, 0u);
+  EXPECT_THAT(values.to_host(), Each(1.0f + 2 * (StepGraph::kMostFailures + 1)));
+}
+
 TEST_F(CudaStepGraph, AfterSomeFailuresInARowItGivesUp) {
   StepGraph graph(context(), true);
   const auto waiting = [&] { context().synchronise(); };

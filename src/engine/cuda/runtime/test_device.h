@@ -33,13 +33,16 @@ void for_each_thread_order(const Body& body) {
 }
 #endif
 
-/// Skips its tests, with the reason, where there is no device.
+/// The device that tests run on, or why there is none.
+inline DeviceChoice test_device() { return choose_device("auto", list_cuda_devices(), true); }
+
+/// Skips its tests, with the reason, where there is no device that runs the kernels.
 class DeviceTest : public testing::Test {
  protected:
   void SetUp() override {
-    const CudaDevices found = list_cuda_devices();
-    if (found.devices.empty()) GTEST_SKIP() << found.reason;
-    context_ = std::make_unique<DeviceContext>(found.devices.front().index);
+    const DeviceChoice choice = test_device();
+    if (!choice.cuda) GTEST_SKIP() << choice.message;
+    context_ = std::make_unique<DeviceContext>(choice.index);
   }
   DeviceContext& context() { return *context_; }
 

@@ -79,7 +79,8 @@ void set_device(int device) {
   current = device;
 }
 
-DeviceFacts facts_of(int) { return {"emulated CUDA device", 9, 0, size_t(227) * 1024, 1}; }
+DeviceFacts facts_of(int) { return {"emulated CUDA device", 9, 0, size_t(227) * 1024, 1, available_memory_bytes()}; }
+bool has_code_for(int, int) { return true; }
 DeviceMemory memory_of_current_device() {
   const uint64_t bytes = available_memory_bytes();
   return {bytes, bytes};
