@@ -28,7 +28,7 @@ struct TsdfView {
   const Camera* camera = nullptr;
   const ImageF* depth = nullptr;   ///< H x W, scene units, <= 0 or non-finite: no value
   const ImageF* color = nullptr;   ///< H x W x 3 or nullptr
-  const ImageF* weight = nullptr;  ///< H x W, >= 0; 0: the pixel is not used at all
+  const ImageF* weight = nullptr;  ///< H x W, >= 0; 0: the pixel is not used at all; never null
   bool observed_only = false;      ///< touch only voxels that have been observed before (interpolated views)
 };
 

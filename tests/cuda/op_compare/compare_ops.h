@@ -18,6 +18,10 @@ void compare_multi_view(cuda::DeviceContext& context, const BenchmarkRoom& room,
 /// Render, labels, lift, restructuring and a whole step, by the engines.
 void compare_engines(int device, const CompareScene& scene, OpTable& table);
 
+/// What is not of the scene: fusion of views of a ball, and the operators in which networks spend their time.
+void compare_fusion(int device, OpTable& table);
+void compare_networks(int device, OpTable& table);
+
 /// Names, pointers to members of LossTerms.
 struct NamedTerm {
   const char* name;

@@ -74,6 +74,8 @@ int run(const Options& options) {
     compare_updates(context, step, table);
   }
   compare_engines(device, scene, table);
+  compare_fusion(device, table);
+  compare_networks(device, table);
   std::printf("%d x %d pixels, %zu Gaussians, %d channels, %s\n", options.room.width, options.room.height,
               options.room.gaussians, options.room.channels, cuda::cuda_build().c_str());
   std::fputs(table.text().c_str(), stdout);

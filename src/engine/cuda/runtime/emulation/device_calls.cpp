@@ -98,17 +98,22 @@ void release(void* memory) noexcept {
   {
     const std::lock_guard<std::mutex> lock(memory_mutex);
     const auto found = memory_map().find(memory);
-    hand_out(memory, found->second.bytes);
+    ASAN_UNPOISON_MEMORY_REGION(memory, found->second.bytes);
     memory_map().erase(found);
   }
   ::operator delete(memory, kAlignment);
 }
+// In the order of the stream: an arena may be emptied in the middle of what a graph records and carries out later.
 void withhold(void* memory, uint64_t bytes) noexcept {
-  ASAN_UNPOISON_MEMORY_REGION(memory, bytes);
-  std::memset(memory, 0xFF, bytes);
-  ASAN_POISON_MEMORY_REGION(memory, bytes);
+  emulated_stream_operation("withhold", [=] {
+    ASAN_UNPOISON_MEMORY_REGION(memory, bytes);
+    std::memset(memory, 0xFF, bytes);
+    ASAN_POISON_MEMORY_REGION(memory, bytes);
+  });
 }
-void hand_out(void* memory, uint64_t bytes) noexcept { ASAN_UNPOISON_MEMORY_REGION(memory, bytes); }
+void hand_out(void* memory, uint64_t bytes) noexcept {
+  emulated_stream_operation("hand out", [=] { ASAN_UNPOISON_MEMORY_REGION(memory, bytes); });
+}
 void* allocate_pinned(uint64_t bytes) { return ::operator new(bytes); }
 void release_pinned(void* memory) noexcept { ::operator delete(memory); }
 
