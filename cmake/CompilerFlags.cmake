@@ -34,4 +34,6 @@ if(ALIGNGS_SANITIZE)
   if(ALIGNGS_SANITIZE MATCHES "undefined")
     target_compile_options(aligngs_flags INTERFACE -fno-sanitize-recover=undefined)
   endif()
+  # The inner loop of the networks: at -O1 it alone takes a fifth of the time of the sanitized tests.
+  set_source_files_properties(${CMAKE_SOURCE_DIR}/src/nn/cpu/panels.cpp PROPERTIES COMPILE_OPTIONS -O2)
 endif()

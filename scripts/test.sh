@@ -21,5 +21,5 @@ fi
 scripts/setup.sh
 scripts/check_layering.sh
 scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON "${definitions[@]}"
-# One test at a time: most of them use every core themselves.
-ctest --test-dir build --output-on-failure --no-tests=error "${selection[@]}"
+# Beside each other: most use one core, and each process has a folder of temporary files to itself (tests/test_main.cpp).
+ctest --test-dir build --parallel "$(nproc)" --output-on-failure --no-tests=error "${selection[@]}"

@@ -116,6 +116,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options
             {"height", room.height},
             {"gaussians", room.gaussians},
             {"channels", room.channels},
+            {"order", room.morton_order ? "morton" : "scattered"},
             {"pixel_share", timing.pixel_share},
             {"blend", options.blend},
             {"visible", t.visible},
@@ -205,6 +206,10 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   command->add_option("--height", steps.room.height, "pixels")->capture_default_str();
   command->add_option("--gaussians", steps.room.gaussians, "Gaussians of the made-up room")->capture_default_str();
   command->add_option("--channels", steps.room.channels, "semantic classes, 0 without")->capture_default_str();
+  const std::map<std::string, bool> orders = {{"morton", true}, {"scattered", false}};
+  command->add_option("--order", steps.room.morton_order, "of the Gaussians in memory: as in training, or anywhere")
+      ->transform(CLI::CheckedTransformer(orders))
+      ->default_str("morton");
   command->add_option("--pixel-share", steps.pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
       ->capture_default_str();

@@ -72,4 +72,10 @@ void sort_by_morton(const GaussianModel& model, RestructurePlan& plan) {
   plan.rows = std::move(rows);
 }
 
+void sort_by_morton(GaussianModel& model) {
+  RestructurePlan plan = plan_keep(std::vector<uint8_t>(model.size(), 1));
+  sort_by_morton(model, plan);
+  restructure_model(plan, model);
+}
+
 }  // namespace aligngs

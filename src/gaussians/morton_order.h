@@ -20,4 +20,7 @@ uint64_t morton_code(uint32_t x, uint32_t y, uint32_t z);
 /// codes keep their order; positions that are not finite come last.
 void sort_by_morton(const GaussianModel& model, RestructurePlan& plan);
 
+/// The same for the rows of a model.
+void sort_by_morton(GaussianModel& model);
+
 }  // namespace aligngs

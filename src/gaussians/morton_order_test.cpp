@@ -70,6 +70,14 @@ TEST(MortonOrder, RowsTakeParametersMomentsAndStatisticsAlong) {
   EXPECT_EQ(radius, (std::vector<float>{11, 12, 10}));
 }
 
+TEST(MortonOrder, AModelIsOrderedInPlace) {
+  GaussianModel model = model_at({{2, 0, 0}, {0, 0, 0}, {1, 0, 0}});
+  model.opacity_logits = {0, 1, 2};
+  sort_by_morton(model);
+  EXPECT_EQ(model.positions, (std::vector<float>{0, 0, 0, 1, 0, 0, 2, 0, 0}));
+  EXPECT_EQ(model.opacity_logits, (std::vector<float>{1, 2, 0}));
+}
+
 TEST(MortonOrder, NewRowsStandWhereTheyWillBe) {
   const GaussianModel model = model_at({{0, 0, 0}, {4, 0, 0}});
   RestructurePlan plan = plan_keep({1, 1});

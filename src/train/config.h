@@ -90,7 +90,7 @@ struct DensifyConfig {
   int64_t prune_scale_start = 0;  ///< [ref]
   double max_growth = 0;          ///< cap / N0; 0 = none
   int64_t max_gaussians = 0;      ///< cap; 0 = from max_growth and the memory budget
-  bool morton_order = false;      ///< order rows along a Morton curve at each call
+  bool morton_order = false;      ///< order rows along a Morton curve, the start's and at each call
   double residual_quantile = 0, unsupported_min = 0;
   int64_t opacity_reset_every = 0;  ///< [ref] 0 = never
   int64_t free_space_every = 0;     ///< [ref] 0 = never

@@ -33,9 +33,9 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"densify.max_gaussians", field<&C::densify, &D::max_gaussians>, 0, 1e8, "", all(0),
        "cap on the number of Gaussians; 0: from max_growth, or (paper) 6000000 and half the training pixels, less in a "
        "run shorter than the reference; lowered to what memory holds"},
-      {"densify.morton_order", field<&C::densify, &D::morton_order>, 0, 0, "", all(false),
-       "density control also puts the Gaussians in the order of a Morton curve through space, for speed; rows that grow later "
-       "then meet other random numbers"},
+      {"densify.morton_order", field<&C::densify, &D::morton_order>, 0, 0, "", all(true),
+       "the start and each call put the Gaussians in the order of a Morton curve through space, for speed; rows that grow "
+       "later then meet other random numbers"},
       {"densify.residual_quantile", field<&C::densify, &D::residual_quantile>, 0, 1, "", ours_paper(0.9, 0.0),
        "after a start from prior depth, grow only above this quantile of the photometric residual; 0 = everywhere"},
       {"densify.unsupported_min", field<&C::densify, &D::unsupported_min>, 0, 1, "", ours_paper(0.5, 0.0),

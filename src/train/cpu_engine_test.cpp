@@ -90,12 +90,10 @@ TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
 }
 
 TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
-  const auto ordered = [&](const std::string& name, int threads) {
-    TrainOptions o = options(name, "default", threads);
-    o.config.sets.push_back("densify.morton_order=true");
-    return o;
-  };
-  const TrainOptions whole = ordered("ordered", 1), plain = options("plain", "default");
+  const auto ordered = [&](const std::string& name, int threads) { return options(name, "default", threads); };
+  const TrainOptions whole = ordered("ordered", 1);
+  TrainOptions plain = options("plain", "default");
+  plain.config.sets.push_back("densify.morton_order=false");
   train_run(whole);
   train_run(plain);
   EXPECT_FALSE(ply(whole) == ply(plain));

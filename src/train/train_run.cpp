@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
+#include "gaussians/morton_order.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
 #include "train/camera_outputs.h"
@@ -157,6 +158,7 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   const int64_t limit = start_limit(config_, pixels);
   const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
   StartModel begun = make_start_model(start_inputs, Random(static_cast<uint64_t>(config_.train.seed)).fork(kRandomStart));
+  if (config_.densify.morton_order) sort_by_morton(begun.model);
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;
   state.depth_scales = scales;

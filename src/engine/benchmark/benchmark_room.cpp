@@ -10,6 +10,7 @@
 #include "core/quaternion.h"
 #include "core/random.h"
 #include "engine/prepare_view.h"
+#include "gaussians/morton_order.h"
 
 namespace aligngs {
 namespace {
@@ -178,6 +179,7 @@ GaussianModel benchmark_model(const BenchmarkRoom& room) {
       m.semantics[i * static_cast<size_t>(room.channels) + c] = static_cast<float>(mean + random.uniform(-1, 1));
     }
   }
+  if (room.morton_order) sort_by_morton(m);
   return m;
 }
 

@@ -16,6 +16,7 @@ struct BenchmarkRoom {
   int width = 640, height = 480;  ///< pixels
   size_t gaussians = 200000;
   int channels = 150;  ///< classes, 0 = without semantics
+  bool morton_order = true;  ///< rows as training orders them (densify.morton_order); false: neighbours anywhere in memory
 };
 
 /// Positions from which the room is seen.
