@@ -84,6 +84,9 @@ void check_step_request(const StepRequest& request, size_t views) {
       sample.square_shift < SemanticSample::kTileShift || sample.square_shift > 30) {
     throw_usage("the semantic loss takes 4, 2 or 1 of four squares of 16 pixels or more, in a phase that is not negative");
   }
+  if (!(request.raster.dropout.rate >= 0 && request.raster.dropout.rate <= kDropoutRateMax)) {
+    throw_usage("a step leaves out none to nine tenths of the Gaussians");
+  }
   if (request.sh_degree < 0 || request.sh_degree > kMaxShDegree || !(request.extent > 0)) {
     throw_usage("a step needs a degree of spherical harmonics in [0, 3] and a positive extent");
   }

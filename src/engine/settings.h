@@ -5,6 +5,7 @@
 #include <string_view>
 #include <cstdint>
 
+#include "engine/formulas/opacity_dropout.h"
 #include "engine/formulas/semantic_sample.h"
 
 namespace aligngs {
@@ -18,6 +19,7 @@ struct RasterSettings {
   float transmittance_min = 1e-4f;    ///< blending stops before transmittance falls below
   float guard_band = 1.3f;            ///< t_x / t_z is clamped to this multiple of the image's half angle in the Jacobian
   float background[3] = {0, 0, 0};
+  OpacityDropout dropout;             ///< of a training step; pictures are drawn without
   /// Tests only: replaces the hard alpha_min cut by a C1 ramp over [alpha_min, 2 alpha_min] so that finite
   /// differences hold near the threshold. The clamp at alpha_max has zero gradient above it, also in use.
   bool smooth_cutoff = false;

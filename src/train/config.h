@@ -49,6 +49,7 @@ struct RunConfig {
   double coarse_scale = 1;   ///< resolution of the first steps / working resolution; 1 = all steps are alike
   int64_t coarse_stop = 0;   ///< [ref] steps at that resolution
   double near_plane = 0;  ///< / E
+  double opacity_dropout = 0;  ///< share of the Gaussians left out of a step at the end of the schedule
   bool random_background = false;  ///< a new colour behind the scene every step; false: black
   double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off
   int64_t log_every = 0;  ///< iterations between lines of events.ndjson

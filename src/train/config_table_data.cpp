@@ -72,6 +72,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "camera depth / extent below which a Gaussian is not drawn"},
       {"train.near_share", field<&C::train, &RunConfig::near_share>, 0, 1, "", ours_paper(0.5, 0.0),
        "in a training view also below this share of its nearest metric prior depth (1 % quantile); 0 = off"},
+      {"train.opacity_dropout", field<&C::train, &RunConfig::opacity_dropout>, 0, 0.9, "", all(0.0),
+       "share of the Gaussians that a step leaves out, the others made as much more opaque; rises evenly from 0 to this"},
       {"train.random_background", field<&C::train, &RunConfig::random_background>, 0, 0, "", ours_paper(true, false),
        "another colour behind the scene every step, so that black surfaces are not explained by holes"},
       {"train.log_every", field<&C::train, &RunConfig::log_every>, 1, kIterationsMax, "", all(10),

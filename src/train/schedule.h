@@ -52,6 +52,9 @@ class Schedule {
   /// that a resumed run sees the same views.
   double view_scale(int64_t iteration) const;
 
+  /// Share of the Gaussians that the step of this iteration leaves out.
+  double opacity_dropout(int64_t iteration) const;
+
   DensityRule density_rule(int64_t iteration) const;
   int64_t iterations() const { return config_.train.iterations; }
 

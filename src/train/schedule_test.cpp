@@ -114,6 +114,16 @@ TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViews) {
   EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 2);
 }
 
+TEST(Schedule, DropoutRisesEvenly) {
+  TrainConfig c = standard();
+  c.train.opacity_dropout = 0.2;
+  const Schedule s(c, room());
+  EXPECT_NEAR(s.opacity_dropout(1), 0, 1e-4);
+  EXPECT_NEAR(s.opacity_dropout(3500), 0.1, 1e-9);
+  EXPECT_NEAR(s.opacity_dropout(7000), 0.2, 1e-9);
+  EXPECT_EQ(s.request(7000).raster.dropout.rate, 0) << "what is drawn between the steps is whole";
+}
+
 TEST(Schedule, CoarseViewsScaleWithTheRunAndEnd) {
   TrainConfig c = standard();
   EXPECT_EQ(Schedule(c, room()).view_scale(1), 1);  // off unless asked for

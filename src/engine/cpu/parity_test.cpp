@@ -31,6 +31,14 @@ TEST(CpuParityWithoutSemantics, GeometryLosses) {
   compare_step_without_semantics(make_model(o), make_view(o), make_geometry_request());
 }
 
+TEST(CpuParityWithoutSemantics, OpacityDropout) {
+  SceneOptions o;
+  o.channels = 0;
+  StepRequest r = make_geometry_request();
+  r.raster.dropout = {0.3f, 11};
+  compare_step_without_semantics(make_model(o), make_view(o), r);
+}
+
 TEST(CpuParityWithoutSemantics, ScaledPriorDepth) {
   SceneOptions o;
   o.channels = 0;

@@ -63,7 +63,8 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   const LaneCamera c(camera);
   const Lanes3 centre = c.to_camera(g.position);
   // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 all the same.
-  const FloatVec opacity = hn::Div(one, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
+  const FloatVec factor = constant(raster.dropout.factor());
+  const FloatVec opacity = hn::Div(factor, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
   auto visible = hn::And(
       good, hn::And(hn::Gt(centre.z, constant(raster.near_plane)), hn::Ge(opacity, constant(raster.alpha_min))));
   hn::Store(hn::IfThenElse(good, zero, one), d, out.suspect);
@@ -174,7 +175,7 @@ int64_t ProjectRows(const GaussianModel& model, const RasterSettings& raster, in
     for (size_t k = 0; k < n; ++k) {
       if (batch.suspect[k] != 0 && suspect < 0) suspect = static_cast<int64_t>(i + k);
       view.rects[i + k] = {};
-      if (batch.visible[k] == 0) continue;
+      if (batch.visible[k] == 0 || raster.dropout.drops(i + k)) continue;
       const IntegerRect tiles = tiles_of({static_cast<int>(batch.x0[k]), static_cast<int>(batch.y0[k]),
                                           static_cast<int>(batch.x1[k]), static_cast<int>(batch.y1[k])});
       view.rects[i + k] = {static_cast<uint16_t>(tiles.x0), static_cast<uint16_t>(tiles.y0),

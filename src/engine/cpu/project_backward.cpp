@@ -110,7 +110,8 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   const FloatVec dxx = hn::Mul(half, hn::Mul(hn::Mul(fxx, fxx), pp));
   const FloatVec dxy = hn::Mul(hn::Mul(two, half), hn::Mul(fxx, row_p));
   const FloatVec dyy = hn::Mul(half, hn::MulAdd(fxy, row_p, hn::Mul(fyy, row_r)));
-  hn::Store(hn::Mul(sum, hn::Sub(one, load(l.splat[kSplatOpacity]))), d, out.row[10]);  // dL/dopacity = sum / opacity
+  const FloatVec sigmoid = hn::Mul(constant(1 / in.opacity_factor), load(l.splat[kSplatOpacity]));
+  hn::Store(hn::Mul(sum, hn::Sub(one, sigmoid)), d, out.row[10]);  // dL/dopacity = sum / opacity
 
   const FloatVec zero = hn::Zero(d), zoom_x = hn::Mul(c.fx, f.inverse_z), zoom_y = hn::Mul(c.fy, f.inverse_z);
   FloatVec daxes[9];

@@ -18,6 +18,7 @@ struct ProjectBackwardInputs {
   const ProjectedView& view;
   int sh_degree = 0;
   float coupling_scale = 0;  ///< factor on the coupling moments; 0: they are not read
+  float opacity_factor = 1;  ///< of the step's OpacityDropout
 };
 
 /// Largest `count` of one call: a vector of AVX-512.

@@ -165,7 +165,8 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   const size_t chunk_count = (n + kGrain - 1) / kGrain;
   std::vector<ChunkSums> sums(chunk_count);
   std::vector<BadGradient> bad(chunk_count);
-  const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale};
+  const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale,
+                                       in.request.raster.dropout.factor()};
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
     const size_t chunk = begin / kGrain;
     uint32_t rows[kMaxBackwardRows];

@@ -67,6 +67,7 @@ NeighbourSpans CudaEngine::render_neighbour(const StepRequest& request, const Vi
   if (other == nullptr) return {};
   RasterSettings raster = request.raster;
   raster.near_plane = request.neighbour.near_plane;
+  raster.dropout = {};
   const DeviceFrame frame = make_frame({other->camera, raster, request.sh_degree, true, false, other->pairs, false});
   blend_forward(*context_, {frame.view, frame.lists, raster, true}, frame.maps, frame.record);
   // What the step needs of it outlives the arena's next reset.
@@ -182,7 +183,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   const DeviceSpan<double> squares = arena_.take<double>(2, "state of the step");
   parameter_gradients(*context_,
                       {model_.spans(), frame.view, frame.lists, frame.record, last_.touched, slots, semantic.coupling,
-                       semantic.seen, coupling_scale, request.sh_degree},
+                       semantic.seen, coupling_scale, request.sh_degree, request.raster.dropout.factor()},
                       {g, density_sums, squares, arena_.take<double>(square_scratch(n), "sums of squares"), frame.bad});
   add_shape_terms(arena_, {model_.spans(), last_.touched, visible, losses, request.extent}, {g, terms, frame.bad});
   timer_->mark("reduce");

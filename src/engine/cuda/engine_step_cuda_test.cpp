@@ -136,6 +136,12 @@ TEST_F(CudaStep, GeometryLosses) {
   compare(make_model(o), make_view(o), make_geometry_request());
 }
 
+TEST_F(CudaStep, OpacityDropout) {
+  StepRequest r = make_geometry_request();
+  r.raster.dropout = {0.3f, 11};
+  compare(make_model({}), make_view({}), r);
+}
+
 TEST_F(CudaStep, SevenClassesBounded) {
   const SceneOptions o = scene(7);
   compare(make_model(o), make_view(o), make_geometry_request());

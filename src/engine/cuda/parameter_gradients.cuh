@@ -120,6 +120,7 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   d.distance = v[7];
   Projection<float> projected;
   projected.opacity = splat.opacity;
+  projected.opacity_factor = in.opacity_factor;
   projected.normal = {splat.normal[0], splat.normal[1], splat.normal[2]};
   projected.normal_axis = smallest_axis(g.log_scale);
   ShapeGradient<float> shape = project_backward(g, in.view.camera, projected, d);

@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(kRowThreads)
     if (!row_is_finite(g, sh)) atomicMin(&bad[0], bad_gradient_key(i, GradientClass::kPositions));
     return;
   }
-  if (!is_finite(f.xx) || !is_finite(f.xy) || !is_finite(f.yy)) return;
+  if (in.raster.dropout.drops(i) || !is_finite(f.xx) || !is_finite(f.xy) || !is_finite(f.yy)) return;
   Splat s;
   s.x = p.mean.x;
   s.y = p.mean.y;

@@ -31,6 +31,7 @@ enum class ProjectionStatus : uint8_t {
   kNonFinite,    ///< a parameter, or something computed from it, is NaN or infinite
   kBehind,       ///< z <= near plane
   kTransparent,  ///< opacity < alpha_min: no pixel could reach the threshold
+  kDropped,      ///< left out of this step (OpacityDropout); project() itself does not know the row
   kDegenerate,   ///< determinant of the 2-D covariance <= 0
   kOutside       ///< touches no pixel centre of the image
 };
@@ -41,7 +42,8 @@ struct Projection {
   Vec2<T> mean;              ///< pixels
   Symmetric2<T> conic;       ///< inverse of the 2-D covariance, 1 / pixel^2
   Symmetric2<T> covariance;  ///< pixels^2, low-pass included
-  T opacity{};               ///< sigmoid of the logit
+  T opacity{};               ///< sigmoid of the logit, times opacity_factor
+  T opacity_factor = T(1);   ///< of OpacityDropout
   T z{};                     ///< camera-frame depth of the centre; blending order
   Vec3<T> normal;            ///< camera frame, unit, turned to the camera: -normal . p_c >= 0
   T distance{};              ///< d = -normal . p_c >= 0; a point x of the plane has normal . x = -d
@@ -179,7 +181,8 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
     out.status = ProjectionStatus::kBehind;
     return out;
   }
-  out.opacity = T(1) / (T(1) + exp(-g.opacity_logit));
+  out.opacity_factor = T(settings.dropout.factor());
+  out.opacity = out.opacity_factor / (T(1) + exp(-g.opacity_logit));
   if (out.opacity < T(settings.alpha_min)) {
     out.status = ProjectionStatus::kTransparent;
     return out;
@@ -238,14 +241,14 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
 /// the guard band clamps them.
 ///
 /// C = Gram(u, v) + low-pass: du = 2 dC_xx u + dC_xy v, dv = 2 dC_yy v + dC_xy u. u_k = s_k (fx / z)(V_0k -
-/// slope_x V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k. Of `p` only opacity, normal and normal_axis are read.
+/// slope_x V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k. Of `p` only the opacity with its factor, normal and normal_axis are read.
 template <class T>
 ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
                                                     const Projection<T>& p, const CovarianceGradient<T>& d) {
   const Vec3<T> centre = camera.rotation * g.position + camera.translation;
   const projection_detail::Frame<T> f = projection_detail::make_frame(g, camera, centre);
   ShapeGradient<T> out;
-  out.opacity_logit = d.opacity * p.opacity * (T(1) - p.opacity);
+  out.opacity_logit = d.opacity * p.opacity * (T(1) - p.opacity / p.opacity_factor);
 
   const T dxx = d.covariance.xx, dxy = d.covariance.xy, dyy = d.covariance.yy;
   const T inverse_z = T(1) / centre.z;

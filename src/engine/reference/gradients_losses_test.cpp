@@ -97,6 +97,23 @@ TEST_P(ThroughLoss, EveryParameterMatchesDifferences) {
   }
 }
 
+/// Some rows are left out and the others more opaque: the gradient is that of what is drawn.
+TEST(ThroughDropout, EveryParameterMatchesDifferences) {
+  const TrainingView view = make_loss_view();
+  const Model model = sheets(view.data.camera);
+  StepRequest request = make_request();
+  request.raster.dropout = {0.3f, 5};
+  ASSERT_TRUE(request.raster.dropout.drops(0) || request.raster.dropout.drops(1) || request.raster.dropout.drops(2));
+  const Gradients<double> g = gradients(model, view, request, 0.0);
+  for (const ParameterClass& c : parameter_classes()) {
+    if (c.values == &Model::semantics) continue;
+    const Comparison found = compare(
+        c, model, g.gradient, [&](const Model& m) { return gradients(m, view, request, 0.0).losses.total; }, 1e-6);
+    EXPECT_GT(found.largest, 0.0) << c.name;
+    EXPECT_LT(found.worst, 1e-5) << found.where;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Gradients, ThroughLoss, testing::Combine(testing::Range(0, 8), testing::Bool()),
                          [](const auto& each) {
                            return std::string(kTerms[std::get<0>(each.param)].name) +

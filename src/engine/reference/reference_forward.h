@@ -69,6 +69,8 @@ Splats<T> make_splats(const GaussianModelT<T>& model, const Camera& camera, cons
       s.colors[i] = sh_color(sh_degree, direction, &model.sh[3 * kShCoefficients * i]);
       if (!detail::appearance_finite(model, i, sh_degree) || !is_finite(s.colors[i])) {
         p.status = ProjectionStatus::kNonFinite;
+      } else if (raster.dropout.drops(i)) {
+        p.status = ProjectionStatus::kDropped;
       }
     }
     if (p.status == ProjectionStatus::kNonFinite) s.non_finite.push_back(static_cast<uint32_t>(i));

@@ -1,0 +1,34 @@
+// Opacity dropout: a step leaves some Gaussians out and makes the others as much more opaque, so that no Gaussian can hide
+// behind another that only its own photo needs (DropGaussian, Park et al., CVPR 2025). Alike on every engine.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/vec.h"
+
+namespace aligngs {
+
+/// Of one step; a rate of 0 leaves everything as it is.
+struct OpacityDropout {
+  float rate = 0;     ///< share of the Gaussians that are left out, [0, kDropoutRateMax]
+  uint64_t seed = 0;  ///< draws them
+
+  /// Factor on the opacity of those that stay: the expected opacity remains what it was.
+  ALIGNGS_HD float factor() const { return 1.0f / (1.0f - rate); }
+  /// True for `rate` of all rows in the mean; the same for the same seed and row on every machine.
+  ALIGNGS_HD bool drops(size_t row) const {
+    if (rate <= 0) return false;
+    // The finaliser of SplitMix64 (Steele et al. 2014) over seed and row; 24 bits are what a float holds.
+    uint64_t z = seed + (static_cast<uint64_t>(row) + 1) * 0x9e3779b97f4a7c15ull;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    z ^= z >> 31;
+    return static_cast<float>(z >> 40) * 0x1p-24f < rate;
+  }
+};
+
+/// Beyond this the few that stay would all be opaque.
+inline constexpr float kDropoutRateMax = 0.9f;
+
+}  // namespace aligngs
