@@ -26,11 +26,12 @@ struct UnitNormal {
 template <class T>
 ALIGNGS_HD inline UnitNormal<T> unit_normal_of(const Vec3<T>& blended, T alpha, bool pixel_counts) {
   const T length = norm(blended);
-  const bool valid =
-      alpha > T(kPlaneAlphaLoss) && length > T(kNormalCoherence) * alpha && length - length == T(0) && pixel_counts;
-  if (!valid) return {};
-  const T inverse = T(1) / length;
-  return {blended * inverse, inverse};
+  // Selections of plain values, so that a loop over pixels can vectorise.
+  const bool valid = (alpha > T(kPlaneAlphaLoss)) & (length > T(kNormalCoherence) * alpha) & (length - length == T(0)) &
+                     pixel_counts;
+  const T inverse = valid ? T(1) / length : T(0);
+  return {{valid ? blended.x * inverse : T(0), valid ? blended.y * inverse : T(0), valid ? blended.z * inverse : T(0)},
+          inverse};
 }
 
 /// dL/dN given dL/d(N / |N|) = g.

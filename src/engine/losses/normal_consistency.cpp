@@ -1,59 +1,15 @@
 #include "engine/losses/normal_consistency.h"
 
+#include <algorithm>
+
 #include "engine/formulas/normal_terms.h"
 #include "engine/losses/depth_map.h"
+#include "engine/losses/depth_stencil_row.h"
 #include "engine/losses/normal_row.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
-namespace {
-
-// Fills the input arrays of one row from the depths that its stencils name.
-template <class T>
-void gather_row(const MapLossWorkspace<T>& workspace, int y, int width, T* in) {
-  const size_t begin = static_cast<size_t>(y) * width;
-  const auto input = [&](int which, int x) -> T& { return in[static_cast<size_t>(which) * width + x]; };
-  for (int x = 0; x < width; ++x) {
-    const size_t i = begin + x;
-    const DepthStencil stencil = DepthStencil::unpack(workspace.stencil[i]);
-    const Reach h = reach_of(stencil.horizontal), v = reach_of(stencil.vertical);
-    input(kInRight, x) = workspace.depth[i + h.after];
-    input(kInLeft, x) = workspace.depth[i - h.before];
-    input(kInTop, x) = workspace.depth[i - static_cast<size_t>(v.before) * width];
-    input(kInBottom, x) = workspace.depth[i + static_cast<size_t>(v.after) * width];
-    input(kInRightOffset, x) = static_cast<T>(h.after);
-    input(kInLeftOffset, x) = static_cast<T>(-h.before);
-    input(kInTopOffset, x) = static_cast<T>(-v.before);
-    input(kInBottomOffset, x) = static_cast<T>(v.after);
-    input(kInUsed, x) = workspace.stencil[i] != 0 ? T(1) : T(0);
-  }
-}
-
-// Adds the gradients of one row to the normal map and to the depths, those of the rows above and below included.
-template <class T>
-void scatter_row(const T* out, int y, int width, size_t pixels, MapLossWorkspace<T>& workspace,
-                 MapGradients<T>& gradients) {
-  const size_t begin = static_cast<size_t>(y) * width;
-  const auto output = [&](int which) { return out + static_cast<size_t>(which) * width; };
-  for (int c = 0; c < 3; ++c) {
-    T* normal = gradients.normal.data() + c * pixels + begin;
-    const T* d_normal = output(kOutNormalX + c);
-    for (int x = 0; x < width; ++x) normal[x] += d_normal[x];
-  }
-  for (int x = 0; x < width; ++x) {
-    const size_t i = begin + x;
-    if (workspace.stencil[i] == 0) continue;
-    const DepthStencil stencil = DepthStencil::unpack(workspace.stencil[i]);
-    const Reach h = reach_of(stencil.horizontal), v = reach_of(stencil.vertical);
-    workspace.depth_gradient[i + h.after] += output(kOutRight)[x];
-    workspace.depth_gradient[i - h.before] += output(kOutLeft)[x];
-    workspace.depth_gradient[i - static_cast<size_t>(v.before) * width] += output(kOutTop)[x];
-    workspace.depth_gradient[i + static_cast<size_t>(v.after) * width] += output(kOutBottom)[x];
-  }
-}
-
-}  // namespace
 
 template <class T>
 double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T>& workspace,
@@ -61,18 +17,12 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
   const int width = in.maps.width, height = in.maps.height;
   const size_t pixels = in.maps.pixels();
   workspace.stencil.resize(pixels);
+  const StencilMap<T> map{workspace.depth.data(), workspace.validity.data(), width, height};
   const double count = sum_rows<1>(in.pool, height, workspace.row_sums, [&](int y) {
-    double valid = 0;
-    for (int x = 0; x < width; ++x) {
-      const size_t i = static_cast<size_t>(y) * width + x;
-      DepthStencil stencil;
-      if (workspace.inverse_length[i] > T(0)) {
-        stencil = depth_stencil(workspace.depth.data(), workspace.validity.data(), x, y, width, height,
-                                in.settings.paper_normals);
-      }
-      workspace.stencil[i] = stencil.valid() ? stencil.packed() : 0;
-      valid += stencil.valid() ? 1 : 0;
-    }
+    const size_t begin = static_cast<size_t>(y) * width;
+    uint8_t* stencil = workspace.stencil.data() + begin;
+    depth_stencil_row(map, y, workspace.inverse_length.data() + begin, in.settings.paper_normals, stencil);
+    const double valid = static_cast<double>(width - std::count(stencil, stencil + width, uint8_t(0)));
     return std::array<double, 1>{valid};
   })[0];
   if (!enough_valid(count, static_cast<double>(pixels))) return 0;
@@ -84,13 +34,20 @@ double normal_consistency_loss(const MapLossInputs<T>& in, double weight, MapLos
     thread_local std::vector<T> scratch;
     scratch.resize(static_cast<size_t>(kNormalRowInputs + kNormalRowOutputs) * width);
     T *input = scratch.data(), *output = input + static_cast<size_t>(kNormalRowInputs) * width;
-    gather_row(workspace, y, width, input);
+    const uint8_t* stencil = workspace.stencil.data() + begin;
+    gather_stencil_row(map, y, stencil, input);
     const NormalRowGeometry<T> geometry{width,        rays.first_x, rays.step_x,
                                         rays(0, y).y, rays.step_y,  static_cast<T>(weight / count)};
     const T* normal = workspace.direction.data() + begin;
     compute_normal_row(geometry, input, normal, normal + pixels, normal + 2 * pixels,
                        workspace.inverse_length.data() + begin, output);
-    scatter_row(output, y, width, pixels, workspace, gradients);
+    for (int c = 0; c < 3; ++c) {
+      T* __restrict d = gradients.normal.data() + c * pixels + begin;
+      const T* d_normal = output + static_cast<size_t>(kOutNormalX + c) * width;
+      for (int x = 0; x < width; ++x) d[x] += d_normal[x];
+    }
+    scatter_stencil_row(output + static_cast<size_t>(kOutRight) * width, y, stencil, width, height,
+                        workspace.depth_gradient.data());
     workspace.row_sums[static_cast<size_t>(y)] = ordered_sum(output + static_cast<size_t>(kOutLoss) * width, width);
   });
   double total = 0;
