@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Long enough to show what the method does, short enough for a first try on two cores (see README for the time).
-constexpr int64_t kDemoIterations = 800;
+constexpr int64_t kDemoIterations = 600;
 
 void run_demo(const CommandContext& context, const SynthCommandOptions& synth, TrainCommandOptions options) {
   if (options.output.empty()) options.output = "demo_run";
