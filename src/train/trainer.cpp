@@ -25,7 +25,7 @@ constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more
 constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
 // Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp,
 // neighbours use kRandomNeighbour in neighbour_choice.cpp.
-constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4, kOpacityDropout = 6;
+constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4, kRandomDropout = 6;
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -43,7 +43,7 @@ void set_random_background(const TrainConfig& config, int64_t iteration, RasterS
 
 /// The same holds for the Gaussians that a step leaves out.
 OpacityDropout draw_dropout(const TrainConfig& config, int64_t iteration, double rate) {
-  return {static_cast<float>(rate), generator(config, kOpacityDropout).fork(static_cast<uint64_t>(iteration)).next()};
+  return {static_cast<float>(rate), generator(config, kRandomDropout).fork(static_cast<uint64_t>(iteration)).next()};
 }
 
 }  // namespace
@@ -118,7 +118,9 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   request.losses.prior_depth_scale = state_.depth_scales[static_cast<size_t>(request.view)];
   request.raster.near_plane = in_.guides[static_cast<size_t>(request.view)].near_plane;
   if (in_.config.train.random_background) set_random_background(in_.config, iteration, request.raster);
-  request.raster.dropout = draw_dropout(in_.config, iteration, schedule_.opacity_dropout(iteration));
+  if (in_.config.train.opacity_dropout > 0) {
+    request.raster.dropout = draw_dropout(in_.config, iteration, schedule_.opacity_dropout(iteration));
+  }
   if (!in_.neighbours.empty()) {
     const DrawnNeighbour drawn = draw_neighbour(in_.neighbours[static_cast<size_t>(request.view)],
                                                 static_cast<uint64_t>(in_.config.train.seed), iteration);

@@ -10,8 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kCentral = static_cast<int>(Difference::kCentral), kForward = static_cast<int>(Difference::kForward),
-              kBackward = static_cast<int>(Difference::kBackward);
+constexpr int kCentral = static_cast<int>(Difference::kCentral);
 
 // Neighbour flags of a row, 1 where the pixel is joined to the one on that side.
 struct JoinedRow {
@@ -30,10 +29,6 @@ ALIGNGS_ALWAYS_INLINE void join(const T* __restrict z, const uint8_t* __restrict
   }
 }
 
-ALIGNGS_ALWAYS_INLINE int difference_code(int before, int after) {
-  return after != 0 ? (before != 0 ? kCentral : kForward) : (before != 0 ? kBackward : 0);
-}
-
 template <class T>
 ALIGNGS_ALWAYS_INLINE void stencils(const StencilMap<T>& map, int y, const T* __restrict inverse_length,
                                     bool as_printed, JoinedRow& joined, uint8_t* __restrict stencil) {
@@ -49,14 +44,15 @@ ALIGNGS_ALWAYS_INLINE void stencils(const StencilMap<T>& map, int y, const T* __
   const int *__restrict above = joined.above.data(), *__restrict below = joined.below.data();
   const int only = as_printed ? kCentral : 0;  // the one difference that counts; 0: any
   for (int x = 0; x < width; ++x) {
-    const int h = difference_code(before[x], after[x]), v = difference_code(above[x], below[x]);
+    const int h = static_cast<int>(difference_of(before[x] != 0, after[x] != 0)),
+              v = static_cast<int>(difference_of(above[x] != 0, below[x] != 0));
     const int whole = only != 0 ? (h == only ? 1 : 0) & (v == only ? 1 : 0) : (h != 0 ? 1 : 0) & (v != 0 ? 1 : 0);
     stencil[x] = static_cast<uint8_t>((whole & (inverse_length[x] > T(0) ? 1 : 0)) != 0 ? h | v << 2 : 0);
   }
 }
 
-ALIGNGS_ALWAYS_INLINE bool has_before(int code) { return code == kCentral || code == kBackward; }
-ALIGNGS_ALWAYS_INLINE bool has_after(int code) { return code == kCentral || code == kForward; }
+ALIGNGS_ALWAYS_INLINE bool has_before(int code) { return reach_of(static_cast<Difference>(code)).before != 0; }
+ALIGNGS_ALWAYS_INLINE bool has_after(int code) { return reach_of(static_cast<Difference>(code)).after != 0; }
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t* __restrict stencil, T* __restrict in) {

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include "compare_ops.h"
@@ -12,8 +11,7 @@ namespace aligngs::op_compare {
 void compare_fusion(int device, OpTable& table) {
   ThreadPool pool(1);
   const std::vector<FusionFrame> frames = test::ball_views(0.5);
-  ImageF weight(frames[0].depth.width, frames[0].depth.height, 1);
-  std::fill(weight.data.begin(), weight.data.end(), 1.0f);
+  const ImageF weight(frames[0].depth.width, frames[0].depth.height, 1, 1.0f);
   std::vector<TsdfView> views;
   for (const FusionFrame& f : frames) views.push_back({&f.camera, &f.depth, nullptr, &weight, false});
   TsdfOptions options;
