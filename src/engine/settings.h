@@ -118,6 +118,13 @@ struct StepRequest {
   float extent = 1;             ///< robust scene extent, scene units
   NeighbourRequest neighbour;
 
+  /// How the neighbour is drawn: whole, from its own near plane.
+  RasterSettings neighbour_raster() const {
+    RasterSettings r = raster;
+    r.near_plane = neighbour.near_plane;
+    r.dropout = {};
+    return r;
+  }
   bool has_multi_view_terms() const { return neighbour.view >= 0 && losses.has_multi_view_weight(); }
   bool has_geometry_terms() const { return losses.has_geometry_terms(neighbour.view >= 0); }
 };

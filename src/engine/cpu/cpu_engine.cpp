@@ -146,9 +146,7 @@ NonFinite CpuEngine::locate(NonFinite symptom) const {
 
 bool CpuEngine::render_neighbour(const StepRequest& request) {
   const TrainingView& view = views_[static_cast<size_t>(request.neighbour.view)];
-  RasterSettings raster = request.raster;
-  raster.near_plane = request.neighbour.near_plane;
-  raster.dropout = {};
+  const RasterSettings raster = request.neighbour_raster();
   prepare_frame(view.data.camera, raster, request.sh_degree);
   if (frame_.view.non_finite >= 0) return false;
   forward_pass({frame_.view, frame_.lists, raster}, true, *pool_, scratch_, frame_.maps, nullptr);

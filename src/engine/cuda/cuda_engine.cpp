@@ -65,9 +65,7 @@ CudaEngine::ViewOnDevice* CudaEngine::neighbour_of(const StepRequest& request) {
 NeighbourSpans CudaEngine::render_neighbour(const StepRequest& request, const ViewOnDevice& view) {
   const ViewOnDevice* other = neighbour_of(request);
   if (other == nullptr) return {};
-  RasterSettings raster = request.raster;
-  raster.near_plane = request.neighbour.near_plane;
-  raster.dropout = {};
+  const RasterSettings raster = request.neighbour_raster();
   const DeviceFrame frame = make_frame({other->camera, raster, request.sh_degree, true, false, other->pairs, false});
   blend_forward(*context_, {frame.view, frame.lists, raster, true}, frame.maps, frame.record);
   // What the step needs of it outlives the arena's next reset.

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/vec.h"
+#include "engine/formulas/index_hash.h"
 
 namespace aligngs {
 
@@ -19,12 +19,7 @@ struct OpacityDropout {
   /// True for `rate` of all rows in the mean; the same for the same seed and row on every machine.
   ALIGNGS_HD bool drops(size_t row) const {
     if (rate <= 0) return false;
-    // The finaliser of SplitMix64 (Steele et al. 2014) over seed and row; 24 bits are what a float holds.
-    uint64_t z = seed + (static_cast<uint64_t>(row) + 1) * 0x9e3779b97f4a7c15ull;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    z ^= z >> 31;
-    return static_cast<float>(z >> 40) * 0x1p-24f < rate;
+    return static_cast<float>(index_hash(seed, row) >> 40) * 0x1p-24f < rate;  // 24 bits are what a float holds
   }
 };
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/vec.h"
+#include "engine/formulas/index_hash.h"
 
 namespace aligngs {
 
@@ -20,12 +20,7 @@ ALIGNGS_HD inline double patch_share(double agreeing, double pixels) {
 
 /// True for `share` of all pixels in the mean; the same for the same seed and pixel on every machine.
 ALIGNGS_HD inline bool draws_patch(uint64_t seed, size_t pixel, double share) {
-  // The finaliser of SplitMix64 (Steele et al. 2014) over seed and pixel.
-  uint64_t z = seed + (static_cast<uint64_t>(pixel) + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  z ^= z >> 31;
-  return static_cast<double>(z >> 11) * 0x1p-53 < share;
+  return static_cast<double>(index_hash(seed, pixel) >> 11) * 0x1p-53 < share;
 }
 
 }  // namespace aligngs
