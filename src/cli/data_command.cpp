@@ -1,4 +1,5 @@
-// `aligngs data check SCENE`: what is wrong with a data set, per file, before hours are spent.
+// `aligngs data check SCENE`: what is wrong with a data set, per file, before hours are spent. `aligngs data simulate SCENE`: a capture
+// as a network would see it.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -6,6 +7,7 @@
 #include "cli/command.h"
 #include "core/error.h"
 #include "scene/view_data.h"
+#include "synth/simulated_priors.h"
 
 namespace aligngs {
 namespace {
@@ -41,18 +43,45 @@ void check(const std::string& folder, bool json) {
   if (fatal > 0) throw_bad_input(folder, "", std::to_string(fatal) + " problems would stop a training", "correct the files listed above");
 }
 
+struct SimulateOptions {
+  std::string scene, output, level = "medium";
+  SimulatedPriorOptions priors;
+};
+
+void simulate(const CommandContext& context, SimulateOptions options) {
+  options.priors.level = parse_teacher_level(options.level);
+  ThreadPool pool(context.global.threads);
+  write_simulated_priors(open_scene(options.scene), options.output, options.priors, pool);
+  std::printf("%s: cameras, depth and points of a simulated network (%s, seed %llu)\n", options.output.c_str(), options.level.c_str(),
+              static_cast<unsigned long long>(options.priors.seed));
+}
+
+void add_simulate(CLI::App& data, CommandContext& context) {
+  CLI::App* command = data.add_subcommand("simulate", "A capture with true surface, as a feed-forward network would see it: for measurements");
+  command->footer("Cameras, depth, confidence and points get the errors of the simulated teacher of `aligngs synth`; labels are not made.\n"
+                  "Example: aligngs data simulate kitchen -o kitchen_simulated --seed 2");
+  auto options = std::make_shared<SimulateOptions>();
+  command->add_option("scene", options->scene, "scene folder in metres with truth/mesh.ply")->required();
+  command->add_option("-o,--output", options->output, "scene folder to write")->required();
+  command->add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str();
+  command->add_option("--seed", options->priors.seed, "another draw of all errors")->capture_default_str();
+  command->add_flag("--overwrite", options->priors.overwrite, "replace a scene that stands there");
+  command->callback([&context, options] { simulate(context, *options); });
+}
+
 }  // namespace
 
 void add_data_command(CLI::App& program, CommandContext& context) {
   CLI::App* data = program.add_subcommand("data", "Look after data sets");
   data->group("Data");
   data->require_subcommand(1);
-  data->footer("Example: aligngs data check scene");
+  data->footer("Examples: aligngs data check scene\n          aligngs data simulate kitchen -o kitchen_simulated");
   CLI::App* command = data->add_subcommand("check", "Open every file of a scene and list what is wrong, per image");
   command->footer("Example: aligngs data check scene");
   auto folder = std::make_shared<std::string>();
   command->add_option("scene", *folder, "scene folder")->required();
   command->callback([&context, folder] { check(*folder, context.global.json); });
+  add_simulate(*data, context);
 }
 
 }  // namespace aligngs

@@ -32,7 +32,7 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
     }
   }
   synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
-  synth.level = options.level == "low" ? TeacherLevel::kLow : options.level == "high" ? TeacherLevel::kHigh : TeacherLevel::kMedium;
+  synth.level = parse_teacher_level(options.level);
   synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
   synth.cloud = options.cloud == "sfm" ? CloudTeacher::kSfm : CloudTeacher::kFeedForward;
   for (const LabelTeacher teacher : {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "core/half.h"
-#include "io/npy.h"
 #include "scene/scene_writer.h"
+#include "synth/confidence_file.h"
 #include "synth/synth_scene.h"
 
 namespace aligngs {
@@ -50,13 +50,6 @@ SemanticMap map_of(const ScoreMap& scores) {
   return map;
 }
 
-void write_confidence(const std::filesystem::path& path, const ImageF& confidence) {
-  std::vector<uint16_t> half;
-  half.reserve(confidence.data.size());
-  for (const float c : confidence.data) half.push_back(float_to_half(c));
-  write_npy_float16(path, {confidence.height, confidence.width}, half.data());
-}
-
 }  // namespace
 
 void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite) {
@@ -89,9 +82,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.cloud = scene.cloud;
   parts.truth_mesh = scene.mesh;
   writer.finish(parts);
-  for (const SynthView& view : scene.views) {
-    write_confidence(folder / "pred_confidence" / (view.name + ".npy"), view.teacher.confidence);
-  }
+  for (const SynthView& view : scene.views) write_confidence(folder, view.name, view.teacher.confidence);
 }
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {

@@ -10,6 +10,7 @@
 #include "synth/image_degradation.h"
 #include "synth/mesh_builder.h"
 #include "synth/sfm_cloud.h"
+#include "synth/teacher_cloud.h"
 #include "synth/teacher_monodepth.h"
 
 namespace aligngs {
@@ -17,8 +18,6 @@ namespace {
 
 constexpr int kMinSize = 32, kMaxSize = 4096;   // pixels
 constexpr int kMaxViews = 1000;
-constexpr size_t kMaxCloudPoints = 30000;       // guidance: VGGT clouds are thinned at random
-constexpr double kConfidentQuantile = 0.35;     // pixels below are left out of the cloud
 
 void check_options(const SynthOptions& o) {
   const auto require = [](bool ok, const char* message, const char* remedy) {
@@ -60,45 +59,12 @@ TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
   return mesh;
 }
 
-/// Unprojected confident pixels of the training views, thinned at random.
-PointCloud teacher_cloud(const SynthScene& scene, Random random) {
-  struct Pick {
-    int view;
-    uint32_t pixel;
-  };
-  std::vector<Pick> picks;
-  for (const int i : scene.train) {
-    const TeacherView& t = scene.views[i].teacher;
-    std::vector<float> sorted;
-    for (const float c : t.confidence.data) {
-      if (c > 0) sorted.push_back(c);
-    }
-    if (sorted.empty()) continue;
-    const size_t k = static_cast<size_t>(kConfidentQuantile * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(k), sorted.end());
-    for (uint32_t p = 0; p < t.confidence.data.size(); ++p) {
-      if (t.depth.data[p] > 0 && t.confidence.data[p] >= sorted[k]) picks.push_back({i, p});
-    }
-  }
-  const size_t count = std::min(kMaxCloudPoints, picks.size());
-  for (size_t i = 0; i < count; ++i) {  // the first `count` places of a random permutation
-    const size_t j = i + static_cast<size_t>(random.below(static_cast<int>(picks.size() - i)));
-    std::swap(picks[i], picks[j]);
-  }
-  PointCloud cloud;
-  for (size_t i = 0; i < count; ++i) {
-    const SynthView& view = scene.views[picks[i].view];
-    const Camera& camera = view.teacher.camera;
-    const int x = static_cast<int>(picks[i].pixel) % camera.width, y = static_cast<int>(picks[i].pixel) / camera.width;
-    cloud.positions.push_back(camera.unproject(x + 0.5, y + 0.5, view.teacher.depth.at(x, y)).cast<float>());
-    const uint8_t* c = view.image.pixel(x, y);
-    cloud.colors.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
-  }
-  return cloud;
-}
-
 PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
-  if (scene.options.cloud == CloudTeacher::kFeedForward) return teacher_cloud(scene, random);
+  if (scene.options.cloud == CloudTeacher::kFeedForward) {
+    std::vector<TeacherCloudView> teachers;
+    for (const int i : scene.train) teachers.push_back({&scene.views[static_cast<size_t>(i)].teacher, &scene.views[static_cast<size_t>(i)].image});
+    return teacher_cloud(teachers, random);
+  }
   std::vector<SfmView> views;
   for (const int i : scene.train) {
     const SynthView& view = scene.views[static_cast<size_t>(i)];

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "core/error.h"
+#include "core/rotation_vector.h"
 #include "synth/noise.h"
 #include "synth/shared_misjudgement.h"
 
@@ -14,13 +16,6 @@ constexpr int kNetworkWidth = 518;  // input width of VGGT and DINOv2 heads, pix
 constexpr int kPatch = 14;          // of their tokens, network pixels
 
 Vec3d gaussian_vector(Random& random) { return {random.normal(), random.normal(), random.normal()}; }
-
-Mat3d rotation_of(const Vec3d& axis_angle) {
-  const double angle = norm(axis_angle);
-  if (angle < 1e-12) return Mat3d::identity();
-  const Vec3d a = axis_angle * (std::sin(angle / 2) / angle);
-  return rotation_matrix(Quaterniond{std::cos(angle / 2), a.x, a.y, a.z});
-}
 
 /// Depth along the ray of each pixel of the bent camera: of the bent surface alone, and of the bent surface as all
 /// views misjudge it.
@@ -134,6 +129,13 @@ ImageF confidence_of(const ImageF& error, const DepthJumps& jumps, const Image<u
 
 const char* teacher_level_name(TeacherLevel level) {
   return level == TeacherLevel::kLow ? "low" : (level == TeacherLevel::kMedium ? "medium" : "high");
+}
+
+TeacherLevel parse_teacher_level(const std::string& name) {
+  for (const TeacherLevel level : {TeacherLevel::kLow, TeacherLevel::kMedium, TeacherLevel::kHigh}) {
+    if (name == teacher_level_name(level)) return level;
+  }
+  throw_usage("there is no level of errors called " + name, "use low, medium or high");
 }
 
 GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {

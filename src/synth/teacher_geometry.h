@@ -14,6 +14,7 @@ namespace aligngs {
 
 enum class TeacherLevel { kLow, kMedium, kHigh };
 const char* teacher_level_name(TeacherLevel level);  ///< "low", "medium", "high"
+TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} for another name
 
 /// Error sizes for a metric room of 4 to 6 m (guidance, section 3, items 1 to 4). The guidance prints 1.8 cm and
 /// 3 degrees for the medium bend; measured pose and point errors were then above its accepted ranges, so that the

@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+"""A real capture with a reference surface, by the source of its start: photos alone, a simulated network, the depth sensor.
+
+    benchmarks/quality/capture.py CAPTURE OUTPUT --sfm MODEL [--seeds 1 2 3] [--iterations 2000] [--scale 0.5] [--rows NAME ...]
+
+CAPTURE is what `aligngs import` reads, MODEL a COLMAP model of the training photos for `rgb`. Rows:
+
+    rgb         points of structure from motion, true cameras, no depth: the headline
+    simulated   cameras, depth and points of `aligngs data simulate`, another draw per seed; called simulated wherever shown
+    rgbd        the sensor's depth, from which the reference was fused: shows only that nothing is lost
+
+Rows that need labels (semantic losses, planes) are not here: a capture without labels has none. Finished runs are not repeated.
+Writes results.csv, settings.json and table.md. ALIGNGS names the program (default build/aligngs)."""
+import argparse
+import csv
+import json
+import math
+import shutil
+from pathlib import Path
+
+import ladder
+
+REFINED = []  # options of `aligngs refine`
+
+
+class Row:
+    def __init__(self, source, name, preset, settings=(), refine=None, compare_with=()):
+        self.source, self.name, self.preset, self.settings = source, f"{source}: {name}", preset, list(settings)
+        self.refine, self.compare_with = refine, [f"{source}: {c}" for c in compare_with]
+
+    @property
+    def folder(self):
+        return "".join(c if c.isalnum() else "_" for c in self.name)
+
+
+THREE_DGS = ladder.PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"]
+ROWS = [
+    Row("rgb", "3dgs", "paper", THREE_DGS),
+    Row("rgb", "pgsr", "pgsr", compare_with=["3dgs"]),
+    Row("rgb", "default", "default", compare_with=["3dgs", "pgsr"]),
+    Row("rgb", "default, multi-view terms", "default", ladder.MULTI_VIEW, compare_with=["default"]),
+    Row("rgb", "default, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default"]),
+    Row("rgb", "default, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"], compare_with=["default"]),
+    Row("simulated", "3dgs", "paper", THREE_DGS),
+    Row("simulated", "pgsr + prior depth", "pgsr", ladder.PGSR_PRIOR, compare_with=["3dgs"]),
+    Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder.PGSR_PRIOR, ladder.CAMERAS_ONLY),
+    Row("simulated", "default, not refined", "default", compare_with=["3dgs", "pgsr + prior depth"]),
+    Row("simulated", "default", "default", refine=REFINED,
+        compare_with=["3dgs", "pgsr + prior depth", "pgsr + prior depth, refined cameras", "default, not refined"]),
+    Row("rgbd", "default", "default"),
+]
+# Meshes that no training has touched, with the cameras of the row that they stand beside.
+YARDSTICKS = {
+    "simulated: default": [("simulated: TSDF of the prior depth, cameras as given", "--from-prior", None),
+                           ("simulated: TSDF of the refined depth", "--from-prior", REFINED),
+                           ("simulated: TSDF of the true depth (ceiling)", "--from-truth", REFINED)],
+}
+
+
+def base_scene(arguments, source, seed):
+    scenes = arguments.output / "scenes"
+    if source == "simulated":
+        folder = scenes / f"simulated_{seed}"
+        if not folder.exists():
+            ladder.run("data", "simulate", base_scene(arguments, "rgbd", seed), "-o", folder, "--seed", seed)
+        return folder
+    folder = scenes / source
+    if not folder.exists():
+        ladder.run("import", arguments.capture, "-o", folder, *(["--sfm", arguments.sfm] if source == "rgb" else []))
+    return folder
+
+
+def scene_of(arguments, source, seed, refine):
+    scene = base_scene(arguments, source, seed)
+    return scene if refine is None else ladder.refined_scene(scene, refine)
+
+
+def train(arguments, row, seed):
+    folder = arguments.output / "runs" / str(seed) / row.folder
+    if not (folder / "metrics.json").exists():
+        settings = [text for s in [f"data.scale={arguments.scale}", *row.settings] for text in ("--set", s)]
+        before, interrupted = ladder.processor_seconds(), folder.exists()
+        ladder.run("run", scene_of(arguments, row.source, seed, row.refine), "-o", folder, "--preset", row.preset, "-n", arguments.iterations,
+                   "--seed", seed, "--resume", "--no-refine", *settings)
+        if not interrupted:
+            (folder / "processor_seconds").write_text(str(ladder.processor_seconds() - before))
+        shutil.rmtree(folder / "checkpoints", ignore_errors=True)
+    result = ladder.scores(json.loads((folder / "metrics.json").read_text()))
+    spent = folder / "processor_seconds"
+    result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan
+    return result
+
+
+def measure(arguments, seed, yardstick):
+    name, option, refine = yardstick
+    scene = scene_of(arguments, "simulated", seed, refine)
+    folder = arguments.output / "runs" / str(seed) / ("yardstick_" + scene.name)
+    result = folder / f"yardstick{option}.json"
+    if not result.exists():
+        if not (folder / "metrics.json").exists():
+            ladder.run("run", scene, "-o", folder, "-n", 1, "--seed", seed, "--no-refine", "--overwrite", "--set", f"data.scale={arguments.scale}")
+        mesh = folder / "yardstick.ply"
+        ladder.run("mesh", folder, option, "-o", mesh)
+        text = ladder.run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json")
+        partial = result.with_suffix(".partial")
+        partial.write_text(text)
+        partial.rename(result)
+    return ladder.scores(json.loads(result.read_text()), ladder.GEOMETRY)
+
+
+def read_results(file):
+    results = {}
+    if file.exists():
+        with open(file, newline="") as text:
+            for line in csv.DictReader(text):
+                results.setdefault(line["row"], {})[int(line["seed"])] = {k: float(line.get(k) or "nan") for k, *_ in ladder.COLUMNS}
+    return results
+
+
+def write_tables(arguments, results):
+    with open(arguments.output / "results.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["row", "seed"] + [key for key, *_ in ladder.COLUMNS])
+        for name, by_seed in results.items():
+            for seed, values in by_seed.items():
+                writer.writerow([name, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in ladder.COLUMNS])
+    columns = [c for c in ladder.COLUMNS if c[0] not in ("miou", "teacher", "between", "beyond", "posed")]
+    lines = [f"A real capture, {arguments.iterations} iterations at {arguments.scale:g} of the photos' resolution, means over the seeds.", "",
+             "| row | seeds | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"]
+    for name, by_seed in results.items():
+        cells = [ladder.mean_cell([v[key] for v in by_seed.values()], digits) for key, _, digits, _ in columns]
+        lines.append(f"| {name} | {len(by_seed)} | " + " | ".join(cells) + " |")
+    lines += ["", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F |", "|---|---|---|---|"]
+    for row in ROWS:
+        for base in (b for b in row.compare_with if b in results and row.name in results):
+            cells = [ladder.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3))]
+            lines.append(f"| {row.name} | {base} | " + " | ".join(cells) + " |")
+    (arguments.output / "table.md").write_text("\n".join(lines) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("capture", type=Path)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("--sfm", type=Path, required=True)
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
+    parser.add_argument("--iterations", type=int, default=2000)
+    parser.add_argument("--scale", type=float, default=0.5)
+    parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
+    arguments = parser.parse_args()
+    (arguments.output / "scenes").mkdir(parents=True, exist_ok=True)
+    settings = {"program": ladder.program_version(), "iterations": arguments.iterations, "scale": arguments.scale,
+                "rows": {r.name: {"preset": r.preset, "set": r.settings, "refine": r.refine} for r in ROWS}}
+    (arguments.output / "settings.json").write_text(json.dumps(settings, indent=2) + "\n")
+    results = read_results(arguments.output / "results.csv")
+    for seed in arguments.seeds:
+        for row in (r for r in ROWS if arguments.rows is None or r.name in arguments.rows):
+            if seed not in results.setdefault(row.name, {}):
+                print(f"seed {seed}: {row.name}", flush=True)
+                results[row.name][seed] = train(arguments, row, seed)
+                write_tables(arguments, results)
+            for yardstick in YARDSTICKS.get(row.name, []):
+                if seed not in results.setdefault(yardstick[0], {}):
+                    results[yardstick[0]][seed] = measure(arguments, seed, yardstick)
+                    write_tables(arguments, results)
+    print((arguments.output / "table.md").read_text())
+
+
+if __name__ == "__main__":
+    main()

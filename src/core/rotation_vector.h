@@ -1,0 +1,18 @@
+// Rotations by rotation vectors: axis times angle in radians.
+#pragma once
+
+#include <cmath>
+
+#include "core/quaternion.h"
+
+namespace aligngs {
+
+/// exp of the cross-product matrix of `turn`; the identity for the zero vector.
+inline Mat3d rotation_of(const Vec3d& turn) {
+  const double angle = norm(turn);
+  if (angle < 1e-12) return Mat3d::identity();  // the sine's quotient is lost in rounding
+  const Vec3d a = turn * (std::sin(angle / 2) / angle);
+  return rotation_matrix(Quaterniond{std::cos(angle / 2), a.x, a.y, a.z});
+}
+
+}  // namespace aligngs
