@@ -40,6 +40,7 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
     throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet",
                     "run `aligngs train ... --resume` first");
   state_ = std::move(*state);
+  apply_motions(state_.motions, scene_);
   pool_ = std::make_unique<ThreadPool>(options.threads);
 
   original_.labels = scene_.labels;

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "core/image.h"
+#include "engine/formulas/pose_gradient.h"
+#include "engine/formulas/position_noise.h"
 #include "engine/loss_terms.h"
 #include "engine/settings.h"
 #include "engine/training_view.h"
@@ -29,6 +31,9 @@ struct StepReport {
   size_t visible = 0;     ///< Gaussians that touched a pixel
   NonFinite non_finite;
   double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (is_balanced)
+  /// Of all losses of the view, the coupling included; the multi-view terms count as far as the Gaussians carry them. Zero without
+  /// StepRequest::pose_gradient and after a step that was rolled back.
+  PoseGradient<double> pose;
   std::map<std::string, double> seconds;  ///< wall time of each stage that had something to do
 };
 
@@ -82,6 +87,8 @@ class Engine {
   /// Whether steps may have a neighbour; if not, step() throws Error{kUsage} for one that has multi-view terms.
   virtual bool offers_multi_view() const { return false; }
   virtual void set_training_views(std::vector<TrainingView> views) = 0;
+  /// Moves the camera of a training view; its size and intrinsics stay. Before the step that is to see it there.
+  virtual void set_pose(int view, const Rigidd& world_to_camera) = 0;
   /// Forward, losses, backward, optimiser for one view. On a non-finite value the parameters and moments
   /// are as before the call and report.non_finite says where.
   virtual StepReport step(const StepRequest& request) = 0;
@@ -93,6 +100,13 @@ class Engine {
   virtual void restructure(const RestructurePlan& plan) = 0;
   /// Caps opacities at the given value and zeroes their moments (3DGS opacity reset).
   virtual void reset_opacity(float maximum) = 0;
+
+  /// The two larger scales of row i become at least exp(log_floors[i]) (formulas/shape_terms.h); moments stay. Error{kFailed} for
+  /// another number of floors than rows.
+  virtual void raise_scales(const std::vector<float>& log_floors) = 0;
+
+  /// Moves positions as formulas/position_noise.h says; moments stay.
+  virtual void add_position_noise(const PositionNoise& noise) = 0;
 
   virtual Rendering render(const Camera& camera, const RenderOptions& options) const = 0;
 

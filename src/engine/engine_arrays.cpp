@@ -131,6 +131,11 @@ float reset_logit(float maximum) {
   return std::log(maximum / (1 - maximum));
 }
 
+void check_floors(const std::vector<float>& log_floors, size_t rows) {
+  if (log_floors.size() == rows) return;
+  throw Error({ErrorKind::kFailed, std::to_string(log_floors.size()) + " floors of scales for " + std::to_string(rows) + " Gaussians", {}, {}, {}});
+}
+
 void AdamMoments::reset(const GaussianModel& like) {
   m = v = like;
   for (GaussianModel* x : {&m, &v}) {

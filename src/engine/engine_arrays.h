@@ -32,6 +32,9 @@ void check_plan(const RestructurePlan& plan, size_t rows);
 /// Natural logarithm of the odds of a reset opacity. Throws Error{kUsage} outside (0, 1).
 float reset_logit(float maximum);
 
+/// Throws Error{kFailed} unless there is one number per row.
+void check_floors(const std::vector<float>& log_floors, size_t rows);
+
 /// Adam's running moments, arrays as in the model.
 struct AdamMoments {
   GaussianModel m, v;

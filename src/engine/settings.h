@@ -115,6 +115,7 @@ struct StepRequest {
   ShapeLimits limits;
   RasterSettings raster;
   bool collect_density = true;  ///< accumulate density statistics (photometric gradients only)
+  bool pose_gradient = false;   ///< report how the losses change with the pose of the view
   float extent = 1;             ///< robust scene extent, scene units
   NeighbourRequest neighbour;
 

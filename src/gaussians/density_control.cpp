@@ -128,7 +128,7 @@ class Planner {
       if (is_oversized(largest_scale(model_, i), rule_)) {
         ++plan.pruned;
       } else {
-        plan.rows.push_back({row, RowOrigin::Kind::kKeep, {0, 0, 0}, 1});
+        plan.rows.push_back({row});
       }
     }
     plan.rows.insert(plan.rows.end(), clones.begin(), clones.end());
@@ -188,7 +188,7 @@ RestructurePlan plan_keep(const std::vector<uint8_t>& keep) {
   RestructurePlan plan;
   for (size_t i = 0; i < keep.size(); ++i) {
     if (keep[i]) {
-      plan.rows.push_back({static_cast<uint32_t>(i), RowOrigin::Kind::kKeep, {0, 0, 0}, 1});
+      plan.rows.push_back({static_cast<uint32_t>(i)});
     } else {
       ++plan.pruned;
     }
@@ -222,6 +222,7 @@ void restructure_model(const RestructurePlan& plan, GaussianModel& model) {
     const RowOrigin& origin = plan.rows[i];
     if (origin.kind == RowOrigin::Kind::kKeep) continue;
     const float log_shrink = std::log(origin.shrink);
+    if (!std::isnan(origin.opacity_logit)) model.opacity_logits[i] = origin.opacity_logit;
     for (size_t k = 0; k < 3; ++k) {
       model.positions[3 * i + k] += origin.offset[k];
       if (origin.kind == RowOrigin::Kind::kSplit) model.log_scales[3 * i + k] -= log_shrink;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/random.h"
@@ -32,6 +33,8 @@ struct RowOrigin {
   Kind kind = Kind::kKeep;
   float offset[3] = {0, 0, 0};  ///< world units, added to the position
   float shrink = 1;             ///< scales are divided by this
+  /// Of a copy; NaN: that of the source.
+  float opacity_logit = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// The rows of the new model in order. Rows absent from the plan are gone.

@@ -109,6 +109,35 @@ GaussianModel take_model(const TensorFile& file, const fs::path& path) {
   return model;
 }
 
+constexpr size_t kMotionNumbers = 19;  // offset, both moments, updates
+
+std::vector<double> numbers_of(const std::vector<CameraMotion>& motions) {
+  std::vector<double> out;
+  for (const CameraMotion& motion : motions) {
+    for (const auto* part : {&motion.offset, &motion.m, &motion.v}) out.insert(out.end(), part->begin(), part->end());
+    out.push_back(static_cast<double>(motion.updates));
+  }
+  return out;
+}
+
+/// Checkpoints of runs that moved no camera do not have them.
+std::vector<CameraMotion> take_motions(const TensorFile& file, const fs::path& path) {
+  constexpr const char* kName = "camera_motions";
+  if (file.tensors.count(kName) == 0) return {};
+  const std::vector<double> numbers = raw_values<double>(file, kName, "F64", path);
+  if (numbers.size() % kMotionNumbers != 0) throw_bad_input(path, kName, "the tensor has another size than cameras need");
+  std::vector<CameraMotion> motions(numbers.size() / kMotionNumbers);
+  for (size_t i = 0; i < motions.size(); ++i) {
+    const double* from = &numbers[i * kMotionNumbers];
+    for (auto* part : {&motions[i].offset, &motions[i].m, &motions[i].v}) {
+      std::copy_n(from, part->size(), part->begin());
+      from += part->size();
+    }
+    motions[i].updates = static_cast<int64_t>(*from);
+  }
+  return motions;
+}
+
 /// (iteration, file), newest first.
 std::vector<std::pair<int64_t, fs::path>> find_checkpoints(const fs::path& folder) {
   std::vector<std::pair<int64_t, fs::path>> found;
@@ -136,6 +165,17 @@ std::vector<fs::path> list_checkpoints(const fs::path& folder) {
   return paths;
 }
 
+void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene) {
+  if (motions.empty()) return;
+  if (motions.size() != scene.train.size()) {
+    throw_bad_input(scene.folder, "train", "the run moved the cameras of another number of training views", "give the scene the run began with");
+  }
+  for (size_t i = 0; i < motions.size(); ++i) {
+    Rigidd& pose = scene.views[static_cast<size_t>(scene.train[i])].camera.world_to_camera;
+    pose = moved(pose, motions[i]);
+  }
+}
+
 void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
   for (const auto& [step, path] : find_checkpoints(folder)) {
     std::error_code ignored;  // the reader skips damaged files anyway
@@ -152,6 +192,10 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
   file.tensors["order.random"] = raw_tensor("U64", state.order.random.data(), state.order.random.size());
   file.tensors["density.random"] = raw_tensor("U64", state.density_random.data(), state.density_random.size());
   file.tensors["depth_scales"] = tensor_of(state.depth_scales);
+  if (!state.motions.empty()) {
+    const std::vector<double> numbers = numbers_of(state.motions);
+    file.tensors["camera_motions"] = raw_tensor("F64", numbers.data(), numbers.size());
+  }
   file.metadata["schema"] = kSchema;
   file.metadata["version"] = ALIGNGS_VERSION;
   file.metadata["fingerprint"] = fingerprint;
@@ -209,6 +253,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   take_random("order.random", state.order.random);
   take_random("density.random", state.density_random);
   state.depth_scales = raw_values<float>(file, "depth_scales", "F32", path);
+  state.motions = take_motions(file, path);
   return state;
 }
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "engine/engine.h"
+#include "scene/scene.h"
+#include "train/pose_refinement.h"
 #include "train/view_order.h"
 
 namespace aligngs {
@@ -21,6 +23,7 @@ struct TrainingState {
   ViewOrder::State order;
   std::array<uint64_t, 4> density_random{};  ///< of density control
   std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
+  std::vector<CameraMotion> motions;         ///< of the training cameras; empty: this run moves none
   int64_t non_finite_steps = 0;              ///< steps rolled back so far
   uint64_t max_gaussians = 0;                ///< cap found at the start, 0 = none
   bool dense_start = false, normals_at_start = false;
@@ -39,6 +42,10 @@ TrainingState read_checkpoint(const std::filesystem::path& path, const std::stri
 /// The newest good checkpoint. A damaged one is reported as a warning and the one before is taken; nothing
 /// when there is none. Error{kBadInput} when a good one belongs to another scene.
 std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
+
+/// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions. Error{kBadInput} when there are as
+/// many motions as another number of views has.
+void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene);
 
 /// Removes checkpoints of later iterations than the one a run goes on from: they are damaged, or of a run that
 /// began anew.

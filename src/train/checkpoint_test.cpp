@@ -69,6 +69,29 @@ TEST_F(Checkpoint, RoundTripIsExact) {
   EXPECT_EQ(r.psnr_average, s.psnr_average);
 }
 
+TEST_F(Checkpoint, MovedCamerasComeBackAndAreAppliedToTheTrainingViewsAlone) {
+  TrainingState s = state_at(7);
+  s.motions.resize(2);
+  s.motions[1].offset = {0.1, 0, 0, 0, 2, 0};
+  s.motions[1].v[5] = 1e-30;
+  s.motions[1].updates = 41;
+  write_checkpoint(folder_, s, "scene", 2);
+  const TrainingState r = read_checkpoint(newest(), "scene");
+  ASSERT_EQ(r.motions.size(), 2u);
+  EXPECT_EQ(r.motions[1].offset, s.motions[1].offset);
+  EXPECT_EQ(r.motions[1].v, s.motions[1].v);
+  EXPECT_EQ(r.motions[1].updates, 41);
+
+  Scene scene;
+  scene.views.resize(3);
+  scene.train = {0, 2};
+  apply_motions(r.motions, scene);
+  EXPECT_EQ(scene.views[1].camera.world_to_camera.translation.y, 0);
+  EXPECT_NEAR(scene.views[2].camera.world_to_camera.translation.y, 2, 1e-12);
+  scene.train = {0};
+  EXPECT_THROW(apply_motions(r.motions, scene), Error);
+}
+
 TEST_F(Checkpoint, KeepsTheLastK) {
   for (const int64_t i : {100, 200, 300, 1000000}) write_checkpoint(folder_, state_at(i), "scene", 2);
   const std::vector<fs::path> all = list_checkpoints(folder_);

@@ -50,6 +50,7 @@ struct RunConfig {
   int64_t coarse_stop = 0;   ///< [ref] steps at that resolution
   double near_plane = 0;  ///< / E
   double opacity_dropout = 0;  ///< share of the Gaussians left out of a step at the end of the schedule
+  bool closed_room = false;  ///< finish with the unseen parts of walls, floor and ceiling
   bool random_background = false;  ///< a new colour behind the scene every step; false: black
   double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off
   int64_t log_every = 0;  ///< iterations between lines of events.ndjson
@@ -85,6 +86,9 @@ struct SemanticConfig {
 
 struct DensifyConfig {
   bool enabled = true;
+  std::string strategy;  ///< adaptive, mcmc
+  double noise = 0;      ///< mcmc: strength of the noise on positions / their learning rate
+  double growth = 1;     ///< mcmc: number after a call / before
   int64_t start = 0, stop = 0, every = 0;  ///< [ref]
   double min_epochs = 0;                   ///< at least so many visits of every view between two calls
   double gradient = 0, gradient_abs = 0, small_scale = 0, prune_opacity = 0, prune_scale = 0;
@@ -103,6 +107,11 @@ struct OptimizerConfig {
   double sh_dc = 0, sh_rest = 0, opacity = 0, scale = 0, rotation = 0, semantic = 0;
   bool skip_invisible_semantics = true;
   double flat_ratio_max = 0, aspect_max = 0, scale_max = 0;  ///< hard limits after each step; scale / E
+  double scale_min_pixels = 0;  ///< of the two larger scales, pixels of the sharpest training view; 0 = off
+  double pose_rotation = 0, pose_translation = 0;  ///< rates of the training cameras: radians, / E; 0 = they stand still
+  double pose_end = 1;    ///< share of both rates at pose_stop
+  double pose_decay = 0;  ///< share of its offset that a camera gives back at each of its steps
+  int64_t pose_start = 0, pose_stop = 0;  ///< [ref]
 };
 
 struct CheckpointConfig {

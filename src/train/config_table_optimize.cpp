@@ -8,6 +8,13 @@ std::vector<ConfigKey> densify_optimizer_keys() {
   using O = OptimizerConfig;
   return {
       {"densify.enabled", field<&C::densify, &D::enabled>, 0, 0, "", all(true), "adaptive density control"},
+      {"densify.strategy", field<&C::densify, &D::strategy>, 0, 0, "adaptive|mcmc", all("adaptive"),
+       "how the number of Gaussians changes: clone, split and prune (3DGS), or move dead ones to living ones up to a cap "
+       "(3DGS-MCMC; set densify.max_gaussians, loss.opacity_l1 and loss.scale_l1 with it)"},
+      {"densify.growth", field<&C::densify, &D::growth>, 1, 10, "", all(1.05),
+       "mcmc: number of Gaussians after a call / before, until the cap"},
+      {"densify.noise", field<&C::densify, &D::noise>, 0, 1e9, "", all(5e5),
+       "mcmc: strength of the noise on the places of nearly transparent Gaussians / learning rate of positions"},
       {"densify.start", field<&C::densify, &D::start>, 0, kIterationsMax, "", ours_paper(350, 500),
        "[ref] density control acts after this iteration"},
       {"densify.stop", field<&C::densify, &D::stop>, 0, kIterationsMax, "", ours_paper(3500, 7000),
@@ -71,6 +78,21 @@ std::vector<ConfigKey> densify_optimizer_keys() {
        "hard limit on smallest / middle scale; 0 = off"},
       {"optimizer.aspect_max", field<&C::optimizer, &O::aspect_max>, 0, 1e6, "", ours_paper(6.0, 0.0),
        "hard limit on largest / middle scale; 0 = off"},
+      {"optimizer.scale_min_pixels", field<&C::optimizer, &O::scale_min_pixels>, 0, 100, "", all(0.0),
+       "hard limit on the two larger scales from below, every hundredth of 7000 iterations: pixels of the training view that sees the "
+       "Gaussian sharpest; 0 = off"},
+      {"optimizer.pose_rotation", field<&C::optimizer, &O::pose_rotation>, 0, 1, "", all(0.0),
+       "learning rate of the training cameras' rotations, radians; the first camera stands still"},
+      {"optimizer.pose_translation", field<&C::optimizer, &O::pose_translation>, 0, 1, "", all(0.0),
+       "learning rate of their places / extent; both 0 = cameras stay as they are"},
+      {"optimizer.pose_end", field<&C::optimizer, &O::pose_end>, 1e-6, 1, "", all(0.03),
+       "share of both rates that is left at optimizer.pose_stop; log-linear between"},
+      {"optimizer.pose_decay", field<&C::optimizer, &O::pose_decay>, 0, 1, "", all(0.01),
+       "share of its move that a camera gives back at each of its steps"},
+      {"optimizer.pose_start", field<&C::optimizer, &O::pose_start>, 0, kIterationsMax, "", all(700),
+       "[ref] cameras move after this iteration"},
+      {"optimizer.pose_stop", field<&C::optimizer, &O::pose_stop>, 0, kIterationsMax, "", all(5600),
+       "[ref] and not after this one"},
       {"optimizer.scale_max", field<&C::optimizer, &O::scale_max>, 0, 1e6, "", all(0.0),
        "hard limit on the largest scale / extent; 0 = off"},
   };

@@ -106,6 +106,45 @@ TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
   }
 }
 
+TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
+  const auto moving = [&](const std::string& name, int threads) {
+    TrainOptions o = options(name, "default", threads);
+    for (const char* set : {"optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4", "optimizer.pose_start=50"}) o.config.sets.emplace_back(set);
+    return o;
+  };
+  const TrainOptions whole = moving("moving", 1);
+  train_run(whole);
+  train_run(options("still", "default"));
+  const std::string cameras = read_file(whole.run / "cameras.json");
+  EXPECT_NE(cameras, read_file(base_ / "still" / "cameras.json"));
+  for (const int64_t at : {5, 16, 37}) {
+    TrainOptions o = moving("moving" + std::to_string(at), 2);
+    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
+    o.resume = true;
+    train_run(o);
+    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
+    EXPECT_EQ(read_file(o.run / "cameras.json"), cameras) << "killed at " << at;
+  }
+}
+
+TEST_F(TrainOnCpu, McmcGrowthWithAFloorOfScalesResumesByteIdentical) {
+  const auto growing = [&](const std::string& name, int threads) {
+    TrainOptions o = options(name, "default", threads);
+    for (const char* set : {"densify.strategy=mcmc", "optimizer.scale_min_pixels=0.7", "densify.max_growth=3"}) o.config.sets.emplace_back(set);
+    return o;
+  };
+  const TrainOptions whole = growing("mcmc", 1);
+  const TrainResult grown = train_run(whole), adaptive = train_run(options("adaptive", "default"));
+  EXPECT_GT(grown.gaussians, adaptive.gaussians);
+  for (const int64_t at : {5, 16, 37}) {
+    TrainOptions o = growing("mcmc" + std::to_string(at), 2);
+    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
+    o.resume = true;
+    train_run(o);
+    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
+  }
+}
+
 TEST_F(TrainOnCpu, MultiViewTermsActAndAreLogged) {
   TrainOptions o = options("pgsr", "pgsr");
   o.config.sets.push_back("train.log_every=1");

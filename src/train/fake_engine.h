@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/engine.h"
+#include "scene/triangle_mesh.h"
 
 namespace aligngs::test_train {
 
@@ -38,6 +39,7 @@ class FakeEngine final : public Engine {
     running_ = state.arrays.at("running").at(0);
   }
   size_t size() const override { return model_.size(); }
+  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera; }
   void set_training_views(std::vector<TrainingView> views) override { views_ = std::move(views); }
 
   StepReport step(const StepRequest& request) override {
@@ -84,9 +86,20 @@ class FakeEngine final : public Engine {
   void reset_opacity(float maximum) override {
     for (float& o : model_.opacity_logits) o = std::min(o, std::log(maximum / (1 - maximum)));
   }
+  void add_position_noise(const PositionNoise& noise) override {
+    for (float& x : model_.positions) x += 1e-3f * noise.rate;
+  }
+  void raise_scales(const std::vector<float>& log_floors) override {
+    for (size_t i = 0; i < log_floors.size(); ++i) {
+      for (size_t k = 0; k < 3; ++k) model_.log_scales[3 * i + k] = std::max(model_.log_scales[3 * i + k], log_floors[i]);
+    }
+  }
   Rendering render(const Camera& camera, const RenderOptions&) const override {
     Rendering r;
     r.depth_median = ImageF(camera.width, camera.height, 1, 0.0f);  // sees nothing, so it prunes nothing
+    r.color = ImageF(camera.width, camera.height, 3);
+    r.alpha = ImageF(camera.width, camera.height, 1);
+    r.label = Image<uint16_t>(camera.width, camera.height, 1, kNoLabel);
     return r;
   }
   void lift_semantics(const RasterSettings&) override {

@@ -7,6 +7,7 @@
 namespace aligngs {
 namespace {
 
+constexpr int64_t kRaiseScalesEvery = 100;  // [ref] a scale shrinks by at most a third in so many steps
 constexpr int kManyViews = 30;  // guidance section 4: SH degree 2 only above 30 views
 
 float to_float(double v) { return static_cast<float>(v); }
@@ -115,6 +116,15 @@ LearningRates Schedule::rates(int64_t iteration) const {
   return r;
 }
 
+PoseRates Schedule::pose_rates(int64_t iteration) const {
+  const OptimizerConfig& o = config_.optimizer;
+  const int64_t first = scaled(o.pose_start), last = scaled_stop(o.pose_stop);
+  if (iteration <= first || iteration > last) return {};
+  const double over = static_cast<double>(iteration - first) / static_cast<double>(std::max<int64_t>(1, std::min(last, length_) - first));
+  const double left = log_linear(1, o.pose_end, std::min(1.0, over));
+  return {o.pose_rotation * left, o.pose_translation * left * facts_.extent, o.pose_decay};
+}
+
 bool Schedule::densifies(int64_t iteration) const {
   const DensifyConfig& d = config_.densify;
   if (!d.enabled || iteration >= config_.train.iterations) return false;
@@ -132,9 +142,17 @@ bool Schedule::prunes_free_space(int64_t iteration) const {
   return every(iteration, config_.densify.free_space_every);
 }
 
+bool Schedule::raises_scales(int64_t iteration) const {
+  return config_.optimizer.scale_min_pixels > 0 && (every(iteration, kRaiseScalesEvery) || iteration == config_.train.iterations);
+}
+
 bool Schedule::aligns_prior_depth(int64_t iteration) const {
   return facts_.prior_depth == PriorDepthKind::kMetric && config_.loss.log_depth > 0 &&
          every(iteration, config_.loss.depth_align_every);
+}
+
+bool Schedule::closes_room(int64_t iteration) const {
+  return config_.train.closed_room && facts_.semantics && iteration == config_.train.iterations;
 }
 
 bool Schedule::lifts_semantics(int64_t iteration) const {
@@ -145,6 +163,21 @@ double Schedule::opacity_dropout(int64_t iteration) const { return config_.train
 
 double Schedule::view_scale(int64_t iteration) const {
   return iteration <= scaled(config_.train.coarse_stop) ? config_.train.coarse_scale : 1.0;
+}
+
+McmcRule Schedule::mcmc_rule() const {
+  McmcRule rule;
+  rule.dead_opacity = to_float(config_.densify.prune_opacity);
+  rule.growth = config_.densify.growth;
+  rule.max_gaussians = facts_.max_gaussians;
+  rule.morton_order = config_.densify.morton_order;
+  return rule;
+}
+
+double Schedule::position_noise(int64_t iteration) const {
+  if (!uses_mcmc()) return 0;
+  const OptimizerConfig& o = config_.optimizer;
+  return config_.densify.noise * log_linear(o.position, o.position_end, share(iteration)) * facts_.extent;
 }
 
 DensityRule Schedule::density_rule(int64_t iteration) const {

@@ -5,7 +5,9 @@
 
 #include "engine/settings.h"
 #include "gaussians/density_control.h"
+#include "gaussians/mcmc_growth.h"
 #include "train/config.h"
+#include "train/pose_refinement.h"
 
 namespace aligngs {
 
@@ -39,12 +41,15 @@ class Schedule {
   /// Everything but `view`, its neighbour and its prior depth scale.
   StepRequest request(int64_t iteration) const;
 
-  /// After the step of this iteration. Nothing is restructured after the last step of a run: rows that no
-  /// step has touched do not belong in its result.
+  /// After the step of this iteration. Nothing is restructured after the last step of a run, but for the closed room: other
+  /// rows that no step has touched do not belong in its result.
   bool densifies(int64_t iteration) const;
   bool resets_opacity(int64_t iteration) const;
   bool prunes_free_space(int64_t iteration) const;
+  bool raises_scales(int64_t iteration) const;
   bool aligns_prior_depth(int64_t iteration) const;
+  /// After the last step.
+  bool closes_room(int64_t iteration) const;
   /// Before the step of this iteration.
   bool lifts_semantics(int64_t iteration) const;
 
@@ -52,10 +57,18 @@ class Schedule {
   /// that a resumed run sees the same views.
   double view_scale(int64_t iteration) const;
 
+  /// Of the training cameras in the step of this iteration.
+  PoseRates pose_rates(int64_t iteration) const;
+
   /// Share of the Gaussians that the step of this iteration leaves out.
   double opacity_dropout(int64_t iteration) const;
 
   DensityRule density_rule(int64_t iteration) const;
+  /// densify.strategy is mcmc: McmcRule instead of DensityRule, and noise after every step.
+  bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == "mcmc"; }
+  McmcRule mcmc_rule() const;
+  /// Of the step of this iteration; 0 without mcmc.
+  double position_noise(int64_t iteration) const;
   int64_t iterations() const { return config_.train.iterations; }
 
  private:

@@ -239,6 +239,46 @@ TEST(Schedule, ExtendedRunKeepsTheOldSchedule) {
   EXPECT_EQ(extended.request(8000).losses.coupling_strength, 0);
 }
 
+TEST(Schedule, CamerasMoveBetweenTheirStartAndStopWithFallingRates) {
+  TrainConfig c = standard();
+  EXPECT_FALSE(Schedule(c, room()).pose_rates(2000).active());
+  c.optimizer.pose_rotation = c.optimizer.pose_translation = 3e-4;
+  const Schedule s(c, room());
+  EXPECT_FALSE(s.pose_rates(700).active());
+  EXPECT_FALSE(s.pose_rates(5601).active());
+  EXPECT_NEAR(s.pose_rates(701).rotation, 3e-4, 1e-6);
+  EXPECT_NEAR(s.pose_rates(701).translation, 3e-4 * room().extent, 1e-6);
+  EXPECT_NEAR(s.pose_rates(5600).rotation, 3e-4 * c.optimizer.pose_end, 1e-8);
+}
+
+TEST(Schedule, TheRoomIsClosedAfterTheLastStepWhereThereAreLabels) {
+  const TrainConfig c = standard();
+  EXPECT_TRUE(Schedule(c, room()).closes_room(c.train.iterations));
+  EXPECT_FALSE(Schedule(c, room()).closes_room(c.train.iterations - 1));
+  ScheduleFacts unlabelled = room();
+  unlabelled.semantics = false;
+  EXPECT_FALSE(Schedule(c, unlabelled).closes_room(c.train.iterations));
+  EXPECT_FALSE(Schedule(paper(), room()).closes_room(paper().train.iterations));
+}
+
+TEST(Schedule, McmcBringsNoiseThatFallsWithTheRateOfPositions) {
+  TrainConfig c = standard();
+  EXPECT_EQ(Schedule(c, room()).position_noise(10), 0);
+  c.densify.strategy = "mcmc";
+  const Schedule s(c, room());
+  EXPECT_NEAR(s.position_noise(3500) / s.position_noise(7000), s.request(3500).rates.position / s.request(7000).rates.position, 1e-3);
+  EXPECT_NEAR(s.position_noise(7000), 5e5 * static_cast<double>(s.request(7000).rates.position), 1e-3);
+}
+
+TEST(Schedule, SmallScalesAreRaisedEveryHundredthOfTheReference) {
+  TrainConfig c = standard();
+  EXPECT_FALSE(Schedule(c, room()).raises_scales(100));
+  c.optimizer.scale_min_pixels = 0.7;
+  EXPECT_TRUE(Schedule(c, room()).raises_scales(100));
+  EXPECT_FALSE(Schedule(c, room()).raises_scales(150));
+  EXPECT_TRUE(Schedule(c, room()).raises_scales(7000));
+}
+
 TEST(Schedule, LiftsSemanticsBeforeTheFirstStep) {
   EXPECT_TRUE(Schedule(standard(), room()).lifts_semantics(1));
   EXPECT_FALSE(Schedule(standard(), room()).lifts_semantics(2));

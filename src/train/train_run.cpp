@@ -241,6 +241,10 @@ TrainResult Run::train() {
   if (fresh) state = trainer.initial_state(state.depth_scales);
   state = trainer.run(std::move(state));
 
+  if (!state.motions.empty()) {
+    apply_motions(state.motions, scene_);
+    write_camera_outputs(folder_, scene_, config_);
+  }
   GaussianModel model;
   engine->store(model);
   GaussianLabels labels;

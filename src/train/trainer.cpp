@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
 #include "core/stop_signal.h"
+#include "train/closed_room.h"
 #include "train/live_snapshot.h"
 #include "train/neighbour_choice.h"
 #include "train/upkeep.h"
@@ -25,7 +27,7 @@ constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more
 constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
 // Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp,
 // neighbours use kRandomNeighbour in neighbour_choice.cpp.
-constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4, kRandomDropout = 6;
+constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4, kRandomDropout = 6, kRandomNoise = 7;
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -57,7 +59,9 @@ Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, 
       schedule_(in_.config, in_.facts),
       order_(static_cast<int>(in_.guides.size()), generator(in_.config, kRandomOrder).next()),
       density_random_(generator(in_.config, kRandomDensity)),
-      control_(folder.path()) {}
+      control_(folder.path()) {
+  for (const GuideView& guide : in_.guides) poses_.push_back(guide.camera.world_to_camera);
+}
 
 TrainingState Trainer::initial_state(const std::vector<float>& depth_scales) const {
   TrainingState state;
@@ -87,6 +91,11 @@ TrainingState Trainer::run(TrainingState state) {
   in_.facts.normals_at_start = state_.normals_at_start;
   schedule_ = Schedule(in_.config, in_.facts);
 
+  if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
+    throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views", "start anew with --overwrite");
+  }
+  place_cameras();
+
   view_scale_ = schedule_.view_scale(state_.iteration + 1);
   const int64_t last = in_.config.train.iterations;
   EventLog events(folder_.events(), state_.iteration);
@@ -111,6 +120,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   if (schedule_.view_scale(iteration) != view_scale_) {
     view_scale_ = schedule_.view_scale(iteration);
     engine_.set_training_views(in_.load_views(view_scale_));
+    place_cameras();
     events.message(iteration, "resolution", fmt::format("views at {} of the working resolution", view_scale_));
   }
   if (schedule_.lifts_semantics(iteration)) engine_.lift_semantics(request.raster);
@@ -128,8 +138,14 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
       request.neighbour = {drawn.view, in_.guides[static_cast<size_t>(drawn.view)].near_plane, drawn.seed};
     }
   }
+  const PoseRates pose_rates = schedule_.pose_rates(iteration);
+  request.pose_gradient = pose_rates.active() && request.view != 0;  // the first camera holds the world in its place
   report_ = engine_.step(request);
   state_.iteration = iteration;
+  if (request.pose_gradient && !report_.non_finite.found) move_camera(request.view, pose_rates);
+  if (const double noise = schedule_.position_noise(iteration); noise > 0) {
+    engine_.add_position_noise({static_cast<float>(noise), generator(in_.config, kRandomNoise).fork(static_cast<uint64_t>(iteration)).next()});
+  }
   if (report_.non_finite.found) {
     handle_non_finite(report_, request.view, events);
   } else {
@@ -147,7 +163,9 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
 void Trainer::upkeep(int64_t iteration, EventLog& events) {
   const RasterSettings raster = schedule_.request(iteration).raster;
   if (schedule_.densifies(iteration)) {
-    events.restructured(iteration, "densify", control_density(engine_, schedule_.density_rule(iteration), density_random_));
+    events.restructured(iteration, "densify",
+                        schedule_.uses_mcmc() ? grow_by_mcmc(engine_, schedule_.mcmc_rule(), density_random_)
+                                              : control_density(engine_, schedule_.density_rule(iteration), density_random_));
   }
   if (schedule_.resets_opacity(iteration)) {
     engine_.reset_opacity(kResetOpacity);
@@ -157,12 +175,40 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
     events.restructured(iteration, "free_space", prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config,
                                                                    in_.facts.extent, raster, pool_));
   }
+  if (schedule_.raises_scales(iteration)) raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
   if (schedule_.aligns_prior_depth(iteration)) {
     align_to_renderings(engine_, in_.guides, in_.from_points, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
   }
+  if (schedule_.closes_room(iteration)) close_room_now(iteration, events);
   if (engine_.size() > 0) return;
   throw Error({ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
                "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
+}
+
+void Trainer::place_cameras() {
+  for (size_t v = 0; v < state_.motions.size(); ++v) {
+    in_.guides[v].camera.world_to_camera = moved(poses_[v], state_.motions[v]);
+    engine_.set_pose(static_cast<int>(v), in_.guides[v].camera.world_to_camera);
+  }
+}
+
+void Trainer::move_camera(int view, const PoseRates& rates) {
+  const size_t v = static_cast<size_t>(view);
+  if (state_.motions.empty()) state_.motions.resize(in_.guides.size());
+  update_motion(report_.pose, rates, state_.motions[v]);
+  in_.guides[v].camera.world_to_camera = moved(poses_[v], state_.motions[v]);
+  engine_.set_pose(view, in_.guides[v].camera.world_to_camera);
+}
+
+void Trainer::close_room_now(int64_t iteration, EventLog& events) {
+  RenderOptions render;
+  render.raster = schedule_.request(iteration).raster;
+  render.semantic_blend = semantic_blend_named(in_.config.semantic.blend);
+  const size_t most = in_.facts.max_gaussians > 0 ? in_.facts.max_gaussians : std::numeric_limits<size_t>::max();
+  const size_t added = close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, render}, pool_);
+  if (added == 0) return;
+  events.message(iteration, "closed_room", fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
+  log_info("closed room: {} Gaussians for walls, floor and ceiling that no photo shows", added);
 }
 
 void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {

@@ -57,6 +57,10 @@ class Trainer {
   void iterate(int64_t iteration, EventLog& events);
   void handle_non_finite(const StepReport& report, int view, EventLog& events);
   void upkeep(int64_t iteration, EventLog& events);
+  /// Puts the cameras where the state has them, in the engine and in the guides.
+  void place_cameras();
+  void move_camera(int view, const PoseRates& rates);
+  void close_room_now(int64_t iteration, EventLog& events);
   void write_state();
   void stop_here();
   void obey();
@@ -71,6 +75,7 @@ class Trainer {
   RunRecord& record_;
   ThreadPool& pool_;
   Schedule schedule_;
+  std::vector<Rigidd> poses_;  ///< of the training cameras as the scene has them, world to camera
   ViewOrder order_;
   Random density_random_;
   TrainingState state_;

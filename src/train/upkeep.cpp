@@ -2,6 +2,7 @@
 
 #include "train/free_space.h"
 #include "train/prior_alignment.h"
+#include "train/smallest_scale.h"
 
 namespace aligngs {
 namespace {
@@ -25,6 +26,14 @@ RestructurePlan control_density(Engine& engine, const DensityRule& rule, Random&
   GaussianModel model;
   engine.store(model);
   const RestructurePlan plan = plan_density_control(model, engine.density_statistics(), rule, random);
+  apply(engine, plan);
+  return plan;
+}
+
+RestructurePlan grow_by_mcmc(Engine& engine, const McmcRule& rule, Random& random) {
+  GaussianModel model;
+  engine.store(model);
+  const RestructurePlan plan = plan_mcmc_growth(model, rule, random);
   apply(engine, plan);
   return plan;
 }
@@ -62,6 +71,12 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
   const RestructurePlan plan = plan_keep(free_space_keep(model, sources, rule, pool));
   if (plan.pruned > 0) apply(engine, plan);
   return plan;
+}
+
+void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, double pixels, ThreadPool& pool) {
+  GaussianModel model;
+  engine.store(model);
+  engine.raise_scales(smallest_log_scales(model, views, pixels, pool));
 }
 
 std::vector<float> align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit,

@@ -6,6 +6,7 @@
 #include "core/random.h"
 #include "core/thread_pool.h"
 #include "engine/engine.h"
+#include "gaussians/mcmc_growth.h"
 #include "train/config.h"
 #include "train/training_set.h"
 
@@ -14,12 +15,18 @@ namespace aligngs {
 /// One call of density control: statistics from the engine, plan, restructuring, statistics reset.
 RestructurePlan control_density(Engine& engine, const DensityRule& rule, Random& random);
 
+/// The same as 3DGS-MCMC does it (gaussians/mcmc_growth.h).
+RestructurePlan grow_by_mcmc(Engine& engine, const McmcRule& rule, Random& random);
+
 /// Removes one Gaussian (the one that made a step non-finite).
 RestructurePlan remove_gaussian(Engine& engine, int64_t row);
 
 /// Renders every view's median depth and removes what floats in front of the surface (free_space.h).
 RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& views, const std::vector<float>& depth_scales,
                                  const TrainConfig& config, double extent, const RasterSettings& raster, ThreadPool& pool);
+
+/// Raises scales to `pixels` of the view that sees each Gaussian sharpest (smallest_scale.h).
+void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, double pixels, ThreadPool& pool);
 
 /// Scales a_v from the scene's points where a view sees enough of them, else 1 (prior_alignment.h).
 /// `from_points[v]` tells which.

@@ -30,11 +30,14 @@ class WatchedEngine final : public Engine {
   size_t size() const override { return engine_->size(); }
   void limit_classes(int top_k) override { engine_->limit_classes(top_k); }
   bool offers_multi_view() const override { return engine_->offers_multi_view(); }
+  void set_pose(int view, const Rigidd& world_to_camera) override { engine_->set_pose(view, world_to_camera); }
   void set_training_views(std::vector<TrainingView> views) override { engine_->set_training_views(std::move(views)); }
   DensityStatistics density_statistics() const override { return engine_->density_statistics(); }
   void reset_density_statistics() override { engine_->reset_density_statistics(); }
   void restructure(const RestructurePlan& plan) override { engine_->restructure(plan); }
   void reset_opacity(float maximum) override { engine_->reset_opacity(maximum); }
+  void add_position_noise(const PositionNoise& noise) override { engine_->add_position_noise(noise); }
+  void raise_scales(const std::vector<float>& log_floors) override { engine_->raise_scales(log_floors); }
   Rendering render(const Camera& camera, const RenderOptions& o) const override { return engine_->render(camera, o); }
   void lift_semantics(const RasterSettings& raster) override { engine_->lift_semantics(raster); }
   std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& views) const override {

@@ -58,6 +58,7 @@ OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   }
   const std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record.fingerprint);
   if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");
+  apply_motions(state->motions, run.scene);
   run.model = state->engine.model;
   run.engine = options.make_engine ? options.make_engine(options.threads) : make_cpu_engine(options.threads);
   run.engine->load(run.model);

@@ -11,6 +11,7 @@
 #include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/huge_pages.h"
 #include "engine/cpu/matrix_tiles.h"
+#include "engine/cpu/pose_gradient.h"
 #include "engine/cpu/project.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/tile_products.h"
@@ -262,6 +263,10 @@ StepReport CpuEngine::step(const StepRequest& request) {
     }
   }
 
+  if (request.pose_gradient) {
+    report.pose = pose_gradient(model_, gradients_, view.data.camera, request.sh_degree, *pool_);
+    watch.lap("pose");
+  }
   SemanticGradients semantic_gradients;
   if (semantics) {
     semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(), probabilities,

@@ -46,6 +46,7 @@ class CpuEngine final : public Engine {
 
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
   bool offers_multi_view() const override { return true; }
+  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera; }
   void set_training_views(std::vector<TrainingView> views) override;
   StepReport step(const StepRequest& request) override;
 
@@ -53,6 +54,8 @@ class CpuEngine final : public Engine {
   void reset_density_statistics() override;
   void restructure(const RestructurePlan& plan) override;
   void reset_opacity(float maximum) override;
+  void raise_scales(const std::vector<float>& log_floors) override;
+  void add_position_noise(const PositionNoise& noise) override;
 
   Rendering render(const Camera& camera, const RenderOptions& options) const override;
   void lift_semantics(const RasterSettings& raster) override;

@@ -1,11 +1,13 @@
 // Loading, storing and restructuring the state of the engine.
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/cpu/cpu_engine.h"
 #include "engine/cpu/huge_pages.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/engine_arrays.h"
+#include "engine/formulas/shape_terms.h"
 
 namespace aligngs::cpu {
 
@@ -109,6 +111,28 @@ void CpuEngine::reset_opacity(float maximum) {
   for (float& x : model_.opacity_logits) x = std::min(x, logit);
   std::fill(moments_.m.opacity_logits.begin(), moments_.m.opacity_logits.end(), 0.0f);
   std::fill(moments_.v.opacity_logits.begin(), moments_.v.opacity_logits.end(), 0.0f);
+}
+
+void CpuEngine::add_position_noise(const PositionNoise& noise) {
+  if (noise.rate == 0) return;
+  constexpr size_t kRowsPerTask = 4096;
+  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      const float opacity = 1 / (1 + std::exp(-model_.opacity_logits[i]));
+      const Vec3<float> shift = position_noise(noise, i, opacity, &model_.log_scales[3 * i], &model_.rotations[4 * i]);
+      for (int k = 0; k < 3; ++k) model_.positions[3 * i + static_cast<size_t>(k)] += shift[k];
+    }
+  });
+}
+
+void CpuEngine::raise_scales(const std::vector<float>& log_floors) {
+  check_floors(log_floors, model_.size());
+  for (size_t i = 0; i < model_.size(); ++i) {
+    float* s = &model_.log_scales[3 * i];
+    Vec3<float> scale{s[0], s[1], s[2]};
+    raise_larger_scales(log_floors[i], scale);
+    for (int k = 0; k < 3; ++k) s[k] = scale[k];
+  }
 }
 
 }  // namespace aligngs::cpu

@@ -12,6 +12,7 @@
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/optimiser.h"
+#include "engine/cuda/pose_gradient.h"
 #include "engine/cuda/project.h"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/cuda/shape_terms.h"
@@ -185,6 +186,12 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
                       {g, density_sums, squares, arena_.take<double>(square_scratch(n), "sums of squares"), frame.bad});
   add_shape_terms(arena_, {model_.spans(), last_.touched, visible, losses, request.extent}, {g, terms, frame.bad});
   timer_->mark("reduce");
+  DeviceSpan<PoseGradient<double>> pose;
+  if (request.pose_gradient) {
+    pose = arena_.take<PoseGradient<double>>(1, "state of the step");
+    pose_gradient(arena_, {model_.spans(), g, last_.touched, pose_frame(view.camera), request.sh_degree}, pose);
+    timer_->mark("pose");
+  }
 
   last_.outcome = arena_.take<StepOutcome>(1, "state of the step");
   StepOutcomeInputs judged;
@@ -210,12 +217,14 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   auto* back = static_cast<ReadBack*>(read_back_->data());
   context_->copy_to_host_later(&back->outcome, last_.outcome.data, sizeof(StepOutcome));
   context_->copy_to_host_later(&back->counts, frame.counts.data, sizeof(BinCounts));
+  if (request.pose_gradient) context_->copy_to_host_later(&back->pose, pose.data, sizeof(PoseGradient<double>));
 }
 
 CudaEngine::ReadBack CudaEngine::run_step(const StepRequest& request, const ViewOnDevice& view, float coupling_scale) {
   const auto enqueue = [&] { enqueue_step(request, view, coupling_scale); };
   const ViewOnDevice* neighbour = neighbour_of(request);
   static_cast<ReadBack*>(read_back_->data())->neighbour_counts = {};
+  static_cast<ReadBack*>(read_back_->data())->pose = {};
   if (graph_->on() && view.pairs != 0 && (neighbour == nullptr || neighbour->pairs != 0)) {
     arena_.reset();  // may give memory back and take it, which a capture cannot
     graph_->run(enqueue);
@@ -262,6 +271,7 @@ StepReport CudaEngine::step(const StepRequest& request) {
     report.non_finite = locate(symptom_of(back.outcome));
     return report;
   }
+  report.pose = back.pose;
   sh_degree_ = request.sh_degree;
   sh_used_ = std::max(sh_used_, size_t(3) * static_cast<size_t>(sh_coefficient_count(request.sh_degree)));
   if (semantics && bounded && strength != 0) {

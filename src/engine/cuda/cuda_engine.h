@@ -43,6 +43,7 @@ class CudaEngine final : public Engine {
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
   /// Throws Error{kResources} for more channels than the device's matrix products take (kMaxSemanticChannels).
   void set_training_views(std::vector<TrainingView> views) override;
+  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).camera.world_to_camera = world_to_camera; }
   bool offers_multi_view() const override { return true; }
   StepReport step(const StepRequest& request) override;
 
@@ -50,6 +51,8 @@ class CudaEngine final : public Engine {
   void reset_density_statistics() override;
   void restructure(const RestructurePlan& plan) override;
   void reset_opacity(float maximum) override;
+  void raise_scales(const std::vector<float>& log_floors) override;
+  void add_position_noise(const PositionNoise& noise) override;
 
   Rendering render(const Camera& camera, const RenderOptions& options) const override;
   void lift_semantics(const RasterSettings& raster) override;
@@ -89,6 +92,7 @@ class CudaEngine final : public Engine {
     StepOutcome outcome;
     BinCounts counts;
     BinCounts neighbour_counts;  ///< zero without a neighbour
+    PoseGradient<double> pose;   ///< zero where it was not asked for
   };
   struct FrameRequest {
     const Camera& camera;

@@ -154,6 +154,18 @@ void CudaEngine::reset_opacity(float maximum) {
   cap_opacities(*context_, maximum, {model_.spans(), m_.spans(), v_.spans(), {}});
 }
 
+void CudaEngine::add_position_noise(const PositionNoise& noise) {
+  if (noise.rate != 0) cuda::add_position_noise(*context_, noise, model_.spans());
+}
+
+void CudaEngine::raise_scales(const std::vector<float>& log_floors) {
+  check_floors(log_floors, model_.size());
+  DeviceArray<float> floors;
+  floors.assign(*context_, log_floors, "floors of scales");
+  cuda::raise_scales(*context_, floors.span(), model_.spans());
+  context_->synchronise();  // the floors go
+}
+
 std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>& views) const {
   const cpu::ActiveClasses active = cpu::find_active_classes(views, active_top_k_, *pool_);
   OwnMemory own;

@@ -1,7 +1,10 @@
 // Loading, saving, restructuring and rendering with the CUDA engine, beside the CPU engine and the reference.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/error.h"
+#include "engine/cpu/cpu_engine.h"
 #include "engine/cpu/test_scenes.h"
 #include "engine/cuda/cuda_engine.h"
 #include "engine/cuda/make_engine.h"
@@ -134,6 +137,38 @@ TEST_F(CudaEngineState, OpacityResetCapsAndForgets) {
   for (const float x : s.model.opacity_logits) EXPECT_LE(1 / (1 + std::exp(-x)), 0.0100001f);
   for (const float x : s.arrays.at("adam_m.opacity_logits")) EXPECT_EQ(x, 0.0f);
   EXPECT_THROW(e->reset_opacity(1.5f), Error);
+}
+
+TEST_F(CudaEngineState, NoiseOnPositionsIsThatOfTheCpu) {
+  const SceneOptions o = small_scene();
+  GaussianModel model = make_model(o);
+  for (float& x : model.opacity_logits) x = -6;
+  const std::unique_ptr<Engine> cuda = engine(model);
+  cpu::CpuEngine cpu(1);
+  cpu.load(model);
+  cuda->add_position_noise({2, 5});
+  cpu.add_position_noise({2, 5});
+  EngineState want;
+  cpu.save_state(want);
+  EXPECT_NE(want.model.positions, model.positions);
+  const EngineState got = state_of(*cuda);
+  EXPECT_LE(cpu::testing_scene::difference(got.model.positions, want.model.positions).worst, CudaTolerance().parameter * 10);
+}
+
+TEST_F(CudaEngineState, ScalesAreRaisedAsOnTheCpu) {
+  const SceneOptions o = small_scene();
+  const std::unique_ptr<Engine> cuda = engine(make_model(o));
+  cpu::CpuEngine cpu(1);
+  cpu.load(make_model(o));
+  std::vector<float> floors(make_model(o).size(), -2.0f);
+  floors[1] = -std::numeric_limits<float>::infinity();
+  cuda->raise_scales(floors);
+  cpu.raise_scales(floors);
+  EngineState want;
+  cpu.save_state(want);
+  EXPECT_EQ(state_of(*cuda).model.log_scales, want.model.log_scales);
+  floors.pop_back();
+  EXPECT_THROW(cuda->raise_scales(floors), Error);
 }
 
 TEST_F(CudaEngineState, RenderingMatchesTheReference) {

@@ -85,7 +85,9 @@ class CudaStep : public DeviceTest {
     got->load(model);
     got->set_training_views({view});
     got->set_coupling_balance(balance);
-    const StepReport a = got->step(request), b = want.step(request);
+    StepRequest with_pose = request;
+    with_pose.pose_gradient = true;
+    const StepReport a = got->step(with_pose), b = want.step(with_pose);
     ASSERT_FALSE(a.non_finite.found) << a.non_finite.term << " of " << a.non_finite.gaussian;
     ASSERT_FALSE(b.non_finite.found) << b.non_finite.term;
 
@@ -110,6 +112,10 @@ class CudaStep : public DeviceTest {
     compare_gradients(got->last_gradients(), want.last_gradients(), t.gradient + (coupled ? t.coupling : 0.0),
                       t.semantic_gradient);
     compare_statistics(got->density_statistics(), want.density_statistics());
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(a.pose.rotation[k], b.pose.rotation[k], t.pose * norm(b.pose.rotation) + 1e-9);
+      EXPECT_NEAR(a.pose.translation[k], b.pose.translation[k], t.pose * norm(b.pose.translation) + 1e-9);
+    }
     EXPECT_NEAR(got->coupling_balance().photometric, want.coupling_balance().photometric,
                 t.photometric_rms * want.coupling_balance().photometric);
     EXPECT_NEAR(got->coupling_balance().semantic, want.coupling_balance().semantic,

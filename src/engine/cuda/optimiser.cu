@@ -37,6 +37,14 @@ void cap_opacities(const DeviceContext& context, float maximum, const OptimiserS
          std::log(maximum / (1 - maximum)));
 }
 
+void add_position_noise(const DeviceContext& context, const PositionNoise& noise, const ModelSpans& model) {
+  launch(context, "position_noise", position_noise_kernel, one_per_item(model.gaussians, kRowThreads), noise, model);
+}
+
+void raise_scales(const DeviceContext& context, DeviceSpan<const float> log_floors, const ModelSpans& model) {
+  launch(context, "raise_scales", raise_scales_kernel, one_per_item(model.gaussians, kRowThreads), log_floors, model);
+}
+
 NonFinite find_bad_parameter(DeviceArena& arena, const ModelSpans& model) {
   const struct {
     const char* name;

@@ -6,6 +6,7 @@
 #include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/formulas/adam.h"
+#include "engine/formulas/position_noise.h"
 #include "engine/formulas/shape_terms.h"
 
 namespace aligngs::cuda {
@@ -102,6 +103,23 @@ __global__ void __launch_bounds__(kRowThreads) cap_opacities_kernel(OptimiserSta
   s.model.opacity_logits[i] = logit < x ? logit : x;
   s.m.opacity_logits[i] = 0;
   s.v.opacity_logits[i] = 0;
+}
+
+__global__ void __launch_bounds__(kRowThreads) position_noise_kernel(PositionNoise noise, ModelSpans model) {
+  const size_t i = item_index();
+  if (i >= model.gaussians) return;
+  const float opacity = 1.0f / (1.0f + std::exp(-model.opacity_logits[i]));
+  const Vec3<float> shift = position_noise(noise, i, opacity, &model.log_scales[3 * i], &model.rotations[4 * i]);
+  for (int k = 0; k < 3; ++k) model.positions[3 * i + k] += shift[k];
+}
+
+__global__ void __launch_bounds__(kRowThreads) raise_scales_kernel(DeviceSpan<const float> log_floors, ModelSpans model) {
+  const size_t i = item_index();
+  if (i >= model.gaussians) return;
+  float* s = &model.log_scales[3 * i];
+  Vec3<float> scale{s[0], s[1], s[2]};
+  raise_larger_scales(log_floors[i], scale);
+  for (int k = 0; k < 3; ++k) s[k] = scale[k];
 }
 
 __global__ void __launch_bounds__(kRowThreads)

@@ -31,6 +31,12 @@ void optimise(const DeviceContext& context, const StepRequest& request, const Op
 /// Caps every opacity at `maximum` and clears its moments (Engine::reset_opacity); 0 < maximum < 1.
 void cap_opacities(const DeviceContext& context, float maximum, const OptimiserState& state);
 
+/// Engine::add_position_noise.
+void add_position_noise(const DeviceContext& context, const PositionNoise& noise, const ModelSpans& model);
+
+/// Engine::raise_scales; log_floors is [N].
+void raise_scales(const DeviceContext& context, DeviceSpan<const float> log_floors, const ModelSpans& model);
+
 /// The first row with a parameter that is not finite, by class in the order of the model; found == false: none. Waits
 /// for the device.
 NonFinite find_bad_parameter(DeviceArena& arena, const ModelSpans& model);

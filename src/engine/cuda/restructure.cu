@@ -34,18 +34,20 @@ DevicePlan::DevicePlan(DeviceContext& context, const RestructurePlan& plan) {
   const size_t n = plan.rows.size();
   std::vector<uint32_t> source(n);
   std::vector<uint8_t> kept(n);
-  std::vector<float> offset(3 * n), log_shrink(n);
+  std::vector<float> offset(3 * n), log_shrink(n), opacity_logit(n);
   for (size_t i = 0; i < n; ++i) {
     const RowOrigin& row = plan.rows[i];
     source[i] = row.source;
     kept[i] = row.kind == RowOrigin::Kind::kKeep;
     for (size_t k = 0; k < 3; ++k) offset[3 * i + k] = row.offset[k];
+    opacity_logit[i] = row.opacity_logit;
     log_shrink[i] = row.kind == RowOrigin::Kind::kSplit ? std::log(row.shrink) : 0.0f;
   }
   source_.assign(context, source, "a plan of density control");
   kept_.assign(context, kept, "a plan of density control");
   offset_.assign(context, offset, "a plan of density control");
   log_shrink_.assign(context, log_shrink, "a plan of density control");
+  opacity_logit_.assign(context, opacity_logit, "a plan of density control");
 }
 
 void restructure_model(DeviceContext& context, const DevicePlan& plan, ModelArrays& model) {

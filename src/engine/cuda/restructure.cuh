@@ -23,6 +23,8 @@ __global__ void __launch_bounds__(kRowThreads) move_new_rows(DevicePlan::Spans p
     model.positions[3 * i + k] += plan.offset[3 * i + k];
     model.log_scales[3 * i + k] -= plan.log_shrink[i];
   }
+  const float logit = plan.opacity_logit[i];
+  if (logit == logit) model.opacity_logits[i] = logit;
 }
 
 }  // namespace aligngs::cuda

@@ -18,13 +18,14 @@ class DevicePlan {
     DeviceSpan<const uint8_t> kept;       ///< [rows] 1: kept, 0: new
     DeviceSpan<const float> offset;       ///< [rows][3] added to the position
     DeviceSpan<const float> log_shrink;   ///< [rows] taken from the logarithms of the scales
+    DeviceSpan<const float> opacity_logit;  ///< [rows] of new rows, NaN: as the source
   };
-  Spans spans() const { return {source_.span(), kept_.span(), offset_.span(), log_shrink_.span()}; }
+  Spans spans() const { return {source_.span(), kept_.span(), offset_.span(), log_shrink_.span(), opacity_logit_.span()}; }
 
  private:
   DeviceArray<uint32_t> source_;
   DeviceArray<uint8_t> kept_;
-  DeviceArray<float> offset_, log_shrink_;
+  DeviceArray<float> offset_, log_shrink_, opacity_logit_;
 };
 
 /// restructure_model of gaussians/density_control.h.

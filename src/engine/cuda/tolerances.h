@@ -17,6 +17,7 @@ struct CudaTolerance {
   double gradient_rms = 1e-5;   ///< the mean of many such squares: their roundings average
   double density_sum = 1e-4;    ///< absolute, of sums of numbers in [-1, 1] over a row's slots, some dozen
   double parameter = 1e-6;      ///< absolute, of parameters of size 1 after Adam: the same operations, contracted or not
+  double pose_sum = 1e-4;       ///< shares of all rows, which partly cancel, each rounded as `row_gradient`
   double tile_product = 1e-5;   ///< absolute, 32 products of numbers in [-1, 1] that are exact in bfloat16
 
   // What follows from several of them.
@@ -30,6 +31,7 @@ struct CudaTolerance {
   double normal_consistency = 2e-4;  ///< absolute; normals of depth are differences of neighbours
   double psnr = 1e-3;            ///< dB: 2e-4 of the mean square
   double gradient = 2e-4;        ///< of a whole step: the rounding of the means enters every alpha
+  double pose = 1e-2;            ///< a sum over all rows of such gradients, coupled ones included, which partly cancel
   double two_views = 2e-3;       ///< of a multi-view loss of a whole step: a pixel or patch at a limit is in or out
   double statistic = 5e-4;       ///< the same under absolute values, which do not cancel
   double photometric_rms = 1e-3;

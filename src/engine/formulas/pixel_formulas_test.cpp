@@ -183,5 +183,13 @@ TEST(ShapeTerms, LimitsFlattenAndShorten) {
   EXPECT_EQ(free.x, 5);
 }
 
+TEST(ShapeTerms, AFloorRaisesTheTwoLargerScales) {
+  Vec3d s{-3, -9, -5};
+  raise_larger_scales(-4.0, s);
+  EXPECT_EQ(s.x, -3);
+  EXPECT_EQ(s.y, -9);
+  EXPECT_EQ(s.z, -4);
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -4,8 +4,10 @@
 #include "compare_ops.h"
 #include "core/random.h"
 #include "engine/cpu/optimiser.h"
+#include "engine/cpu/pose_gradient.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/optimiser.h"
+#include "engine/cuda/pose_gradient.h"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/cuda/shape_terms.h"
 #include "engine/cuda/tolerances.h"
@@ -58,6 +60,24 @@ void compare_shape_terms(cuda::DeviceContext& context, const CpuStep& step, OpTa
                 tight(t.gradient));
   table.compare("shape_terms", "d opacity logits", gradients.opacity_logits.to_host(), step.with_shape.opacity_logits,
                 tight(t.gradient));
+}
+
+void compare_pose_gradient(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
+  cuda::DeviceModel model(context, step.scene.model), gradients(context, as_model(step, step.parameters));
+  DeviceArray<uint8_t> touched;
+  DeviceArray<PoseGradient<double>> out;
+  touched.assign(context, step.parameters.touched, "touched");
+  out.assign(context, {PoseGradient<double>()}, "pose");
+  cuda::DeviceArena arena(context);
+  const Camera& camera = step.scene.training.data.camera;
+  const int degree = step.scene.request.sh_degree;
+  cuda::pose_gradient(arena, {model.spans(), gradients.spans(), touched.span(), cuda::pose_frame(camera), degree}, out.span());
+  const PoseGradient<double> got = out.to_host()[0];
+  ThreadPool pool(1);
+  const PoseGradient<double> want = cpu::pose_gradient(step.scene.model, step.parameters, camera, degree, pool);
+  const auto vector = [](const Vec3d& v) { return std::vector<double>{v.x, v.y, v.z}; };
+  table.compare("pose_gradient", "rotation", vector(got.rotation), vector(want.rotation), tight(CudaTolerance().pose_sum));
+  table.compare("pose_gradient", "translation", vector(got.translation), vector(want.translation), tight(CudaTolerance().pose_sum));
 }
 
 void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
@@ -168,6 +188,7 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
 
 void compare_updates(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   compare_shape_terms(context, step, table);
+  compare_pose_gradient(context, step, table);
   compare_density(context, step, table);
   compare_optimiser(context, step, table);
 }

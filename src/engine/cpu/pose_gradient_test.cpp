@@ -1,0 +1,86 @@
+#include "engine/cpu/pose_gradient.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/cpu/cpu_engine.h"
+#include "engine/cpu/test_scenes.h"
+
+namespace aligngs::cpu {
+namespace {
+
+using namespace testing_scene;
+
+/// The formula in double, over the engine's own gradients.
+PoseGradient<double> in_double(const GaussianModel& model, const GaussianModel& gradients, const Camera& camera, int sh_degree) {
+  const GaussianModelT<double> m = to_double(model), g = to_double(gradients);
+  const PoseFrame<double> frame{camera.world_to_camera.rotation, camera.world_to_camera.translation, camera.centre()};
+  PoseGradient<double> sum;
+  for (size_t i = 0; i < m.size(); ++i) {
+    PoseRow<double> row;
+    row.position = {m.positions[3 * i], m.positions[3 * i + 1], m.positions[3 * i + 2]};
+    row.dposition = {g.positions[3 * i], g.positions[3 * i + 1], g.positions[3 * i + 2]};
+    row.quaternion = &m.rotations[4 * i];
+    row.dquaternion = &g.rotations[4 * i];
+    row.sh = &m.sh[3 * kShCoefficients * i];
+    row.dsh = &g.sh[3 * kShCoefficients * i];
+    const PoseGradient<double> share = row_pose_gradient(frame, row, sh_degree);
+    sum.rotation += share.rotation;
+    sum.translation += share.translation;
+  }
+  return sum;
+}
+
+StepReport step(const SceneOptions& o, const StepRequest& request, int threads, GaussianModel* gradients = nullptr) {
+  CpuEngine engine(threads);
+  engine.keep_features(true);
+  engine.load(make_model(o));
+  engine.set_training_views({make_view(o)});
+  const StepReport report = engine.step(request);
+  if (gradients != nullptr) *gradients = engine.last_gradients();
+  return report;
+}
+
+TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
+  const SceneOptions o;
+  StepRequest request = make_geometry_request();
+  request.pose_gradient = true;
+  GaussianModel gradients;
+  const PoseGradient<double> got = step(o, request, 2, &gradients).pose;
+  const PoseGradient<double> want = in_double(make_model(o), gradients, make_view(o).data.camera, request.sh_degree);
+  EXPECT_GT(norm(want.rotation), 0);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(got.rotation[k], want.rotation[k], 1e-4 * norm(want.rotation));
+    EXPECT_NEAR(got.translation[k], want.translation[k], 1e-4 * norm(want.translation));
+  }
+}
+
+TEST(CpuPoseGradient, DoesNotDependOnThreadsAndIsZeroUnasked) {
+  SceneOptions o;
+  o.gaussians = 2000;
+  StepRequest request = make_geometry_request();
+  EXPECT_EQ(norm(step(o, request, 1).pose.translation), 0);
+  request.pose_gradient = true;
+  const PoseGradient<double> one = step(o, request, 1).pose, three = step(o, request, 3).pose;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(one.rotation[k], three.rotation[k]);
+    EXPECT_EQ(one.translation[k], three.translation[k]);
+  }
+}
+
+TEST(CpuPoseGradient, NothingInViewMovesNoCamera) {
+  const SceneOptions o;
+  CpuEngine engine(1);
+  engine.load(make_model(o));
+  engine.set_training_views({make_view(o)});
+  engine.set_pose(0, Rigidd{{{-1, 0, 0, 0, 1, 0, 0, 0, -1}}, {}});  // looks the other way
+  StepRequest request = make_geometry_request();
+  request.pose_gradient = true;
+  const StepReport report = engine.step(request);
+  EXPECT_EQ(report.visible, 0u);
+  EXPECT_EQ(norm(report.pose.rotation), 0);
+}
+
+}  // namespace
+}  // namespace aligngs::cpu

@@ -1,0 +1,19 @@
+#include "engine/cuda/pose_gradient.h"
+
+#include "engine/cuda/pose_gradient.cuh"
+#include "engine/cuda/runtime/launch.h"
+
+namespace aligngs::cuda {
+
+PoseFrame<float> pose_frame(const Camera& camera) {
+  return {camera.world_to_camera.rotation.cast<float>(), camera.world_to_camera.translation.cast<float>(), camera.centre().cast<float>()};
+}
+
+void pose_gradient(DeviceArena& arena, const PoseGradientInputs& in, DeviceSpan<PoseGradient<double>> out) {
+  const LaunchShape shape = one_per_item(in.model.gaussians, kGradientThreads);
+  const DeviceSpan<double> partial = arena.take<double>(shape.grid.x * size_t(kPoseSums), "sums of the pose gradient");
+  launch(arena.context(), "pose_gradient", pose_gradient_kernel, shape, in, partial);
+  launch(arena.context(), "finish_pose_gradient", finish_pose_gradient_kernel, {dim3(1), dim3(kSumThreads), 0}, partial, out);
+}
+
+}  // namespace aligngs::cuda

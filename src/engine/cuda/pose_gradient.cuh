@@ -1,0 +1,42 @@
+// Kernels of pose_gradient.h.
+#pragma once
+
+#include "engine/cuda/constants.h"
+#include "engine/cuda/partial_sums.cuh"
+#include "engine/cuda/pose_gradient.h"
+
+namespace aligngs::cuda {
+
+inline constexpr int kPoseSums = 6;
+
+__device__ __forceinline__ PoseGradient<float> pose_share(const PoseGradientInputs& in, size_t i) {
+  PoseRow<float> row;
+  for (int k = 0; k < 3; ++k) row.position[k] = in.model.positions[3 * i + k];
+  for (int k = 0; k < 3; ++k) row.dposition[k] = in.gradients.positions[3 * i + k];
+  row.quaternion = &in.model.rotations[4 * i];
+  row.dquaternion = &in.gradients.rotations[4 * i];
+  row.sh = &in.model.sh[3 * kShCoefficients * i];
+  row.dsh = &in.gradients.sh[3 * kShCoefficients * i];
+  return row_pose_gradient(in.camera, row, in.sh_degree);
+}
+
+__global__ void __launch_bounds__(kGradientThreads) pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
+  const size_t i = item_index();
+  double sums[kPoseSums] = {};
+  if (i < in.model.gaussians && in.touched[i] != 0) {
+    const PoseGradient<float> share = pose_share(in, i);
+    for (int k = 0; k < 3; ++k) sums[k] = share.rotation[k];
+    for (int k = 0; k < 3; ++k) sums[3 + k] = share.translation[k];
+  }
+  store_partial_sums(sums, partial);
+}
+
+__global__ void __launch_bounds__(kSumThreads) finish_pose_gradient_kernel(DeviceSpan<const double> partial, DeviceSpan<PoseGradient<double>> out) {
+  double sums[kPoseSums];
+  load_partial_sums(partial, sums);
+  if (threadIdx.x != 0) return;
+  out[0].rotation = {sums[0], sums[1], sums[2]};
+  out[0].translation = {sums[3], sums[4], sums[5]};
+}
+
+}  // namespace aligngs::cuda

@@ -1,0 +1,27 @@
+// The last touch to a trained room: walls, floor and ceiling where no photo shows them (refine/unseen_layout.h).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/engine.h"
+#include "scene/label_set.h"
+#include "train/training_set.h"
+
+namespace aligngs {
+
+struct ClosedRoomRequest {
+  const std::vector<GuideView>& views;  ///< what they show is rendered and not made up
+  const LabelSet& labels;
+  double extent = 1;                    ///< robust scene extent, scene units
+  size_t most_gaussians = 0;            ///< that the model may have afterwards
+  RenderOptions render;                 ///< near planes are those of the views
+};
+
+/// Adds Gaussians for the unseen parts of the planes that the training views' rendered labels call wall, floor or ceiling, in the colour of
+/// the seen parts and with their label. Where a Gaussian lies already nothing is added, so that a second call changes little. Nothing
+/// that a training view shows is covered. The number added; 0 for a model without semantics or a room without planes.
+size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& pool);
+
+}  // namespace aligngs
