@@ -23,8 +23,9 @@ struct SharedShape {
 };
 SharedShape shared_shape(double opacity, int copies);
 
-/// Dead rows go; as many copies, and 5 % of new ones, of living rows drawn in proportion to their opacity come behind. Rows that were drawn change with
-/// their copies and lose their moments. Random numbers are drawn only for copies. No living row: everything stays.
+/// Dead rows go; as many copies, and 5 % of new ones, of living rows drawn in proportion to their opacity come behind. Rows
+/// that were drawn change with their copies and lose their moments. Random numbers are drawn only for copies. No living row:
+/// everything stays.
 RestructurePlan plan_mcmc_growth(const GaussianModel& model, const McmcRule& rule, Random& random);
 
 }  // namespace aligngs

@@ -9,6 +9,9 @@
 
 namespace aligngs {
 
+/// soft_labels() smoothed over neighbours; `extent` as below.
+SoftLabels smoothed_labels(const GaussianModel& model, double extent, ThreadPool& pool);
+
 struct ObjectLabels {
   SoftLabels soft;        ///< smoothed over neighbours
   GaussianLabels labels;  ///< best class, its probability, and the object's number

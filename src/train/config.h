@@ -81,6 +81,7 @@ struct SemanticConfig {
   int64_t coupling_start = 0, coupling_stop = 0;  ///< [ref]
   bool lift = false;
   int64_t lift_at = 0;  ///< [ref] the closed-form start of the rows comes after it
+  double drawn_sharpness = 0;  ///< power of a Gaussian's smoothed probabilities where labels are drawn; 0 = rows as trained
   int64_t active_top = 0;  ///< classes never among a teacher's so many best share one channel; 0 = every class its own
 };
 

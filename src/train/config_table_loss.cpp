@@ -72,6 +72,9 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "closed-form start of the semantic rows from the teacher's maps"},
       {"semantic.lift_at", field<&C::semantic, &S::lift_at>, 0, kIterationsMax, "", all(0),
        "[ref] iteration after which the closed form is taken"},
+      {"semantic.drawn_sharpness", field<&C::semantic, &S::drawn_sharpness>, 0, 16, "", ours_paper(4.0, 0.0),
+       "labels are drawn with each Gaussian's probabilities, smoothed over its neighbours, to this power; 0, or semantic.blend = "
+       "\"logits\": rows as trained"},
       {"semantic.active_top", field<&C::semantic, &S::active_top>, 0, 65535, "", ours_paper(2, 0),
        "classes that no view's teacher ever ranks among its so many best train as one remainder; 0 = every class alone"},
   };

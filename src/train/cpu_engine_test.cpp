@@ -109,7 +109,9 @@ TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
 TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
   const auto moving = [&](const std::string& name, int threads) {
     TrainOptions o = options(name, "default", threads);
-    for (const char* set : {"optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4", "optimizer.pose_start=50"}) o.config.sets.emplace_back(set);
+    for (const char* set : {"optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4", "optimizer.pose_start=50"}) {
+      o.config.sets.emplace_back(set);
+    }
     return o;
   };
   const TrainOptions whole = moving("moving", 1);
@@ -130,7 +132,9 @@ TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
 TEST_F(TrainOnCpu, McmcGrowthWithAFloorOfScalesResumesByteIdentical) {
   const auto growing = [&](const std::string& name, int threads) {
     TrainOptions o = options(name, "default", threads);
-    for (const char* set : {"densify.strategy=mcmc", "optimizer.scale_min_pixels=0.7", "densify.max_growth=3"}) o.config.sets.emplace_back(set);
+    for (const char* set : {"densify.strategy=mcmc", "optimizer.scale_min_pixels=0.7", "densify.max_growth=3"}) {
+      o.config.sets.emplace_back(set);
+    }
     return o;
   };
   const TrainOptions whole = growing("mcmc", 1);

@@ -39,7 +39,9 @@ class FakeEngine final : public Engine {
     running_ = state.arrays.at("running").at(0);
   }
   size_t size() const override { return model_.size(); }
-  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera; }
+  void set_pose(int view, const Rigidd& world_to_camera) override {
+    views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera;
+  }
   void set_training_views(std::vector<TrainingView> views) override { views_ = std::move(views); }
 
   StepReport step(const StepRequest& request) override {

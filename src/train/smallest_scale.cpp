@@ -16,7 +16,8 @@ double sampling_rate(const GuideView& view, const Vec3d& world) {
   if (!(p.z > view.near_plane)) return 0;
   const Vec2d image = view.camera.project(p);
   const double beside_x = kMargin * view.camera.width, beside_y = kMargin * view.camera.height;
-  const bool inside = image.x >= -beside_x && image.y >= -beside_y && image.x < view.camera.width + beside_x && image.y < view.camera.height + beside_y;
+  const bool inside = image.x >= -beside_x && image.y >= -beside_y && image.x < view.camera.width + beside_x &&
+                      image.y < view.camera.height + beside_y;
   return inside ? std::max(view.camera.fx, view.camera.fy) / p.z : 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "gaussians/drawn_labels.h"
 #include "train/checkpoint.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
@@ -61,8 +62,12 @@ OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   apply_motions(state->motions, run.scene);
   run.model = state->engine.model;
   run.engine = options.make_engine ? options.make_engine(options.threads) : make_cpu_engine(options.threads);
-  run.engine->load(run.model);
   run.pool = std::make_unique<ThreadPool>(options.threads);
+  const SemanticConfig& semantic = run.config.semantic;
+  if (semantic.drawn_sharpness > 0 && semantic_blend_named(semantic.blend) == SemanticBlend::kProbabilities) {
+    sharpen_label_rows(run.model, robust_extent(run.scene), semantic.drawn_sharpness, *run.pool);
+  }
+  run.engine->load(run.model);
   return run;
 }
 

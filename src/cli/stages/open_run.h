@@ -23,7 +23,7 @@ struct OpenRun {
   std::filesystem::path folder;
   TrainConfig config;
   Scene scene;
-  GaussianModel model;
+  GaussianModel model;  ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
 

@@ -46,7 +46,9 @@ class CpuEngine final : public Engine {
 
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
   bool offers_multi_view() const override { return true; }
-  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera; }
+  void set_pose(int view, const Rigidd& world_to_camera) override {
+    views_.at(static_cast<size_t>(view)).data.camera.world_to_camera = world_to_camera;
+  }
   void set_training_views(std::vector<TrainingView> views) override;
   StepReport step(const StepRequest& request) override;
 

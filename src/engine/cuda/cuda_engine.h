@@ -43,7 +43,9 @@ class CudaEngine final : public Engine {
   void limit_classes(int top_k) override { active_top_k_ = top_k; }
   /// Throws Error{kResources} for more channels than the device's matrix products take (kMaxSemanticChannels).
   void set_training_views(std::vector<TrainingView> views) override;
-  void set_pose(int view, const Rigidd& world_to_camera) override { views_.at(static_cast<size_t>(view)).camera.world_to_camera = world_to_camera; }
+  void set_pose(int view, const Rigidd& world_to_camera) override {
+    views_.at(static_cast<size_t>(view)).camera.world_to_camera = world_to_camera;
+  }
   bool offers_multi_view() const override { return true; }
   StepReport step(const StepRequest& request) override;
 
