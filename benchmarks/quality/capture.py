@@ -23,25 +23,22 @@ import ladder
 REFINED = []  # options of `aligngs refine`
 
 
-class Row:
+class Row(ladder.Row):
+    """A row of a source, whose name stands before the row's and before those that it is compared with."""
+
     def __init__(self, source, name, preset, settings=(), refine=None, compare_with=()):
-        self.source, self.name, self.preset, self.settings = source, f"{source}: {name}", preset, list(settings)
-        self.refine, self.compare_with = refine, [f"{source}: {c}" for c in compare_with]
-
-    @property
-    def folder(self):
-        return "".join(c if c.isalnum() else "_" for c in self.name)
+        super().__init__(f"{source}: {name}", preset, settings, refine=refine, compare_with=[f"{source}: {c}" for c in compare_with])
+        self.source = source
 
 
-THREE_DGS = ladder.PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"]
 ROWS = [
-    Row("rgb", "3dgs", "paper", THREE_DGS),
+    Row("rgb", "3dgs", "paper", ladder.THREE_DGS),
     Row("rgb", "pgsr", "pgsr", compare_with=["3dgs"]),
     Row("rgb", "default", "default", compare_with=["3dgs", "pgsr"]),
     Row("rgb", "default, multi-view terms", "default", ladder.MULTI_VIEW, compare_with=["default"]),
     Row("rgb", "default, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default"]),
     Row("rgb", "default, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"], compare_with=["default"]),
-    Row("simulated", "3dgs", "paper", THREE_DGS),
+    Row("simulated", "3dgs", "paper", ladder.THREE_DGS),
     Row("simulated", "pgsr + prior depth", "pgsr", ladder.PGSR_PRIOR, compare_with=["3dgs"]),
     Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder.PGSR_PRIOR, ladder.CAMERAS_ONLY),
     Row("simulated", "default, not refined", "default", compare_with=["3dgs", "pgsr + prior depth"]),
@@ -77,35 +74,17 @@ def scene_of(arguments, source, seed, refine):
 
 def train(arguments, row, seed):
     folder = arguments.output / "runs" / str(seed) / row.folder
-    if not (folder / "metrics.json").exists():
-        settings = [text for s in [f"data.scale={arguments.scale}", *row.settings] for text in ("--set", s)]
-        before, interrupted = ladder.processor_seconds(), folder.exists()
-        ladder.run("run", scene_of(arguments, row.source, seed, row.refine), "-o", folder, "--preset", row.preset, "-n", arguments.iterations,
-                   "--seed", seed, "--resume", "--no-refine", *settings)
-        if not interrupted:
-            (folder / "processor_seconds").write_text(str(ladder.processor_seconds() - before))
-        shutil.rmtree(folder / "checkpoints", ignore_errors=True)
-    result = ladder.scores(json.loads((folder / "metrics.json").read_text()))
-    spent = folder / "processor_seconds"
-    result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan
+    result = ladder.trained(folder, lambda: scene_of(arguments, row.source, seed, row.refine), row, arguments.iterations, seed,
+                            [f"data.scale={arguments.scale}"])
+    shutil.rmtree(folder / "checkpoints", ignore_errors=True)
     return result
 
 
 def measure(arguments, seed, yardstick):
-    name, option, refine = yardstick
+    _, option, refine = yardstick
     scene = scene_of(arguments, "simulated", seed, refine)
     folder = arguments.output / "runs" / str(seed) / ("yardstick_" + scene.name)
-    result = folder / f"yardstick{option}.json"
-    if not result.exists():
-        if not (folder / "metrics.json").exists():
-            ladder.run("run", scene, "-o", folder, "-n", 1, "--seed", seed, "--no-refine", "--overwrite", "--set", f"data.scale={arguments.scale}")
-        mesh = folder / "yardstick.ply"
-        ladder.run("mesh", folder, option, "-o", mesh)
-        text = ladder.run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json")
-        partial = result.with_suffix(".partial")
-        partial.write_text(text)
-        partial.rename(result)
-    return ladder.scores(json.loads(result.read_text()), ladder.GEOMETRY)
+    return ladder.mesh_scores(folder, scene, option, "default", seed, [f"data.scale={arguments.scale}"])
 
 
 def read_results(file):

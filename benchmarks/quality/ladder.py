@@ -41,6 +41,7 @@ MULTI_VIEW = ["loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.1
 # The prior depth as the default preset uses it, acting as early.
 PGSR_PRIOR = ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
               "loss.depth_align_every=500", "loss.normal_start=500"]
+THREE_DGS = PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"]
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
 NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
@@ -77,7 +78,7 @@ ROWS = [
     Row("+ L_d", "paper", ACTIVE + ["loss.normal_consistency=0", "loss.normal_boundary=0"], compare_with="+ L_sem, coupled"),
     Row("+ L_ng + L_nb (paper)", "paper", ACTIVE, compare_with=["+ L_d", "base (sparse start)"]),
     Row("release-faithful", "paper", ACTIVE + ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
-    Row("3dgs", "paper", PHOTOMETRIC + [NO_SEMANTICS, "loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"],
+    Row("3dgs", "paper", THREE_DGS + [NO_SEMANTICS],
         compare_with="base (sparse start)"),
     Row("pgsr", "pgsr", compare_with="+ feed-forward start"),
     Row("pgsr + prior depth", "pgsr", PGSR_PRIOR, compare_with="pgsr"),
@@ -176,23 +177,29 @@ def refined_scene(folder, options):
     return better
 
 
-def train(output, room, room_seed, seed, row, iterations):
-    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+def trained(folder, make_scene, row, iterations, seed, settings=()):
+    """Scores of the run of a row in `folder`, which is trained first where that is not done. `settings` come beside the row's."""
     spent = folder / "processor_seconds"
     if not (folder / "metrics.json").exists():
-        scene = make_scene(output, room, room_seed, seed, row)
-        settings = [text for s in row.settings for text in ("--set", s)]
+        scene = make_scene()
+        options = [text for s in [*settings, *row.settings] for text in ("--set", s)]
         interrupted = folder.exists()  # what went before is not known to this process
         before = processor_seconds()
-        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *settings)
+        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *options)
         if not interrupted:
             spent.write_text(str(processor_seconds() - before))
+    result = scores(json.loads((folder / "metrics.json").read_text()))
+    result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan  # unknown after an interrupted run
+    return result
+
+
+def train(output, room, room_seed, seed, row, iterations):
+    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+    result = trained(folder, lambda: make_scene(output, room, room_seed, seed, row), row, iterations, seed)
     kept = output / "settings" / f"{row.folder}.toml"
     if not kept.exists() and (folder / "config.toml").exists():
         kept.parent.mkdir(exist_ok=True)
         shutil.copy(folder / "config.toml", kept)
-    result = scores(json.loads((folder / "metrics.json").read_text()))
-    result["seconds"] = float(spent.read_text()) if spent.exists() else math.nan  # unknown after an interrupted run
     return result
 
 
@@ -214,21 +221,26 @@ def yardstick_scene(output, room, room_seed, seed, row, yard):
     return mixed
 
 
-def measure_yardstick(output, room, room_seed, seed, row, yard):
-    """Its scores. The run that the commands need is one of a single iteration."""
-    scene = yardstick_scene(output, room, room_seed, seed, row, yard)
-    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
-    result = folder / f"yardstick{yard.option}.json"
+def mesh_scores(folder, scene, option, preset, seed, settings=()):
+    """Scores of a mesh that no training has touched. The run in `folder` that the commands need is one of a single iteration."""
+    result = folder / f"yardstick{option}.json"
     if not result.exists():
         if not (folder / "metrics.json").exists():
-            run("run", scene, "-o", folder, "--preset", row.preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite")
-        mesh = folder / f"yardstick{yard.option}.ply"
-        run("mesh", folder, yard.option, "-o", mesh)
+            options = [text for s in settings for text in ("--set", s)]
+            run("run", scene, "-o", folder, "--preset", preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite", *options)
+        mesh = folder / f"yardstick{option}.ply"
+        run("mesh", folder, option, "-o", mesh)
         partial = result.with_suffix(".partial")
         partial.write_text(run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json"))
         partial.rename(result)
         mesh.unlink()
     return scores(json.loads(result.read_text()), GEOMETRY)
+
+
+def measure_yardstick(output, room, room_seed, seed, row, yard):
+    scene = yardstick_scene(output, room, room_seed, seed, row, yard)
+    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
+    return mesh_scores(folder, scene, yard.option, row.preset, seed)
 
 
 def interval(differences, draws=10000):

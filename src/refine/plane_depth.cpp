@@ -164,6 +164,27 @@ PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, co
   return out;
 }
 
+template <class Work>
+void for_each_view(const std::vector<PlaneView>& views, ThreadPool& pool, Work&& work) {
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) work(i);
+  });
+}
+
+std::vector<PreparedView> prepare_all(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
+                                      const PlaneDepthSettings& settings, ThreadPool& pool) {
+  std::vector<PreparedView> prepared(views.size());
+  for_each_view(views, pool, [&](size_t i) { prepared[i] = prepare(views[i], classes, settings); });
+  return prepared;
+}
+
+std::vector<ScenePlane> planes_in(const std::vector<PlaneView>& views, const std::vector<PreparedView>& prepared,
+                                  const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings) {
+  std::vector<PlanePoint> points;
+  for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
+  return find_planes(points, settings.planes, kSeed);
+}
+
 }  // namespace
 
 std::vector<PlaneClass> plane_classes(const LabelSet& labels) {
@@ -175,21 +196,18 @@ std::vector<PlaneClass> plane_classes(const LabelSet& labels) {
   return out;
 }
 
+std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings,
+                                    ThreadPool& pool) {
+  return planes_in(views, prepare_all(views, classes, settings, pool), classes, settings);
+}
+
 PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
                                 const PlaneDepthSettings& settings, ThreadPool& pool) {
   PlaneDepthResult result;
   result.views.resize(views.size());
-  std::vector<PreparedView> prepared(views.size());
-  const auto for_each_view = [&](auto&& work) {
-    pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
-      for (size_t i = begin; i < end; ++i) work(i);
-    });
-  };
-  for_each_view([&](size_t i) { prepared[i] = prepare(views[i], classes, settings); });
-  std::vector<PlanePoint> points;
-  for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
-  result.planes = find_planes(points, settings.planes, kSeed);
-  for_each_view([&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
+  const std::vector<PreparedView> prepared = prepare_all(views, classes, settings, pool);
+  result.planes = planes_in(views, prepared, classes, settings);
+  for_each_view(views, pool, [&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
   size_t with_depth = 0, on_plane = 0;
   for (size_t i = 0; i < views.size(); ++i) {
     for (size_t p = 0; p < result.views[i].weight.data.size() && p < views[i].depth.data.size(); ++p) {

@@ -49,6 +49,10 @@ struct PlaneClass {
 /// For each class of a label set, by name: rugs lie on the floor; doors, pictures, windows and mirrors are part of walls.
 std::vector<PlaneClass> plane_classes(const LabelSet& labels);
 
+/// The planes of measure_planes() alone, without what they say of each pixel.
+std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings,
+                                    ThreadPool& pool);
+
 /// Deterministic for any number of threads. No labels, or nothing flat: no planes, and weights of 0.
 PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
                                 const PlaneDepthSettings& settings, ThreadPool& pool);

@@ -205,7 +205,7 @@ UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vect
   UnseenLayout out;
   std::vector<PlaneView> plane_views;
   for (const LayoutView& view : views) plane_views.push_back(view.plane);
-  const std::vector<ScenePlane> planes = measure_planes(plane_views, classes, settings.planes, pool).planes;
+  const std::vector<ScenePlane> planes = find_planes(plane_views, classes, settings.planes, pool);
   const Surfaces surfaces = surfaces_of(views, settings.planes.stride);
   if (planes.empty() || surfaces.points.empty()) return out;
   std::vector<ScenePlane> bounds;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "core/log.h"
 #include "core/stop_signal.h"
@@ -75,17 +76,26 @@ EngineFactory killed_at(int64_t step) {
   };
 }
 
+/// `make` gives the options of a run by its name. Killed and resumed, such a run must end with the very Gaussians of `whole`, which has
+/// ended. `compare` looks at what else must be equal; `places` are the steps in which runs are killed.
+void expect_resumes(const TrainOptions& whole, const std::function<TrainOptions(const std::string&)>& make,
+                    const std::function<void(const TrainOptions&)>& compare = {},
+                    const std::vector<int64_t>& places = {5, 16, 37}) {
+  for (const int64_t at : places) {
+    TrainOptions o = make(whole.run.filename().string() + std::to_string(at));
+    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
+    o.resume = true;
+    train_run(o);
+    EXPECT_TRUE(read_file(RunFolder(o.run).scene_ply()) == read_file(RunFolder(whole.run).scene_ply())) << o.run << " killed at " << at;
+    if (compare) compare(o);
+  }
+}
+
 TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   for (const char* preset : {"default", "paper", "pgsr"}) {
     const TrainOptions whole = options(std::string(preset) + "_whole", preset);
     train_run(whole);
-    for (const int64_t at : {5, 16, 37}) {
-      TrainOptions o = options(std::string(preset) + std::to_string(at), preset);
-      EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-      o.resume = true;
-      train_run(o);
-      EXPECT_TRUE(ply(o) == ply(whole)) << preset << " killed at " << at;
-    }
+    expect_resumes(whole, [&](const std::string& name) { return options(name, preset); });
   }
 }
 
@@ -97,13 +107,7 @@ TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
   train_run(whole);
   train_run(plain);
   EXPECT_FALSE(ply(whole) == ply(plain));
-  for (const int64_t at : {5, 16, 37}) {
-    TrainOptions o = ordered("ordered" + std::to_string(at), 2);
-    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
-  }
+  expect_resumes(whole, [&](const std::string& run) { return ordered(run, 2); });
 }
 
 TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
@@ -119,14 +123,8 @@ TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
   train_run(options("still", "default"));
   const std::string cameras = read_file(whole.run / "cameras.json");
   EXPECT_NE(cameras, read_file(base_ / "still" / "cameras.json"));
-  for (const int64_t at : {5, 16, 37}) {
-    TrainOptions o = moving("moving" + std::to_string(at), 2);
-    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
-    EXPECT_EQ(read_file(o.run / "cameras.json"), cameras) << "killed at " << at;
-  }
+  expect_resumes(whole, [&](const std::string& run) { return moving(run, 2); },
+                 [&](const TrainOptions& o) { EXPECT_EQ(read_file(o.run / "cameras.json"), cameras) << o.run; });
 }
 
 TEST_F(TrainOnCpu, McmcGrowthWithAFloorOfScalesResumesByteIdentical) {
@@ -140,13 +138,7 @@ TEST_F(TrainOnCpu, McmcGrowthWithAFloorOfScalesResumesByteIdentical) {
   const TrainOptions whole = growing("mcmc", 1);
   const TrainResult grown = train_run(whole), adaptive = train_run(options("adaptive", "default"));
   EXPECT_GT(grown.gaussians, adaptive.gaussians);
-  for (const int64_t at : {5, 16, 37}) {
-    TrainOptions o = growing("mcmc" + std::to_string(at), 2);
-    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
-  }
+  expect_resumes(whole, [&](const std::string& run) { return growing(run, 2); });
 }
 
 TEST_F(TrainOnCpu, MultiViewTermsActAndAreLogged) {
@@ -176,13 +168,7 @@ TEST_F(TrainOnCpu, CoarseStepsResumeByteIdentical) {
   train_run(fine);
   EXPECT_FALSE(ply(whole) == ply(fine));
   EXPECT_NE(read_file(RunFolder(whole.run).events()).find("views at 1 of the working resolution"), std::string::npos);
-  for (const int64_t at : {15, 20, 21}) {  // checkpoints stand at 10 and 20
-    TrainOptions o = coarse("coarse" + std::to_string(at));
-    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(ply(o) == ply(whole)) << "killed at " << at;
-  }
+  expect_resumes(whole, coarse, {}, {15, 20, 21});  // checkpoints stand at 10 and 20
 }
 
 TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {

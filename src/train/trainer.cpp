@@ -142,7 +142,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   request.pose_gradient = pose_rates.active() && request.view != 0;  // the first camera holds the world in its place
   report_ = engine_.step(request);
   state_.iteration = iteration;
-  if (request.pose_gradient && !report_.non_finite.found) move_camera(request.view, pose_rates);
+  if (request.pose_gradient && !report_.non_finite.found) move_camera(static_cast<size_t>(request.view), pose_rates);
   if (const double noise = schedule_.position_noise(iteration); noise > 0) {
     engine_.add_position_noise({static_cast<float>(noise), generator(in_.config, kRandomNoise).fork(static_cast<uint64_t>(iteration)).next()});
   }
@@ -186,18 +186,19 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
 }
 
 void Trainer::place_cameras() {
-  for (size_t v = 0; v < state_.motions.size(); ++v) {
-    in_.guides[v].camera.world_to_camera = moved(poses_[v], state_.motions[v]);
-    engine_.set_pose(static_cast<int>(v), in_.guides[v].camera.world_to_camera);
-  }
+  for (size_t v = 0; v < state_.motions.size(); ++v) place_camera(v);
 }
 
-void Trainer::move_camera(int view, const PoseRates& rates) {
-  const size_t v = static_cast<size_t>(view);
+void Trainer::place_camera(size_t view) {
+  Rigidd& pose = in_.guides[view].camera.world_to_camera;
+  pose = moved(poses_[view], state_.motions[view]);
+  engine_.set_pose(static_cast<int>(view), pose);
+}
+
+void Trainer::move_camera(size_t view, const PoseRates& rates) {
   if (state_.motions.empty()) state_.motions.resize(in_.guides.size());
-  update_motion(report_.pose, rates, state_.motions[v]);
-  in_.guides[v].camera.world_to_camera = moved(poses_[v], state_.motions[v]);
-  engine_.set_pose(view, in_.guides[v].camera.world_to_camera);
+  update_motion(report_.pose, rates, state_.motions[view]);
+  place_camera(view);
 }
 
 void Trainer::close_room_now(int64_t iteration, EventLog& events) {

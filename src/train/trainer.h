@@ -59,7 +59,8 @@ class Trainer {
   void upkeep(int64_t iteration, EventLog& events);
   /// Puts the cameras where the state has them, in the engine and in the guides.
   void place_cameras();
-  void move_camera(int view, const PoseRates& rates);
+  void place_camera(size_t view);
+  void move_camera(size_t view, const PoseRates& rates);
   void close_room_now(int64_t iteration, EventLog& events);
   void write_state();
   void stop_here();

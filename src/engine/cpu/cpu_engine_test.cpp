@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "core/error.h"
+#include "engine/cpu/engine_runs_for_tests.h"
 #include "engine/cpu/test_scenes.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/adam.h"
-#include "engine/formulas/shape_terms.h"
 #include "gaussians/morton_order.h"
 #include "scene/triangle_mesh.h"
 
@@ -20,42 +20,6 @@ namespace {
 using namespace testing_scene;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-std::vector<TrainingView> two_views(const SceneOptions& o) {
-  TrainingView first = make_view(o), second = make_view(o);
-  second.data.camera.world_to_camera.translation.x += 0.3;
-  return {first, second};
-}
-
-/// Steps [first, last] alternate between the views.
-void run_steps(Engine& engine, int first, int last) {
-  StepRequest r = make_geometry_request();
-  for (r.step = first; r.step <= last; ++r.step) {
-    r.view = static_cast<int>(r.step % 2);
-    ASSERT_FALSE(engine.step(r).non_finite.found);
-  }
-}
-
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
-}
-
-void expect_same_state(const EngineState& a, const EngineState& b) {
-  EXPECT_TRUE(same_bits(a.model.positions, b.model.positions));
-  EXPECT_TRUE(same_bits(a.model.log_scales, b.model.log_scales));
-  EXPECT_TRUE(same_bits(a.model.rotations, b.model.rotations));
-  EXPECT_TRUE(same_bits(a.model.opacity_logits, b.model.opacity_logits));
-  EXPECT_TRUE(same_bits(a.model.sh, b.model.sh));
-  EXPECT_TRUE(same_bits(a.model.semantics, b.model.semantics));
-  ASSERT_EQ(a.arrays.size(), b.arrays.size());
-  for (const auto& [name, values] : a.arrays) EXPECT_TRUE(same_bits(values, b.arrays.at(name))) << name;
-}
-
-EngineState state_of(const Engine& engine) {
-  EngineState s;
-  engine.save_state(s);
-  return s;
-}
 
 TEST(CpuEngine, BitIdenticalForAnyNumberOfThreads) {
   SceneOptions o;
@@ -225,45 +189,6 @@ TEST(CpuEngine, OpacityResetCapsAndForgets) {
   for (const float x : s.model.opacity_logits) EXPECT_LE(1 / (1 + std::exp(-x)), 0.0100001f);
   for (const float x : s.arrays.at("adam_m.opacity_logits")) EXPECT_EQ(x, 0.0f);
   for (const float x : s.arrays.at("adam_v.opacity_logits")) EXPECT_EQ(x, 0.0f);
-}
-
-TEST(CpuEngine, NoiseMovesPositionsAloneAndAlikeOnAnyNumberOfThreads) {
-  const SceneOptions o;
-  GaussianModel model = make_model(o);
-  for (size_t i = 0; i < model.size(); i += 2) model.opacity_logits[i] = -6;
-  CpuEngine one(1), three(3);
-  for (CpuEngine* engine : {&one, &three}) {
-    engine->load(model);
-    engine->add_position_noise({10, 5});
-  }
-  const EngineState a = state_of(one), b = state_of(three);
-  EXPECT_EQ(a.model.positions, b.model.positions);
-  EXPECT_NE(a.model.positions, model.positions);
-  EXPECT_EQ(a.model.log_scales, model.log_scales);
-  one.load(model);
-  one.add_position_noise({});
-  EXPECT_EQ(state_of(one).model.positions, model.positions);
-}
-
-TEST(CpuEngine, ScalesAreRaisedAndMomentsKept) {
-  const SceneOptions o;
-  CpuEngine engine(1);
-  engine.load(make_model(o));
-  engine.set_training_views(two_views(o));
-  run_steps(engine, 1, 2);
-  const EngineState before = state_of(engine);
-  std::vector<float> floors(before.model.size(), -2.0f);
-  floors[0] = -std::numeric_limits<float>::infinity();
-  engine.raise_scales(floors);
-  const EngineState after = state_of(engine);
-  EXPECT_EQ(after.arrays, before.arrays);
-  for (size_t i = 0; i < before.model.size(); ++i) {
-    Vec3<float> want{before.model.log_scales[3 * i], before.model.log_scales[3 * i + 1], before.model.log_scales[3 * i + 2]};
-    raise_larger_scales(floors[i], want);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(after.model.log_scales[3 * i + static_cast<size_t>(k)], want[k]);
-  }
-  floors.pop_back();
-  EXPECT_THROW(engine.raise_scales(floors), Error);
 }
 
 TEST(CpuEngine, NonFiniteParameterIsNamedAndNothingChanges) {

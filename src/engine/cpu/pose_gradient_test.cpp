@@ -6,31 +6,12 @@
 
 #include "engine/cpu/cpu_engine.h"
 #include "engine/cpu/test_scenes.h"
+#include "engine/reference/reference_pose.h"
 
 namespace aligngs::cpu {
 namespace {
 
 using namespace testing_scene;
-
-/// The formula in double, over the engine's own gradients.
-PoseGradient<double> in_double(const GaussianModel& model, const GaussianModel& gradients, const Camera& camera, int sh_degree) {
-  const GaussianModelT<double> m = to_double(model), g = to_double(gradients);
-  const PoseFrame<double> frame{camera.world_to_camera.rotation, camera.world_to_camera.translation, camera.centre()};
-  PoseGradient<double> sum;
-  for (size_t i = 0; i < m.size(); ++i) {
-    PoseRow<double> row;
-    row.position = {m.positions[3 * i], m.positions[3 * i + 1], m.positions[3 * i + 2]};
-    row.dposition = {g.positions[3 * i], g.positions[3 * i + 1], g.positions[3 * i + 2]};
-    row.quaternion = &m.rotations[4 * i];
-    row.dquaternion = &g.rotations[4 * i];
-    row.sh = &m.sh[3 * kShCoefficients * i];
-    row.dsh = &g.sh[3 * kShCoefficients * i];
-    const PoseGradient<double> share = row_pose_gradient(frame, row, sh_degree);
-    sum.rotation += share.rotation;
-    sum.translation += share.translation;
-  }
-  return sum;
-}
 
 StepReport step(const SceneOptions& o, const StepRequest& request, int threads, GaussianModel* gradients = nullptr) {
   CpuEngine engine(threads);
@@ -48,7 +29,8 @@ TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
   request.pose_gradient = true;
   GaussianModel gradients;
   const PoseGradient<double> got = step(o, request, 2, &gradients).pose;
-  const PoseGradient<double> want = in_double(make_model(o), gradients, make_view(o).data.camera, request.sh_degree);
+  const PoseGradient<double> want =
+      reference::pose_gradient(to_double(make_model(o)), to_double(gradients), make_view(o).data.camera, request.sh_degree);
   EXPECT_GT(norm(want.rotation), 0);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(got.rotation[k], want.rotation[k], 1e-4 * norm(want.rotation));

@@ -189,7 +189,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   DeviceSpan<PoseGradient<double>> pose;
   if (request.pose_gradient) {
     pose = arena_.take<PoseGradient<double>>(1, "state of the step");
-    pose_gradient(arena_, {model_.spans(), g, last_.touched, pose_frame(view.camera), request.sh_degree}, pose);
+    pose_gradient(arena_, {model_.spans(), g, last_.touched, pose_frame<float>(view.camera), request.sh_degree}, pose);
     timer_->mark("pose");
   }
 

@@ -5,10 +5,6 @@
 
 namespace aligngs::cuda {
 
-PoseFrame<float> pose_frame(const Camera& camera) {
-  return {camera.world_to_camera.rotation.cast<float>(), camera.world_to_camera.translation.cast<float>(), camera.centre().cast<float>()};
-}
-
 void pose_gradient(DeviceArena& arena, const PoseGradientInputs& in, DeviceSpan<PoseGradient<double>> out) {
   const LaunchShape shape = one_per_item(in.model.gaussians, kGradientThreads);
   const DeviceSpan<double> partial = arena.take<double>(shape.grid.x * size_t(kPoseSums), "sums of the pose gradient");

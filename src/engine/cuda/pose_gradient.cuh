@@ -9,22 +9,11 @@ namespace aligngs::cuda {
 
 inline constexpr int kPoseSums = 6;
 
-__device__ __forceinline__ PoseGradient<float> pose_share(const PoseGradientInputs& in, size_t i) {
-  PoseRow<float> row;
-  for (int k = 0; k < 3; ++k) row.position[k] = in.model.positions[3 * i + k];
-  for (int k = 0; k < 3; ++k) row.dposition[k] = in.gradients.positions[3 * i + k];
-  row.quaternion = &in.model.rotations[4 * i];
-  row.dquaternion = &in.gradients.rotations[4 * i];
-  row.sh = &in.model.sh[3 * kShCoefficients * i];
-  row.dsh = &in.gradients.sh[3 * kShCoefficients * i];
-  return row_pose_gradient(in.camera, row, in.sh_degree);
-}
-
 __global__ void __launch_bounds__(kGradientThreads) pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
   const size_t i = item_index();
   double sums[kPoseSums] = {};
   if (i < in.model.gaussians && in.touched[i] != 0) {
-    const PoseGradient<float> share = pose_share(in, i);
+    const PoseGradient<float> share = row_pose_gradient(in.camera, pose_row<float>(in.model, in.gradients, i), in.sh_degree);
     for (int k = 0; k < 3; ++k) sums[k] = share.rotation[k];
     for (int k = 0; k < 3; ++k) sums[3 + k] = share.translation[k];
   }

@@ -3,8 +3,7 @@
 
 #include "engine/cuda/model_spans.h"
 #include "engine/cuda/runtime/device_memory.h"
-#include "engine/formulas/pose_gradient.h"
-#include "scene/camera.h"
+#include "engine/formulas/pose_rows.h"
 
 namespace aligngs::cuda {
 
@@ -15,8 +14,6 @@ struct PoseGradientInputs {
   PoseFrame<float> camera;
   int sh_degree = 0;
 };
-
-PoseFrame<float> pose_frame(const Camera& camera);
 
 /// out[0] of [1]. Scratch comes from the arena.
 void pose_gradient(DeviceArena& arena, const PoseGradientInputs& in, DeviceSpan<PoseGradient<double>> out);

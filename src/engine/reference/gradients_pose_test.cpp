@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/rotation_vector.h"
-#include "engine/formulas/pose_gradient.h"
 #include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/reference_pose.h"
 
 namespace aligngs::reference {
 namespace {
@@ -27,24 +27,6 @@ MapLossFunction<double> probe() {
   };
 }
 
-PoseGradient<double> summed(const Model& model, const Model& gradient, const Camera& camera, int sh_degree) {
-  const PoseFrame<double> frame{camera.world_to_camera.rotation, camera.world_to_camera.translation, camera.centre()};
-  PoseGradient<double> sum;
-  for (size_t i = 0; i < model.size(); ++i) {
-    PoseRow<double> row;
-    row.position = {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-    row.dposition = {gradient.positions[3 * i], gradient.positions[3 * i + 1], gradient.positions[3 * i + 2]};
-    row.quaternion = &model.rotations[4 * i];
-    row.dquaternion = &gradient.rotations[4 * i];
-    row.sh = &model.sh[3 * kShCoefficients * i];
-    row.dsh = &gradient.sh[3 * kShCoefficients * i];
-    const PoseGradient<double> share = row_pose_gradient(frame, row, sh_degree);
-    sum.rotation += share.rotation;
-    sum.translation += share.translation;
-  }
-  return sum;
-}
-
 TEST(PoseGradient, MatchesDifferencesAtEveryDegree) {
   const Model model = make_model<double>();
   constexpr double kStep = 1e-5;
@@ -56,7 +38,7 @@ TEST(PoseGradient, MatchesDifferencesAtEveryDegree) {
       view.data.camera.world_to_camera = Rigidd{rotation_of(turn), shift} * view.data.camera.world_to_camera;
       return gradients(model, view, request, 0.0, probe()).losses.total;
     };
-    const PoseGradient<double> got = summed(model, gradients(model, make_view(), request, 0.0, probe()).gradient, make_camera(), degree);
+    const PoseGradient<double> got = pose_gradient(model, gradients(model, make_view(), request, 0.0, probe()).gradient, make_camera(), degree);
     double largest = 0;
     Vec3d rotation, translation;
     for (int k = 0; k < 3; ++k) {

@@ -71,7 +71,7 @@ void compare_pose_gradient(cuda::DeviceContext& context, const CpuStep& step, Op
   cuda::DeviceArena arena(context);
   const Camera& camera = step.scene.training.data.camera;
   const int degree = step.scene.request.sh_degree;
-  cuda::pose_gradient(arena, {model.spans(), gradients.spans(), touched.span(), cuda::pose_frame(camera), degree}, out.span());
+  cuda::pose_gradient(arena, {model.spans(), gradients.spans(), touched.span(), pose_frame<float>(camera), degree}, out.span());
   const PoseGradient<double> got = out.to_host()[0];
   ThreadPool pool(1);
   const PoseGradient<double> want = cpu::pose_gradient(step.scene.model, step.parameters, camera, degree, pool);
