@@ -51,13 +51,32 @@ TEST_F(RefineCommand, ASceneThatStandsThereIsNotReplacedUnasked) {
   EXPECT_EQ(refine("--overwrite").status, 0);
 }
 
-TEST_F(RefineCommand, WithoutPriorDepthItSaysWhatIsMissing) {
+TEST_F(RefineCommand, WithoutPriorDepthItIsMeasured) {
   fs::remove_all(root() / "scene" / "pred_depths");
+  const ProcessResult result = refine("--json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_GT(nlohmann::json::parse(result.out)["depth_measured"].get<double>(), 0);
+  EXPECT_EQ(open_scene(root() / "refined").prior_source, kStereoDepth);
+}
+
+TEST_F(RefineCommand, WithoutPriorDepthAndPointsItSaysWhatIsMissing) {
+  fs::remove_all(root() / "scene" / "pred_depths");
+  for (const char* file : {"points3D.bin", "points3D.ply"}) fs::remove(root() / "scene" / "sparse" / file);
   const ProcessResult result = refine("");
   EXPECT_EQ(result.status, 3);
-  EXPECT_THAT(result.err, HasSubstr("pred_depths"));
+  EXPECT_THAT(result.err, HasSubstr("points"));
   EXPECT_THAT(result.err, HasSubstr("remedy"));
   EXPECT_FALSE(fs::exists(root() / "refined"));
+}
+
+TEST_F(RefineCommand, RunMeasuresDepthIntoItsOwnSceneFolder) {
+  fs::remove_all(root() / "scene" / "pred_depths");
+  const std::string run = "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' -n 10 -q";
+  const ProcessResult first = run_aligngs(run, root() / "scratch");
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_EQ(open_scene(root() / "run" / "scene").prior_source, kStereoDepth);
+  const ProcessResult again = run_aligngs(run + " --resume", root() / "scratch");
+  EXPECT_EQ(again.status, 0) << again.err;
 }
 
 TEST_F(RefineCommand, RunRefinesIntoItsOwnSceneFolderAndResumesWithoutDoingItAgain) {

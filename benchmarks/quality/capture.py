@@ -5,7 +5,7 @@
 
 CAPTURE is what `aligngs import` reads, MODEL a COLMAP model of the training photos for `rgb`. Rows:
 
-    rgb         points of structure from motion, true cameras, no depth: the headline
+    rgb         points of structure from motion, true cameras, depth only as `aligngs refine` measures it in the photos: the headline
     simulated   cameras, depth and points of `aligngs data simulate`, another draw per seed; called simulated wherever shown
     rgbd        the sensor's depth, from which the reference was fused: shows only that nothing is lost
 
@@ -34,10 +34,14 @@ class Row(ladder.Row):
 ROWS = [
     Row("rgb", "3dgs", "paper", ladder.THREE_DGS),
     Row("rgb", "pgsr", "pgsr", compare_with=["3dgs"]),
-    Row("rgb", "default", "default", compare_with=["3dgs", "pgsr"]),
-    Row("rgb", "default, multi-view terms", "default", ladder.MULTI_VIEW, compare_with=["default"]),
-    Row("rgb", "default, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default"]),
-    Row("rgb", "default, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"], compare_with=["default"]),
+    Row("rgb", "default", "default", refine=REFINED, compare_with=["3dgs", "pgsr", "default, from the points", "pgsr, the same scene"]),
+    Row("rgb", "pgsr, the same scene", "pgsr", ladder.PGSR_PRIOR + ["init.start=depth"], refine=REFINED, compare_with=["pgsr"]),
+    Row("rgb", "default, photos as exposed", "default", ["data.exposure=false"], refine=REFINED, compare_with=["default", "3dgs", "pgsr"]),
+    Row("rgb", "default, multi-view terms", "default", ladder.MULTI_VIEW, refine=REFINED, compare_with=["default"]),
+    Row("rgb", "default, from the points", "default", compare_with=["3dgs", "pgsr"]),
+    Row("rgb", "default, from the points, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default, from the points"]),
+    Row("rgb", "default, from the points, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"],
+        compare_with=["default, from the points"]),
     Row("simulated", "3dgs", "paper", ladder.THREE_DGS),
     Row("simulated", "pgsr + prior depth", "pgsr", ladder.PGSR_PRIOR, compare_with=["3dgs"]),
     Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder.PGSR_PRIOR, ladder.CAMERAS_ONLY),
@@ -48,6 +52,7 @@ ROWS = [
 ]
 # Meshes that no training has touched, with the cameras of the row that they stand beside.
 YARDSTICKS = {
+    "rgb: default": [("rgb: TSDF of the measured depth", "--from-prior", REFINED)],
     "simulated: default": [("simulated: TSDF of the prior depth, cameras as given", "--from-prior", None),
                            ("simulated: TSDF of the refined depth", "--from-prior", REFINED),
                            ("simulated: TSDF of the true depth (ceiling)", "--from-truth", REFINED)],
@@ -82,7 +87,7 @@ def train(arguments, row, seed):
 
 def measure(arguments, seed, yardstick):
     _, option, refine = yardstick
-    scene = scene_of(arguments, "simulated", seed, refine)
+    scene = scene_of(arguments, yardstick[0].split(":")[0], seed, refine)
     folder = arguments.output / "runs" / str(seed) / ("yardstick_" + scene.name)
     return ladder.mesh_scores(folder, scene, option, "default", seed, [f"data.scale={arguments.scale}"])
 

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "core/error.h"
+#include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
 
 namespace aligngs {
@@ -25,8 +27,38 @@ double exposure_span(const std::vector<Vec3f>& log_gains) {
   return static_cast<double>(brightest->y - darkest->y);
 }
 
+void print_planes(const std::vector<ScenePlane>& planes, double share) {
+  if (!planes.empty()) std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
+}
+
+void measure(const CommandContext& context, const RefineCommandOptions& options, const Scene& scene) {
+  MeasureSceneOptions measure_options;
+  measure_options.exposure = !options.no_exposure;
+  measure_options.planes = !options.no_planes;
+  measure_options.overwrite = options.overwrite;
+  measure_options.progress = context.progress();
+  ThreadPool pool(context.global.threads);
+  const MeasureSceneReport report = measure_scene(scene, options.output, measure_options, pool);
+  if (report.views == 0) {
+    throw_bad_input(scene.folder, "images", "no depth can be measured: no two photos show the same from places far enough apart",
+                    "add photos, or train from the points alone (`aligngs run` does)");
+  }
+  if (context.global.json) {
+    const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
+                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes},
+                                             {"exposure_span", exposure_span(report.log_gains)}};
+    std::printf("%s\n", document.dump(2).c_str());
+    return;
+  }
+  std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
+              100 * report.measured);
+  print_planes(report.planes.planes, report.planes.on_planes);
+  if (!report.log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(report.log_gains)));
+}
+
 void refine(const CommandContext& context, const RefineCommandOptions& options) {
   const Scene scene = open_scene(options.scene);
+  if (!scene.has_prior_depth()) return measure(context, options, scene);
   RefineSceneOptions refine_options;
   refine_options.correct_depth = !options.keep_depth;
   refine_options.stereo = !options.no_stereo;
@@ -61,9 +93,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
-  if (!report.planes.empty()) {
-    std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", report.planes.size(), 100 * report.on_planes);
-  }
+  print_planes(report.planes, report.on_planes);
   if (!report.log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(report.log_gains)));
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
@@ -75,12 +105,13 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
 }  // namespace
 
 void add_refine_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("refine", "Correct cameras and prior depth from matches between the photos");
+  CLI::App* command = program.add_subcommand("refine", "Correct cameras and prior depth from matches between the photos, or measure depth where there is none");
   command->group("Data");
-  command->footer("The scene itself is not changed. Test photos are registered against the result afterwards and move nothing.\n"
+  command->footer("Without prior depth, cameras stay and depth is measured between the scene's points, by multi-view stereo.\n"
+                  "The scene itself is not changed. Test photos are registered against the result afterwards and move nothing.\n"
                   "Example: aligngs refine scene -o refined && aligngs run refined -o run");
   auto options = std::make_shared<RefineCommandOptions>();
-  command->add_option("scene", options->scene, "scene folder with prior depth")->required();
+  command->add_option("scene", options->scene, "scene folder")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required();
   command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
   command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo only, not by multi-view stereo");

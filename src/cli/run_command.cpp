@@ -88,7 +88,8 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   if (!begun) require_weights(store, options, photos);
   if (!begun && !photos) fill_priors(source, store, options, context);
   bool refine = !begun && !photos && should_refine(source, config);
-  const bool owns = photos || refine || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
+  const bool measured = !begun && !photos && should_measure(source, config) && measure_into_run(source, run, config, context);
+  const bool owns = photos || refine || measured || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
   const fs::path scene = owns ? own : source;
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, scene, train.threads);
   if (photos && !(begun && may_hold_colmap_model(scene))) {
@@ -100,6 +101,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
     log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
     fill_priors(scene, store, options, context);
+    if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
     refine = should_refine(scene, config);
   }
   if (refine) refine_into_run(photos ? scene : source, run, config, context);

@@ -26,10 +26,13 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
 
 void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
   const auto set = [options](const char* value) {
-    return [options, value](int64_t) { options->sets.push_back(std::string("data.refine_cameras=") + value); };
+    return [options, value](int64_t) {
+      for (const char* key : {"data.refine_cameras=", "data.measure_depth="}) options->sets.push_back(std::string(key) + value);
+    };
   };
-  const std::string what = "correct cameras, focal length and prior depth from matches between the photos first (see `aligngs refine`)";
-  command.add_flag_function("--refine", set("true"), what + "; all presets but `paper` do where every training view has metric depth");
+  const std::string what = "correct cameras, focal length and prior depth from matches between the photos first, or measure "
+                           "depth where there is none (see `aligngs refine`)";
+  command.add_flag_function("--refine", set("true"), what + "; all presets but `paper` and `pgsr` do");
   command.add_flag_function("--no-refine", set("false"), "keep cameras and prior depth as they are");
 }
 

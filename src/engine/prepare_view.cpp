@@ -111,7 +111,7 @@ ImageF depth_weight_map(const ImageF& depth, const ImageF* confidence, const Pre
   ImageF weight(depth.width, depth.height, 1);
   const Image<uint8_t> band = depth_band(depth, options);
   const auto usable = [&](size_t i) {
-    return has_depth(depth.data[i]) && (!confidence || std::isfinite(confidence->data[i]));
+    return has_depth(depth.data[i]) && (!confidence || confidence->data[i] > 0);  // NaN and 0 know nothing
   };
   float low = 0, high = 0;
   if (confidence) {

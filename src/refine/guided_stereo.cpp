@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "core/disjoint_sets.h"
 #include "core/median.h"
 #include "refine/view_overlap.h"
 
@@ -48,7 +49,7 @@ Measurement measure(const MatchView& view, const std::vector<const MatchView*>& 
   if (view.depth.empty() || others.empty()) return out;
   CostVolume volume = sweep_prior_depth(view, others, settings.sweep);
   const CostVolume raw = volume;
-  aggregate_costs(volume, view.depth, settings.choice);
+  aggregate_costs(volume, view.depth, settings.choice, view.luma);
   for (int y = 0; y < volume.height; ++y) {
     for (int x = 0; x < volume.width; ++x) {
       const size_t i = static_cast<size_t>(y) * volume.width + x;
@@ -91,6 +92,29 @@ ImageF confirmed(const MatchView& view, const Measurement& own, const std::vecto
     }
   }
   return certainty;
+}
+
+/// Certainties of confirmed patches that are smaller than settings.least_patch become 0. Neighbours whose depths agree belong together.
+void drop_small_patches(const MatchView& view, const ImageF& log_factor, const StereoSettings& settings, ImageF& certainty) {
+  const int width = certainty.width, height = certainty.height;
+  DisjointSets patches(certainty.pixels());
+  const auto join = [&](size_t i, size_t j) {
+    if (certainty.data[i] <= 0 || certainty.data[j] <= 0) return;
+    const float step = std::log(view.depth.data[i] / view.depth.data[j]) + log_factor.data[i] - log_factor.data[j];
+    if (std::abs(step) <= settings.agreement) patches.unite(static_cast<uint32_t>(i), static_cast<uint32_t>(j));
+  };
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const size_t i = static_cast<size_t>(y) * width + x;
+      if (x + 1 < width) join(i, i + 1);
+      if (y + 1 < height) join(i, i + static_cast<size_t>(width));
+    }
+  }
+  std::vector<int> sizes(certainty.pixels(), 0);
+  for (size_t i = 0; i < sizes.size(); ++i) ++sizes[patches.find(static_cast<uint32_t>(i))];
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[patches.find(static_cast<uint32_t>(i))] < settings.least_patch) certainty.data[i] = 0;
+  }
 }
 
 /// The photos to compare each one with: those that see most of the same, from far enough apart.
@@ -143,7 +167,8 @@ std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& vie
       StereoResult& result = results[i];
       result.certainty = confirmed(*views[i], measurements[i], photos_of(i), theirs, settings);
       result.own_factor = measurements[i].log_factor;
-      result.log_factor = spread_log_correction(views[i]->depth, measurements[i].log_factor, result.certainty, settings.spread);
+      if (settings.least_patch > 1) drop_small_patches(*views[i], result.own_factor, settings, result.certainty);
+      result.log_factor = spread_log_correction(views[i]->depth, measurements[i].log_factor, result.certainty, settings.spread, views[i]->luma);
       size_t with_depth = 0, sure = 0;
       for (size_t p = 0; p < result.certainty.pixels(); ++p) {
         with_depth += views[i]->depth.data[p] > 0;

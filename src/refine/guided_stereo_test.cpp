@@ -87,6 +87,23 @@ TEST(GuidedStereo, ViewsWithoutDepthAreLeftOut) {
   EXPECT_GT(results[1].measured, 0.2);
 }
 
+TEST(GuidedStereo, SmallPatchesCanBeLeftOut) {
+  const BentPhotos bent(4, 0.03);
+  ThreadPool pool(2);
+  StereoSettings settings;
+  settings.least_patch = 100;
+  const std::vector<StereoResult> all = guided_stereo(bent.views, {}, pool), large = guided_stereo(bent.views, settings, pool);
+  size_t dropped = 0, kept = 0;
+  for (size_t p = 0; p < all[1].certainty.pixels(); ++p) {
+    const float a = all[1].certainty.data[p], b = large[1].certainty.data[p];
+    EXPECT_TRUE(b == a || b == 0);
+    dropped += a > 0 && b == 0;
+    kept += b > 0;
+  }
+  EXPECT_GT(dropped, 0u);
+  EXPECT_GT(kept, 10 * dropped);
+}
+
 TEST(SweepPriorDepth, TheTruthCostsLeast) {
   const BentPhotos exact(4, 0);
   SweepSettings settings;
@@ -136,6 +153,45 @@ TEST(AggregateCosts, ADepthEdgeLetsBothSidesDiffer) {
     const float* cost = volume.at(x, 0);
     EXPECT_EQ(std::min_element(cost, cost + 5) - cost, x < 4 ? 0 : 4) << x;
   }
+}
+
+TEST(AggregateCosts, AnEdgeOfThePhotoLetsBothSidesDiffer) {
+  CostVolume volume;
+  volume.width = 8, volume.height = 1, volume.hypotheses = 5;
+  volume.cost.assign(8 * 5, 1.0f);
+  volume.known.assign(8, 1);
+  ImageF luma(8, 1, 1, 0.2f);
+  for (int x = 0; x < 8; ++x) {
+    volume.at(x, 0)[x < 5 ? 0 : 4] = 0.9f;  // weak: three pixels alone would follow the other five
+    if (x >= 5) luma.at(x, 0) = 0.9f;
+  }
+  CostVolume blind = volume;
+  SemiGlobalSettings settings;
+  aggregate_costs(blind, ImageF(8, 1, 1, 2.0f), settings, luma);
+  settings.luma_edge = 0.04;
+  aggregate_costs(volume, ImageF(8, 1, 1, 2.0f), settings, luma);
+  const float* b = blind.at(5, 0);
+  const float* v = volume.at(5, 0);
+  EXPECT_LT(v[4] - v[0], b[4] - b[0]);
+  EXPECT_EQ(std::min_element(v, v + 5) - v, 4);
+}
+
+TEST(SpreadLogCorrection, StopsAtEdgesOfThePhotoWhenItIsLookedAt) {
+  ImageF depth(30, 10, 1, 2.0f), given(30, 10, 1), weight(30, 10, 1), luma(30, 10, 1, 0.2f);
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 15; x < 30; ++x) luma.at(x, y) = 0.8f;
+    for (const int x : {1, 28}) {
+      given.at(x, y) = x == 1 ? 0.05f : -0.05f;
+      weight.at(x, y) = 1;
+    }
+  }
+  LogCorrectionSettings settings;
+  const ImageF blind = spread_log_correction(depth, given, weight, settings, luma);
+  settings.luma_edge = 0.04;
+  const ImageF field = spread_log_correction(depth, given, weight, settings, luma);
+  EXPECT_NEAR(blind.at(13, 5), 0, 0.012f);
+  EXPECT_NEAR(field.at(13, 5), 0.05f, 0.012f);
+  EXPECT_NEAR(field.at(16, 5), -0.05f, 0.012f);
 }
 
 TEST(SpreadLogCorrection, FillsBetweenWhatIsKnownAndStopsAtDepthEdges) {

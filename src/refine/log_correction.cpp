@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/resample.h"
+
 namespace aligngs {
 namespace {
 
@@ -16,7 +18,7 @@ bool is_depth(float z) { return z > 0 && std::isfinite(z); }
 
 /// What is to be solved, at one resolution.
 struct Level {
-  ImageF depth, given, weight;
+  ImageF depth, given, weight, luma;
   double none;  ///< LogCorrectionSettings::none of a pixel of this size
 };
 
@@ -24,7 +26,8 @@ struct Level {
 /// squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
 Level half_of(const Level& fine) {
   const int width = (fine.depth.width + 1) / 2, height = (fine.depth.height + 1) / 2;
-  Level out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), 4 * fine.none};
+  Level out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), {}, 4 * fine.none};
+  if (!fine.luma.empty()) out.luma = resize_area(fine.luma, width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       float weight = 0, sum = 0, depth = 0;
@@ -49,6 +52,7 @@ Level half_of(const Level& fine) {
 ImageF solve_level(const Level& level, const ImageF& guess, const LogCorrectionSettings& settings) {
   const ImageF& depth = level.depth;
   const int width = depth.width, height = depth.height;
+  const bool looks = settings.luma_edge > 0 && !level.luma.empty();
   ImageF out(width, height, 1);
   std::vector<int> unknown(depth.pixels(), -1);
   int count = 0;
@@ -65,7 +69,11 @@ ImageF solve_level(const Level& level, const ImageF& guess, const LogCorrectionS
     if (unknown[j] < 0) return;
     const float a = depth.data[i], b = depth.data[j];
     const bool jump = std::abs(a - b) > settings.depth_jump * std::min(a, b);
-    const double w = settings.smoothness * (jump ? settings.across_edge : 1);
+    double w = settings.smoothness * (jump ? settings.across_edge : 1);
+    if (looks) {
+      const double step = static_cast<double>(level.luma.data[i] - level.luma.data[j]) / settings.luma_edge;
+      w *= std::max(settings.across_edge, 1 / (1 + step * step * step * step));
+    }
     diagonal[static_cast<size_t>(unknown[i])] += w;
     diagonal[static_cast<size_t>(unknown[j])] += w;
     entries.emplace_back(unknown[j], unknown[i], -w);  // j comes after i
@@ -113,8 +121,9 @@ ImageF solve(const Level& level, const LogCorrectionSettings& settings) {
 
 }  // namespace
 
-ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight, const LogCorrectionSettings& settings) {
-  return solve({depth, given, weight, settings.none}, settings);
+ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight, const LogCorrectionSettings& settings,
+                             const ImageF& luma) {
+  return solve({depth, given, weight, settings.luma_edge > 0 ? luma : ImageF(), settings.none}, settings);
 }
 
 }  // namespace aligngs

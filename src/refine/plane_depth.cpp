@@ -201,6 +201,13 @@ std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const s
   return planes_in(views, prepare_all(views, classes, settings, pool), classes, settings);
 }
 
+std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
+                                                const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings, ThreadPool& pool) {
+  std::vector<PlaneMeasurement> out(views.size());
+  for_each_view(views, pool, [&](size_t i) { out[i] = measure(views[i], prepare(views[i], classes, settings), classes, planes, settings); });
+  return out;
+}
+
 PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
                                 const PlaneDepthSettings& settings, ThreadPool& pool) {
   PlaneDepthResult result;

@@ -57,4 +57,8 @@ std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const s
 PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
                                 const PlaneDepthSettings& settings, ThreadPool& pool);
 
+/// What `planes` say of each pixel.
+std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
+                                                const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings, ThreadPool& pool);
+
 }  // namespace aligngs

@@ -10,6 +10,7 @@
 #include "io/folder_replacement.h"
 #include "io/npy.h"
 #include "io/resample.h"
+#include "refine/scene_copy.h"
 #include "scene/colmap_model.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_writer.h"
@@ -168,18 +169,6 @@ std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<Match
   return factors;
 }
 
-void require_outside(const fs::path& scene, const fs::path& output) {
-  const fs::path inside = fs::weakly_canonical(output).lexically_relative(fs::weakly_canonical(scene));
-  if (inside.empty() || inside == "." || *inside.begin() == "..") return;
-  throw_usage(output.string() + " lies in the scene that is copied", "give a folder outside it");
-}
-
-void copy_scene(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::copy(from, to, fs::copy_options::recursive, error);
-  if (error) throw_resources(to, "the scene cannot be copied: " + error.message(), "free some disk space");
-}
-
 void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points, const fs::path& folder) {
   ColmapModel model;
   for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], scene.views[i].image.filename().string());
@@ -245,12 +234,6 @@ std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const
   return estimate_log_gains(views, options.exposure_settings, pool);
 }
 
-void write_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const fs::path& folder) {
-  ExposureJson exposure;
-  for (size_t i = 0; i < log_gains.size(); ++i) exposure[scene.views[static_cast<size_t>(scene.train[i])].name] = log_gains[i];
-  write_exposure_json(folder / "exposure.json", exposure);
-}
-
 }  // namespace
 
 RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
@@ -279,7 +262,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
     write_depth(scene, scene.train[i], log_factors[i], folder);
   }
-  if (options.exposure) write_exposure(scene, report.log_gains, folder);
+  if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);
   replacement.commit();
   return report;

@@ -8,8 +8,8 @@ namespace {
 
 class Paths {
  public:
-  Paths(const CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings)
-      : volume_(volume), depth_(depth), settings_(settings), n_(static_cast<size_t>(volume.hypotheses)),
+  Paths(const CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings, const ImageF& luma)
+      : volume_(volume), depth_(depth), settings_(settings), luma_(settings.luma_edge > 0 ? &luma : nullptr), n_(static_cast<size_t>(volume.hypotheses)),
         sums_(volume.cost.size(), 0.0f) {}
 
   /// Adds the costs of all paths that come from (x - dx, y - dy).
@@ -28,7 +28,8 @@ class Paths {
           std::copy(cost, cost + n_, out);
         } else {
           const std::vector<float>& source = dy == 0 ? current : previous;
-          step(&source[static_cast<size_t>(from_x) * n_], cost, edge(x, y, from_x, from_y) ? settings_.across_edge : 1.0f, out);
+          const float weight = edge(x, y, from_x, from_y) ? settings_.across_edge : 1.0f;
+          step(&source[static_cast<size_t>(from_x) * n_], cost, {weight * settings_.small_step, weight * large_step(x, y, from_x, from_y)}, out);
         }
         float* sum = &sums_[(static_cast<size_t>(y) * width + x) * n_];
         for (size_t h = 0; h < n_; ++h) sum[h] += out[h];
@@ -45,9 +46,19 @@ class Paths {
     return !(a > 0 && b > 0) || std::abs(a - b) > settings_.depth_jump * std::min(a, b);
   }
 
-  void step(const float* from, const float* cost, float weight, float* out) const {
+  float large_step(int x, int y, int from_x, int from_y) const {
+    if (!luma_) return settings_.large_step;
+    const double difference = std::abs(static_cast<double>(luma_->at(x, y) - luma_->at(from_x, from_y)));
+    return std::max(settings_.small_step, static_cast<float>(settings_.large_step / (1 + difference / settings_.luma_edge)));
+  }
+
+  struct Penalty {
+    float small, large;
+  };
+
+  void step(const float* from, const float* cost, const Penalty& penalty, float* out) const {
     const float least = *std::min_element(from, from + n_);
-    const float near = weight * settings_.small_step, any = least + weight * settings_.large_step;
+    const float near = penalty.small, any = least + penalty.large;
     for (size_t h = 0; h < n_; ++h) {
       float best = std::min(from[h], any);
       if (h > 0) best = std::min(best, from[h - 1] + near);
@@ -59,14 +70,15 @@ class Paths {
   const CostVolume& volume_;
   const ImageF& depth_;
   const SemiGlobalSettings& settings_;
+  const ImageF* luma_;  ///< nullptr: not looked at
   size_t n_;
   std::vector<float> sums_;
 };
 
 }  // namespace
 
-void aggregate_costs(CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings) {
-  Paths paths(volume, depth, settings);
+void aggregate_costs(CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings, const ImageF& luma) {
+  Paths paths(volume, depth, settings, luma);
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       if (dx != 0 || dy != 0) paths.add(dx, dy);

@@ -243,6 +243,8 @@ bool all_have(const Scene& scene, fs::path View::*map) {
 }  // namespace
 
 bool Scene::has_prior_depth() const { return all_have(*this, &View::prior_depth); }
+bool Scene::has_network_depth() const { return has_prior_depth() && prior_source != kSensorDepth && prior_source != kStereoDepth; }
+
 bool Scene::has_semantics() const { return all_have(*this, &View::semantics); }
 
 Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {

@@ -32,6 +32,10 @@ struct View {
   Vec3f log_gain;    ///< exposure.json: of red, green, blue in linear light, against the mean photo; 0 = unknown
 };
 
+/// priors.json depth.model of depth that no network made: a depth camera's, or measured in the photos (refine/measured_scene.h).
+inline constexpr const char* kSensorDepth = "sensor";
+inline constexpr const char* kStereoDepth = "stereo";
+
 struct Scene {
   std::filesystem::path folder;
   bool metric = false;           ///< scene.json units == "metres"
@@ -50,6 +54,7 @@ struct Scene {
 
   bool has_prior_depth() const;  ///< every training view has one
   bool has_semantics() const;    ///< every training view has one
+  bool has_network_depth() const;  ///< and a network made it, simulated or not
 };
 
 /// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json.

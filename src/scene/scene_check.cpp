@@ -78,6 +78,7 @@ void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
   }
   const char* recompute = "compute this map again, or remove it";
   if (valid == 0) {
+    if (scene.prior_source == kStereoDepth) return;  // a photo that shares nothing with the others
     add(findings, view.prior_depth, "values", "no pixel has a depth (all are zero, negative or not finite)", recompute,
         true);
     return;

@@ -78,8 +78,19 @@ void load_semantics(const Scene& scene, const View& view, const LoadOptions& opt
   data.labels = target_labels(data.semantics, data.camera.width, data.camera.height);
 }
 
-/// Divides linear light by the gains.
-void expose_alike(const Vec3f& log_gain, ImageF& color) {
+/// A truth map of the view's aspect.
+Image<uint16_t> read_truth(const View& view, const std::filesystem::path& path, const char* what) {
+  if (path.empty()) {
+    throw Error({ErrorKind::kFailed, "view " + view.name + " has no true " + what, {}, what, {}});
+  }
+  Image<uint16_t> map = read_gray_png(path);
+  require_same_aspect({1, map.height, map.width}, view.camera.width, view.camera.height, path, "size");
+  return map;
+}
+
+}  // namespace
+
+void divide_exposure(const Vec3f& log_gain, ImageF& color) {
   constexpr int kSteps = 1024;  // of the tone curve, between which it is straight: errors are below 1e-4, a 40th of an 8-bit step
   for (int k = 0; k < 3; ++k) {
     if (log_gain[k] == 0) continue;
@@ -95,18 +106,6 @@ void expose_alike(const Vec3f& log_gain, ImageF& color) {
   }
 }
 
-/// A truth map of the view's aspect.
-Image<uint16_t> read_truth(const View& view, const std::filesystem::path& path, const char* what) {
-  if (path.empty()) {
-    throw Error({ErrorKind::kFailed, "view " + view.name + " has no true " + what, {}, what, {}});
-  }
-  Image<uint16_t> map = read_gray_png(path);
-  require_same_aspect({1, map.height, map.width}, view.camera.width, view.camera.height, path, "size");
-  return map;
-}
-
-}  // namespace
-
 ViewData load_view(const Scene& scene, int view, const LoadOptions& options) {
   const View& source = view_at(scene, view);
   if (!(options.scale > 0 && options.scale <= 1)) {
@@ -117,7 +116,7 @@ ViewData load_view(const Scene& scene, int view, const LoadOptions& options) {
   data.camera =
       source.camera.resized(scaled(source.camera.width, options.scale), scaled(source.camera.height, options.scale));
   load_image(source, data);
-  if (options.exposure) expose_alike(source.log_gain, data.color);
+  if (options.exposure) divide_exposure(source.log_gain, data.color);
   if (options.prior_depth && !source.prior_depth.empty()) load_depth(source, data);
   if (options.semantics && !source.semantics.empty()) load_semantics(scene, source, options, data);
   return data;

@@ -40,6 +40,9 @@ struct LoadOptions {
   double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum (guidance 2.1)
 };
 
+/// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0, 1].
+void divide_exposure(const Vec3f& log_gain, ImageF& color);
+
 /// Loads one view. Maps smaller or larger than the image are sampled at pixel centres with the half-pixel
 /// rule: source coordinate (x + 0.5) * source_width / width - 0.5.
 /// Throws Error{kBadInput} naming the file, the field and the remedy.

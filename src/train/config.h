@@ -15,6 +15,7 @@ namespace aligngs {
 struct DataConfig {
   double scale = 1;               ///< working resolution / image resolution
   std::string prior_depth;        ///< auto, metric, relative, none
+  bool measure_depth = false;     ///< `run`: depth by multi-view stereo where the scene has points and no prior depth
   bool refine_cameras = false;    ///< `run` and `demo`: correct cameras and prior depth before training
   bool refine_stereo = false;     ///< and the depth by multi-view stereo
   bool refine_planes = false;     ///< and by the planes of walls, floor and ceiling
@@ -44,7 +45,7 @@ struct RunConfig {
   int64_t reference_iterations = 0;  ///< the run length in which [ref] keys are counted
   int64_t schedule_iterations = 0;   ///< length of the schedules; 0 = iterations. Pinned when a run is extended.
   int64_t seed = 0;
-  int64_t sh_degree = 0;  ///< highest degree; -1: 1, and 2 above 30 training views
+  int64_t sh_degree = 0;  ///< highest degree; -1: by the number of training views and who made the cameras (Schedule::request)
   int64_t sh_every = 0;   ///< [ref] one degree more after so many
   double coarse_scale = 1;   ///< resolution of the first steps / working resolution; 1 = all steps are alike
   int64_t coarse_stop = 0;   ///< [ref] steps at that resolution

@@ -45,8 +45,9 @@ double Schedule::share(int64_t iteration) const {
 StepRequest Schedule::request(int64_t iteration) const {
   StepRequest r;
   r.step = iteration;
-  const int64_t top = config_.train.sh_degree >= 0 ? config_.train.sh_degree
-                                                   : (facts_.training_views > kManyViews ? 2 : 1);
+  // Colour that depends on the direction hides what is wrong with cameras; where nothing is, it shows gloss.
+  const int64_t usual = !facts_.network_cameras ? 3 : facts_.training_views > kManyViews ? 2 : 1;
+  const int64_t top = config_.train.sh_degree >= 0 ? config_.train.sh_degree : usual;
   r.sh_degree = static_cast<int>(std::min(top, iteration / std::max<int64_t>(1, scaled(config_.train.sh_every))));
   r.losses = losses(iteration);
   r.rates = rates(iteration);

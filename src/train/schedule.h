@@ -23,6 +23,7 @@ struct ScheduleFacts {
   int training_views = 1;
   int image_side = 0;             ///< pixels along the larger side of the largest training image
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
+  bool network_cameras = false;   ///< a network estimated cameras and depth: both are some percent off
   bool semantics = false;
   bool dense_start = false;       ///< the Gaussians started from prior depth
   bool normals_at_start = false;  ///< the start had normals, so plane depth means something from the first step

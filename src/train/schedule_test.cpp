@@ -107,8 +107,10 @@ TEST(Schedule, PaperShDegreeGrowsEvery1000) {
   EXPECT_EQ(s.request(7000).sh_degree, 3);
 }
 
-TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViews) {
+TEST(Schedule, DefaultShDegreeDependsOnTheNumberOfViewsAndWhoMadeTheCameras) {
   ScheduleFacts f = room();
+  EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 3);
+  f.network_cameras = true;
   EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 1);
   f.training_views = 31;
   EXPECT_EQ(Schedule(standard(), f).request(7000).sh_degree, 2);

@@ -201,6 +201,7 @@ TrainResult Run::train() {
   inputs.config = config_;
   inputs.facts.training_views = static_cast<int>(scene_.train.size());
   inputs.facts.prior_depth = use_.depth;
+  inputs.facts.network_cameras = scene_.has_network_depth();
   inputs.facts.semantics = use_.semantics;
   inputs.facts.extent = static_cast<float>(extent_);
   inputs.fingerprint = fingerprint_;

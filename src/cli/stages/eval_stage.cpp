@@ -67,11 +67,12 @@ std::vector<Camera> true_training_cameras(const Scene& scene) {
 }
 
 /// What the picture gains where the test photo itself says where it was taken; the scene stays as it is.
-void measure_with_refined_pose(OpenRun& run, const ViewData& data, Json& entry) {
+void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, Json& entry) {
   RenderOptions options = run.render_options();
   options.labels = false;
   const LookAtScene look = [&](const Camera& camera) {
     Rendering r = run.engine->render(camera, options);
+    run.expose_as(view, r.color);
     return SceneLook{std::move(r.color), std::move(r.depth_plane)};
   };
   const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
@@ -97,7 +98,8 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
     const bool labels = run.has_labels() && !view.truth_labels.empty();
     load.semantics = labels;  // the teacher's own, to be judged beside the rendered ones
     const ViewData data = load_view(run.scene, index, load);
-    const Rendering rendering = run.engine->render(data.camera, run.render_options());
+    Rendering rendering = run.engine->render(data.camera, run.render_options());
+    run.expose_as(index, rendering.color);
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
     Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
                   {"lpips_unit", nullptr}, {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
@@ -117,7 +119,7 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
       if (!data.labels.empty()) taught.add(truth, data.labels);
       judged |= !data.labels.empty();
     }
-    if (options.refine_test_poses) measure_with_refined_pose(run, data, entry);
+    if (options.refine_test_poses) measure_with_refined_pose(run, index, data, entry);
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
   }

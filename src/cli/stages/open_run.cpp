@@ -6,6 +6,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "gaussians/drawn_labels.h"
+#include "scene/exposure_prediction.h"
+#include "scene/view_data.h"
 #include "train/checkpoint.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
@@ -39,6 +41,8 @@ RenderOptions OpenRun::render_options() const {
   return options;
 }
 
+void OpenRun::expose_as(int view, ImageF& color) const { divide_exposure(log_gains[static_cast<size_t>(view)] * -1.0f, color); }
+
 OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   const RunFolder paths(folder);
   if (!fs::exists(paths.record())) {
@@ -60,6 +64,8 @@ OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   const std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record.fingerprint);
   if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");
   apply_motions(state->motions, run.scene);
+  run.log_gains.resize(run.scene.views.size());
+  if (run.config.data.exposure) run.log_gains = predict_log_gains(run.scene);
   run.model = state->engine.model;
   run.engine = options.make_engine ? options.make_engine(options.threads) : make_cpu_engine(options.threads);
   run.pool = std::make_unique<ThreadPool>(options.threads);

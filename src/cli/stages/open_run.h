@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/thread_pool.h"
 #include "engine/engine.h"
@@ -24,6 +25,7 @@ struct OpenRun {
   TrainConfig config;
   Scene scene;
   GaussianModel model;  ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
+  std::vector<Vec3f> log_gains;  ///< of all views: how a picture of the scene is exposed there; zeros without data.exposure
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
 
@@ -32,6 +34,8 @@ struct OpenRun {
   Camera working_camera(int view) const;
   LoadOptions load_options() const;  ///< pixels only, no priors
   RenderOptions render_options() const;
+  /// As the camera of a view would have exposed it (scene/exposure_prediction.h).
+  void expose_as(int view, ImageF& color) const;
 };
 
 /// Error{kBadInput} when the folder is no run, its scene cannot be found, or nothing has been trained yet.

@@ -2,6 +2,7 @@
 
 #include "core/log.h"
 #include "refine/bundle_adjustment.h"
+#include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
 #include "train/training_set.h"
 
@@ -9,10 +10,34 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+bool should_measure(const fs::path& scene, const TrainConfig& config) {
+  if (!config.data.measure_depth || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
+  const Scene opened = open_scene(scene);
+  return !opened.has_prior_depth() && opened.cloud.size() > 0;
+}
+
+bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
+  MeasureSceneOptions options;
+  options.overwrite = true;
+  options.exposure = config.data.refine_exposure;
+  options.planes = config.data.refine_planes && config.data.semantics;
+  options.progress = context.progress();
+  ThreadPool pool(context.global.threads);
+  fs::create_directories(run);
+  const MeasureSceneReport report = measure_scene(open_scene(scene), run / "scene", options, pool);
+  if (report.views == 0) {
+    log_warning("no depth could be measured: no two photos show the same from places far enough apart; training starts from the points");
+    return false;
+  }
+  log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views, 100 * report.measured);
+  return true;
+}
+
 bool should_refine(const fs::path& scene, const TrainConfig& config) {
   if (!config.data.refine_cameras || is_refined_scene(scene)) return false;
   const Scene opened = open_scene(scene);
-  if (opened.prior_source == "sensor") {
+  if (opened.prior_source == kStereoDepth) return false;  // with these very cameras
+  if (opened.prior_source == kSensorDepth) {
     log_info("cameras stay as they are: the depth is a sensor's, and they came with it (`aligngs refine` corrects them all the same)");
     return false;
   }

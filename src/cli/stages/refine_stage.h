@@ -1,4 +1,4 @@
-// Cameras and prior depth refined before a run, into the run's own scene folder.
+// What is done to a scene before a run, into the run's own scene folder: depth measured, or cameras and prior depth refined.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,15 @@
 #include "train/config.h"
 
 namespace aligngs {
+
+/// Whether a run with these settings measures depth first: data.measure_depth asks for it, prior depth is wanted and the scene
+/// has points and no prior depth. Says so.
+bool should_measure(const std::filesystem::path& scene, const TrainConfig& config);
+
+/// Measures the depth of `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says how
+/// much of it could be measured. A warning where nothing can, and false.
+bool measure_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+                      const CommandContext& context);
 
 /// Whether a run with these settings corrects the cameras of the scene first: data.refine_cameras asks for it, every
 /// training view has metric prior depth that training will use and that no sensor made, the scene has not been refined

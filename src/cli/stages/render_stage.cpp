@@ -37,7 +37,8 @@ void render_one(OpenRun& run, int index, const fs::path& folder) {
   const View& view = run.scene.views[index];
   const std::string file = view.name + ".png";
   const ViewData data = load_view(run.scene, index, run.load_options());
-  const Rendering rendering = run.engine->render(data.camera, run.render_options());
+  Rendering rendering = run.engine->render(data.camera, run.render_options());
+  run.expose_as(index, rendering.color);
   // Making and compressing the pictures takes longer than rendering them.
   std::vector<std::function<void()>> pictures = {
       [&] { write_png(folder / "rgb" / file, to_bytes(rendering.color)); },

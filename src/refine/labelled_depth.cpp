@@ -1,0 +1,81 @@
+#include "refine/labelled_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aligngs {
+namespace {
+
+enum class Keep { kSure, kUnsure };
+
+/// The photos with the depth of some of their pixels.
+std::vector<PlaneView> with_depth(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                                  const std::vector<PhotoDepth>& depths, Keep keep) {
+  std::vector<PlaneView> out(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    out[i].camera = views[i].camera;
+    if (depths[i].depth.empty()) continue;
+    out[i].depth = depths[i].depth;
+    out[i].certainty = depths[i].certainty;
+    out[i].labels = labels[i];
+    for (size_t p = 0; p < out[i].depth.data.size(); ++p) {
+      if ((out[i].certainty.data[p] > 0) != (keep == Keep::kSure)) out[i].depth.data[p] = 0;
+    }
+  }
+  return out;
+}
+
+/// Both in one: a pixel is either sure or not.
+struct Merged {
+  ImageF log_factor, weight;
+};
+
+Merged merged(const PlaneMeasurement& sure, const PlaneMeasurement& unsure) {
+  Merged out{sure.log_factor, sure.weight};
+  for (size_t p = 0; p < out.weight.data.size(); ++p) {
+    if (unsure.weight.data[p] <= 0) continue;
+    out.log_factor.data[p] = unsure.log_factor.data[p];
+    out.weight.data[p] = unsure.weight.data[p];
+  }
+  return out;
+}
+
+}  // namespace
+
+LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                                  const std::vector<PlaneClass>& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
+                                  std::vector<PhotoDepth>& depths) {
+  LabelledDepthReport report;
+  const std::vector<PlaneView> sure = with_depth(views, labels, depths, Keep::kSure);
+  report.planes = find_planes(sure, classes, settings.sure, pool);
+  if (report.planes.empty()) return report;
+  const auto on_sure = measure_on_planes(report.planes, sure, classes, settings.sure, pool);
+  const auto on_unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes, settings.unsure, pool);
+  std::vector<size_t> on_planes(views.size(), 0);
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      PhotoDepth& depth = depths[i];
+      if (depth.depth.empty()) continue;
+      const Merged plane = merged(on_sure[i], on_unsure[i]);
+      ImageF given(plane.weight.width, plane.weight.height, 1), weight = plane.weight;
+      for (size_t p = 0; p < weight.data.size(); ++p) {
+        weight.data[p] += depth.certainty.data[p];
+        if (weight.data[p] > 0) given.data[p] = plane.weight.data[p] * plane.log_factor.data[p] / weight.data[p];
+        if (plane.weight.data[p] <= 0) continue;
+        ++on_planes[i];
+        depth.certainty.data[p] = std::max(depth.certainty.data[p], static_cast<float>(settings.certainty));
+      }
+      const ImageF factor = spread_log_correction(depth.depth, given, weight, settings.spread, views[i].luma);
+      for (size_t p = 0; p < weight.data.size(); ++p) depth.depth.data[p] *= std::exp(factor.data[p]);
+    }
+  });
+  size_t pixels = 0, on = 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    pixels += depths[i].depth.pixels();
+    on += on_planes[i];
+  }
+  report.on_planes = pixels == 0 ? 0 : static_cast<double>(on) / static_cast<double>(pixels);
+  return report;
+}
+
+}  // namespace aligngs

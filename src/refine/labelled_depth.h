@@ -1,0 +1,36 @@
+// Measured depth where stereo is blind and labels are not: bare walls, floors and ceilings lie on the planes of what was measured of them.
+#pragma once
+
+#include "refine/photo_depth.h"
+#include "refine/plane_depth.h"
+
+namespace aligngs {
+
+/// Of pixels that no other photo confirms: what depth they have lies between measurements that may be far away, and nothing follows
+/// from its slope.
+inline PlaneDepthSettings loose_planes() {
+  PlaneDepthSettings settings;
+  settings.reach = 0.35;
+  settings.normal_angle = 90;
+  return settings;
+}
+
+struct LabelledDepthSettings {
+  PlaneDepthSettings sure;                      ///< finds the planes, from confirmed pixels alone; and what lies on them of those
+  PlaneDepthSettings unsure = loose_planes();   ///< what lies on them of the others
+  LogCorrectionSettings spread;                 ///< of the depth between
+  double certainty = 0.5;                       ///< of a pixel on a plane that was not measured itself
+};
+
+struct LabelledDepthReport {
+  std::vector<ScenePlane> planes;
+  double on_planes = 0;  ///< share of the pixels that lie on one
+};
+
+/// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo, kNoLabel = none.
+/// Without planes nothing changes. Deterministic for any number of threads.
+LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
+                                  const std::vector<PlaneClass>& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
+                                  std::vector<PhotoDepth>& depths);
+
+}  // namespace aligngs

@@ -1,0 +1,45 @@
+// A scene folder with depth measured in its photos, for scenes with cameras and points and no prior depth.
+#pragma once
+
+#include <filesystem>
+
+#include "core/progress.h"
+#include "refine/exposure.h"
+#include "refine/labelled_depth.h"
+#include "refine/photo_depth.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+/// Automatic exposure, against a window for example, differs by more than photos taken with one setting: up to a factor of 5.
+inline ExposureSettings with_automatic_exposure() {
+  ExposureSettings settings;
+  settings.largest = 1.6;
+  return settings;
+}
+
+struct MeasureSceneOptions {
+  PhotoDepthSettings settings;
+  LabelledDepthSettings plane_settings;
+  bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
+  ExposureSettings exposure_settings = with_automatic_exposure();
+  bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
+  bool overwrite = false;
+  ProgressStyle progress;
+};
+
+struct MeasureSceneReport {
+  double measured = 0;  ///< mean over the training views of the share of pixels whose depth another photo confirms
+  size_t views = 0;     ///< training views whose depth could be measured; 0: nothing was written
+  LabelledDepthReport planes;    ///< nothing in it without labels
+  std::vector<Vec3f> log_gains;  ///< of the training views; empty without
+};
+
+/// Reads the scene, measures, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all.
+/// Cameras and points stay as they are; test photos are not read. pred_depths/ holds depth where it is certain or lies between
+/// places where it is, pred_confidence/ how certain. Error{kBadInput} for a scene
+/// without points.
+MeasureSceneReport measure_scene(const Scene& scene, const std::filesystem::path& output, const MeasureSceneOptions& options,
+                                 ThreadPool& pool);
+
+}  // namespace aligngs

@@ -1,0 +1,38 @@
+// Depth of photos whose cameras are known and of which nothing else is: multi-view stereo, from coarse to fine.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "refine/guided_stereo.h"
+
+namespace aligngs {
+
+struct PhotoDepthSettings {
+  int coarse_width = 320;        ///< pixels; larger photos are searched over all depths at this width
+  double margin = 1.5;           ///< factor by which that search goes beyond the nearest and the farthest points
+  double step = 0.012;           ///< log units between its depths: a pixel or so of such photos taken 15 degrees apart
+  int most_hypotheses = 201;     ///< of it; wider ranges have longer steps
+  double coarse_sigma = 0.03;    ///< StereoSettings::sigma and agreement of the search, whose windows do not follow slopes yet
+  double coarse_agreement = 0.03;
+  double luma_edge = 0.04;       ///< of the choice and of what lies between measurements: no prior depth says where surfaces end
+  int least_patch = 50;          ///< StereoSettings::least_patch of all passes
+  StereoSettings stereo;         ///< of the passes after the search, near the depth found so far
+  int coarse_passes = 2;         ///< of these at the coarse width
+  int fine_passes = 1;           ///< and at the photos' own
+};
+
+struct PhotoDepth {
+  ImageF depth;         ///< H x W, scene units, of every pixel: measured, or the smoothest in between; empty: nothing is known
+  ImageF certainty;     ///< H x W in [0, 1]: of the pixel's own measurement; 0 where it has none that another photo confirms
+  double measured = 0;  ///< share of the pixels whose certainty is not 0
+};
+
+/// `views`: camera and luma, MatchView::depth is not read. `points`: world, scene units, of structure from motion; those in front
+/// of a photo say between which depths it is searched (fewer than eight: as the other photos are). Photos that see nothing of
+/// another get empty maps. Deterministic for any number of threads.
+std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points, const PhotoDepthSettings& settings,
+                                    ThreadPool& pool, const std::function<void(double share)>& progress = {});
+
+}  // namespace aligngs

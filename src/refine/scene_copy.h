@@ -1,0 +1,21 @@
+// What the scene folders written by this module have in common: a copy of another scene, something of it replaced.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/vec.h"
+#include "scene/scene.h"
+
+namespace aligngs {
+
+/// Error{kUsage} when `output` lies inside of the scene that is to be copied to it.
+void require_outside(const std::filesystem::path& scene, const std::filesystem::path& output);
+
+/// All files of a scene folder. Error{kResources} when the disk is full.
+void copy_scene(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// exposure.json of the training views, in the order of Scene::train.
+void write_training_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const std::filesystem::path& folder);
+
+}  // namespace aligngs
