@@ -55,9 +55,9 @@ PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, pla
 class Row:
     """One way to train: which cloud and labels the scene has, how `aligngs refine` goes before, and the settings."""
 
-    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refine=None, compare_with=()):
+    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refine=None, compare_with=(), depth="network"):
         self.name, self.preset, self.settings = name, preset, list(settings)
-        self.cloud, self.labels, self.refine = cloud, labels, refine
+        self.cloud, self.labels, self.refine, self.depth = cloud, labels, refine, depth
         self.compare_with = [compare_with] if isinstance(compare_with, str) else list(compare_with)
 
     @property
@@ -107,6 +107,17 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY) + [
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
+    # As from structure from motion, without any network's depth: what labels do before training and in it.
+    Row("depth measured, no labels", "default", [NO_SEMANTICS], cloud="sfm", refine=["--no-planes"], depth="measured"),
+    Row("depth measured, labels in training alone", "default", cloud="sfm", refine=["--no-planes"], depth="measured",
+        compare_with="depth measured, no labels"),
+    Row("depth measured, shuffled labels", "default", cloud="sfm", labels="shuffled", refine=[], depth="measured",
+        compare_with="depth measured, no labels"),
+    Row("depth measured, constant labels", "default", cloud="sfm", labels="constant", refine=[], depth="measured",
+        compare_with="depth measured, no labels"),
+    Row("depth measured", "default", cloud="sfm", refine=[], depth="measured",
+        compare_with=["depth measured, no labels", "depth measured, labels in training alone", "depth measured, shuffled labels",
+                      "depth measured, constant labels"]),
     # All that `aligngs refine` finds out is given to pgsr, its dense start included: what is left is training alone.
     Row("pgsr, the same scene", "pgsr", PGSR_PRIOR + ["init.start=depth"], refine=[], compare_with="pgsr + prior depth, refined cameras"),
 ]
@@ -175,7 +186,23 @@ def make_scene(output, room, room_seed, seed, row):
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
             (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text.replace(str(folder), folder.name))
+    if row.depth == "measured":
+        folder = without_depth(refined_scene(folder, CAMERAS_ONLY))
     return folder if row.refine is None else refined_scene(folder, row.refine)
+
+
+def without_depth(scene):
+    """What structure from motion would leave: cameras (adjusted), points, no network's depth."""
+    bare = scene.with_name(scene.name + "_bare")
+    if not bare.exists():
+        partial = bare.with_name(bare.name + ".partial")
+        shutil.rmtree(partial, ignore_errors=True)
+        shutil.copytree(scene, partial, ignore=shutil.ignore_patterns("pred_depths", "pred_confidence"))
+        priors = json.loads((partial / "priors.json").read_text())
+        del priors["depth"]
+        (partial / "priors.json").write_text(json.dumps(priors))
+        partial.rename(bare)
+    return bare
 
 
 def refined_scene(folder, options):
@@ -307,7 +334,8 @@ def write_settings(output, arguments):
     """What made the numbers; a table must not mix lengths or rooms, and says when it mixes programs."""
     file = output / "settings.json"
     now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations,
-           "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine} for r in ROWS}}
+           "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine,
+                             "depth": r.depth} for r in ROWS}}
     if file.exists():
         before = json.loads(file.read_text())
         earlier = before.get("programs", [before.get("program", "unknown")])

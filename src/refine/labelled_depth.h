@@ -11,7 +11,7 @@ namespace aligngs {
 inline PlaneDepthSettings loose_planes() {
   PlaneDepthSettings settings;
   settings.reach = 0.35;
-  settings.normal_angle = 90;
+  settings.normal_angle = 180;
   return settings;
 }
 
