@@ -27,7 +27,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
 void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
   const auto set = [options](const char* value) {
     return [options, value](int64_t) {
-      for (const char* key : {"data.refine_cameras=", "data.measure_depth="}) options->sets.push_back(std::string(key) + value);
+      for (const char* key : {"data.refine_cameras=", "data.measure_depth="}) options->refine_sets.push_back(std::string(key) + value);
     };
   };
   const std::string what = "correct cameras, focal length and prior depth from matches between the photos first, or measure "
@@ -43,7 +43,8 @@ TrainOptions train_options(const TrainCommandOptions& options, const CommandCont
   train.run = options.output;
   train.config.preset = options.preset;
   train.config.config_file = options.config_file;
-  train.config.sets = options.sets;
+  train.config.sets = options.refine_sets;
+  train.config.sets.insert(train.config.sets.end(), options.sets.begin(), options.sets.end());
   if (options.iterations > 0) train.config.iterations = options.iterations;
   if (options.seed >= 0) train.config.seed = options.seed;
   train.threads = context.global.threads;

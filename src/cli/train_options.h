@@ -13,6 +13,7 @@ namespace aligngs {
 struct TrainCommandOptions {
   std::string preset, config_file, output, device = "auto";
   std::vector<std::string> sets;
+  std::vector<std::string> refine_sets;  ///< of --refine and --no-refine; `sets` come after them
   int64_t iterations = 0, seed = -1;  ///< 0 and -1: not given
   bool resume = false, overwrite = false, require_priors = false;
   double memory_gigabytes = 0;
