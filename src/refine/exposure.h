@@ -24,7 +24,7 @@ struct ExposureSettings {
   double darkest = 0.05, brightest = 0.95;  ///< sRGB: outside, noise and clipping decide
   int least_samples = 100;       ///< of a pair of photos; with fewer it says nothing
   double no_change = 0.05;       ///< weight of a gain of 1 beside the pairs of a photo, each 1
-  double largest = 0.7;          ///< |log gain| beyond which it is no exposure: a factor of 2
+  double largest = 1.6;          ///< |log gain| beyond which it is no exposure: a factor of 5, as automatic exposure against a window
 };
 
 /// Logarithms of red, green and blue gains in linear light, one per view, their mean 0. From each pair the median ratio of

@@ -11,18 +11,11 @@
 
 namespace aligngs {
 
-/// Automatic exposure, against a window for example, differs by more than photos taken with one setting: up to a factor of 5.
-inline ExposureSettings with_automatic_exposure() {
-  ExposureSettings settings;
-  settings.largest = 1.6;
-  return settings;
-}
-
 struct MeasureSceneOptions {
   PhotoDepthSettings settings;
   LabelledDepthSettings plane_settings;
   bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
-  ExposureSettings exposure_settings = with_automatic_exposure();
+  ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool overwrite = false;
   ProgressStyle progress;
