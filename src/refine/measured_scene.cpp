@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/half.h"
 #include "io/folder_replacement.h"
@@ -25,7 +27,9 @@ struct TrainingPhotos {
   std::vector<Image<uint16_t>> labels;  ///< empty images where planes are not looked for
 };
 
-TrainingPhotos load_photos(const Scene& scene, bool labels, ThreadPool& pool) {
+bool uses_planes(const Scene& scene, const MeasureSceneOptions& options) { return options.planes && scene.has_semantics(); }
+
+TrainingPhotos load_photos(const Scene& scene, const MeasureSceneOptions& options, ThreadPool& pool) {
   const size_t count = scene.train.size();
   TrainingPhotos photos{std::vector<std::string>(count), std::vector<MatchView>(count), std::vector<ImageF>(count), std::vector<ImageF>(count),
                         std::vector<Image<uint16_t>>(count)};
@@ -33,7 +37,8 @@ TrainingPhotos load_photos(const Scene& scene, bool labels, ThreadPool& pool) {
     for (size_t i = begin; i < end; ++i) {
       LoadOptions load;
       load.prior_depth = false;
-      load.semantics = labels;
+      load.semantics = uses_planes(scene, options);
+      load.scale = std::min(1.0, static_cast<double>(options.largest_width) / scene.views[static_cast<size_t>(scene.train[i])].camera.width);
       ViewData data = load_view(scene, scene.train[i], load);
       photos.names[i] = data.name;
       photos.match[i] = {data.camera, luma_of(data.color), {}};
@@ -88,8 +93,7 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   }
   require_outside(scene.folder, output);
   require_scene_place(output, options.overwrite);
-  const bool planes = options.planes && scene.has_semantics();
-  TrainingPhotos photos = load_photos(scene, planes, pool);
+  TrainingPhotos photos = load_photos(scene, options, pool);
   std::vector<PhotoDepth> depths = measure(scene, photos, options, pool);
   MeasureSceneReport report;
   for (const PhotoDepth& depth : depths) {
@@ -97,7 +101,7 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
     report.views += depth.measured > 0;
   }
   if (report.views == 0) return report;
-  if (planes) {
+  if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
     settings.spread.luma_edge = options.settings.luma_edge;

@@ -12,6 +12,7 @@
 namespace aligngs {
 
 struct MeasureSceneOptions {
+  int largest_width = 1000;  ///< pixels; larger photos are measured at this width, and their maps have it: a pixel takes 500 bytes per thread
   PhotoDepthSettings settings;
   LabelledDepthSettings plane_settings;
   bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
@@ -30,7 +31,7 @@ struct MeasureSceneReport {
 
 /// Reads the scene, measures, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all.
 /// Cameras and points stay as they are; test photos are not read. pred_depths/ holds depth where it is certain or lies between
-/// places where it is, pred_confidence/ how certain. Error{kBadInput} for a scene
+/// places where it is (none at all for photos that share nothing with others), pred_confidence/ how certain. Error{kBadInput} for a scene
 /// without points.
 MeasureSceneReport measure_scene(const Scene& scene, const std::filesystem::path& output, const MeasureSceneOptions& options,
                                  ThreadPool& pool);

@@ -49,9 +49,9 @@ class MeasuredScene : public testing::Test {
     writer.finish(parts);
   }
 
-  MeasureSceneReport measure() {
+  MeasureSceneReport measure(const MeasureSceneOptions& options = {}) {
     ThreadPool pool(2);
-    return measure_scene(open_scene(root_ / "scene"), root_ / "measured", {}, pool);
+    return measure_scene(open_scene(root_ / "scene"), root_ / "measured", options, pool);
   }
 
   fs::path root_;
@@ -74,6 +74,15 @@ TEST_F(MeasuredScene, HasDepthAndCertaintyOfItsTrainingPhotosAndSaysWhoMadeIt) {
   EXPECT_TRUE(std::all_of(depth.data.begin(), depth.data.end(), [](float z) { return z > 0; }));
   EXPECT_TRUE(fs::exists(root_ / "measured" / "pred_confidence" / "v1.npy"));
   EXPECT_FALSE(fs::exists(root_ / "measured" / "pred_depths" / "v4.npy"));  // the test photo is not read
+}
+
+TEST_F(MeasuredScene, LargePhotosAreMeasuredSmaller) {
+  write(4);
+  MeasureSceneOptions options;
+  options.largest_width = kWidth / 2;
+  EXPECT_EQ(measure(options).views, 3u);
+  EXPECT_EQ(read_npy(root_ / "measured" / "pred_depths" / "v1.npy").shape, (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
+  EXPECT_EQ(read_npy(root_ / "measured" / "pred_confidence" / "v1.npy").shape, (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
 }
 
 TEST_F(MeasuredScene, KnowsHowItsPhotosAreExposed) {
