@@ -12,9 +12,7 @@ CAPTURE is what `aligngs import` reads, MODEL a COLMAP model of the training pho
 Rows that need labels (semantic losses, planes) are not here: a capture without labels has none. Finished runs are not repeated.
 Writes results.csv, settings.json and table.md. ALIGNGS names the program (default build/aligngs)."""
 import argparse
-import csv
 import json
-import math
 import shutil
 from pathlib import Path
 
@@ -92,22 +90,8 @@ def measure(arguments, seed, yardstick):
     return ladder.mesh_scores(folder, scene, option, "default", seed, [f"data.scale={arguments.scale}"])
 
 
-def read_results(file):
-    results = {}
-    if file.exists():
-        with open(file, newline="") as text:
-            for line in csv.DictReader(text):
-                results.setdefault(line["row"], {})[int(line["seed"])] = {k: float(line.get(k) or "nan") for k, *_ in ladder.COLUMNS}
-    return results
-
-
 def write_tables(arguments, results):
-    with open(arguments.output / "results.csv", "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["row", "seed"] + [key for key, *_ in ladder.COLUMNS])
-        for name, by_seed in results.items():
-            for seed, values in by_seed.items():
-                writer.writerow([name, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in ladder.COLUMNS])
+    ladder.write_csv(arguments.output / "results.csv", ["seed"], results)
     columns = [c for c in ladder.COLUMNS if c[0] not in ("miou", "teacher", "between", "beyond", "posed")]
     lines = [f"A real capture, {arguments.iterations} iterations at {arguments.scale:g} of the photos' resolution, means over the seeds.", "",
              "| row | seeds | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"]
@@ -136,16 +120,16 @@ def main():
     settings = {"program": ladder.program_version(), "iterations": arguments.iterations, "scale": arguments.scale,
                 "rows": {r.name: {"preset": r.preset, "set": r.settings, "refine": r.refine} for r in ROWS}}
     (arguments.output / "settings.json").write_text(json.dumps(settings, indent=2) + "\n")
-    results = read_results(arguments.output / "results.csv")
+    results = ladder.read_csv(arguments.output / "results.csv", ["seed"])
     for seed in arguments.seeds:
         for row in (r for r in ROWS if arguments.rows is None or r.name in arguments.rows):
-            if seed not in results.setdefault(row.name, {}):
+            if (seed,) not in results.setdefault(row.name, {}):
                 print(f"seed {seed}: {row.name}", flush=True)
-                results[row.name][seed] = train(arguments, row, seed)
+                results[row.name][(seed,)] = train(arguments, row, seed)
                 write_tables(arguments, results)
             for yardstick in YARDSTICKS.get(row.name, []):
-                if seed not in results.setdefault(yardstick[0], {}):
-                    results[yardstick[0]][seed] = measure(arguments, seed, yardstick)
+                if (seed,) not in results.setdefault(yardstick[0], {}):
+                    results[yardstick[0]][(seed,)] = measure(arguments, seed, yardstick)
                     write_tables(arguments, results)
     print((arguments.output / "table.md").read_text())
 

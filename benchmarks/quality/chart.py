@@ -8,7 +8,7 @@ import math
 import sys
 from pathlib import Path
 
-from ladder import mean, read_results
+from ladder import PAIR, mean, read_csv
 
 LABEL, PANEL, GAP, LINE, TOP, BOTTOM = 330, 250, 36, 26, 34, 14  # pixels
 PANELS = [("fscore", "F at 5 cm", 0.0, 1.0, 0.25, "{:.3f}"), ("psnr", "PSNR (dB)", 0.0, 30.0, 10.0, "{:.1f}")]
@@ -54,4 +54,4 @@ def chart(results):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    Path(sys.argv[2]).write_text(chart(read_results(Path(sys.argv[1]))))
+    Path(sys.argv[2]).write_text(chart(read_csv(Path(sys.argv[1]) / "results.csv", PAIR)))

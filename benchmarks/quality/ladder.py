@@ -150,6 +150,7 @@ COLUMNS = [
     ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
     ("seconds", "processor s", 0, None),
 ]
+PAIR = ("room", "room_seed", "seed")  # what runs are compared by
 GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore")
 
 
@@ -312,16 +313,24 @@ def difference_cell(results, row, base, key, digits):
     return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
 
 
-def read_results(output):
-    """Of earlier calls: {row: {(room, room_seed, seed): scores}}."""
+def read_csv(file, key_columns):
+    """{row: {values of the key columns: scores}}; numbers among the keys are whole. Empty without the file."""
     results = {}
-    file = output / "results.csv"
     if file.exists():
         with open(file, newline="") as text:
             for line in csv.DictReader(text):
-                key = (line["room"], int(line["room_seed"]), int(line["seed"]))
+                key = tuple(int(line[k]) if line[k].isdigit() else line[k] for k in key_columns)
                 results.setdefault(line["row"], {})[key] = {k: float(line.get(k) or "nan") for k, *_ in COLUMNS}
     return results
+
+
+def write_csv(file, key_columns, results):
+    with open(file, "w", newline="") as text:
+        writer = csv.writer(text)
+        writer.writerow(["row", *key_columns] + [key for key, *_ in COLUMNS])
+        for name, by_key in results.items():
+            for keys, values in by_key.items():
+                writer.writerow([name, *keys] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
 
 
 def program_version():
@@ -350,12 +359,7 @@ def write_settings(output, arguments):
 def write_tables(output, results, rows, arguments):
     order = [r.name for r in ROWS]
     results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
-    with open(output / "results.csv", "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["row", "room", "room_seed", "seed"] + [key for key, *_ in COLUMNS])
-        for name, by_pair in results.items():
-            for (room, room_seed, seed), values in by_pair.items():
-                writer.writerow([name, room, room_seed, seed] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
+    write_csv(output / "results.csv", PAIR, results)
     lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, 320x240, 20 training and 8 test views, **simulated** "
              "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
              "Processor seconds are those of `run`, without `refine` before it.", "",
@@ -420,7 +424,7 @@ def main():
     programs = write_settings(output, arguments)
     if len(programs) > 1:
         print(f"{output}: rows of an earlier call stay, made by another program: {', '.join(programs[:-1])}", file=sys.stderr)
-    results = read_results(output)
+    results = read_csv(output / "results.csv", PAIR)
     for room, room_seed in ROOMS[arguments.rooms]:
         if arguments.kinds and room not in arguments.kinds:
             continue
