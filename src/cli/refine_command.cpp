@@ -31,6 +31,10 @@ void print_planes(const std::vector<ScenePlane>& planes, double share) {
   if (!planes.empty()) std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
 }
 
+void print_exposure(const std::vector<Vec3f>& log_gains) {
+  if (!log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(log_gains)));
+}
+
 void measure(const CommandContext& context, const RefineCommandOptions& options, const Scene& scene) {
   MeasureSceneOptions measure_options;
   measure_options.exposure = !options.no_exposure;
@@ -40,8 +44,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   ThreadPool pool(context.global.threads);
   const MeasureSceneReport report = measure_scene(scene, options.output, measure_options, pool);
   if (report.views == 0) {
-    throw_bad_input(scene.folder, "images", "no depth can be measured: no two photos show the same from places far enough apart",
-                    "add photos, or train from the points alone (`aligngs run` does)");
+    throw_bad_input(scene.folder, "images", kNothingMeasured, "add photos, or train from the points alone (`aligngs run` does)");
   }
   if (context.global.json) {
     const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
@@ -53,7 +56,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
               100 * report.measured);
   print_planes(report.planes.planes, report.planes.on_planes);
-  if (!report.log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(report.log_gains)));
+  print_exposure(report.log_gains);
 }
 
 void refine(const CommandContext& context, const RefineCommandOptions& options) {
@@ -94,7 +97,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
   print_planes(report.planes, report.on_planes);
-  if (!report.log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(report.log_gains)));
+  print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
     std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),

@@ -122,11 +122,17 @@ TEST(SweepPriorDepth, TheTruthCostsLeast) {
   EXPECT_GT(right, known * 3 / 4);
 }
 
-TEST(AggregateCosts, NeighboursDecideWhereAPixelDoesNot) {
+/// A row of pixels whose five hypotheses all cost 1.
+CostVolume undecided_row(int width) {
   CostVolume volume;
-  volume.width = 9, volume.height = 1, volume.hypotheses = 5;
-  volume.cost.assign(9 * 5, 1.0f);
-  volume.known.assign(9, 1);
+  volume.width = width, volume.height = 1, volume.hypotheses = 5;
+  volume.cost.assign(static_cast<size_t>(width) * 5, 1.0f);
+  volume.known.assign(static_cast<size_t>(width), 1);
+  return volume;
+}
+
+TEST(AggregateCosts, NeighboursDecideWhereAPixelDoesNot) {
+  CostVolume volume = undecided_row(9);
   for (int x = 0; x < 9; ++x) {
     if (x != 4) volume.at(x, 0)[3] = 0.2f;
   }
@@ -139,10 +145,7 @@ TEST(AggregateCosts, NeighboursDecideWhereAPixelDoesNot) {
 }
 
 TEST(AggregateCosts, ADepthEdgeLetsBothSidesDiffer) {
-  CostVolume volume;
-  volume.width = 8, volume.height = 1, volume.hypotheses = 5;
-  volume.cost.assign(8 * 5, 1.0f);
-  volume.known.assign(8, 1);
+  CostVolume volume = undecided_row(8);
   ImageF depth(8, 1, 1, 2.0f);
   for (int x = 0; x < 8; ++x) {
     volume.at(x, 0)[x < 4 ? 0 : 4] = 0.7f;
@@ -156,10 +159,7 @@ TEST(AggregateCosts, ADepthEdgeLetsBothSidesDiffer) {
 }
 
 TEST(AggregateCosts, AnEdgeOfThePhotoLetsBothSidesDiffer) {
-  CostVolume volume;
-  volume.width = 8, volume.height = 1, volume.hypotheses = 5;
-  volume.cost.assign(8 * 5, 1.0f);
-  volume.known.assign(8, 1);
+  CostVolume volume = undecided_row(8);
   ImageF luma(8, 1, 1, 0.2f);
   for (int x = 0; x < 8; ++x) {
     volume.at(x, 0)[x < 5 ? 0 : 4] = 0.9f;  // weak: three pixels alone would follow the other five

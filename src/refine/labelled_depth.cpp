@@ -26,18 +26,13 @@ std::vector<PlaneView> with_depth(const std::vector<MatchView>& views, const std
 }
 
 /// Both in one: a pixel is either sure or not.
-struct Merged {
-  ImageF log_factor, weight;
-};
-
-Merged merged(const PlaneMeasurement& sure, const PlaneMeasurement& unsure) {
-  Merged out{sure.log_factor, sure.weight};
-  for (size_t p = 0; p < out.weight.data.size(); ++p) {
+PlaneMeasurement merged(PlaneMeasurement sure, const PlaneMeasurement& unsure) {
+  for (size_t p = 0; p < sure.weight.data.size(); ++p) {
     if (unsure.weight.data[p] <= 0) continue;
-    out.log_factor.data[p] = unsure.log_factor.data[p];
-    out.weight.data[p] = unsure.weight.data[p];
+    sure.log_factor.data[p] = unsure.log_factor.data[p];
+    sure.weight.data[p] = unsure.weight.data[p];
   }
-  return out;
+  return sure;
 }
 
 }  // namespace
@@ -46,17 +41,16 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
                                   const std::vector<PlaneClass>& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
                                   std::vector<PhotoDepth>& depths) {
   LabelledDepthReport report;
-  const std::vector<PlaneView> sure = with_depth(views, labels, depths, Keep::kSure);
-  report.planes = find_planes(sure, classes, settings.sure, pool);
+  const PlaneDepthResult sure = measure_planes(with_depth(views, labels, depths, Keep::kSure), classes, settings.sure, pool);
+  report.planes = sure.planes;
   if (report.planes.empty()) return report;
-  const auto on_sure = measure_on_planes(report.planes, sure, classes, settings.sure, pool);
   const auto on_unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes, settings.unsure, pool);
   std::vector<size_t> on_planes(views.size(), 0);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       PhotoDepth& depth = depths[i];
       if (depth.depth.empty()) continue;
-      const Merged plane = merged(on_sure[i], on_unsure[i]);
+      const PlaneMeasurement plane = merged(sure.views[i], on_unsure[i]);
       ImageF given(plane.weight.width, plane.weight.height, 1), weight = plane.weight;
       for (size_t p = 0; p < weight.data.size(); ++p) {
         weight.data[p] += depth.certainty.data[p];

@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/half.h"
 #include "io/folder_replacement.h"
 #include "io/npy.h"
 #include "refine/scene_copy.h"
+#include "scene/confidence_file.h"
 #include "scene/corners.h"
 #include "scene/scene_json.h"
 #include "scene/scene_writer.h"
@@ -72,10 +72,8 @@ std::vector<Vec3f> measure_exposure(TrainingPhotos& photos, const std::vector<Ph
 void write_depth(const std::string& name, const Camera& camera, const PhotoDepth& depth, const fs::path& folder) {
   ImageF map = depth.depth, certainty = depth.certainty;
   if (map.empty()) map = certainty = ImageF(camera.width, camera.height, 1);
-  std::vector<uint16_t> half;
-  for (const float c : certainty.data) half.push_back(float_to_half(c));
   write_npy_float32(folder / "pred_depths" / (name + ".npy"), {map.height, map.width}, map.data.data());
-  write_npy_float16(folder / "pred_confidence" / (name + ".npy"), {map.height, map.width}, half.data());
+  write_confidence(folder, name, certainty);
 }
 
 void note_depth(const fs::path& folder, double measured) {

@@ -22,6 +22,9 @@ struct MeasureSceneOptions {
   ProgressStyle progress;
 };
 
+/// What a report of no views means.
+inline constexpr const char* kNothingMeasured = "no depth can be measured: no two photos show the same from places far enough apart";
+
 struct MeasureSceneReport {
   double measured = 0;  ///< mean over the training views of the share of pixels whose depth another photo confirms
   size_t views = 0;     ///< training views whose depth could be measured; 0: nothing was written

@@ -47,11 +47,7 @@ std::vector<Vec3f> predict_log_gains(const Scene& scene) {
     left += static_cast<double>(dot(error, error));
   }
   if (!(left < kLeastGain * unpredicted)) return gains;
-  for (size_t v = 0; v < gains.size(); ++v) {
-    if (std::find(scene.train.begin(), scene.train.end(), static_cast<int>(v)) == scene.train.end()) {
-      gains[v] = predict(scene, static_cast<int>(v), -1, extent);
-    }
-  }
+  for (const int t : scene.test) gains[static_cast<size_t>(t)] = predict(scene, t, t, extent);
   return gains;
 }
 

@@ -3,7 +3,7 @@
 
 #include "core/half.h"
 #include "scene/scene_writer.h"
-#include "synth/confidence_file.h"
+#include "scene/confidence_file.h"
 #include "synth/synth_scene.h"
 
 namespace aligngs {

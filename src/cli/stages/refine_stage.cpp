@@ -10,6 +10,21 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// What measuring and refining a scene have in common.
+template <class Options>
+Options options_of(const TrainConfig& config, const CommandContext& context) {
+  Options options;
+  options.overwrite = true;
+  options.exposure = config.data.refine_exposure;
+  options.planes = config.data.refine_planes && config.data.semantics;
+  options.progress = context.progress();
+  return options;
+}
+
+}  // namespace
+
 bool should_measure(const fs::path& scene, const TrainConfig& config) {
   if (!config.data.measure_depth || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
   const Scene opened = open_scene(scene);
@@ -17,16 +32,12 @@ bool should_measure(const fs::path& scene, const TrainConfig& config) {
 }
 
 bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
-  MeasureSceneOptions options;
-  options.overwrite = true;
-  options.exposure = config.data.refine_exposure;
-  options.planes = config.data.refine_planes && config.data.semantics;
-  options.progress = context.progress();
+  const auto options = options_of<MeasureSceneOptions>(config, context);
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const MeasureSceneReport report = measure_scene(open_scene(scene), run / "scene", options, pool);
   if (report.views == 0) {
-    log_warning("no depth could be measured: no two photos show the same from places far enough apart; training starts from the points");
+    log_warning("{}; training starts from the points", kNothingMeasured);
     return false;
   }
   log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views, 100 * report.measured);
@@ -53,12 +64,8 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
 }
 
 void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
-  RefineSceneOptions options;
-  options.overwrite = true;
+  auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
-  options.exposure = config.data.refine_exposure;
-  options.planes = config.data.refine_planes && config.data.semantics;
-  options.progress = context.progress();
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);

@@ -8,7 +8,7 @@
 
 namespace aligngs {
 
-/// FOLDER/pred_confidence/NAME.npy: float16, H x W, >= 1 as VGGT's, 0 = no value.
+/// FOLDER/pred_confidence/NAME.npy: float16, H x W; 0 = nothing is known; of the other values (VGGT: >= 1) only the order and spread count.
 void write_confidence(const std::filesystem::path& folder, const std::string& name, const ImageF& confidence);
 
 }  // namespace aligngs

@@ -1,4 +1,4 @@
-#include "synth/confidence_file.h"
+#include "scene/confidence_file.h"
 
 #include <vector>
 
