@@ -23,7 +23,7 @@ struct StereoSettings {
   double cost_noise = 0.02;    ///< of the cost, besides what is left of it at the best hypothesis
   double sigma = 0.016;        ///< log units: a pixel whose depth is known as well as this is half sure
   double agreement = 0.02;     ///< relative: depths of two photos this near confirm each other
-  int least_patch = 0;         ///< pixels: smaller patches of confirmed depth without a jump are chance; 0 keeps all
+  int least_patch = 50;        ///< pixels: smaller patches of confirmed depth without a jump are chance; 0 keeps all
 };
 
 /// What the photos say about one of them.

@@ -102,7 +102,6 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
-    settings.spread.luma_edge = options.settings.luma_edge;
     report.planes = lay_on_planes(photos.match, photos.labels, plane_classes(scene.labels), settings, pool, depths);
   }
   if (options.exposure) report.log_gains = measure_exposure(photos, depths, options, pool);

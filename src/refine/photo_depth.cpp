@@ -79,9 +79,7 @@ class Search {
     near(stereo, kPassesOfSearch * pixels_);
   }
 
-  void near(StereoSettings stereo, double work) {
-    stereo.choice.luma_edge = stereo.spread.luma_edge = settings_.luma_edge;
-    stereo.least_patch = settings_.least_patch;
+  void near(const StereoSettings& stereo, double work) {
     std::vector<const MatchView*> pointers;
     for (const MatchView& photo : photos_) pointers.push_back(&photo);
     const auto report = [&](double share) {

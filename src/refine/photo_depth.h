@@ -16,8 +16,6 @@ struct PhotoDepthSettings {
   int most_hypotheses = 201;     ///< of it; wider ranges have longer steps
   double coarse_sigma = 0.03;    ///< StereoSettings::sigma and agreement of the search, whose windows do not follow slopes yet
   double coarse_agreement = 0.03;
-  double luma_edge = 0.04;       ///< of the choice and of what lies between measurements: no prior depth says where surfaces end
-  int least_patch = 50;          ///< StereoSettings::least_patch of all passes
   StereoSettings stereo;         ///< of the passes after the search, near the depth found so far
   int coarse_passes = 2;         ///< of these at the coarse width
   int fine_passes = 1;           ///< and at the photos' own

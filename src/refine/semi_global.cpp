@@ -9,7 +9,7 @@ namespace {
 class Paths {
  public:
   Paths(const CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings, const ImageF& luma)
-      : volume_(volume), depth_(depth), settings_(settings), luma_(settings.luma_edge > 0 ? &luma : nullptr), n_(static_cast<size_t>(volume.hypotheses)),
+      : volume_(volume), depth_(depth), settings_(settings), luma_(settings.luma_edge > 0 && !luma.empty() ? &luma : nullptr), n_(static_cast<size_t>(volume.hypotheses)),
         sums_(volume.cost.size(), 0.0f) {}
 
   /// Adds the costs of all paths that come from (x - dx, y - dy).
