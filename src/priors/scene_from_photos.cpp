@@ -8,15 +8,14 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/half.h"
 #include "core/log.h"
 #include "io/image_file.h"
-#include "io/npy.h"
 #include "io/resample.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
 #include "priors/given_poses.h"
 #include "priors/vggt_prediction.h"
+#include "scene/confidence_file.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
 #include "scene/scene_writer.h"
@@ -173,13 +172,6 @@ PointCloud cloud_of(const std::vector<VggtView>& views, const std::vector<Photo>
   return fuse_depth_cloud(cloud_views, options, pool).cloud;
 }
 
-void write_confidence(const fs::path& file, const ImageF& confidence) {
-  std::vector<uint16_t> half(confidence.data.size());
-  std::transform(confidence.data.begin(), confidence.data.end(), half.begin(), float_to_half);
-  fs::create_directories(file.parent_path());
-  write_npy_float16(file, {confidence.height, confidence.width}, half.data());
-}
-
 void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
                    const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
   const PublishedModel& model = published_model(options.model);
@@ -225,10 +217,10 @@ void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, cons
       PriorJson{model.name, store.digest(model, model.files[0], located),
                 {{"drop_percent", fmt::format("{:g}", options.drop_percent)},
                  {"shared_focal", options.shared_focal ? "yes" : "no"},
-                 {"confidence", "depth_confidence/"}}};
+                 {"confidence", "pred_confidence/"}}};
   writer.finish(parts);
   for (size_t i = 0; i < views.size(); ++i)
-    write_confidence(scene / "depth_confidence" / (photos[i].name + ".npy"), views[i].confidence);
+    write_confidence(scene, photos[i].name, views[i].confidence);
   report.placed = views.size();
   report.points = parts.cloud.size();
   report.train = parts.split.train->size();

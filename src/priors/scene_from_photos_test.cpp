@@ -109,7 +109,7 @@ TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
   for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
   const Rigidd& first = scene.views[0].camera.world_to_camera;
   EXPECT_NEAR(norm(first.translation), 0, 1e-9);
-  EXPECT_TRUE(fs::exists(folder / "scene" / "depth_confidence" / "a.npy"));
+  EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
 }
 
 TEST_F(FromPhotos, PhotosOfAnySizeAndOrientationGoTogether) {
@@ -239,6 +239,7 @@ TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
   EXPECT_EQ(notes.depth->weights.size(), 2 * kDigest + 1) << "of backbone and head";
   const ViewData data = load_view(scene, 0);
   for (const float z : data.prior_depth.data) EXPECT_TRUE(z > 0 && z <= 10);
+  EXPECT_FALSE(fs::exists(folder / "scene" / "pred_confidence")) << "was that of VGGT's depth";
 }
 
 TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
@@ -249,6 +250,7 @@ TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
   const ScenePriorsReport report =
       fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
   EXPECT_EQ(report.written, 3u);
+  EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
 }
 
 TEST_F(FromPhotos, NetworksThatDoNotFitInMemoryAreRefusedBeforeAnythingIsReplaced) {

@@ -17,6 +17,7 @@
 #include "priors/network_memory.h"
 #include "priors/semantic_teacher.h"
 #include "priors/vggt_prediction.h"
+#include "scene/confidence_file.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_json.h"
 
@@ -80,6 +81,7 @@ void begin_fill(const Scene& scene, fs::path View::*map, const PriorsJson& notes
   for (const View& view : scene.views) {
     if (!(view.*map).empty()) fs::remove(view.*map);
   }
+  if (map == &View::prior_depth) fs::remove_all(scene.folder / "pred_confidence");  // of the depth that goes
   write_priors_json(scene.folder / "priors.json", notes);
 }
 
@@ -132,6 +134,7 @@ void fill_with_vggt(const Scene& scene, const ModelStore& store, const Published
       if (!(views[i].confidence.data[k] >= least)) depth.data[k] = 0;
     }
     write_depth(scene, scene.views[size_t(scene.train[i])], depth);
+    write_confidence(scene.folder, photos[i].name, views[i].confidence);
     report.width = depth.width;
     report.height = depth.height;
     ++report.written;
