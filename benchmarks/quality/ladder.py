@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The paper's ladder, its controls and yardsticks, on synthetic rooms with simulated teachers.
 
-    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--rows NAME ...]
+    benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--size 320x240] [--rows NAME ...]
 
 Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
 Finished runs in OUTPUT are not repeated: the command can be stopped and started again, with other rows or rooms too; what
@@ -178,12 +178,13 @@ def scores(metrics, only=None):
     return {key: value_at(metrics, path) if path and (only is None or key in only) else math.nan for key, _, _, path in COLUMNS}
 
 
-def make_scene(output, room, room_seed, seed, row):
+def make_scene(arguments, room, room_seed, seed, row):
     """The scene of a row; variants differ in the cloud or the labels alone."""
+    output = arguments.output
     folder = output / "scenes" / f"{room}_{room_seed}_{seed}_{row.cloud}_{row.labels}"
     if not (folder / "scene.json").exists():
         text = run("synth", folder, "--room", room, "--room-seed", room_seed, "--teacher-seed", seed, "--cloud", row.cloud,
-                   "--labels", row.labels, "--overwrite")
+                   "--labels", row.labels, "--size", arguments.size, "--overwrite")
         if row.cloud == "feedforward" and row.labels == "teacher":
             (output / "acceptance").mkdir(exist_ok=True)
             (output / "acceptance" / f"{room}_{room_seed}_{seed}.txt").write_text(text.replace(str(folder), folder.name))
@@ -229,18 +230,18 @@ def trained(folder, make_scene, row, iterations, seed, settings=()):
     return result
 
 
-def train(output, room, room_seed, seed, row, iterations):
-    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
-    result = trained(folder, lambda: make_scene(output, room, room_seed, seed, row), row, iterations, seed)
-    kept = output / "settings" / f"{row.folder}.toml"
+def train(arguments, room, room_seed, seed, row):
+    folder = arguments.output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
+    result = trained(folder, lambda: make_scene(arguments, room, room_seed, seed, row), row, arguments.iterations, seed)
+    kept = arguments.output / "settings" / f"{row.folder}.toml"
     if not kept.exists() and (folder / "config.toml").exists():
         kept.parent.mkdir(exist_ok=True)
         shutil.copy(folder / "config.toml", kept)
     return result
 
 
-def yardstick_scene(output, room, room_seed, seed, row, yard):
-    base = make_scene(output, room, room_seed, seed, Row("", row.preset))
+def yardstick_scene(arguments, room, room_seed, seed, row, yard):
+    base = make_scene(arguments, room, room_seed, seed, Row("", row.preset))
     if yard.refine is None:
         return base
     scene = refined_scene(base, yard.refine)
@@ -273,9 +274,9 @@ def mesh_scores(folder, scene, option, preset, seed, settings=()):
     return scores(json.loads(result.read_text()), GEOMETRY)
 
 
-def measure_yardstick(output, room, room_seed, seed, row, yard):
-    scene = yardstick_scene(output, room, room_seed, seed, row, yard)
-    folder = output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
+def measure_yardstick(arguments, room, room_seed, seed, row, yard):
+    scene = yardstick_scene(arguments, room, room_seed, seed, row, yard)
+    folder = arguments.output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
     return mesh_scores(folder, scene, yard.option, row.preset, seed)
 
 
@@ -342,15 +343,15 @@ def program_version():
 def write_settings(output, arguments):
     """What made the numbers; a table must not mix lengths or rooms, and says when it mixes programs."""
     file = output / "settings.json"
-    now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations,
+    now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations, "size": arguments.size,
            "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine,
                              "depth": r.depth} for r in ROWS}}
     if file.exists():
         before = json.loads(file.read_text())
         earlier = before.get("programs", [before.get("program", "unknown")])
         now["programs"] = earlier + [p for p in now["programs"] if p not in earlier]
-        for key in ("rooms", "iterations"):
-            if before[key] != now[key]:
+        for key in ("rooms", "iterations", "size"):
+            if before.setdefault(key, "320x240") != now[key]:  # the size has not always been noted
                 sys.exit(f"{file}: {key} is {before[key]}, and {now[key]} was asked for; give another OUTPUT")
     file.write_text(json.dumps(now, indent=2) + "\n")
     return now["programs"]
@@ -360,7 +361,7 @@ def write_tables(output, results, rows, arguments):
     order = [r.name for r in ROWS]
     results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
     write_csv(output / "results.csv", PAIR, results)
-    lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, 320x240, 20 training and 8 test views, **simulated** "
+    lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, {arguments.size}, 20 training and 8 test views, **simulated** "
              "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
              "Processor seconds are those of `run`, without `refine` before it.", "",
              "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
@@ -413,6 +414,7 @@ def main():
     parser.add_argument("--kinds", nargs="+", default=None, help="only rooms of these kinds, e.g. bedroom")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
     parser.add_argument("--iterations", type=int, default=2000)
+    parser.add_argument("--size", default="320x240", help="of the photos, WxH")
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
     parser.add_argument("--keep-scenes", action="store_true", help="keep the scenes (some 100 MB each) after their last row")
     arguments = parser.parse_args()
@@ -433,12 +435,12 @@ def main():
             for row in rows:
                 if key not in results.setdefault(row.name, {}):
                     print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
-                    results[row.name][key] = train(output, room, room_seed, seed, row, arguments.iterations)
+                    results[row.name][key] = train(arguments, room, room_seed, seed, row)
                     write_tables(output, results, rows, arguments)
             for row in rows:
                 for yard in YARDSTICKS.get(row.name, []):
                     if key not in results.setdefault(yard.name, {}):
-                        results[yard.name][key] = measure_yardstick(output, room, room_seed, seed, row, yard)
+                        results[yard.name][key] = measure_yardstick(arguments, room, room_seed, seed, row, yard)
             folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if f.exists()]
             for folder in folders:  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)
