@@ -17,11 +17,13 @@ import shutil
 from pathlib import Path
 
 import ladder
+import ladder_rows
+import ladder_tables
 
 REFINED = []  # options of `aligngs refine`
 
 
-class Row(ladder.Row):
+class Row(ladder_rows.Row):
     """A row of a source, whose name stands before the row's and before those that it is compared with."""
 
     def __init__(self, source, name, preset, settings=(), refine=None, compare_with=()):
@@ -30,19 +32,19 @@ class Row(ladder.Row):
 
 
 ROWS = [
-    Row("rgb", "3dgs", "paper", ladder.THREE_DGS),
+    Row("rgb", "3dgs", "paper", ladder_rows.THREE_DGS),
     Row("rgb", "pgsr", "pgsr", compare_with=["3dgs"]),
     Row("rgb", "default", "default", refine=REFINED, compare_with=["3dgs", "pgsr", "default, from the points", "pgsr, the same scene"]),
-    Row("rgb", "pgsr, the same scene", "pgsr", ladder.PGSR_PRIOR + ["init.start=depth"], refine=REFINED, compare_with=["pgsr"]),
+    Row("rgb", "pgsr, the same scene", "pgsr", ladder_rows.PGSR_PRIOR + ["init.start=depth"], refine=REFINED, compare_with=["pgsr"]),
     Row("rgb", "default, photos as exposed", "default", ["data.exposure=false"], refine=REFINED, compare_with=["default", "3dgs", "pgsr"]),
-    Row("rgb", "default, multi-view terms", "default", ladder.MULTI_VIEW, refine=REFINED, compare_with=["default"]),
+    Row("rgb", "default, multi-view terms", "default", ladder_rows.MULTI_VIEW, refine=REFINED, compare_with=["default"]),
     Row("rgb", "default, from the points", "default", compare_with=["3dgs", "pgsr"]),
     Row("rgb", "default, from the points, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default, from the points"]),
     Row("rgb", "default, from the points, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"],
         compare_with=["default, from the points"]),
-    Row("simulated", "3dgs", "paper", ladder.THREE_DGS),
-    Row("simulated", "pgsr + prior depth", "pgsr", ladder.PGSR_PRIOR, compare_with=["3dgs"]),
-    Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder.PGSR_PRIOR, ladder.CAMERAS_ONLY),
+    Row("simulated", "3dgs", "paper", ladder_rows.THREE_DGS),
+    Row("simulated", "pgsr + prior depth", "pgsr", ladder_rows.PGSR_PRIOR, compare_with=["3dgs"]),
+    Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder_rows.PGSR_PRIOR, ladder_rows.CAMERAS_ONLY),
     Row("simulated", "default, not refined", "default", compare_with=["3dgs", "pgsr + prior depth"]),
     Row("simulated", "default", "default", refine=REFINED,
         compare_with=["3dgs", "pgsr + prior depth", "pgsr + prior depth, refined cameras", "default, not refined"]),
@@ -91,17 +93,17 @@ def measure(arguments, seed, yardstick):
 
 
 def write_tables(arguments, results):
-    ladder.write_csv(arguments.output / "results.csv", ["seed"], results)
-    columns = [c for c in ladder.COLUMNS if c[0] not in ("miou", "teacher", "between", "beyond", "posed")]
+    ladder_tables.write_csv(arguments.output / "results.csv", ["seed"], results)
+    columns = [c for c in ladder_rows.COLUMNS if c[0] not in ("miou", "teacher", "between", "beyond", "posed")]
     lines = [f"A real capture, {arguments.iterations} iterations at {arguments.scale:g} of the photos' resolution, means over the seeds.", "",
              "| row | seeds | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"]
     for name, by_seed in results.items():
-        cells = [ladder.mean_cell([v[key] for v in by_seed.values()], digits) for key, _, digits, _ in columns]
+        cells = [ladder_tables.mean_cell([v[key] for v in by_seed.values()], digits) for key, _, digits, _ in columns]
         lines.append(f"| {name} | {len(by_seed)} | " + " | ".join(cells) + " |")
     lines += ["", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F |", "|---|---|---|---|"]
     for row in ROWS:
         for base in (b for b in row.compare_with if b in results and row.name in results):
-            cells = [ladder.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3))]
+            cells = [ladder_tables.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3))]
             lines.append(f"| {row.name} | {base} | " + " | ".join(cells) + " |")
     (arguments.output / "table.md").write_text("\n".join(lines) + "\n")
 
@@ -120,7 +122,7 @@ def main():
     settings = {"program": ladder.program_version(), "iterations": arguments.iterations, "scale": arguments.scale,
                 "rows": {r.name: {"preset": r.preset, "set": r.settings, "refine": r.refine} for r in ROWS}}
     (arguments.output / "settings.json").write_text(json.dumps(settings, indent=2) + "\n")
-    results = ladder.read_csv(arguments.output / "results.csv", ["seed"])
+    results = ladder_tables.read_csv(arguments.output / "results.csv", ["seed"])
     for seed in arguments.seeds:
         for row in (r for r in ROWS if arguments.rows is None or r.name in arguments.rows):
             if (seed,) not in results.setdefault(row.name, {}):

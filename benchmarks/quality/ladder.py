@@ -17,141 +17,23 @@ results.csv holds stays. It writes
 The development rooms are those on which defaults are chosen; the test rooms have other furniture, textures and seeds and
 are run to report, never to tune. ALIGNGS names the program (default build/aligngs)."""
 import argparse
-import csv
 import json
 import math
 import os
-import random
 import resource
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+from ladder_rows import CAMERAS_ONLY, COLUMNS, GEOMETRY, PAIR, ROWS, YARDSTICKS, Row
+from ladder_tables import read_csv, write_tables
+
 PROGRAM = os.environ.get("ALIGNGS", str(Path(__file__).resolve().parents[2] / "build" / "aligngs"))
 ROOMS = {
     "development": [("bedroom", 1), ("living", 1), ("kitchen", 1), ("office", 1)],
     "test": [("bedroom", 101), ("living", 102), ("kitchen", 103), ("office", 104)],
 }
-NO_SEMANTICS = "data.semantics=false"
-PHOTOMETRIC = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0", "data.prior_depth=none"]
-NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
-# The multi-view terms as preset pgsr has them, every fifth step, where they cost a fifth.
-MULTI_VIEW = ["loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15", "loss.multi_view_every=5"]
-# The prior depth as the default preset uses it, acting as early.
-PGSR_PRIOR = ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
-              "loss.depth_align_every=500", "loss.normal_start=500"]
-THREE_DGS = PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"]
-# Options of `aligngs refine`.
-CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
-NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
-# Normals at label edges (loss.crease) use labels too, and constant labels have no edges: the controls of the coupling go without.
-COUPLING_ALONE = ["loss.crease=0"]
-UNCOUPLED = "stereo, uncoupled"
-COUPLED = "stereo, coupled, no crease"
-PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
-
-
-class Row:
-    """One way to train: which cloud and labels the scene has, how `aligngs refine` goes before, and the settings."""
-
-    def __init__(self, name, preset, settings=(), cloud="feedforward", labels="teacher", refine=None, compare_with=(), depth="network"):
-        self.name, self.preset, self.settings = name, preset, list(settings)
-        self.cloud, self.labels, self.refine, self.depth = cloud, labels, refine, depth
-        self.compare_with = [compare_with] if isinstance(compare_with, str) else list(compare_with)
-
-    @property
-    def folder(self):
-        return "".join(c if c.isalnum() else "_" for c in self.name)
-
-
-# Also in the paper's rows, which would take many minutes each otherwise: classes that no teacher ranks among its two best share a
-# channel (the tests ActiveClasses.* bound what that does to losses and labels), and a step takes the semantic loss of a quarter of the
-# pixels (docs/quality.md measures it).
-ACTIVE = ["semantic.active_top=2", "semantic.pixel_share=0.25"]
-
-
-
-def paper_ladder(where="", refine=None):
-    """The paper's Table III, cumulatively, L_sem also as in the release; `where` ends the rows' names, `refine` makes their cameras."""
-    steps = [("base (sparse start)", PHOTOMETRIC + [NO_SEMANTICS], []),
-             ("+ feed-forward start", PHOTOMETRIC + [NO_SEMANTICS], ["base (sparse start)"]),
-             ("+ L_sem, uncoupled", NO_GEOMETRY + ACTIVE + ["semantic.coupling_strength=0"], ["+ feed-forward start"]),
-             ("+ L_sem, coupled", NO_GEOMETRY + ACTIVE, ["+ L_sem, uncoupled"]),
-             ("+ L_d", ACTIVE + ["loss.normal_consistency=0", "loss.normal_boundary=0"], ["+ L_sem, coupled"]),
-             ("+ L_ng + L_nb (paper)", ACTIVE, ["+ L_d", "base (sparse start)"])]
-    return [Row(name + where, "paper", settings, cloud="sfm" if k == 0 else "feedforward", refine=refine,
-                compare_with=[base + where for base in bases]) for k, (name, settings, bases) in enumerate(steps)]
-
-
-ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY) + [
-    Row("release-faithful", "paper", ACTIVE + ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
-    Row("3dgs", "paper", THREE_DGS + [NO_SEMANTICS],
-        compare_with="base (sparse start)"),
-    Row("pgsr", "pgsr", compare_with="+ feed-forward start"),
-    Row("pgsr + prior depth", "pgsr", PGSR_PRIOR, compare_with="pgsr"),
-    Row("default", "default", compare_with="+ feed-forward start"),
-    Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
-    Row("stereo, no semantics", "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
-    Row(UNCOUPLED, "default", COUPLING_ALONE + ["semantic.coupling_strength=0"], refine=NO_LABELS_YET, compare_with="stereo, no semantics"),
-    Row(COUPLED, "default", COUPLING_ALONE, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
-    Row(PLACEBOS[0], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
-    Row(PLACEBOS[1], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
-    Row(PLACEBOS[2], "default", COUPLING_ALONE + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
-    Row("stereo, true labels", "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
-    Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=COUPLED),
-    Row("default, refined", "default", refine=[],
-        compare_with=["stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras", "pgsr, the same scene",
-                      "+ L_ng + L_nb (paper)"]),
-    Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="stereo, coupled"),
-    Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
-    Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
-    Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
-    # As from structure from motion, without any network's depth: what labels do before training and in it.
-    Row("depth measured, no labels", "default", [NO_SEMANTICS], cloud="sfm", refine=["--no-planes"], depth="measured"),
-    Row("depth measured, labels in training alone", "default", cloud="sfm", refine=["--no-planes"], depth="measured",
-        compare_with="depth measured, no labels"),
-    Row("depth measured, shuffled labels", "default", cloud="sfm", labels="shuffled", refine=[], depth="measured",
-        compare_with="depth measured, no labels"),
-    Row("depth measured, constant labels", "default", cloud="sfm", labels="constant", refine=[], depth="measured",
-        compare_with="depth measured, no labels"),
-    Row("depth measured", "default", cloud="sfm", refine=[], depth="measured",
-        compare_with=["depth measured, no labels", "depth measured, labels in training alone", "depth measured, shuffled labels",
-                      "depth measured, constant labels"]),
-    # All that `aligngs refine` finds out is given to pgsr, its dense start included: what is left is training alone.
-    Row("pgsr, the same scene", "pgsr", PGSR_PRIOR + ["init.start=depth"], refine=[], compare_with="pgsr + prior depth, refined cameras"),
-]
-PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
-REFINED_PRIOR = "TSDF of the refined depth, no training"
-
-
-class Yardstick:
-    """A mesh that no training has touched, with the cameras of the scene that `refine` makes. `prior`: the depth is that of the
-    scene with these options of `refine` instead, None for the scene's own."""
-
-    def __init__(self, name, option, refine=None, prior=None):
-        self.name, self.option, self.refine, self.prior = name, option, refine, prior
-
-
-# What counts as the prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
-YARDSTICKS = {
-    "default": [Yardstick(PRIOR, "--from-prior"), Yardstick(CEILING, "--from-truth")],
-    "default, refined": [Yardstick(PRIOR + ", refined cameras", "--from-prior", [], CAMERAS_ONLY),
-                         Yardstick(REFINED_PRIOR, "--from-prior", []),
-                         Yardstick(CEILING + ", refined cameras", "--from-truth", [])],
-}
-COLUMNS = [
-    ("psnr", "PSNR", 2, "nvs.psnr"), ("fitted", "colour-fitted", 2, "nvs.exposure_fitted.psnr"),
-    ("posed", "pose-fitted", 2, "nvs.pose_refined.psnr"),
-    ("between", "between", 2, "nvs.interpolating.psnr"),
-    ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
-    ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
-    ("precision", "Prec", 3, "geometry.precision"), ("recall", "Recall", 3, "geometry.recall"),
-    ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
-    ("seconds", "processor s", 0, None),
-]
-PAIR = ("room", "room_seed", "seed")  # what runs are compared by
-GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore")
 
 
 def run(*arguments):
@@ -280,60 +162,6 @@ def measure_yardstick(arguments, room, room_seed, seed, row, yard):
     return mesh_scores(folder, scene, yard.option, row.preset, seed)
 
 
-def interval(differences, draws=10000):
-    """Mean and 95 % interval of paired differences: percentile bootstrap with a fixed seed."""
-    values = [d for d in differences if math.isfinite(d)]
-    if not values:
-        return math.nan, math.nan, math.nan, 0
-    generator = random.Random(1)
-    means = sorted(sum(generator.choices(values, k=len(values))) / len(values) for _ in range(draws))
-    return sum(values) / len(values), means[int(0.025 * draws)], means[int(0.975 * draws) - 1], len(values)
-
-
-def number(value, digits):
-    return f"{value:.{digits}f}" if math.isfinite(value) else "–"
-
-
-def mean(values):
-    finite = [v for v in values if math.isfinite(v)]
-    return sum(finite) / len(finite) if finite else math.nan
-
-
-def mean_cell(values, digits):
-    """The mean; where some pairs lack the number and others have it, of how many."""
-    finite = sum(math.isfinite(v) for v in values)
-    return number(mean(values), digits) + (f" (of {finite})" if 0 < finite < len(values) else "")
-
-
-def difference_cell(results, row, base, key, digits):
-    pairs = [results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]]
-    middle, low, high, count = interval(pairs)
-    if count == 0:
-        return "–"
-    noise = " (noise)" if count < 3 or low <= 0 <= high else ""
-    return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
-
-
-def read_csv(file, key_columns):
-    """{row: {values of the key columns: scores}}; numbers among the keys are whole. Empty without the file."""
-    results = {}
-    if file.exists():
-        with open(file, newline="") as text:
-            for line in csv.DictReader(text):
-                key = tuple(int(line[k]) if line[k].isdigit() else line[k] for k in key_columns)
-                results.setdefault(line["row"], {})[key] = {k: float(line.get(k) or "nan") for k, *_ in COLUMNS}
-    return results
-
-
-def write_csv(file, key_columns, results):
-    with open(file, "w", newline="") as text:
-        writer = csv.writer(text)
-        writer.writerow(["row", *key_columns] + [key for key, *_ in COLUMNS])
-        for name, by_key in results.items():
-            for keys, values in by_key.items():
-                writer.writerow([name, *keys] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
-
-
 def program_version():
     """With the commit of the sources beside this script: defaults change between two releases."""
     commit = subprocess.run(["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"], capture_output=True, text=True)
@@ -355,56 +183,6 @@ def write_settings(output, arguments):
                 sys.exit(f"{file}: {key} is {before[key]}, and {now[key]} was asked for; give another OUTPUT")
     file.write_text(json.dumps(now, indent=2) + "\n")
     return now["programs"]
-
-
-def write_tables(output, results, rows, arguments):
-    order = [r.name for r in ROWS]
-    results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
-    write_csv(output / "results.csv", PAIR, results)
-    lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, {arguments.size}, 20 training and 8 test views, **simulated** "
-             "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
-             "Processor seconds are those of `run`, without `refine` before it.", "",
-             "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
-    for name, by_pair in results.items():
-        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits)
-                                                 for key, _, digits, _ in COLUMNS) + " |")
-    lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
-              "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
-    for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
-        if base in results and row in results:
-            cells = [difference_cell(results, row, base, *column) for column in (("psnr", 2), ("fscore", 3), ("miou", 3))]
-            lines.append(f"| {row} | {base} | " + " | ".join(cells) + " |")
-    lines += gap_lines(results)
-    (output / "table.md").write_text("\n".join(lines) + "\n")
-
-
-def gap_lines(results):
-    """Which share of the way from the prior's own surface to the ceiling a row goes, and its labels against the teacher's."""
-    lines = []
-    for row in YARDSTICKS:
-        gains = [v["miou"] - v["teacher"] for v in results.get(row, {}).values() if math.isfinite(v["miou"] - v["teacher"])]
-        if gains:
-            middle, low, high, count = interval(gains)
-            lines += ["", f"mIoU of `{row}` less that of the teacher on the test photos: {middle:+.3f} [{low:+.3f}, {high:+.3f}], "
-                      f"smallest {min(gains):+.3f}, over {count} pairs."]
-    for row, (first, *_, last) in YARDSTICKS.items():
-        prior, ceiling = results.get(first.name, {}), results.get(last.name, {})
-        shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
-                  for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
-        if shares:
-            middle, low, high, count = interval(shares)
-            lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
-                      f"smallest {min(shares):.2f}, over {count} pairs."]
-    placebos = [results[p] for p in PLACEBOS if p in results]
-    if placebos and COUPLED in results:
-        for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):
-            over = [results[COUPLED][k][key] - max(p[k][key] for p in placebos)
-                    for k in results[COUPLED] if all(k in p for p in placebos)]
-            if over:
-                middle, low, high, count = interval(over)
-                lines += ["", f"{title} of `{COUPLED}` over the best of {len(placebos)} placebos of each pair: {middle:+.{digits}f} "
-                          f"[{low:+.{digits}f}, {high:+.{digits}f}] over {count} pairs."]
-    return lines
 
 
 def main():

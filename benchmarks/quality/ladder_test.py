@@ -1,73 +1,83 @@
 #!/usr/bin/env python3
-"""What ladder.py does with numbers: run it with python3."""
+"""What the ladder does with numbers: run it with python3."""
 import math
 import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
-import ladder
+import ladder_rows
+import ladder_tables
 
 
 def scores(**given):
-    return {key: float(given.get(key, math.nan)) for key, *_ in ladder.COLUMNS}
+    return {key: float(given.get(key, math.nan)) for key, *_ in ladder_rows.COLUMNS}
 
 
 class LadderTest(unittest.TestCase):
     def test_interval_of_equal_differences_is_that_difference(self):
-        self.assertEqual(ladder.interval([0.5, 0.5, 0.5]), (0.5, 0.5, 0.5, 3))
+        self.assertEqual(ladder_tables.interval([0.5, 0.5, 0.5]), (0.5, 0.5, 0.5, 3))
 
     def test_interval_ignores_what_is_not_known(self):
-        middle, low, high, count = ladder.interval([1.0, math.nan, 3.0])
+        middle, low, high, count = ladder_tables.interval([1.0, math.nan, 3.0])
         self.assertEqual((middle, count), (2.0, 2))
         self.assertTrue(1.0 <= low <= high <= 3.0)
-        self.assertEqual(ladder.interval([])[3], 0)
+        self.assertEqual(ladder_tables.interval([])[3], 0)
 
     def test_an_interval_that_holds_zero_is_called_noise(self):
         results = {"a": {i: scores(psnr=20 + d) for i, d in enumerate((-1, 0, 1, 2))},
                    "b": {i: scores(psnr=20) for i in range(4)}, "c": {i: scores(psnr=10) for i in range(4)}}
-        self.assertIn("(noise)", ladder.difference_cell(results, "a", "b", "psnr", 2))
-        self.assertNotIn("(noise)", ladder.difference_cell(results, "a", "c", "psnr", 2))
-        self.assertEqual(ladder.difference_cell(results, "a", "b", "fscore", 3), "–")
+        self.assertIn("(noise)", ladder_tables.difference_cell(results, "a", "b", "psnr", 2))
+        self.assertNotIn("(noise)", ladder_tables.difference_cell(results, "a", "c", "psnr", 2))
+        self.assertEqual(ladder_tables.difference_cell(results, "a", "b", "fscore", 3), "–")
 
     def test_two_pairs_are_noise_whatever_they_say(self):
         results = {"a": {i: scores(psnr=30) for i in range(2)}, "b": {i: scores(psnr=20) for i in range(2)}}
-        self.assertIn("(noise)", ladder.difference_cell(results, "a", "b", "psnr", 2))
+        self.assertIn("(noise)", ladder_tables.difference_cell(results, "a", "b", "psnr", 2))
 
     def test_a_mean_of_some_says_of_how_many(self):
-        self.assertEqual(ladder.mean_cell([1.0, math.nan, 3.0], 1), "2.0 (of 2)")
-        self.assertEqual(ladder.mean_cell([1.0, 3.0], 1), "2.0")
-        self.assertEqual(ladder.mean_cell([math.nan], 1), "–")
+        self.assertEqual(ladder_tables.mean_cell([1.0, math.nan, 3.0], 1), "2.0 (of 2)")
+        self.assertEqual(ladder_tables.mean_cell([1.0, 3.0], 1), "2.0")
+        self.assertEqual(ladder_tables.mean_cell([math.nan], 1), "–")
 
     def test_results_are_read_as_they_were_written(self):
         key = ("bedroom", 101, 2)
         results = {"default, refined": {key: scores(psnr=25.5, fscore=0.9)}}
         with tempfile.TemporaryDirectory() as folder:
-            ladder.write_tables(Path(folder), results, [], SimpleNamespace(rooms="test", iterations=2000, size="320x240"))
-            again = ladder.read_csv(Path(folder) / "results.csv", ladder.PAIR)
+            ladder_tables.write_tables(Path(folder), results, [], SimpleNamespace(rooms="test", iterations=2000, size="320x240"))
+            again = ladder_tables.read_csv(Path(folder) / "results.csv", ladder_rows.PAIR)
         self.assertEqual(again["default, refined"][key]["psnr"], 25.5)
         self.assertTrue(math.isnan(again["default, refined"][key]["ssim"]))
 
+    def test_acceptance_is_summed_up_over_scenes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, value, verdict in (("a", "4.0", "ok"), ("b", "5.0", "outside")):
+                (Path(folder) / f"{name}.txt").write_text(
+                    f"room\n  point accuracy mean                   {value} cm   3 to 4.5       {verdict}\n  focal error    0.8 %    -              \n")
+            lines = ladder_tables.acceptance_lines(Path(folder))
+            self.assertEqual(lines[-1], "| point accuracy mean | 4.500 cm | 3 to 4.5 | 1 of 2 |")
+            self.assertEqual(ladder_tables.acceptance_lines(Path(folder) / "none"), [])
+
     def test_share_of_the_way_from_the_prior_to_the_ceiling(self):
-        first, *_, last = ladder.YARDSTICKS["default, refined"]
+        first, *_, last = ladder_rows.YARDSTICKS["default, refined"]
         key = ("bedroom", 101, 1)
         results = {"default, refined": {key: scores(fscore=0.9)}, first.name: {key: scores(fscore=0.7)},
                    last.name: {key: scores(fscore=1.0)}}
-        self.assertIn("0.67 [0.67, 0.67], smallest 0.67", "\n".join(ladder.gap_lines(results)))
+        self.assertIn("0.67 [0.67, 0.67], smallest 0.67", "\n".join(ladder_tables.gap_lines(results)))
 
     def test_coupling_is_compared_with_the_best_placebo_of_each_pair(self):
         keys = [("bedroom", 101, s) for s in (1, 2, 3)]
-        results = {ladder.COUPLED: {k: scores(fscore=0.8, psnr=25) for k in keys}}
-        for i, placebo in enumerate(ladder.PLACEBOS):
+        results = {ladder_rows.COUPLED: {k: scores(fscore=0.8, psnr=25) for k in keys}}
+        for i, placebo in enumerate(ladder_rows.PLACEBOS):
             results[placebo] = {k: scores(fscore=0.7 + 0.05 * i, psnr=24) for k in keys}
-        self.assertIn("-0.000 [-0.000, -0.000]", "\n".join(ladder.gap_lines(results)).replace("+0.000", "-0.000"))
+        self.assertIn("-0.000 [-0.000, -0.000]", "\n".join(ladder_tables.gap_lines(results)).replace("+0.000", "-0.000"))
 
     def test_every_row_that_is_compared_with_exists(self):
-        names = {row.name for row in ladder.ROWS}
-        self.assertEqual(len(names), len(ladder.ROWS))
-        for row in ladder.ROWS:
+        names = {row.name for row in ladder_rows.ROWS}
+        self.assertEqual(len(names), len(ladder_rows.ROWS))
+        for row in ladder_rows.ROWS:
             self.assertTrue(set(row.compare_with) <= names, row.name)
-        self.assertTrue(set(ladder.PLACEBOS) | {ladder.COUPLED, *ladder.YARDSTICKS} <= names)
+        self.assertTrue(set(ladder_rows.PLACEBOS) | {ladder_rows.COUPLED, *ladder_rows.YARDSTICKS} <= names)
 
 
 if __name__ == "__main__":

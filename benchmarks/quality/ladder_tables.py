@@ -1,0 +1,130 @@
+"""What the numbers of the ladder say together: means, paired differences with intervals, files of them."""
+import csv
+import math
+import random
+import re
+
+from ladder_rows import COLUMNS, COUPLED, PAIR, PLACEBOS, ROWS, YARDSTICKS
+
+
+def interval(differences, draws=10000):
+    """Mean and 95 % interval of paired differences: percentile bootstrap with a fixed seed."""
+    values = [d for d in differences if math.isfinite(d)]
+    if not values:
+        return math.nan, math.nan, math.nan, 0
+    generator = random.Random(1)
+    means = sorted(sum(generator.choices(values, k=len(values))) / len(values) for _ in range(draws))
+    return sum(values) / len(values), means[int(0.025 * draws)], means[int(0.975 * draws) - 1], len(values)
+
+
+def number(value, digits):
+    return f"{value:.{digits}f}" if math.isfinite(value) else "–"
+
+
+def mean(values):
+    finite = [v for v in values if math.isfinite(v)]
+    return sum(finite) / len(finite) if finite else math.nan
+
+
+def mean_cell(values, digits):
+    """The mean; where some pairs lack the number and others have it, of how many."""
+    finite = sum(math.isfinite(v) for v in values)
+    return number(mean(values), digits) + (f" (of {finite})" if 0 < finite < len(values) else "")
+
+
+def difference_cell(results, row, base, key, digits):
+    pairs = [results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]]
+    middle, low, high, count = interval(pairs)
+    if count == 0:
+        return "–"
+    noise = " (noise)" if count < 3 or low <= 0 <= high else ""
+    return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
+
+
+def read_csv(file, key_columns):
+    """{row: {values of the key columns: scores}}; numbers among the keys are whole. Empty without the file."""
+    results = {}
+    if file.exists():
+        with open(file, newline="") as text:
+            for line in csv.DictReader(text):
+                key = tuple(int(line[k]) if line[k].isdigit() else line[k] for k in key_columns)
+                results.setdefault(line["row"], {})[key] = {k: float(line.get(k) or "nan") for k, *_ in COLUMNS}
+    return results
+
+
+def write_csv(file, key_columns, results):
+    with open(file, "w", newline="") as text:
+        writer = csv.writer(text)
+        writer.writerow(["row", *key_columns] + [key for key, *_ in COLUMNS])
+        for name, by_key in results.items():
+            for keys, values in by_key.items():
+                writer.writerow([name, *keys] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
+
+
+def write_tables(output, results, rows, arguments):
+    order = [r.name for r in ROWS]
+    results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
+    write_csv(output / "results.csv", PAIR, results)
+    lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, {arguments.size}, 20 training and 8 test views, **simulated** "
+             "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
+             "Processor seconds are those of `run`, without `refine` before it.", "",
+             "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
+    for name, by_pair in results.items():
+        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits)
+                                                 for key, _, digits, _ in COLUMNS) + " |")
+    lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
+              "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
+    for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
+        if base in results and row in results:
+            cells = [difference_cell(results, row, base, *column) for column in (("psnr", 2), ("fscore", 3), ("miou", 3))]
+            lines.append(f"| {row} | {base} | " + " | ".join(cells) + " |")
+    lines += gap_lines(results) + acceptance_lines(output / "acceptance")
+    (output / "table.md").write_text("\n".join(lines) + "\n")
+
+
+def gap_lines(results):
+    """Which share of the way from the prior's own surface to the ceiling a row goes, and its labels against the teacher's."""
+    lines = []
+    for row in YARDSTICKS:
+        gains = [v["miou"] - v["teacher"] for v in results.get(row, {}).values() if math.isfinite(v["miou"] - v["teacher"])]
+        if gains:
+            middle, low, high, count = interval(gains)
+            lines += ["", f"mIoU of `{row}` less that of the teacher on the test photos: {middle:+.3f} [{low:+.3f}, {high:+.3f}], "
+                      f"smallest {min(gains):+.3f}, over {count} pairs."]
+    for row, (first, *_, last) in YARDSTICKS.items():
+        prior, ceiling = results.get(first.name, {}), results.get(last.name, {})
+        shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
+                  for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
+        if shares:
+            middle, low, high, count = interval(shares)
+            lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
+                      f"smallest {min(shares):.2f}, over {count} pairs."]
+    placebos = [results[p] for p in PLACEBOS if p in results]
+    if placebos and COUPLED in results:
+        for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):
+            over = [results[COUPLED][k][key] - max(p[k][key] for p in placebos)
+                    for k in results[COUPLED] if all(k in p for p in placebos)]
+            if over:
+                middle, low, high, count = interval(over)
+                lines += ["", f"{title} of `{COUPLED}` over the best of {len(placebos)} placebos of each pair: {middle:+.{digits}f} "
+                          f"[{low:+.{digits}f}, {high:+.{digits}f}] over {count} pairs."]
+    return lines
+
+
+# A line of what `aligngs synth` measures of its teachers: name, value, unit, range of real networks, verdict.
+MEASURED = re.compile(r"^  (\S.*?)\s{2,}([\d.]+)( \S+)?\s{2,}(\S.*?)\s{2,}(ok|outside)\s*$")
+
+
+def acceptance_lines(folder):
+    """How the simulated teachers of the scenes compare with real networks: the mean of each figure, and in how many scenes it is inside."""
+    figures = {}
+    for file in sorted(folder.glob("*.txt")):
+        for name, value, unit, wanted, verdict in (m.groups() for m in map(MEASURED.match, file.read_text().splitlines()) if m):
+            figures.setdefault((name, (unit or "").strip(), wanted), []).append((float(value), verdict == "ok"))
+    if not figures:
+        return []
+    lines = ["", "What the simulated teachers measure (means over the scenes; `acceptance/` has each), beside the ranges of real networks:", "",
+             "| figure | mean | range | scenes inside |", "|---|---|---|---|"]
+    for (name, unit, wanted), measured in figures.items():
+        lines.append(f"| {name} | {number(mean([v for v, _ in measured]), 3)} {unit} | {wanted} | {sum(ok for _, ok in measured)} of {len(measured)} |")
+    return lines
