@@ -11,7 +11,7 @@ from pathlib import Path
 from ladder_rows import PAIR
 from ladder_tables import mean, read_csv
 
-LABEL, PANEL, GAP, LINE, TOP, BOTTOM = 330, 250, 36, 26, 34, 14  # pixels
+LABEL, PANEL, GAP, LINE, TOP, BOTTOM = 345, 250, 36, 26, 34, 14  # pixels
 PANELS = [("fscore", "F at 5 cm", 0.0, 1.0, 0.25, "{:.3f}"), ("psnr", "PSNR (dB)", 0.0, 30.0, 10.0, "{:.1f}")]
 BAR, DOT, GRID, TEXT = "#8fb3d9", "#1f4e79", "#dddddd", "#222222"
 
