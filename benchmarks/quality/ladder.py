@@ -168,9 +168,9 @@ def program_version():
     return " ".join([run("--version").strip(), commit.stdout.strip()]).strip()
 
 
-def write_settings(output, arguments):
+def write_settings(arguments):
     """What made the numbers; a table must not mix lengths or rooms, and says when it mixes programs."""
-    file = output / "settings.json"
+    file = arguments.output / "settings.json"
     now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations, "size": arguments.size,
            "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine,
                              "depth": r.depth} for r in ROWS}}
@@ -201,7 +201,7 @@ def main():
         parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
     output = arguments.output
     output.mkdir(parents=True, exist_ok=True)
-    programs = write_settings(output, arguments)
+    programs = write_settings(arguments)
     if len(programs) > 1:
         print(f"{output}: rows of an earlier call stay, made by another program: {', '.join(programs[:-1])}", file=sys.stderr)
     results = read_csv(output / "results.csv", PAIR)
@@ -214,7 +214,7 @@ def main():
                 if key not in results.setdefault(row.name, {}):
                     print(f"{room} {room_seed}, seed {seed}: {row.name}", flush=True)
                     results[row.name][key] = train(arguments, room, room_seed, seed, row)
-                    write_tables(output, results, rows, arguments)
+                    write_tables(arguments, results)
             for row in rows:
                 for yard in YARDSTICKS.get(row.name, []):
                     if key not in results.setdefault(yard.name, {}):
@@ -227,7 +227,7 @@ def main():
             if not arguments.keep_scenes:
                 for scene in (output / "scenes").glob(f"{room}_{room_seed}_{seed}_*"):
                     shutil.rmtree(scene)
-            write_tables(output, results, rows, arguments)
+            write_tables(arguments, results)
     print((output / "table.md").read_text())
 
 

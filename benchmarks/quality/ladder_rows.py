@@ -9,6 +9,7 @@ MULTI_VIEW = ["loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.1
 PGSR_PRIOR = ["data.prior_depth=auto", "loss.log_depth=0.5", "loss.log_depth_end=0.02", "loss.depth_start=0",
               "loss.depth_align_every=500", "loss.normal_start=500"]
 THREE_DGS = PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.depth=median"]
+UNPROJECTED = ["init.start=depth"]  # the start is depth unprojected with the cameras of the row, not the points of the scene
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
 NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
@@ -53,7 +54,7 @@ def paper_ladder(where="", refine=None, start=()):
 
 # The paper starts from 100,000 points of the network's depth, unprojected with the cameras that it trains on. Those of the scene belong
 # to the cameras before their adjustment, so that the rows with adjusted cameras unproject the depth anew (some 90,000 Gaussians).
-ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, ["init.start=depth"]) + [
+ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJECTED) + [
     Row("release-faithful", "paper", ACTIVE + ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
     Row("3dgs", "paper", THREE_DGS + [NO_SEMANTICS],
         compare_with="base (sparse start)"),
@@ -77,7 +78,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, ["init.s
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
-    Row("pgsr + prior depth, refined cameras and start", "pgsr", PGSR_PRIOR + ["init.start=depth"], refine=CAMERAS_ONLY,
+    Row("pgsr + prior depth, refined cameras and start", "pgsr", PGSR_PRIOR + UNPROJECTED, refine=CAMERAS_ONLY,
         compare_with="pgsr + prior depth, refined cameras"),
     # As from structure from motion, without any network's depth: what labels do before training and in it.
     Row("depth measured, no labels", "default", [NO_SEMANTICS], cloud="sfm", refine=["--no-planes"], depth="measured"),
@@ -91,7 +92,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, ["init.s
         compare_with=["depth measured, no labels", "depth measured, labels in training alone", "depth measured, shuffled labels",
                       "depth measured, constant labels"]),
     # All that `aligngs refine` finds out is given to pgsr, its dense start included: what is left is training alone.
-    Row("pgsr, the same scene", "pgsr", PGSR_PRIOR + ["init.start=depth"], refine=[], compare_with="pgsr + prior depth, refined cameras"),
+    Row("pgsr, the same scene", "pgsr", PGSR_PRIOR + UNPROJECTED, refine=[], compare_with="pgsr + prior depth, refined cameras"),
 ]
 PRIOR, CEILING = "TSDF of the prior depth", "TSDF of the true depth (ceiling)"
 REFINED_PRIOR = "TSDF of the refined depth, no training"

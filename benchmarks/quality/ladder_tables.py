@@ -61,7 +61,8 @@ def write_csv(file, key_columns, results):
                 writer.writerow([name, *keys] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
 
 
-def write_tables(output, results, rows, arguments):
+def write_tables(arguments, results):
+    output = arguments.output
     order = [r.name for r in ROWS]
     results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
     write_csv(output / "results.csv", PAIR, results)

@@ -44,7 +44,7 @@ class LadderTest(unittest.TestCase):
         key = ("bedroom", 101, 2)
         results = {"default, refined": {key: scores(psnr=25.5, fscore=0.9)}}
         with tempfile.TemporaryDirectory() as folder:
-            ladder_tables.write_tables(Path(folder), results, [], SimpleNamespace(rooms="test", iterations=2000, size="320x240"))
+            ladder_tables.write_tables(SimpleNamespace(output=Path(folder), rooms="test", iterations=2000, size="320x240"), results)
             again = ladder_tables.read_csv(Path(folder) / "results.csv", ladder_rows.PAIR)
         self.assertEqual(again["default, refined"][key]["psnr"], 25.5)
         self.assertTrue(math.isnan(again["default, refined"][key]["ssim"]))

@@ -11,7 +11,6 @@ void write_confidence(const std::filesystem::path& folder, const std::string& na
   std::vector<uint16_t> half;
   half.reserve(confidence.data.size());
   for (const float c : confidence.data) half.push_back(float_to_half(c));
-  std::filesystem::create_directories(folder / "pred_confidence");
   write_npy_float16(folder / "pred_confidence" / (name + ".npy"), {confidence.height, confidence.width}, half.data());
 }
 

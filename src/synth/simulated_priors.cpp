@@ -6,9 +6,9 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/confidence_file.h"
 #include "scene/mesh_ply.h"
 #include "scene/scene_writer.h"
-#include "scene/confidence_file.h"
 #include "synth/raytracer.h"
 #include "synth/shading.h"
 #include "synth/teacher_cloud.h"

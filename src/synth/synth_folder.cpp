@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "core/half.h"
-#include "scene/scene_writer.h"
 #include "scene/confidence_file.h"
+#include "scene/scene_writer.h"
 #include "synth/synth_scene.h"
 
 namespace aligngs {
