@@ -83,8 +83,9 @@ TEST_F(Pipeline, AKilledRunEndsWithTheSameBytes) {
   const fs::path run = base_ / "killed";
   std::string resume;
   for (const char* seconds : {"1.3", "2.1", "1.7"}) {
-    const std::string command = "timeout -s KILL " + std::string(seconds) + " '" ALIGNGS_PROGRAM "' train " + quoted(scene()) + " -o " + quoted(run) +
-                                settings + "--set checkpoint.every=7 " + resume + " >/dev/null 2>&1";
+    // In the foreground: else timeout(1) kills itself with its group and returns while the training still holds its run.
+    const std::string command = "timeout --foreground -s KILL " + std::string(seconds) + " '" ALIGNGS_PROGRAM "' train " + quoted(scene()) + " -o " +
+                                quoted(run) + settings + "--set checkpoint.every=7 " + resume + " >/dev/null 2>&1";
     [[maybe_unused]] const int status = std::system(command.c_str());
     resume = "--resume";
   }
