@@ -1,6 +1,7 @@
 #include "refine/bundle_adjustment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -57,15 +58,16 @@ constexpr double kNearest = 1e-6;  // scene units; nearer points have no project
 struct Reprojection {
   const Camera& camera;
   Vec2d pixel;
-  double sigma;
+  std::array<double, 3> whitening;  ///< of errors in pixels
   template <class T>
   bool operator()(const T* pose, const T* focal, const T* point, T* residual) const {
     T p[3];
     to_camera(camera, pose, point, p);
     if (p[2] < T(kNearest)) return false;
     const T factor = exp(focal[0]) / p[2];
-    residual[0] = (camera.fx * factor * p[0] + (camera.cx - pixel.x)) / sigma;
-    residual[1] = (camera.fy * factor * p[1] + (camera.cy - pixel.y)) / sigma;
+    const T x = camera.fx * factor * p[0] + (camera.cx - pixel.x), y = camera.fy * factor * p[1] + (camera.cy - pixel.y);
+    residual[0] = whitening[0] * x;
+    residual[1] = whitening[1] * x + whitening[2] * y;
     return true;
   }
 };
@@ -172,7 +174,7 @@ BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& setting
     double* point = &problem.points[static_cast<size_t>(o.point)].x;
     if (!((prior[v].world_to_camera * problem.points[static_cast<size_t>(o.point)]).z > kNearest)) continue;
     ceres_problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(new Reprojection{prior[v], o.pixel, settings.pixel}),
+        new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(new Reprojection{prior[v], o.pixel, whitening(o.covariance, settings.pixel)}),
         new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &focal, point);
     if (o.prior_depth > 0) {
       ceres_problem.AddResidualBlock(

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "refine/place_covariance.h"
 #include "scene/camera.h"
 
 namespace aligngs {
@@ -14,6 +15,7 @@ struct Observation {
   int point = 0;
   Vec2d pixel;
   double prior_depth = 0;
+  PlaceCovariance covariance;  ///< of `pixel`, beside BundleSettings::pixel
 };
 
 /// How wrong the starting values are (standard deviations), and when an observation is an outlier.
@@ -24,7 +26,7 @@ struct BundleSettings {
   double depth = 0.03;          ///< relative, of prior depth at a pixel
   double depth_independent = 12;  ///< a view's depth is bent, not noisy: its pixels are worth so many independent ones
   double depth_scale = 0.02;    ///< relative, of a view's prior depth as a whole
-  double pixel = 0.3;           ///< pixels, of a match; from there on the Cauchy loss takes it for an outlier
+  double pixel = 0.1;           ///< pixels, of a match, beside its own covariance; from their sum on the Cauchy loss takes it for an outlier
   int iterations = 50;          ///< at most
 };
 

@@ -27,7 +27,7 @@ BundleProblem exact_problem() {
     const Vec3d point{random.uniform(-0.5, 1.3), random.uniform(-0.7, 0.7), random.uniform(2, 4)};
     for (int v = 0; v < 3; ++v) {
       const Vec3d p = problem.cameras[static_cast<size_t>(v)].world_to_camera * point;
-      problem.observations.push_back({v, i, problem.cameras[static_cast<size_t>(v)].project(p), p.z});
+      problem.observations.push_back({v, i, problem.cameras[static_cast<size_t>(v)].project(p), p.z, {}});
     }
     problem.points.push_back(point);
   }
@@ -105,7 +105,7 @@ TEST_F(BundleAdjustmentTest, WithoutObservationsNothingChanges) {
 TEST_F(BundleAdjustmentTest, PointsBehindACameraAreLeftOut) {
   BundleProblem problem = exact_problem();
   problem.points.push_back({0, 0, -2});
-  problem.observations.push_back({0, static_cast<int>(problem.points.size()) - 1, {100, 75}, 0});
+  problem.observations.push_back({0, static_cast<int>(problem.points.size()) - 1, {100, 75}, 0, {}});
   EXPECT_TRUE(std::isinf(reprojection_error(problem.cameras[0], problem.points.back(), {100, 75})));
   EXPECT_NEAR(adjust_bundle(problem, {}).end_rms, 0, 1e-6);
   EXPECT_EQ(problem.points.back().z, -2);

@@ -54,6 +54,8 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
   const auto around = [&](int dx, int dy) { return scores.at(best.dx + dx, best.dy + dy); };
   Match match;
   match.score = best.score;
+  match.covariance = place_covariance({around(-1, -1), around(0, -1), around(1, -1), around(-1, 0), best.score, around(1, 0), around(-1, 1),
+                                       around(0, 1), around(1, 1)}, patch->value.size());
   match.pixel = {patch->centre.x + best.dx + parabola_top(around(-1, 0), best.score, around(1, 0)),
                  patch->centre.y + best.dy + parabola_top(around(0, -1), best.score, around(0, 1))};
   return match;

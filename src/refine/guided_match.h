@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/image.h"
+#include "refine/place_covariance.h"
 #include "scene/camera.h"
 
 namespace aligngs {
@@ -28,6 +29,7 @@ struct MatchSettings {
 struct Match {
   Vec2d pixel;      ///< in the other photo, sub-pixel, centre of pixel (x, y) is (x + 0.5, y + 0.5)
   double score = 0; ///< normalised cross-correlation, at most 1
+  PlaceCovariance covariance;  ///< of `pixel`
 };
 
 /// The patch around (x, y) of `from` is carried over by its own depth, pixel for pixel, so that slanted surfaces match,

@@ -79,6 +79,7 @@ class Refinement {
             const int other = train_[static_cast<size_t>(k)];
             if (const auto found = guided_match(match(view), corner.x, corner.y, match(other), match_settings)) {
               track.observations.push_back(observation(other, found->pixel));
+              track.observations.back().covariance = found->covariance;
             }
           }
           if (track.observations.size() >= 2) of_view[i].push_back(std::move(track));
@@ -222,10 +223,10 @@ class Refinement {
     if (test_.empty() || tracks_.empty()) return;
     test_observations_.assign(views_.size(), 0);
     const auto lost = [&](int v) { return test_observations_[static_cast<size_t>(v)] < settings_.least_observations; };
-    register_views(test_, settings_.match.search);
+    place_views(test_, settings_.match.search);
     std::vector<int> again;
     std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), lost);
-    if (!again.empty()) register_views(again, settings_.lost_search);
+    if (!again.empty()) place_views(again, settings_.lost_search);
     for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = lost(v);
   }
 
@@ -250,6 +251,7 @@ class Refinement {
           o.view = view;
           o.point = static_cast<int>(t);
           o.pixel = place->pixel;
+          o.covariance = place->covariance;
           found[t].push_back(o);
         }
       }
@@ -259,7 +261,22 @@ class Refinement {
     return all;
   }
 
-  /// Moves those of the views that enough observations place.
+  /// Searched, and searched again near the place found, which finds more. Views that are not placed both times stay where they were.
+  void place_views(const std::vector<int>& views, double search) {
+    std::vector<Camera> before;
+    for (const int v : views) before.push_back(match(v).camera);
+    register_views(views, search);
+    std::vector<int> placed;
+    std::copy_if(views.begin(), views.end(), std::back_inserter(placed), [&](int v) { return test_observations_[static_cast<size_t>(v)] > 0; });
+    if (!placed.empty()) register_views(placed, settings_.later_search);
+    for (size_t i = 0; i < views.size(); ++i) {
+      const size_t v = static_cast<size_t>(views[i]);
+      if (test_observations_[v] == 0) matches_[v].camera = before[i];
+    }
+  }
+
+  /// Moves those of the views that enough observations place; of the others none counts. Wrong matches agree with some pose, too, but
+  /// never most of them.
   void register_views(const std::vector<int>& views, double search) {
     BundleProblem resection = problem();
     resection.fixed_points = true;
@@ -273,14 +290,19 @@ class Refinement {
       return reprojection_error(resection.cameras[static_cast<size_t>(o.view)], resection.points[static_cast<size_t>(o.point)], o.pixel) > settings_.outlier;
     };
     auto& all = resection.observations;
+    const auto count = [&](int v) {
+      return static_cast<int>(std::count_if(all.begin(), all.end(), [v](const Observation& o) { return o.view == v; }));
+    };
+    std::vector<int> found;
+    for (const int v : views) found.push_back(count(v));
     all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
     settings.pixel = settings_.bundle.pixel;
     adjust_bundle(resection, settings);
-    for (const int v : views) {
-      const auto of_view = [&](const Observation& o) { return o.view == v; };
-      test_observations_[static_cast<size_t>(v)] = static_cast<int>(std::count_if(all.begin(), all.end(), of_view));
-      if (test_observations_[static_cast<size_t>(v)] < settings_.least_observations) continue;
-      matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
+    for (size_t i = 0; i < views.size(); ++i) {
+      const int v = views[i], fitting = count(v);
+      const bool placed = fitting >= settings_.least_observations && fitting >= settings_.least_fitting * found[i];
+      test_observations_[static_cast<size_t>(v)] = placed ? fitting : 0;
+      if (placed) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
     }
   }
 

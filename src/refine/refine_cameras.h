@@ -24,19 +24,21 @@ struct RefineView {
 };
 
 struct RefineSettings {
-  CornerSettings corners;
+  /// Weak corners too: a kitchen's bare fronts have few strong ones, and each match weighs as exactly as it is placed.
+  CornerSettings corners{4000, 3, 0.001};
   MatchSettings match;
   BundleSettings bundle;
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
   double later_search = 0.02;   ///< of the image width
   double lost_search = 0.15;    ///< of the image width: for test photos of which the usual search finds too little
-  int neighbours = 12;          ///< photos that a corner is looked for in: those that see most of the same
-  double least_overlap = 0.15;  ///< of a photo's pixels inside of the other
-  double largest_turn = 75;     ///< degrees between viewing directions
+  int neighbours = 20;          ///< photos that a corner is looked for in: those that see most of the same
+  double least_overlap = 0.05;  ///< of a photo's pixels inside of the other: a few matches can be all that holds two groups together
+  double largest_turn = 90;     ///< degrees between viewing directions
   double coarse_pixel = 0.5;     ///< pixels: `bundle.pixel` of a first adjustment, which starts too far off for the exact one
   double outlier = 3;           ///< pixels: observations beyond are dropped before the second adjustment
   int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour
+  double least_fitting = 0.5;   ///< share of a test view's matches that agree with the pose found for it; with fewer it is not placed
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
 };
 
