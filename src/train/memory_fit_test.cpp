@@ -21,14 +21,14 @@ GaussianCap fit_host(const CapInputs& in, MemoryBudget& budget) {
 TEST(MemoryFit, DenseStartGrowsByItsFactor) {
   MemoryBudget budget(1000000000);
   const GaussianCap cap = fit_host({make_preset(Preset::kDefault), 1000, true, 250000, 20000000}, budget);
-  EXPECT_EQ(cap.gaussians, 1500u);
+  EXPECT_EQ(cap.gaussians, 2500u);
   EXPECT_TRUE(cap.warning.empty());
-  EXPECT_EQ(budget.total(), 150000u);
+  EXPECT_EQ(budget.total(), 250000u);
 }
 
 TEST(MemoryFit, SparseStartGrowsToTheLimitOfDenseOnes) {
   MemoryBudget budget(1000000000);
-  EXPECT_EQ(fit_host({make_preset(Preset::kDefault), 1000, false, 250000, 20000000}, budget).gaussians, 375000u);
+  EXPECT_EQ(fit_host({make_preset(Preset::kDefault), 1000, false, 250000, 20000000}, budget).gaussians, 625000u);
 }
 
 TEST(MemoryFit, PaperGrowsToSixMillionOrWhatMemoryHolds) {

@@ -168,11 +168,15 @@ TEST(Schedule, DefaultDensityControlActsBetween5And50Percent) {
 }
 
 TEST(Schedule, OnlyADenseStartRestrictsGrowth) {
+  TrainConfig config = standard();
+  config.densify.residual_quantile = 0.9;
+  config.densify.unsupported_min = 0.5;
   ScheduleFacts f = room();
-  EXPECT_FLOAT_EQ(Schedule(standard(), f).density_rule(500).residual_quantile, 0.9f);
+  EXPECT_FLOAT_EQ(Schedule(config, f).density_rule(500).residual_quantile, 0.9f);
+  EXPECT_FLOAT_EQ(Schedule(config, f).density_rule(500).unsupported_min, 0.5f);
   f.dense_start = false;
-  EXPECT_EQ(Schedule(standard(), f).density_rule(500).residual_quantile, 0);
-  EXPECT_EQ(Schedule(standard(), f).density_rule(500).unsupported_min, 0);
+  EXPECT_EQ(Schedule(config, f).density_rule(500).residual_quantile, 0);
+  EXPECT_EQ(Schedule(config, f).density_rule(500).unsupported_min, 0);
 }
 
 TEST(Schedule, DepthWeightDecaysLogLinearly) {
