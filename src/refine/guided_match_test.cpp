@@ -42,6 +42,22 @@ TEST(GuidedMatch, AFlatPatchMatchesNothing) {
   EXPECT_FALSE(guided_match(from.match, 80, 60, to.match, {}));
 }
 
+TEST(GuidedMatch, AnEdgeIsLessExactAlongItThanAcross) {
+  RefineView from = photo(true_camera(0));
+  from.match.depth = ImageF(kWidth, kHeight, 1, 3.0f);
+  for (int y = 0; y < kHeight; ++y) {  // a horizontal edge, and a faint spot on it that makes it a place at all
+    for (int x = 0; x < kWidth; ++x) {
+      const double spot = 0.08 * std::exp(-0.08 * ((x - 80) * (x - 80) + (y - 60) * (y - 60)));
+      from.match.luma.at(x, y) = static_cast<float>(0.5 + 0.3 * std::tanh(0.5 * (y - 60)) + spot);
+    }
+  }
+  MatchSettings settings;
+  settings.least_margin = 0;
+  const auto match = guided_match(from.match, 80, 60, from.match, settings);
+  ASSERT_TRUE(match);
+  EXPECT_GT(match->covariance.xx, 10 * match->covariance.yy);
+}
+
 TEST(GuidedMatch, RepeatedTextureHasNoUniquePlace) {
   RefineView from = photo(true_camera(0));
   from.match.depth = ImageF(kWidth, kHeight, 1, 3.0f);
