@@ -19,6 +19,9 @@ struct Track {
   std::vector<Observation> observations;  ///< the first is the corner itself
 };
 
+constexpr double kReferencePixels = 320.0 * 240;  // CornerSettings::per_view is a number for so many
+constexpr double kFewestInWideSearch = 600;       // corners of a photo; they find cameras to some pixels
+
 class Refinement {
  public:
   Refinement(const std::vector<RefineView>& views, double extent, const RefineSettings& settings, ThreadPool& pool)
@@ -48,6 +51,19 @@ class Refinement {
  private:
   const MatchView& match(int view) const { return matches_[static_cast<size_t>(view)]; }
 
+  /// A larger photo gets no more corners than one of 320 x 240, but as far apart in proportion: each is placed more exactly there, and
+  /// takes longer to look for. A wide search, whose window has as many more pixels, makes do with fewer.
+  CornerSettings corners_of(const ImageF& luma, double search) const {
+    CornerSettings corners = settings_.corners;
+    const double share = static_cast<double>(luma.pixels()) / kReferencePixels;
+    if (share <= 1) return corners;
+    double most = corners.per_view;
+    if (search > settings_.later_search) most = std::max(std::min(most, kFewestInWideSearch), most / share);
+    corners.per_view = static_cast<int>(std::lround(most / share));  // find_corners multiplies by it
+    corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(share)));
+    return corners;
+  }
+
   /// Sizes may differ (a phone turned by 90 degrees), so focal lengths are compared relative to the longer side.
   void share_focal() {
     std::vector<double> relative;
@@ -72,7 +88,7 @@ class Refinement {
       for (size_t i = begin; i < end; ++i) {
         const int view = train_[i];
         const RefineView& from = views_[static_cast<size_t>(view)];
-        for (const Corner& corner : find_corners(from.match.luma, from.mask, settings_.corners)) {
+        for (const Corner& corner : find_corners(from.match.luma, from.mask, corners_of(from.match.luma, search))) {
           Track track = start_track(view, corner);
           if (track.observations.empty()) continue;
           for (const int k : near[i]) {
