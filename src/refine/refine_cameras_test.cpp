@@ -26,6 +26,13 @@ std::vector<Camera> cameras_of(const RefineResult& result) {
   return out;
 }
 
+/// Small photos need few, and the tests little time.
+RefineSettings few_corners() {
+  RefineSettings settings;
+  settings.corners.per_view = 800;
+  return settings;
+}
+
 class RefineCamerasTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +43,7 @@ class RefineCamerasTest : public testing::Test {
 
 TEST_F(RefineCamerasTest, WrongCamerasComeSeveralTimesNearer) {
   const std::vector<RefineView> views = photos(8, 0, 0.6, 0.01);
-  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   EXPECT_LT(pair_error(cameras_of(result)), 0.3 * pair_error(cameras_of(views)));
   EXPECT_LT(result.bundle.end_median, 0.5);
   EXPECT_GT(result.bundle.start_median, 1);
@@ -46,7 +53,7 @@ TEST_F(RefineCamerasTest, WrongCamerasComeSeveralTimesNearer) {
 TEST_F(RefineCamerasTest, AWrongFocalLengthIsFound) {
   std::vector<RefineView> views = photos(8, 0, 0.2, 0.003);
   for (RefineView& v : views) v.match.camera.fx = v.match.camera.fy = 1.03 * kFocal;
-  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   EXPECT_NEAR(result.views[0].camera.fx, kFocal, 0.012 * kFocal);
 }
 
@@ -54,7 +61,7 @@ TEST_F(RefineCamerasTest, TestPhotosAreRegisteredAndMoveNothing) {
   const std::vector<RefineView> with = photos(8, 2, 0.6, 0.01);
   std::vector<RefineView> without = with;
   without.resize(6);
-  const RefineResult a = refine_cameras(with, kRoomExtent, {}, pool_), b = refine_cameras(without, kRoomExtent, {}, pool_);
+  const RefineResult a = refine_cameras(with, kRoomExtent, few_corners(), pool_), b = refine_cameras(without, kRoomExtent, few_corners(), pool_);
   for (size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(a.views[i].camera.world_to_camera.translation.x, b.views[i].camera.world_to_camera.translation.x);
   }
@@ -84,7 +91,7 @@ TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) depth.at(x, y) *= static_cast<float>(1 + 0.05 * (static_cast<double>(x) / kWidth - 0.5));
   }
-  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   double before = 0, after = 0;
   ImageF corrected = depth;
   result.views[3].depth.apply(corrected);
@@ -98,7 +105,7 @@ TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {
 TEST_F(RefineCamerasTest, APhotoThatMatchesNothingFollowsItsNeighbour) {
   std::vector<RefineView> views = photos(8, 0, 0.6, 0.01);
   std::fill(views[4].match.luma.data.begin(), views[4].match.luma.data.end(), 0.5f);
-  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   EXPECT_TRUE(result.views[4].by_neighbour);
   EXPECT_FALSE(result.views[0].by_neighbour);
 }
@@ -106,7 +113,7 @@ TEST_F(RefineCamerasTest, APhotoThatMatchesNothingFollowsItsNeighbour) {
 TEST_F(RefineCamerasTest, PhotosWithoutAnythingInCommonKeepTheirCameras) {
   std::vector<RefineView> views = photos(4, 0, 0.6, 0.01);
   for (RefineView& v : views) std::fill(v.match.luma.data.begin(), v.match.luma.data.end(), 0.5f);
-  const RefineResult result = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   EXPECT_EQ(result.tracks, 0u);
   for (const RefinedView& v : result.views) EXPECT_LT(v.turned, 1e-5);
 }
@@ -114,7 +121,7 @@ TEST_F(RefineCamerasTest, PhotosWithoutAnythingInCommonKeepTheirCameras) {
 TEST_F(RefineCamerasTest, AnyNumberOfThreadsGivesTheSame) {
   const std::vector<RefineView> views = photos(5, 1, 0.6, 0.01);
   ThreadPool one(1);
-  const RefineResult a = refine_cameras(views, kRoomExtent, {}, one), b = refine_cameras(views, kRoomExtent, {}, pool_);
+  const RefineResult a = refine_cameras(views, kRoomExtent, few_corners(), one), b = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   for (size_t i = 0; i < views.size(); ++i) {
     EXPECT_EQ(a.views[i].camera.world_to_camera.translation.z, b.views[i].camera.world_to_camera.translation.z);
   }
