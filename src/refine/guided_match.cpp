@@ -1,6 +1,7 @@
 #include "refine/guided_match.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -51,13 +52,13 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
     if (std::max(std::abs(other.dx - best.dx), std::abs(other.dy - best.dy)) < s.elsewhere) continue;
     if (other.score > best.score - s.least_margin) return {};
   }
-  const auto around = [&](int dx, int dy) { return scores.at(best.dx + dx, best.dy + dy); };
+  std::array<double, 9> around;  // the best place in the middle, row by row
+  for (int i = 0; i < 9; ++i) around[static_cast<size_t>(i)] = i == 4 ? best.score : scores.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
   Match match;
   match.score = best.score;
-  match.covariance = place_covariance({around(-1, -1), around(0, -1), around(1, -1), around(-1, 0), best.score, around(1, 0), around(-1, 1),
-                                       around(0, 1), around(1, 1)}, patch->value.size());
-  match.pixel = {patch->centre.x + best.dx + parabola_top(around(-1, 0), best.score, around(1, 0)),
-                 patch->centre.y + best.dy + parabola_top(around(0, -1), best.score, around(0, 1))};
+  match.covariance = place_covariance(around, patch->value.size());
+  match.pixel = {patch->centre.x + best.dx + parabola_top(around[3], best.score, around[5]),
+                 patch->centre.y + best.dy + parabola_top(around[1], best.score, around[7])};
   return match;
 }
 

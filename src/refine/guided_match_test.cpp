@@ -11,6 +11,8 @@ namespace {
 
 using namespace wall_photos;
 
+const CornerSettings kCorners{150, 5, 0.01};  // strong ones of a photo of 160 x 120
+
 /// The true place of pixel (x, y) of `from` in `to`.
 Vec2d true_place(const RefineView& from, int x, int y, const Camera& to) {
   return to.project(to.world_to_camera * from.match.camera.unproject(x + 0.5, y + 0.5, from.match.depth.at(x, y)));
@@ -22,7 +24,7 @@ TEST(GuidedMatch, FindsThePlaceToAFractionOfAPixelThoughTheCameraIsWrong) {
   Random random(3);
   to.match.camera = disturbed(to.match.camera, 1.0, 0.01, random);
   int found = 0, tried = 0;
-  for (const Corner& c : find_corners(from.match.luma, {}, {})) {
+  for (const Corner& c : find_corners(from.match.luma, {}, kCorners)) {
     const Vec2d want = true_place(from, c.x, c.y, true_camera(2));
     if (want.x < 20 || want.y < 20 || want.x > kWidth - 20 || want.y > kHeight - 20) continue;
     ++tried;

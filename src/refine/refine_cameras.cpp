@@ -19,8 +19,7 @@ struct Track {
   std::vector<Observation> observations;  ///< the first is the corner itself
 };
 
-constexpr double kReferencePixels = 320.0 * 240;  // CornerSettings::per_view is a number for so many
-constexpr double kFewestInWideSearch = 600;       // corners of a photo; they find cameras to some pixels
+constexpr double kFewestInWideSearch = 600;  // corners of a photo; they find cameras to some pixels
 
 class Refinement {
  public:
@@ -51,16 +50,17 @@ class Refinement {
  private:
   const MatchView& match(int view) const { return matches_[static_cast<size_t>(view)]; }
 
-  /// A larger photo gets no more corners than one of 320 x 240, but as far apart in proportion: each is placed more exactly there, and
-  /// takes longer to look for. A wide search, whose window has as many more pixels, makes do with fewer.
+  /// A small photo gets fewer corners than one of 320 x 240; a larger one no more, but as far apart in proportion: each is placed more
+  /// exactly there, and takes longer to look for. A wide search, whose window has as many more pixels, makes do with fewer.
   CornerSettings corners_of(const ImageF& luma, double search) const {
     CornerSettings corners = settings_.corners;
-    const double share = static_cast<double>(luma.pixels()) / kReferencePixels;
-    if (share <= 1) return corners;
-    double most = corners.per_view;
-    if (search > settings_.later_search) most = std::max(std::min(most, kFewestInWideSearch), most / share);
-    corners.per_view = static_cast<int>(std::lround(most / share));  // find_corners multiplies by it
-    corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(share)));
+    const double size = relative_size(luma);
+    double most = corners.per_view * std::min(size, 1.0);
+    if (size > 1) {
+      corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
+      if (search > settings_.later_search) most = std::max(std::min(most, kFewestInWideSearch), most / size);
+    }
+    corners.per_view = static_cast<int>(std::lround(most));
     return corners;
   }
 
@@ -238,13 +238,15 @@ class Refinement {
   void register_test_views() {
     if (test_.empty() || tracks_.empty()) return;
     test_observations_.assign(views_.size(), 0);
-    const auto lost = [&](int v) { return test_observations_[static_cast<size_t>(v)] < settings_.least_observations; };
     place_views(test_, settings_.match.search);
     std::vector<int> again;
-    std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), lost);
+    std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), [&](int v) { return !placed(v); });
     if (!again.empty()) place_views(again, settings_.lost_search);
-    for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = lost(v);
+    for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = !placed(v);
   }
+
+  /// Whether the last search for a test view found it.
+  bool placed(int view) const { return test_observations_[static_cast<size_t>(view)] > 0; }
 
   /// Observations of the tracks' points in the views, searched within `search` of the image width.
   std::vector<Observation> find_points_in(const std::vector<int>& views, double search) const {
@@ -282,12 +284,11 @@ class Refinement {
     std::vector<Camera> before;
     for (const int v : views) before.push_back(match(v).camera);
     register_views(views, search);
-    std::vector<int> placed;
-    std::copy_if(views.begin(), views.end(), std::back_inserter(placed), [&](int v) { return test_observations_[static_cast<size_t>(v)] > 0; });
-    if (!placed.empty()) register_views(placed, settings_.later_search);
+    std::vector<int> found;
+    std::copy_if(views.begin(), views.end(), std::back_inserter(found), [&](int v) { return placed(v); });
+    if (!found.empty()) register_views(found, settings_.later_search);
     for (size_t i = 0; i < views.size(); ++i) {
-      const size_t v = static_cast<size_t>(views[i]);
-      if (test_observations_[v] == 0) matches_[v].camera = before[i];
+      if (!placed(views[i])) matches_[static_cast<size_t>(views[i])].camera = before[i];
     }
   }
 
@@ -316,9 +317,9 @@ class Refinement {
     adjust_bundle(resection, settings);
     for (size_t i = 0; i < views.size(); ++i) {
       const int v = views[i], fitting = count(v);
-      const bool placed = fitting >= settings_.least_observations && fitting >= settings_.least_fitting * found[i];
-      test_observations_[static_cast<size_t>(v)] = placed ? fitting : 0;
-      if (placed) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
+      const bool enough = fitting >= settings_.least_observations && fitting >= settings_.least_fitting * found[i];
+      test_observations_[static_cast<size_t>(v)] = enough ? fitting : 0;
+      if (enough) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
     }
   }
 

@@ -25,6 +25,8 @@ float strength_at(const ImageF& luma, int x, int y) {
 
 }  // namespace
 
+double relative_size(const ImageF& luma) { return static_cast<double>(luma.pixels()) / kReferencePixels; }
+
 ImageF luma_of(const ImageF& color) {
   ImageF luma(color.width, color.height, 1);
   for (size_t i = 0; i < color.pixels(); ++i) {
@@ -50,8 +52,7 @@ std::vector<Corner> find_corners(const ImageF& luma, const ImageF& mask, const C
   std::sort(all.begin(), all.end(), [](const Corner& a, const Corner& b) {
     return a.strength != b.strength ? a.strength > b.strength : a.y != b.y ? a.y < b.y : a.x < b.x;
   });
-  const double share = static_cast<double>(luma.pixels()) / kReferencePixels;
-  const size_t most = static_cast<size_t>(std::lround(settings.per_view * share));
+  const size_t most = static_cast<size_t>(std::max(0, settings.per_view));
   const int spacing = std::max(1, settings.spacing);
   Image<uint8_t> taken(luma.width, luma.height, 1);
   std::vector<Corner> kept;

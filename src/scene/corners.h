@@ -9,7 +9,7 @@
 namespace aligngs {
 
 struct CornerSettings {
-  int per_view = 600;    ///< strongest of a photo of 320 x 240; in proportion to the pixels of others
+  int per_view = 600;    ///< strongest of a photo, at most
   int spacing = 5;       ///< pixels between corners
   double quality = 0.01; ///< of the photo's strongest corner
 };
@@ -18,6 +18,9 @@ struct Corner {
   float strength = 0;  ///< smaller eigenvalue of the structure tensor
   int x = 0, y = 0;    ///< pixel; its centre is (x + 0.5, y + 0.5)
 };
+
+/// Pixels of a photo over those of 320 x 240, for which numbers of corners are chosen.
+double relative_size(const ImageF& luma);
 
 /// Luma in [0, 1], H x W x 1, of an sRGB image.
 ImageF luma_of(const ImageF& color);

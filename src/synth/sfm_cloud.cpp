@@ -76,7 +76,10 @@ PointCloud simulate_sfm_cloud(const std::vector<SfmView>& views, const SfmSettin
   PointCloud cloud;
   for (size_t v = 0; v < views.size(); ++v) {
     const RenderedView& truth = *views[v].truth;
-    for (const Corner& corner : find_corners(luma_of(to_float(*views[v].photo)), {}, settings.corners)) {
+    const ImageF luma = luma_of(to_float(*views[v].photo));
+    CornerSettings corners = settings.corners;
+    corners.per_view = static_cast<int>(std::lround(corners.per_view * relative_size(luma)));
+    for (const Corner& corner : find_corners(luma, {}, corners)) {
       const double depth = truth.depth.at(corner.x, corner.y);
       if (!(depth > 0)) continue;
       const Vec3d world = truth.camera.unproject(corner.x + 0.5, corner.y + 0.5, depth);

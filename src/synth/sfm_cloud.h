@@ -19,7 +19,7 @@ struct SfmView {
 };
 
 struct SfmSettings {
-  CornerSettings corners{900, 4, 0.01};
+  CornerSettings corners{900, 4, 0.01};  ///< of a photo of 320 x 240; as many per pixel in others
   double same_depth = 0.02;        ///< a corner is seen by a photo whose depth there agrees within this share
   double found = 0.6;              ///< chance that a photo that sees the point also matches it
   double pixel_noise = 0.5;        ///< pixels, standard deviation of an observation
