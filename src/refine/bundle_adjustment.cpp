@@ -207,6 +207,7 @@ BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& setting
   ceres::Solver::Options options;
   options.linear_solver_type = problem.fixed_points ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_SCHUR;
   options.max_num_iterations = settings.iterations;
+  options.function_tolerance = settings.tolerance;
   options.num_threads = 1;  // the same bits for any number of threads
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

@@ -28,6 +28,7 @@ struct BundleSettings {
   double depth_scale = 0.02;    ///< relative, of a view's prior depth as a whole
   double pixel = 0.1;           ///< pixels, of a match, beside its own covariance; from their sum on the Cauchy loss takes it for an outlier
   int iterations = 50;          ///< at most
+  double tolerance = 1e-4;      ///< stops when an iteration brings less, relative to the cost: more moves no camera by as much as it is wrong
 };
 
 struct BundleProblem {

@@ -55,10 +55,11 @@ class Refinement {
   CornerSettings corners_of(const ImageF& luma, double search) const {
     CornerSettings corners = settings_.corners;
     const double size = relative_size(luma);
-    double most = corners.per_view * std::min(size, 1.0);
+    const bool wide = search > settings_.later_search;
+    double most = (wide ? std::min(corners.per_view, settings_.wide_corners) : corners.per_view) * std::min(size, 1.0);
     if (size > 1) {
       corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
-      if (search > settings_.later_search) most = std::max(std::min(most, kFewestInWideSearch), most / size);
+      if (wide) most = std::max(std::min(most, kFewestInWideSearch), most / size);
     }
     corners.per_view = static_cast<int>(std::lround(most));
     return corners;
@@ -171,22 +172,27 @@ class Refinement {
   }
 
   void adjust() {
-    BundleProblem first = problem();
-    BundleSettings coarse = settings_.bundle;
-    coarse.pixel = settings_.coarse_pixel;
-    const BundleReport report = adjust_bundle(first, coarse);
-    if (!adjusted_) bundle_ = report;
-    take(first);
+    if (!adjusted_) {
+      BundleSettings coarse = settings_.bundle;
+      coarse.pixel = settings_.coarse_pixel;
+      solve(coarse);
+    }
     drop_outliers();
-    BundleProblem second = problem();
-    const double start_rms = bundle_.start_rms, start_median = bundle_.start_median;
-    bundle_ = adjust_bundle(second, settings_.bundle);
-    bundle_.start_rms = start_rms;  // of the cameras as they came
-    bundle_.start_median = start_median;
-    adjusted_ = true;
-    take(second);
+    solve(settings_.bundle);
     drop_outliers();
     follow_neighbours();
+  }
+
+  void solve(const BundleSettings& settings) {
+    BundleProblem bundle = problem();
+    BundleReport report = adjust_bundle(bundle, settings);
+    if (adjusted_) {  // the report starts with the cameras as they came
+      report.start_rms = bundle_.start_rms;
+      report.start_median = bundle_.start_median;
+    }
+    bundle_ = report;
+    adjusted_ = true;
+    take(bundle);
   }
 
   int count_observations(int view) const {

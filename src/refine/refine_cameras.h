@@ -26,6 +26,7 @@ struct RefineView {
 struct RefineSettings {
   /// Weak corners too: a kitchen's bare fronts have few strong ones, and each match weighs as exactly as it is placed.
   CornerSettings corners{4000, 3, 0.001};
+  int wide_corners = 2000;      ///< per photo where a round searches widely: there the weak ones are mistaken for others more often
   MatchSettings match;
   BundleSettings bundle;
   DepthGridSettings grid;
@@ -35,8 +36,8 @@ struct RefineSettings {
   int neighbours = 20;          ///< photos that a corner is looked for in: those that see most of the same
   double least_overlap = 0.05;  ///< of a photo's pixels inside of the other: a few matches can be all that holds two groups together
   double largest_turn = 90;     ///< degrees between viewing directions
-  double coarse_pixel = 0.5;     ///< pixels: `bundle.pixel` of a first adjustment, which starts too far off for the exact one
-  double outlier = 3;           ///< pixels: observations beyond are dropped before the second adjustment
+  double coarse_pixel = 0.5;    ///< pixels: `bundle.pixel` of the very first adjustment, which starts too far off for the exact one
+  double outlier = 3;           ///< pixels: observations beyond are dropped before and after the exact adjustment
   int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour
   double least_fitting = 0.5;   ///< share of a test view's matches that agree with the pose found for it; with fewer it is not placed
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
