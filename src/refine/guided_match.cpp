@@ -54,6 +54,7 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
   }
   std::array<double, 9> around;  // the best place in the middle, row by row
   for (int i = 0; i < 9; ++i) around[static_cast<size_t>(i)] = i == 4 ? best.score : scores.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
+  if (std::find(around.begin(), around.end(), ShiftedScores::kOutside) != around.end()) return {};  // at the photo's border: so it may here
   Match match;
   match.score = best.score;
   match.covariance = place_covariance(around, patch->value.size());

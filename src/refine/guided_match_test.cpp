@@ -37,6 +37,29 @@ TEST(GuidedMatch, FindsThePlaceToAFractionOfAPixelThoughTheCameraIsWrong) {
   EXPECT_GT(found, 10);
 }
 
+/// The photo from column `left` on, and the camera that took it.
+MatchView right_part(const MatchView& photo, int left) {
+  MatchView part;
+  part.camera = photo.camera;
+  part.camera.width -= left;
+  part.camera.cx -= left;
+  part.luma = ImageF(part.camera.width, photo.luma.height, 1);
+  for (int y = 0; y < part.luma.height; ++y) {
+    for (int x = 0; x < part.luma.width; ++x) part.luma.at(x, y) = photo.luma.at(x + left, y);
+  }
+  return part;
+}
+
+TEST(GuidedMatch, APlaceWhosePatchEndsAtThePhotosBorderMayLieBeyond) {
+  const RefineView from = photo(true_camera(0));
+  const MatchSettings settings;
+  const int first = 80 - settings.half_patch;  // column of the patch around (80, 60)
+  const auto inside = guided_match(from.match, 80, 60, right_part(from.match, first - 3), settings);
+  ASSERT_TRUE(inside);
+  EXPECT_NEAR(inside->pixel.x, 80.5 - (first - 3), 0.1);
+  EXPECT_FALSE(guided_match(from.match, 80, 60, right_part(from.match, first), settings));
+}
+
 TEST(GuidedMatch, AFlatPatchMatchesNothing) {
   RefineView from = photo(true_camera(0));
   const RefineView to = photo(true_camera(1));
