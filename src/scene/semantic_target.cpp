@@ -22,7 +22,7 @@ float softmax(float* v, int channels) {
   return 1;
 }
 
-float normalise_scores(float* v, int channels, double gamma) {
+float normalise_scores(float* v, int channels, double gamma, double least_sum) {
   double raw = 0, sum = 0;
   for (int c = 0; c < channels; ++c) {
     v[c] = std::max(v[c], 0.0f);
@@ -36,7 +36,7 @@ float normalise_scores(float* v, int channels, double gamma) {
   }
   const double scale = 1 / sum;
   for (int c = 0; c < channels; ++c) v[c] = static_cast<float>(v[c] * scale);
-  return raw < kUnknownScoreSum ? 0.0f : 1.0f;
+  return raw < least_sum ? 0.0f : 1.0f;
 }
 
 float convert(float* v, int channels, const SemanticConversion& conversion) {
@@ -45,7 +45,7 @@ float convert(float* v, int channels, const SemanticConversion& conversion) {
     return 0;
   }
   if (conversion.kind == SemanticKind::kLogits) return softmax(v, channels);
-  return normalise_scores(v, channels, conversion.kind == SemanticKind::kScores ? conversion.score_gamma : 1);
+  return normalise_scores(v, channels, conversion.kind == SemanticKind::kScores ? conversion.score_gamma : 1, conversion.least_score_sum);
 }
 
 /// Source row or column pair of an output coordinate: (i + 0.5) * source / target - 0.5, clamped at the border.

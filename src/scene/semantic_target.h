@@ -6,17 +6,15 @@
 
 namespace aligngs {
 
-/// Scores whose sum lies below this say nothing about a pixel (Mask2Former's "no object"; guidance 2.1).
-inline constexpr float kUnknownScoreSum = 0.3f;
-
 struct SemanticConversion {
   SemanticKind kind = SemanticKind::kLogits;
   double score_gamma = 1;  ///< exponent of positive scores
+  double least_score_sum = kUnknownScoreSum;
 };
 
 /// Converts values[C][height][width]:
-/// logits: softmax; scores: max(s, 0)^gamma / sum, confidence 0 where sum of max(s, 0) < 0.3; probabilities: as
-/// they are (brought to sum 1), confidence 0 where they sum to less than 0.3. Pixels with a value that is not
+/// logits: softmax; scores: max(s, 0)^gamma / sum, confidence 0 where sum of max(s, 0) < least_score_sum; probabilities: as
+/// they are (brought to sum 1), confidence 0 where they sum to less. Pixels with a value that is not
 /// finite and pixels without any positive value get uniform probabilities and confidence 0.
 SemanticTarget semantic_target(const float* values, int channels, int width, int height,
                                const SemanticConversion& conversion);

@@ -52,6 +52,14 @@ TEST(SemanticTarget, ScoresWithASmallSumSayNothing) {
   EXPECT_EQ(pixel({0.2f, 0.15f}, SemanticKind::kScores).confidence[0], 1);
 }
 
+TEST(SemanticTarget, WhatASmallSumIsCanBeChosen) {
+  const float scores[2] = {0.2f, 0.15f};
+  SemanticConversion conversion;
+  conversion.kind = SemanticKind::kScores;
+  conversion.least_score_sum = 0.5;
+  EXPECT_EQ(semantic_target(scores, 2, 1, 1, conversion).confidence[0], 0);
+}
+
 TEST(SemanticTarget, ProbabilitiesStayAsTheyAre) {
   const SemanticTarget t = pixel({0.25f, 0.75f}, SemanticKind::kProbabilities, 2);
   EXPECT_NEAR(probability(t, 0), 0.25, 1e-3);

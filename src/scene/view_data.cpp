@@ -74,6 +74,7 @@ void load_semantics(const Scene& scene, const View& view, const LoadOptions& opt
   SemanticConversion conversion;
   conversion.kind = options.scores_as_logits ? SemanticKind::kLogits : scene.semantic_kind;
   conversion.score_gamma = options.score_gamma;
+  conversion.least_score_sum = options.least_score_sum;
   data.semantics = semantic_target(array.data.data(), shape.channels, shape.width, shape.height, conversion);
   data.labels = target_labels(data.semantics, data.camera.width, data.camera.height);
 }

@@ -9,13 +9,16 @@
 
 namespace aligngs {
 
+/// Scores whose sum lies below this say nothing about a pixel (Mask2Former's "no object"; guidance 2.1).
+inline constexpr double kUnknownScoreSum = 0.3;
+
 /// The teacher's class probabilities at their native resolution (which may be smaller than the image).
 struct SemanticTarget {
   int channels = 0;  ///< number of classes C
   int width = 0, height = 0;
   /// float16 probabilities, [height][width][channels]: one pixel's classes are contiguous and sum to 1.
   std::vector<uint16_t> probabilities;
-  /// One per target pixel, [0, 1]: 0 where the teacher says nothing (scores that sum to less than 0.3).
+  /// One per target pixel, [0, 1]: 0 where the teacher says nothing.
   std::vector<float> confidence;
   bool empty() const { return probabilities.empty(); }
 };
@@ -38,6 +41,7 @@ struct LoadOptions {
   bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
   bool exposure = false;        ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike
   double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum (guidance 2.1)
+  double least_score_sum = kUnknownScoreSum;  ///< scores that sum to less say nothing
 };
 
 /// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0, 1].

@@ -25,6 +25,7 @@ struct DataConfig {
   bool exposure = false;          ///< undo what exposure.json says of the photos' exposures
   bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them
   double score_gamma = 1;         ///< exponent of the calibration of score teachers
+  double least_score_sum = 0;     ///< of a pixel, below which it says nothing
 };
 
 struct InitConfig {

@@ -1,3 +1,4 @@
+#include "scene/view_data.h"
 #include "train/config_keys.h"
 
 namespace aligngs::config_table {
@@ -29,6 +30,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "softmax the teacher's numbers whatever priors.json calls them (the paper's reading)"},
       {"data.score_gamma", field<&C::data, &DataConfig::score_gamma>, 0.1, 10, "", all(1.0),
        "exponent of the calibration of score teachers, max(s, 0)^gamma / sum"},
+      {"data.least_score_sum", field<&C::data, &DataConfig::least_score_sum>, 0, 1, "", ours_paper(0.5, kUnknownScoreSum),
+       "a pixel whose scores sum to less is not taught: the teacher saw no object there, which it does along borders"},
 
       {"init.start", field<&C::init, &InitConfig::start>, 0, 0, "auto|depth|cloud|random", ours_paper("auto", "cloud"),
        "where Gaussians start: fused prior depth, sparse/points3D, random points; auto: depth when it is metric, else cloud"},

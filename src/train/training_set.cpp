@@ -36,6 +36,7 @@ LoadOptions load_options(const TrainConfig& config, const PriorUse& use) {
   options.exposure = config.data.exposure;
   options.scores_as_logits = config.data.scores_as_logits;
   options.score_gamma = config.data.score_gamma;
+  options.least_score_sum = config.data.least_score_sum;
   return options;
 }
 
