@@ -6,20 +6,9 @@
 #include <limits>
 
 #include "core/median.h"
-#include "refine/view_overlap.h"
 
 namespace aligngs {
 namespace {
-
-/// A corner of one training photo and the places where others show it.
-struct Track {
-  int view = 0;
-  Corner corner;
-  Vec3d point;
-  std::vector<Observation> observations;  ///< the first is the corner itself
-};
-
-constexpr double kFewestInWideSearch = 600;  // corners of a photo; they find cameras to some pixels
 
 class Refinement {
  public:
@@ -37,7 +26,7 @@ class Refinement {
     const double steps = settings_.rounds + 1;
     for (int round = 0; round < settings_.rounds; ++round) {
       if (progress) progress(round / steps);
-      find_tracks(round == 0 ? settings_.match.search : settings_.later_search);
+      tracks_ = find_tracks(track_photos(train_), round == 0 ? settings_.tracks.match.search : settings_.tracks.near_search, settings_.tracks, pool_);
       adjust();
     }
     if (progress) progress(settings_.rounds / steps);
@@ -50,19 +39,10 @@ class Refinement {
  private:
   const MatchView& match(int view) const { return matches_[static_cast<size_t>(view)]; }
 
-  /// A small photo gets fewer corners than one of 320 x 240; a larger one no more, but as far apart in proportion: each is placed more
-  /// exactly there, and takes longer to look for. A wide search, whose window has as many more pixels, makes do with fewer.
-  CornerSettings corners_of(const ImageF& luma, double search) const {
-    CornerSettings corners = settings_.corners;
-    const double size = relative_size(luma);
-    const bool wide = search > settings_.later_search;
-    double most = (wide ? std::min(corners.per_view, settings_.wide_corners) : corners.per_view) * std::min(size, 1.0);
-    if (size > 1) {
-      corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
-      if (wide) most = std::max(std::min(most, kFewestInWideSearch), most / size);
-    }
-    corners.per_view = static_cast<int>(std::lround(most));
-    return corners;
+  std::vector<TrackPhoto> track_photos(const std::vector<int>& views) const {
+    std::vector<TrackPhoto> out;
+    for (const int v : views) out.push_back({v, &match(v), &views_[static_cast<size_t>(v)].mask});
+    return out;
   }
 
   /// Sizes may differ (a phone turned by 90 degrees), so focal lengths are compared relative to the longer side.
@@ -78,71 +58,23 @@ class Refinement {
     }
   }
 
-  void find_tracks(double search) {
-    MatchSettings match_settings = settings_.match;
-    match_settings.search = search;
-    std::vector<const MatchView*> training;
-    for (const int v : train_) training.push_back(&matches_[static_cast<size_t>(v)]);
-    const auto near = overlapping_views(training, training, settings_.neighbours, settings_.least_overlap, settings_.largest_turn);
-    std::vector<std::vector<Track>> of_view(train_.size());
-    pool_.parallel_for(train_.size(), 1, [&](size_t begin, size_t end, int) {
-      for (size_t i = begin; i < end; ++i) {
-        const int view = train_[i];
-        const RefineView& from = views_[static_cast<size_t>(view)];
-        for (const Corner& corner : find_corners(from.match.luma, from.mask, corners_of(from.match.luma, search))) {
-          Track track = start_track(view, corner);
-          if (track.observations.empty()) continue;
-          for (const int k : near[i]) {
-            const int other = train_[static_cast<size_t>(k)];
-            if (const auto found = guided_match(match(view), corner.x, corner.y, match(other), match_settings)) {
-              track.observations.push_back(observation(other, found->pixel));
-              track.observations.back().covariance = found->covariance;
-            }
-          }
-          if (track.observations.size() >= 2) of_view[i].push_back(std::move(track));
-        }
-      }
-    });
-    tracks_.clear();
-    for (auto& own : of_view) {
-      for (Track& t : own) tracks_.push_back(std::move(t));
-    }
-  }
-
-  Observation observation(int view, const Vec2d& pixel) const {
-    Observation o;
-    o.view = view;
-    o.pixel = pixel;
-    const ImageF& depth = match(view).depth;
-    if (!depth.empty() && match(view).camera.contains(pixel)) {
-      const float z = depth.at(static_cast<int>(pixel.x), static_cast<int>(pixel.y));
-      o.prior_depth = z > 0 && std::isfinite(z) ? static_cast<double>(z) : 0;
-    }
-    return o;
-  }
-
-  Track start_track(int view, const Corner& corner) const {
-    Track track;
-    track.view = view;
-    track.corner = corner;
-    const Observation own = observation(view, {corner.x + 0.5, corner.y + 0.5});
-    if (own.prior_depth <= 0) return track;
-    track.point = match(view).camera.unproject(own.pixel.x, own.pixel.y, own.prior_depth);
-    track.observations.push_back(own);
-    return track;
+  /// The cameras and points of the moment.
+  BundleProblem without_observations() const {
+    BundleProblem out;
+    out.extent = extent_;
+    for (const MatchView& m : matches_) out.cameras.push_back(m.camera);
+    for (const Track& t : tracks_) out.points.push_back(t.point);
+    return out;
   }
 
   BundleProblem problem() const {
-    BundleProblem out;
-    out.extent = extent_;
+    BundleProblem out = without_observations();
     out.anchors = prior_;
-    for (const MatchView& m : matches_) out.cameras.push_back(m.camera);
-    for (const Track& t : tracks_) {
-      for (Observation o : t.observations) {
-        o.point = static_cast<int>(out.points.size());
+    for (size_t t = 0; t < tracks_.size(); ++t) {
+      for (Observation o : tracks_[t].observations) {
+        o.point = static_cast<int>(t);
         out.observations.push_back(o);
       }
-      out.points.push_back(t.point);
     }
     return out;
   }
@@ -244,7 +176,7 @@ class Refinement {
   void register_test_views() {
     if (test_.empty() || tracks_.empty()) return;
     test_observations_.assign(views_.size(), 0);
-    place_views(test_, settings_.match.search);
+    place_views(test_, settings_.tracks.match.search);
     std::vector<int> again;
     std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), [&](int v) { return !placed(v); });
     if (!again.empty()) place_views(again, settings_.lost_search);
@@ -254,37 +186,6 @@ class Refinement {
   /// Whether the last search for a test view found it.
   bool placed(int view) const { return test_observations_[static_cast<size_t>(view)] > 0; }
 
-  /// Observations of the tracks' points in the views, searched within `search` of the image width.
-  std::vector<Observation> find_points_in(const std::vector<int>& views, double search) const {
-    MatchSettings match_settings = settings_.match;
-    match_settings.search = search;
-    std::vector<const MatchView*> training, wanted;
-    for (const int v : train_) training.push_back(&match(v));
-    for (const int v : views) wanted.push_back(&match(v));
-    const auto near = overlapping_views(training, wanted, static_cast<int>(wanted.size()), settings_.least_overlap, settings_.largest_turn);
-    std::vector<std::vector<Observation>> found(tracks_.size());
-    pool_.parallel_for(tracks_.size(), 64, [&](size_t begin, size_t end, int) {
-      for (size_t t = begin; t < end; ++t) {
-        const Track& track = tracks_[t];
-        const auto own = std::find(train_.begin(), train_.end(), track.view);
-        for (const int k : near[static_cast<size_t>(own - train_.begin())]) {
-          const int view = views[static_cast<size_t>(k)];
-          const auto place = guided_match(match(track.view), track.corner.x, track.corner.y, match(view), match_settings);
-          if (!place) continue;
-          Observation o;
-          o.view = view;
-          o.point = static_cast<int>(t);
-          o.pixel = place->pixel;
-          o.covariance = place->covariance;
-          found[t].push_back(o);
-        }
-      }
-    });
-    std::vector<Observation> all;
-    for (const auto& own : found) all.insert(all.end(), own.begin(), own.end());
-    return all;
-  }
-
   /// Searched, and searched again near the place found, which finds more. Views that are not placed both times stay where they were.
   void place_views(const std::vector<int>& views, double search) {
     std::vector<Camera> before;
@@ -292,7 +193,7 @@ class Refinement {
     register_views(views, search);
     std::vector<int> found;
     std::copy_if(views.begin(), views.end(), std::back_inserter(found), [&](int v) { return placed(v); });
-    if (!found.empty()) register_views(found, settings_.later_search);
+    if (!found.empty()) register_views(found, settings_.tracks.near_search);
     for (size_t i = 0; i < views.size(); ++i) {
       if (!placed(views[i])) matches_[static_cast<size_t>(views[i])].camera = before[i];
     }
@@ -301,10 +202,10 @@ class Refinement {
   /// Moves those of the views that enough observations place; of the others none counts. Wrong matches agree with some pose, too, but
   /// never most of them.
   void register_views(const std::vector<int>& views, double search) {
-    BundleProblem resection = problem();
+    BundleProblem resection = without_observations();
     resection.fixed_points = true;
     resection.anchors = resection.cameras;  // carried along with their neighbours, they are better than the prior
-    resection.observations = find_points_in(views, search);
+    resection.observations = find_points(tracks_, track_photos(train_), track_photos(views), search, settings_.tracks, pool_);
     BundleSettings settings = settings_.bundle;
     settings.focal = 0;
     settings.pixel = settings_.coarse_pixel;

@@ -8,8 +8,7 @@
 #include "core/thread_pool.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/depth_grid.h"
-#include "refine/guided_match.h"
-#include "scene/corners.h"
+#include "refine/tracks.h"
 #include "scene/point_cloud.h"
 
 namespace aligngs {
@@ -24,18 +23,11 @@ struct RefineView {
 };
 
 struct RefineSettings {
-  /// Weak corners too: a kitchen's bare fronts have few strong ones, and each match weighs as exactly as it is placed.
-  CornerSettings corners{4000, 3, 0.001};
-  int wide_corners = 2000;      ///< per photo where a round searches widely: there the weak ones are mistaken for others more often
-  MatchSettings match;
+  TrackSettings tracks;
   BundleSettings bundle;
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
-  double later_search = 0.02;   ///< of the image width
   double lost_search = 0.15;    ///< of the image width: for test photos of which the usual search finds too little
-  int neighbours = 20;          ///< photos that a corner is looked for in: those that see most of the same
-  double least_overlap = 0.05;  ///< of a photo's pixels inside of the other: a few matches can be all that holds two groups together
-  double largest_turn = 90;     ///< degrees between viewing directions
   double coarse_pixel = 0.5;    ///< pixels: `bundle.pixel` of the very first adjustment, which starts too far off for the exact one
   double outlier = 3;           ///< pixels: observations beyond are dropped before and after the exact adjustment
   int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour

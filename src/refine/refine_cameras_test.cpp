@@ -29,7 +29,7 @@ std::vector<Camera> cameras_of(const RefineResult& result) {
 /// Small photos need few, and the tests little time.
 RefineSettings few_corners() {
   RefineSettings settings;
-  settings.corners.per_view = 800;
+  settings.tracks.corners.per_view = 800;
   return settings;
 }
 
@@ -80,7 +80,7 @@ TEST_F(RefineCamerasTest, ATestPhotoFarFromItsPlaceIsLookedForFarther) {
   const RefineResult found = refine_cameras(views, kRoomExtent, settings, pool_);
   EXPECT_FALSE(found.views[7].by_neighbour);
   EXPECT_NEAR(found.views[7].turned, 6, 0.5);
-  settings.lost_search = settings.match.search;
+  settings.lost_search = settings.tracks.match.search;
   EXPECT_TRUE(refine_cameras(views, kRoomExtent, settings, pool_).views[7].by_neighbour);
 }
 
