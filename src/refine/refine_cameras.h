@@ -28,7 +28,7 @@ struct RefineSettings {
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
   double lost_search = 0.15;    ///< of the image width: for test photos of which the usual search finds too little
-  double coarse_pixel = 0.5;    ///< pixels: `bundle.pixel` of the very first adjustment, which starts too far off for the exact one
+  double coarse_pixel = 0.5;    ///< pixels: `bundle.pixel` of the very first adjustment and of each search for test views, which start too far off for the exact one
   double outlier = 3;           ///< pixels: observations beyond are dropped before and after the exact adjustment
   int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour
   double least_fitting = 0.5;   ///< share of a test view's matches that agree with the pose found for it; with fewer it is not placed

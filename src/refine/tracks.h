@@ -45,7 +45,8 @@ CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& l
 /// of where depth and cameras expect them; photo by photo. The same for any number of threads.
 std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool);
 
-/// Where the photos of `wanted` show the points of tracks that begin in `photos`; Observation::point is the track's index.
+/// Where the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`; Observation::point is
+/// the track's index.
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
                                      const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool);
 
