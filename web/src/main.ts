@@ -261,7 +261,7 @@ class Page {
   private clicked(x: number, y: number): void {
     const found = this.viewer.pick(x, y);
     if (this.ruler) {
-      if (!found) return;
+      if (!found) { this.message('nothing there to measure: click on a surface'); return; }
       if (this.ruler.length === 2) this.ruler = [];
       this.ruler.push(found.point);
       this.viewer.setRuler(this.ruler);

@@ -3,6 +3,8 @@ export interface Splats {
   count: number; centres: Float32Array; scales: Float32Array; rotations: Float32Array; // rotations w x y z, scales in scene units
   opacities: Float32Array; labels: Uint16Array | null; instances: Uint16Array | null; confidences: Uint8Array | null;
 }
+// Less than this of a ray is stopped: no click means such a haze. A seam between two surfaces stops more, if not half.
+const kLeastOpacity = 0.1;
 export interface Hit { label: number; share: number; instance: number; confidence: number; distance: number }
 
 /// `origin`, `direction` (unit) in the splats' own frame. Hidden classes let the ray through.
@@ -37,7 +39,8 @@ export function pickSplat(s: Splats, origin: number[], direction: number[], hidd
   }
   hits.sort((a, b) => a.t - b.t);
   const votes = new Map<number, { weight: number; index: number; best: number }>();
-  let light = 1, distance = -1;
+  let light = 1;
+  const reached: { t: number; light: number }[] = [];
   for (const hit of hits) {
     const weight = light * hit.alpha, label = s.labels ? s.labels[hit.index] : 65535;
     const vote = votes.get(label) ?? { weight: 0, index: hit.index, best: 0 };
@@ -45,10 +48,11 @@ export function pickSplat(s: Splats, origin: number[], direction: number[], hidd
     if (weight > vote.best) { vote.best = weight; vote.index = hit.index; }
     votes.set(label, vote);
     light *= 1 - hit.alpha;
-    if (distance < 0 && light < 0.5) distance = hit.t;
+    reached.push({ t: hit.t, light });
     if (light < 1e-3) break;
   }
-  if (distance < 0) return null; // nothing solid there
+  if (1 - light < kLeastOpacity) return null; // nothing to be seen there
+  const distance = reached.find((r) => 1 - r.light >= 0.5 * (1 - light))!.t; // half of what stops the ray has stopped it
   const [label, vote] = [...votes].sort((a, b) => b[1].weight - a[1].weight)[0];
   return {
     label, share: vote.weight / (1 - light), distance,
