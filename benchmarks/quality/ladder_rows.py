@@ -43,7 +43,7 @@ def paper_ladder(where="", refine=None, start=()):
     """The paper's Table III, cumulatively, L_sem also as in the release; `where` ends the rows' names, `refine` makes their cameras,
     `start` are settings of the feed-forward start."""
     steps = [("base (sparse start)", PHOTOMETRIC + [NO_SEMANTICS], []),
-             ("+ feed-forward start", PHOTOMETRIC + [NO_SEMANTICS], ["base (sparse start)"]),
+             ("+ feed-forward start", NO_GEOMETRY + [NO_SEMANTICS], ["base (sparse start)"]),  # the prior depth is where it starts
              ("+ L_sem, uncoupled", NO_GEOMETRY + ACTIVE + ["semantic.coupling_strength=0"], ["+ feed-forward start"]),
              ("+ L_sem, coupled", NO_GEOMETRY + ACTIVE, ["+ L_sem, uncoupled"]),
              ("+ L_d", ACTIVE + ["loss.normal_consistency=0", "loss.normal_boundary=0"], ["+ L_sem, coupled"]),
@@ -71,10 +71,13 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("stereo, true labels", "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
     Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=COUPLED),
     Row("default, refined", "default", refine=[],
-        compare_with=["stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras",
+        compare_with=["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels",
+                      "stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras",
                       "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
                       "+ L_ng + L_nb (paper)"]),
-    Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="stereo, coupled"),
+    # The controls of all that labels do, planes included: what they add over "stereo, no semantics" has to exceed both.
+    Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="stereo, no semantics"),
+    Row("default, refined, shuffled labels", "default", refine=[], labels="shuffled", compare_with="stereo, no semantics"),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),

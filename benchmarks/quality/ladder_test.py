@@ -79,6 +79,10 @@ class LadderTest(unittest.TestCase):
             self.assertTrue(set(row.compare_with) <= names, row.name)
         self.assertTrue(set(ladder_rows.PLACEBOS) | {ladder_rows.COUPLED, *ladder_rows.YARDSTICKS} <= names)
 
+    def test_a_start_from_depth_has_depth(self):
+        for row in ladder_rows.ROWS:
+            self.assertFalse({"init.start=depth", "data.prior_depth=none"} <= set(row.settings), row.name)
+
 
 if __name__ == "__main__":
     unittest.main()
