@@ -219,7 +219,7 @@ def main():
                 for yard in YARDSTICKS.get(row.name, []):
                     if key not in results.setdefault(yard.name, {}):
                         results[yard.name][key] = measure_yardstick(arguments, room, room_seed, seed, row, yard)
-            folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if f.exists()]
+            folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if (f / "metrics.json").exists()]
             for folder in folders:  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)
             if len(folders) > 1:

@@ -18,6 +18,9 @@ COUPLING_ALONE = ["loss.crease=0"]
 UNCOUPLED = "stereo, uncoupled"
 COUPLED = "stereo, coupled, no crease"
 PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
+# What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
+CONTROLS = {COUPLED: PLACEBOS,
+            "default, refined": ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]}
 
 
 class Row:
@@ -56,6 +59,8 @@ def paper_ladder(where="", refine=None, start=()):
 # to the cameras before their adjustment, so that the rows with adjusted cameras unproject the depth anew (some 90,000 Gaussians).
 ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJECTED) + [
     Row("release-faithful", "paper", ACTIVE + ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
+    Row("release-faithful, refined cameras", "paper", ACTIVE + ["semantic.coupling_strength=0"] + UNPROJECTED, refine=CAMERAS_ONLY,
+        compare_with=["+ L_ng + L_nb (paper), refined cameras", "+ feed-forward start, refined cameras"]),
     Row("3dgs", "paper", THREE_DGS + [NO_SEMANTICS],
         compare_with="base (sparse start)"),
     Row("pgsr", "pgsr", compare_with="+ feed-forward start"),

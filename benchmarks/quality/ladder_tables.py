@@ -4,7 +4,7 @@ import math
 import random
 import re
 
-from ladder_rows import COLUMNS, COUPLED, PAIR, PLACEBOS, ROWS, YARDSTICKS
+from ladder_rows import COLUMNS, CONTROLS, PAIR, ROWS, YARDSTICKS
 
 
 def interval(differences, draws=10000):
@@ -100,14 +100,14 @@ def gap_lines(results):
             middle, low, high, count = interval(shares)
             lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
                       f"smallest {min(shares):.2f}, over {count} pairs."]
-    placebos = [results[p] for p in PLACEBOS if p in results]
-    if placebos and COUPLED in results:
+    for row, controls in CONTROLS.items():
+        placebos = [results[p] for p in controls if p in results]
         for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):
-            over = [results[COUPLED][k][key] - max(p[k][key] for p in placebos)
-                    for k in results[COUPLED] if all(k in p for p in placebos)]
+            over = [v[key] - max(p[k][key] for p in placebos) for k, v in results.get(row, {}).items()
+                    if placebos and all(k in p for p in placebos)]
             if over:
                 middle, low, high, count = interval(over)
-                lines += ["", f"{title} of `{COUPLED}` over the best of {len(placebos)} placebos of each pair: {middle:+.{digits}f} "
+                lines += ["", f"{title} of `{row}` over the best of {len(placebos)} controls of each pair: {middle:+.{digits}f} "
                           f"[{low:+.{digits}f}, {high:+.{digits}f}] over {count} pairs."]
     return lines
 

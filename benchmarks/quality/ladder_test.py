@@ -77,7 +77,7 @@ class LadderTest(unittest.TestCase):
         self.assertEqual(len(names), len(ladder_rows.ROWS))
         for row in ladder_rows.ROWS:
             self.assertTrue(set(row.compare_with) <= names, row.name)
-        self.assertTrue(set(ladder_rows.PLACEBOS) | {ladder_rows.COUPLED, *ladder_rows.YARDSTICKS} <= names)
+        self.assertTrue({*ladder_rows.CONTROLS, *sum(ladder_rows.CONTROLS.values(), []), *ladder_rows.YARDSTICKS} <= names)
 
     def test_a_start_from_depth_has_depth(self):
         for row in ladder_rows.ROWS:
