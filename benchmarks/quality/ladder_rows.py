@@ -1,8 +1,9 @@
 """The rows of the ladder: which scene each is trained on and with what settings, and the meshes it is measured beside."""
 
 NO_SEMANTICS = "data.semantics=false"
-PHOTOMETRIC = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0", "data.prior_depth=none"]
+NO_COUPLING = "semantic.coupling_strength=0"  # as in the release: labels are learned, geometry does not hear of them
 NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
+PHOTOMETRIC = NO_GEOMETRY + ["data.prior_depth=none"]
 # The multi-view terms as preset pgsr has them, every fifth step, where they cost a fifth.
 MULTI_VIEW = ["loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15", "loss.multi_view_every=5"]
 # The prior depth as the default preset uses it, acting as early.
@@ -18,9 +19,10 @@ COUPLING_ALONE = ["loss.crease=0"]
 UNCOUPLED = "stereo, uncoupled"
 COUPLED = "stereo, coupled, no crease"
 PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
+# The controls of all that labels do, planes included: nothing, one class everywhere, names without meaning.
+LABEL_CONTROLS = ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]
 # What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
-CONTROLS = {COUPLED: PLACEBOS,
-            "default, refined": ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]}
+CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
 
 class Row:
@@ -47,7 +49,7 @@ def paper_ladder(where="", refine=None, start=()):
     `start` are settings of the feed-forward start."""
     steps = [("base (sparse start)", PHOTOMETRIC + [NO_SEMANTICS], []),
              ("+ feed-forward start", NO_GEOMETRY + [NO_SEMANTICS], ["base (sparse start)"]),  # the prior depth is where it starts
-             ("+ L_sem, uncoupled", NO_GEOMETRY + ACTIVE + ["semantic.coupling_strength=0"], ["+ feed-forward start"]),
+             ("+ L_sem, uncoupled", NO_GEOMETRY + ACTIVE + [NO_COUPLING], ["+ feed-forward start"]),
              ("+ L_sem, coupled", NO_GEOMETRY + ACTIVE, ["+ L_sem, uncoupled"]),
              ("+ L_d", ACTIVE + ["loss.normal_consistency=0", "loss.normal_boundary=0"], ["+ L_sem, coupled"]),
              ("+ L_ng + L_nb (paper)", ACTIVE, ["+ L_d", "base (sparse start)"])]
@@ -58,8 +60,8 @@ def paper_ladder(where="", refine=None, start=()):
 # The paper starts from 100,000 points of the network's depth, unprojected with the cameras that it trains on. Those of the scene belong
 # to the cameras before their adjustment, so that the rows with adjusted cameras unproject the depth anew (some 90,000 Gaussians).
 ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJECTED) + [
-    Row("release-faithful", "paper", ACTIVE + ["semantic.coupling_strength=0"], compare_with="+ L_ng + L_nb (paper)"),
-    Row("release-faithful, refined cameras", "paper", ACTIVE + ["semantic.coupling_strength=0"] + UNPROJECTED, refine=CAMERAS_ONLY,
+    Row("release-faithful", "paper", ACTIVE + [NO_COUPLING], compare_with="+ L_ng + L_nb (paper)"),
+    Row("release-faithful, refined cameras", "paper", ACTIVE + [NO_COUPLING] + UNPROJECTED, refine=CAMERAS_ONLY,
         compare_with=["+ L_ng + L_nb (paper), refined cameras", "+ feed-forward start, refined cameras"]),
     Row("3dgs", "paper", THREE_DGS + [NO_SEMANTICS],
         compare_with="base (sparse start)"),
@@ -67,8 +69,8 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("pgsr + prior depth", "pgsr", PGSR_PRIOR, compare_with="pgsr"),
     Row("default", "default", compare_with="+ feed-forward start"),
     Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
-    Row("stereo, no semantics", "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
-    Row(UNCOUPLED, "default", COUPLING_ALONE + ["semantic.coupling_strength=0"], refine=NO_LABELS_YET, compare_with="stereo, no semantics"),
+    Row(LABEL_CONTROLS[0], "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
+    Row(UNCOUPLED, "default", COUPLING_ALONE + [NO_COUPLING], refine=NO_LABELS_YET, compare_with=LABEL_CONTROLS[0]),
     Row(COUPLED, "default", COUPLING_ALONE, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
     Row(PLACEBOS[0], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
     Row(PLACEBOS[1], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
@@ -76,13 +78,11 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("stereo, true labels", "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
     Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=COUPLED),
     Row("default, refined", "default", refine=[],
-        compare_with=["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels",
-                      "stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras",
+        compare_with=[*LABEL_CONTROLS, "stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras",
                       "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
                       "+ L_ng + L_nb (paper)"]),
-    # The controls of all that labels do, planes included: what they add over "stereo, no semantics" has to exceed both.
-    Row("default, refined, constant labels", "default", refine=[], labels="constant", compare_with="stereo, no semantics"),
-    Row("default, refined, shuffled labels", "default", refine=[], labels="shuffled", compare_with="stereo, no semantics"),
+    Row(LABEL_CONTROLS[1], "default", refine=[], labels="constant", compare_with=LABEL_CONTROLS[0]),
+    Row(LABEL_CONTROLS[2], "default", refine=[], labels="shuffled", compare_with=LABEL_CONTROLS[0]),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
