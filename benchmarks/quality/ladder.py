@@ -101,7 +101,9 @@ def trained(folder, make_scene, row, iterations, seed, settings=()):
     spent = folder / "processor_seconds"
     if not (folder / "metrics.json").exists():
         scene = make_scene()
-        options = [text for s in [*settings, *row.settings] for text in ("--set", s)]
+        # A checkpoint at the end alone: rows are short, and half a gigabyte every 500 steps takes some seconds.
+        settings = [f"checkpoint.every={iterations}", *settings, *row.settings]
+        options = [text for s in settings for text in ("--set", s)]
         interrupted = folder.exists()  # what went before is not known to this process
         before = processor_seconds()
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *options)
