@@ -9,10 +9,10 @@ CAPTURE is what `aligngs import` reads, MODEL a COLMAP model of the training pho
     simulated   cameras, depth and points of `aligngs data simulate`, another draw per seed; called simulated wherever shown
     rgbd        the sensor's depth, from which the reference was fused: shows only that nothing is lost
 
-Rows that need labels (semantic losses, planes) are not here: a capture without labels has none. Finished runs are not repeated.
-Writes results.csv, settings.json and table.md. ALIGNGS names the program (default build/aligngs)."""
+Rows that need labels stay empty: a capture without labels has none. Finished runs are not repeated. Writes results.csv,
+settings.json, table.md and a page of pictures per seed (pictures of a capture are its owner's: keep the pages). ALIGNGS names the
+program (default build/aligngs)."""
 import argparse
-import json
 import shutil
 from pathlib import Path
 
@@ -50,6 +50,12 @@ ROWS = [
         compare_with=["3dgs", "pgsr + prior depth", "pgsr + prior depth, refined cameras", "default, not refined"]),
     Row("rgbd", "default", "default"),
 ]
+# What the ladder of the rooms has beside these rows, and a capture without labels cannot have.
+NEED_LABELS = ["+ L_sem, uncoupled", "+ L_sem, coupled", "+ L_ng + L_nb (paper)", "default, planes of walls, floor and ceiling"]
+WHY_EMPTY = ("Empty rows need labels. The capture has none, and networks that would make them need their published weights; "
+             "a simulated teacher needs true labels, which the capture does not have either.")
+NO_COLUMNS = ("miou", "teacher", "mesh_miou",   # no labels
+              "between", "beyond", "posed")     # no test photo looks beyond the training photos
 # Meshes that no training has touched, with the cameras of the row that they stand beside.
 YARDSTICKS = {
     "rgb: default": [("rgb: TSDF of the measured depth", "--from-prior", REFINED)],
@@ -94,18 +100,28 @@ def measure(arguments, seed, yardstick):
 
 def write_tables(arguments, results):
     ladder_tables.write_csv(arguments.output / "results.csv", ["seed"], results)
-    columns = [c for c in ladder_rows.COLUMNS if c[0] not in ("miou", "teacher", "between", "beyond", "posed")]
-    lines = [f"A real capture, {arguments.iterations} iterations at {arguments.scale:g} of the photos' resolution, means over the seeds.", "",
-             "| row | seeds | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"]
+    columns = [c for c in ladder_rows.COLUMNS if c[0] not in NO_COLUMNS]
+    lines = [f"A real capture, {arguments.iterations} iterations at {arguments.scale:g} of the photos' resolution, means over the seeds. "
+             "A seed of `rgb` and `rgbd` is another draw of training, one of `simulated` (**simulated** cameras, depth and points) another "
+             "draw of both.", "", "| row | seeds | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"]
     for name, by_seed in results.items():
         cells = [ladder_tables.mean_cell([v[key] for v in by_seed.values()], digits) for key, _, digits, _ in columns]
         lines.append(f"| {name} | {len(by_seed)} | " + " | ".join(cells) + " |")
-    lines += ["", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F |", "|---|---|---|---|"]
+    for source in ("rgb", "simulated"):
+        lines += [f"| {source}: {name} | 0 | " + " | ".join("–" for _ in columns) + " |" for name in NEED_LABELS]
+    lines += ["", WHY_EMPTY, "", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F |", "|---|---|---|---|"]
     for row in ROWS:
         for base in (b for b in row.compare_with if b in results and row.name in results):
             cells = [ladder_tables.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3))]
             lines.append(f"| {row.name} | {base} | " + " | ".join(cells) + " |")
     (arguments.output / "table.md").write_text("\n".join(lines) + "\n")
+
+
+def write_page(arguments, seed):
+    folders = [arguments.output / "runs" / str(seed) / row.folder for row in ROWS]
+    folders = [f for f in folders if (f / "metrics.json").exists()]
+    if len(folders) > 1:
+        ladder.run("compare", *folders, "--html", arguments.output / f"{seed}.html")
 
 
 def main():
@@ -119,9 +135,8 @@ def main():
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
     arguments = parser.parse_args()
     (arguments.output / "scenes").mkdir(parents=True, exist_ok=True)
-    settings = {"program": ladder.program_version(), "iterations": arguments.iterations, "scale": arguments.scale,
-                "rows": {r.name: {"preset": r.preset, "set": r.settings, "refine": r.refine} for r in ROWS}}
-    (arguments.output / "settings.json").write_text(json.dumps(settings, indent=2) + "\n")
+    ladder.write_settings(arguments.output, {"iterations": arguments.iterations, "scale": arguments.scale},
+                          {r.name: {"preset": r.preset, "set": r.settings, "refine": r.refine} for r in ROWS})
     results = ladder_tables.read_csv(arguments.output / "results.csv", ["seed"])
     for seed in arguments.seeds:
         for row in (r for r in ROWS if arguments.rows is None or r.name in arguments.rows):
@@ -133,6 +148,7 @@ def main():
                 if (seed,) not in results.setdefault(yardstick[0], {}):
                     results[yardstick[0]][(seed,)] = measure(arguments, seed, yardstick)
                     write_tables(arguments, results)
+        write_page(arguments, seed)
     print((arguments.output / "table.md").read_text())
 
 

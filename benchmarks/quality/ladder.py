@@ -51,8 +51,12 @@ def processor_seconds():
 
 
 def value_at(document, path):
+    """The number at a path of keys; of a list, a key takes the first item whose protocol begins so."""
     for part in path.split("."):
-        document = document.get(part) if isinstance(document, dict) else None
+        if isinstance(document, list):
+            document = next((item for item in document if item["protocol"].startswith(part)), None)
+        else:
+            document = document.get(part) if isinstance(document, dict) else None
     return float(document) if isinstance(document, (int, float)) else math.nan
 
 
@@ -63,6 +67,7 @@ def scores(metrics, only=None):
 def make_scene(arguments, room, room_seed, seed, row):
     """The scene of a row; variants differ in the cloud or the labels alone."""
     output = arguments.output
+    seed = seed if arguments.teacher_seed is None else arguments.teacher_seed
     folder = output / "scenes" / f"{room}_{room_seed}_{seed}_{row.cloud}_{row.labels}"
     if not (folder / "scene.json").exists():
         text = run("synth", folder, "--room", room, "--room-seed", room_seed, "--teacher-seed", seed, "--cloud", row.cloud,
@@ -170,21 +175,20 @@ def program_version():
     return " ".join([run("--version").strip(), commit.stdout.strip()]).strip()
 
 
-def write_settings(arguments):
-    """What made the numbers; a table must not mix lengths or rooms, and says when it mixes programs."""
-    file = arguments.output / "settings.json"
-    now = {"programs": [program_version()], "rooms": arguments.rooms, "iterations": arguments.iterations, "size": arguments.size,
-           "rows": {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine,
-                             "depth": r.depth} for r in ROWS}}
+def write_settings(output, conditions, rows):
+    """What made the numbers; a table must not mix conditions (as lengths or rooms), and says when it mixes programs."""
+    file = output / "settings.json"
+    now = {"programs": [program_version()], **conditions, "rows": rows}
     if file.exists():
         before = json.loads(file.read_text())
         earlier = before.get("programs", [before.get("program", "unknown")])
         now["programs"] = earlier + [p for p in now["programs"] if p not in earlier]
-        for key in ("rooms", "iterations", "size"):
-            if before.setdefault(key, "320x240") != now[key]:  # the size has not always been noted
-                sys.exit(f"{file}: {key} is {before[key]}, and {now[key]} was asked for; give another OUTPUT")
+        for key, value in conditions.items():
+            if before.get(key, value) != value:
+                sys.exit(f"{file}: {key} is {before[key]}, and {value} was asked for; give another OUTPUT")
     file.write_text(json.dumps(now, indent=2) + "\n")
-    return now["programs"]
+    if len(now["programs"]) > 1:
+        print(f"{output}: rows of an earlier call stay, made by another program: {', '.join(now['programs'][:-1])}", file=sys.stderr)
 
 
 def main():
@@ -193,6 +197,7 @@ def main():
     parser.add_argument("--rooms", choices=sorted(ROOMS), default="development")
     parser.add_argument("--kinds", nargs="+", default=None, help="only rooms of these kinds, e.g. bedroom")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3])
+    parser.add_argument("--teacher-seed", type=int, help="one draw of the teachers for all seeds: what differs then is training alone")
     parser.add_argument("--iterations", type=int, default=2000)
     parser.add_argument("--size", default="320x240", help="of the photos, WxH")
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
@@ -203,9 +208,10 @@ def main():
         parser.error("no such row; there are: " + ", ".join(r.name for r in ROWS))
     output = arguments.output
     output.mkdir(parents=True, exist_ok=True)
-    programs = write_settings(arguments)
-    if len(programs) > 1:
-        print(f"{output}: rows of an earlier call stay, made by another program: {', '.join(programs[:-1])}", file=sys.stderr)
+    write_settings(output, {"rooms": arguments.rooms, "iterations": arguments.iterations, "size": arguments.size,
+                            "teacher_seed": arguments.teacher_seed},
+                   {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine, "depth": r.depth}
+                    for r in ROWS})
     results = read_csv(output / "results.csv", PAIR)
     for room, room_seed in ROOMS[arguments.rooms]:
         if arguments.kinds and room not in arguments.kinds:

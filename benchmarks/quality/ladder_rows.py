@@ -24,6 +24,13 @@ LABEL_CONTROLS = ["stereo, no semantics", "default, refined, constant labels", "
 # What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
 CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
+# What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, coupled".
+WITHOUT = {
+    "log depth": ["loss.log_depth=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
+    "creases": ["loss.crease=0"], "coupling": [NO_COUPLING], "free space": ["densify.free_space_every=0"],
+    "closed room": ["train.closed_room=false"], "dense start": ["init.start=cloud"], "sharpened labels": ["semantic.drawn_sharpness=0"],
+}
+
 
 class Row:
     """One way to train: which cloud and labels the scene has, how `aligngs refine` goes before, and the settings."""
@@ -85,6 +92,9 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row(LABEL_CONTROLS[2], "default", refine=[], labels="shuffled", compare_with=LABEL_CONTROLS[0]),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
+    Row("default, refined, MCMC growth", "default", ["densify.strategy=mcmc"], refine=[], compare_with="default, refined"),
+    Row("default, without stereo", "default", refine=["--no-stereo"], compare_with="default, refined"),
+    *[Row(f"default, without {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITHOUT.items()],
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
     Row("pgsr + prior depth, refined cameras and start", "pgsr", PGSR_PRIOR + UNPROJECTED, refine=CAMERAS_ONLY,
         compare_with="pgsr + prior depth, refined cameras"),
@@ -128,8 +138,11 @@ COLUMNS = [
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
     ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
     ("precision", "Prec", 3, "geometry.precision"), ("recall", "Recall", 3, "geometry.recall"),
-    ("fscore", "F", 3, "geometry.fscore"), ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
+    ("fscore", "F", 3, "geometry.fscore"), ("area", "F (area)", 3, "geometry.variants.area_samples, all poses.fscore"),
+    ("aligned", "F, aligned", 3, "geometry.variants.neuris_vertices, all poses, alignment: cameras.fscore"),
+    ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
+    ("mesh_miou", "mesh mIoU", 3, "semantics.mesh.miou"),
     ("seconds", "processor s", 0, None),
 ]
 PAIR = ("room", "room_seed", "seed")  # what runs are compared by
-GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore")
+GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore", "area", "aligned")

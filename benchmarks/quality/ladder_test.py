@@ -6,6 +6,7 @@ import unittest
 from pathlib import Path
 from types import SimpleNamespace
 
+import ladder
 import ladder_rows
 import ladder_tables
 
@@ -39,6 +40,12 @@ class LadderTest(unittest.TestCase):
         self.assertEqual(ladder_tables.mean_cell([1.0, math.nan, 3.0], 1), "2.0 (of 2)")
         self.assertEqual(ladder_tables.mean_cell([1.0, 3.0], 1), "2.0")
         self.assertEqual(ladder_tables.mean_cell([math.nan], 1), "–")
+
+    def test_a_number_of_a_list_is_found_by_its_protocol(self):
+        document = {"variants": [{"protocol": "area_samples, all poses, alignment: none", "fscore": 0.5},
+                                 {"protocol": "area_samples, training poses, alignment: none", "fscore": 0.6}]}
+        self.assertEqual(ladder.value_at(document, "variants.area_samples, training poses.fscore"), 0.6)
+        self.assertTrue(math.isnan(ladder.value_at(document, "variants.neuris_vertices.fscore")))
 
     def test_results_are_read_as_they_were_written(self):
         key = ("bedroom", 101, 2)

@@ -25,9 +25,10 @@ nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
       row[score_columns()[c].csv_name] = std::isfinite(run.score[c]) ? nlohmann::ordered_json(run.score[c]) : nlohmann::ordered_json(nullptr);
     }
     if (&run != &runs[0]) {
-      const PairedDifference d = view_difference(runs[0], run);
-      if (d.pairs > 0) {
-        row["psnr_difference"] = {{"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
+      for (const ViewScoreColumn& c : view_score_columns()) {
+        const PairedDifference d = view_difference(runs[0], run, c.score);
+        if (d.pairs == 0) continue;
+        row[std::string(c.field) + "_difference"] = {{"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
       }
     }
     out.push_back(std::move(row));
@@ -55,7 +56,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
 void add_compare_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("compare", "Put the figures and pictures of runs side by side");
   command->group("Measure");
-  command->footer("Differences are taken from the first run.\n"
+  command->footer("Differences are taken from the first run, view by view; figures of a whole run (geometry, mIoU) have no interval here.\n"
                   "Example: aligngs compare base_run other_run --html compare.html --csv compare.csv");
   auto options = std::make_shared<CompareOptions>();
   command->add_option("runs", options->runs, "run folders that were measured, the one to compare with first")

@@ -377,6 +377,7 @@ MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene
   variants.push_back(evaluator.area_samples(CullingViews::kAll, alignment));
   variants.push_back(evaluator.neuris_vertices(CullingViews::kTraining, alignment));
   variants.push_back(evaluator.area_samples(CullingViews::kTraining, alignment));
+  if (metric_scene) variants.push_back(evaluator.neuris_vertices(CullingViews::kAll, MeshAlignment::kCameras));
   if (with_icp) {
     variants.push_back(evaluator.neuris_vertices(CullingViews::kAll, icp));
     variants.push_back(evaluator.area_samples(CullingViews::kAll, icp));

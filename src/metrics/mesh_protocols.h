@@ -85,7 +85,7 @@ MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, Culli
 
 /// metrics.json: geometry.* is `headline`, geometry.variants[] are the others.
 struct MeshEvaluation {
-  MeshProtocolResult headline;  ///< NeuRIS vertices, all poses; aligned on cameras unless the scene is metric
+  MeshProtocolResult headline;  ///< NeuRIS vertices, all poses; aligned on cameras unless the scene is metric: then that is a variant
   std::vector<MeshProtocolResult> variants;
 };
 MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,

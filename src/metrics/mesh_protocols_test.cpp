@@ -196,7 +196,8 @@ TEST(EvaluateMesh, NamesTheHeadlineAndTheVariants) {
   EXPECT_EQ(metric.headline.protocol, "neuris_vertices");
   EXPECT_EQ(metric.headline.culling, "all poses");
   EXPECT_EQ(metric.headline.alignment, "none");
-  EXPECT_EQ(metric.variants.size(), 5u);
+  ASSERT_EQ(metric.variants.size(), 6u);
+  EXPECT_EQ(metric.variants[3].alignment, "cameras");
   EXPECT_EQ(evaluate_mesh(make_input(truth, truth), false, false, pool).headline.alignment, "cameras");
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 #include "core/error.h"
@@ -29,6 +30,12 @@ void ConfusionMatrix::add(const Image<uint16_t>& truth, const Image<uint16_t>& p
                                 predicted.height, truth.width, truth.height));
   }
   for (size_t i = 0; i < truth.pixels(); ++i) add(truth.data[i], predicted.data[i]);
+}
+
+uint64_t ConfusionMatrix::of_class(int truth) const {
+  uint64_t sum = 0;
+  for (int p = 0; p <= classes_; ++p) sum += count(truth, p);
+  return sum;
 }
 
 SemanticScores ConfusionMatrix::scores(double min_share) const {
@@ -80,9 +87,12 @@ MeshLabelScores compare_mesh_labels(const TriangleMesh& predicted, const Triangl
   MeshLabelScores scores;
   scores.all = all.scores(options.min_share);
   scores.covered = covered.scores(options.min_share);
-  scores.coverage = scores.all.samples
-                        ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples)
-                        : std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  scores.coverage = scores.all.samples ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples) : kNan;
+  for (int c = 0; c < classes; ++c) {
+    const bool counts = std::isfinite(scores.all.iou[static_cast<size_t>(c)]);
+    scores.class_coverage.push_back(counts ? static_cast<double>(covered.of_class(c)) / static_cast<double>(all.of_class(c)) : kNan);
+  }
   return scores;
 }
 

@@ -33,9 +33,10 @@ class ConfusionMatrix {
   int classes() const { return classes_; }
   /// predicted == classes() is "none".
   uint64_t count(int truth, int predicted) const { return counts_[size_t(truth) * (classes_ + 1) + predicted]; }
+  uint64_t of_class(int truth) const;
 
   /// IoU = TP / (TP + FP + FN) over labelled pixels; a class counts when it holds at least `min_share` of them
-  /// (0.1 %: guidance 2.10.8), so that a few stray pixels do not weigh as much as the wall.
+  /// (0.1 %), so that a few stray pixels do not weigh as much as the wall.
   SemanticScores scores(double min_share = 0.001) const;
 
  private:
@@ -53,6 +54,7 @@ struct MeshLabelScores {
   SemanticScores all;      ///< a truth vertex without predicted surface nearby counts as wrong
   SemanticScores covered;  ///< only truth vertices with a predicted vertex within the threshold
   double coverage = 0;     ///< share of truth vertices with a predicted vertex within the threshold
+  std::vector<double> class_coverage;  ///< the same of each class, NaN of those that `all` leaves out: lamps and legs are what meshes lose
 };
 
 /// For each thinned, labelled vertex of `truth` the label of the nearest vertex of `predicted`. Both in the same

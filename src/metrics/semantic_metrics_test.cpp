@@ -67,6 +67,7 @@ TEST(MeshLabels, MissingSurfaceCountsAsWrongInAllAndNotInCovered) {
   EXPECT_NEAR(scores.coverage, 2.0 / 3, 1e-12);
   EXPECT_NEAR(scores.all.accuracy, 1.0 / 3, 1e-12);
   EXPECT_NEAR(scores.covered.accuracy, 1.0 / 2, 1e-12);
+  EXPECT_EQ(scores.class_coverage, (std::vector<double>{1, 0}));
   predicted.labels.clear();
   EXPECT_THROW(compare_mesh_labels(predicted, truth, 2, pool), Error);
 }

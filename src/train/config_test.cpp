@@ -192,8 +192,7 @@ TEST(ConfigFile, ManualIsMadeFromTheTable) {
 /// The rows of docs/settings.md must stay settings that exist.
 TEST(ConfigFile, AblationRowsAreSettings) {
   const std::vector<std::vector<std::string>> rows = {
-      {"init.start=random", "semantic.soft=0", "semantic.hard=0", "loss.pearson=0", "loss.normal_consistency=0",
-       "loss.normal_boundary=0"},
+      {"data.prior_depth=none", "data.semantics=false", "loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"},
       {"semantic.coupling_strength=0", "loss.pearson=0"},
       {"data.prior_depth=none", "data.semantics=false", "loss.normal_consistency=0"}};
   for (const std::vector<std::string>& row : rows) {

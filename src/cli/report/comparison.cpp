@@ -66,15 +66,15 @@ std::string comparison_csv(const std::vector<RunScores>& runs) {
   return out;
 }
 
-PairedDifference view_difference(const RunScores& base, const RunScores& run) {
-  std::map<std::string, double> psnr;
-  for (const ViewScore& v : base.views) psnr[v.view] = v.psnr;
+PairedDifference view_difference(const RunScores& base, const RunScores& run, double ViewScore::* score) {
+  std::map<std::string, double> of_base;
+  for (const ViewScore& v : base.views) of_base[v.view] = v.*score;
   std::vector<double> a, b;
   for (const ViewScore& v : run.views) {
-    const auto found = psnr.find(v.view);
-    if (found == psnr.end()) continue;
+    const auto found = of_base.find(v.view);
+    if (found == of_base.end()) continue;
     a.push_back(found->second);
-    b.push_back(v.psnr);
+    b.push_back(v.*score);
   }
   return paired_difference(a, b);
 }
@@ -100,11 +100,13 @@ std::string comparison_text(const std::vector<RunScores>& runs) {
     out += "\n";
   }
   for (size_t i = 1; i < runs.size(); ++i) {
-    const PairedDifference d = view_difference(runs[0], runs[i]);
-    if (d.pairs == 0) continue;
-    out += fmt::format("{} against {}: PSNR {:+.2f} dB, 95 % interval {:+.2f} to {:+.2f} over {} shared test views{}\n",
-                       runs[i].name, runs[0].name, d.mean, d.low, d.high, d.pairs,
-                       d.beyond_noise() ? "" : " (inside the noise)");
+    for (const ViewScoreColumn& c : view_score_columns()) {
+      const PairedDifference d = view_difference(runs[0], runs[i], c.score);
+      if (d.pairs == 0) continue;
+      out += fmt::format("{} against {}: {} {:+.{}f}, 95 % interval {:+.{}f} to {:+.{}f} over {} shared test views{}\n", runs[i].name,
+                         runs[0].name, c.name, d.mean, c.digits, d.low, c.digits, d.high, c.digits, d.pairs,
+                         d.beyond_noise() ? "" : " (inside the noise)");
+    }
   }
   return out;
 }

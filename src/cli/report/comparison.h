@@ -15,11 +15,11 @@ void name_apart(std::vector<RunScores>& runs);
 /// A header line and a line per run, full precision, empty where there is no figure.
 std::string comparison_csv(const std::vector<RunScores>& runs);
 
-/// Aligned text for a terminal, then each run's difference from the first in PSNR over the test views both have.
+/// Aligned text for a terminal, then each run's differences from the first over the test views both have.
 std::string comparison_text(const std::vector<RunScores>& runs);
 
-/// Difference in PSNR (dB) of `run` from `base`, view by view.
-PairedDifference view_difference(const RunScores& base, const RunScores& run);
+/// Difference in one figure of `run` from `base`, view by view.
+PairedDifference view_difference(const RunScores& base, const RunScores& run, double ViewScore::* score = &ViewScore::psnr);
 
 /// What makes the figures hard to compare: other test views, another protocol, simulated priors beside real ones.
 std::vector<std::string> comparison_warnings(const std::vector<RunScores>& runs);

@@ -36,7 +36,8 @@ int better_sign(size_t column) {
 std::string table(const std::vector<RunScores>& runs) {
   std::string html = "<table><tr><th>run</th>";
   for (const ScoreColumn& c : score_columns()) html += fmt::format("<th>{}</th>", c.name);
-  html += "<th>PSNR difference from the first, 95 % interval</th></tr>";
+  for (const ViewScoreColumn& c : view_score_columns()) html += fmt::format("<th>{}: difference from the first, 95 % interval</th>", c.name);
+  html += "</tr>";
   for (size_t i = 0; i < runs.size(); ++i) {
     html += "<tr><td>" + escape_html(runs[i].name) + "</td>";
     for (size_t c = 0; c < kScoreCount; ++c) {
@@ -45,10 +46,13 @@ std::string table(const std::vector<RunScores>& runs) {
       for (const RunScores& other : runs) best = best && !(other.score[c] * better_sign(c) > value);
       html += fmt::format("<td{}>{}</td>", best ? " class=\"best\"" : "", score_text(c, runs[i].score[c]));
     }
-    const PairedDifference d = i == 0 ? PairedDifference{} : view_difference(runs[0], runs[i]);
-    html += i == 0 || d.pairs == 0 ? "<td></td></tr>"
-                                   : fmt::format("<td>{:+.2f} [{:+.2f}, {:+.2f}]{}</td></tr>", d.mean, d.low, d.high,
-                                                 d.beyond_noise() ? "" : " inside the noise");
+    for (const ViewScoreColumn& c : view_score_columns()) {
+      const PairedDifference d = i == 0 ? PairedDifference{} : view_difference(runs[0], runs[i], c.score);
+      html += i == 0 || d.pairs == 0 ? "<td></td>"
+                                     : fmt::format("<td>{:+.{}f} [{:+.{}f}, {:+.{}f}]{}</td>", d.mean, c.digits, d.low, c.digits, d.high,
+                                                   c.digits, d.beyond_noise() ? "" : " inside the noise");
+    }
+    html += "</tr>";
   }
   return html + "</table>";
 }

@@ -76,7 +76,9 @@ TEST_F(ComparisonTest, TextHasARowPerRunAndTheDifferenceOverSharedViews) {
   const std::string text = comparison_text(read({write_run("a", 20), write_run("b", 20.5)}));
   EXPECT_THAT(text, HasSubstr("21.50"));
   EXPECT_THAT(text, HasSubstr("22.00"));
-  EXPECT_THAT(text, HasSubstr("b against a: PSNR +0.50 dB, 95 % interval +0.50 to +0.50 over 4 shared test views\n"));
+  EXPECT_THAT(text, HasSubstr("b against a: PSNR (dB) +0.50, 95 % interval +0.50 to +0.50 over 4 shared test views\n"));
+  EXPECT_THAT(text, HasSubstr("b against a: SSIM +0.000, 95 % interval +0.000 to +0.000 over 4 shared test views (inside the noise)\n"));
+  EXPECT_THAT(text, Not(HasSubstr("label accuracy"))) << "no view has labels";
   EXPECT_THAT(text, Not(HasSubstr("LPIPS"))) << "no run has it";
 }
 

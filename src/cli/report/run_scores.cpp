@@ -43,6 +43,13 @@ const std::array<ScoreColumn, kScoreCount>& score_columns() {
   return kColumns;
 }
 
+const std::array<ViewScoreColumn, 3>& view_score_columns() {
+  static constexpr std::array<ViewScoreColumn, 3> columns = {{{"PSNR (dB)", "psnr", &ViewScore::psnr, 2},
+                                                              {"SSIM", "ssim", &ViewScore::ssim, 3},
+                                                              {"label accuracy", "label_accuracy", &ViewScore::label_accuracy, 3}}};
+  return columns;
+}
+
 RunScores read_run_scores(const std::filesystem::path& run) {
   const std::filesystem::path file = run / "metrics.json";
   if (!std::filesystem::exists(file)) {
@@ -57,7 +64,9 @@ RunScores read_run_scores(const std::filesystem::path& run) {
   for (size_t i = 0; i < kScoreCount; ++i) out.score[i] = number_at(metrics, score_columns()[i].field);
   if (metrics.contains("per_view") && metrics["per_view"].is_array()) {
     for (const Json& view : metrics["per_view"]) {
-      out.views.push_back({text_at(view, "name"), number_at(view, "psnr"), number_at(view, "ssim")});
+      ViewScore score{text_at(view, "name")};
+      for (const ViewScoreColumn& c : view_score_columns()) score.*c.score = number_at(view, c.field);
+      out.views.push_back(std::move(score));
     }
   }
   if (metrics.contains("geometry")) out.protocol = text_at(metrics["geometry"], "protocol");

@@ -23,10 +23,19 @@ struct ScoreColumn {
 };
 const std::array<ScoreColumn, kScoreCount>& score_columns();
 
+/// Figures that every test view has of its own: only these have intervals when two runs are compared. NaN = none.
 struct ViewScore {
   std::string view;
-  double psnr = 0, ssim = 0;
+  double psnr = 0, ssim = 0, label_accuracy = 0;
 };
+
+struct ViewScoreColumn {
+  const char* name;            ///< with unit
+  const char* field;           ///< in metrics.json's per_view[]
+  double ViewScore::* score;
+  int digits;
+};
+const std::array<ViewScoreColumn, 3>& view_score_columns();
 
 struct RunScores {
   std::string name;  ///< last part of the folder's path

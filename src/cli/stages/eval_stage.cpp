@@ -11,6 +11,7 @@
 #include "cli/stages/perceptual_metric.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/median.h"
 #include "io/atomic_file.h"
 #include "metrics/image_metrics.h"
 #include "metrics/mesh_protocols.h"
@@ -45,13 +46,18 @@ Json mean_of(const Json& views, const char* key, std::optional<bool> extrapolati
   return count ? Json(sum / count) : Json(nullptr);
 }
 
-Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
-  Json iou = Json::object();
+/// The finite values by the names of their classes.
+Json by_class(const std::vector<double>& values, const LabelSet& labels) {
+  Json json = Json::object();
   for (int c = 0; c < labels.size(); ++c) {
-    if (std::isfinite(scores.iou[size_t(c)])) iou[labels.classes[size_t(c)].name] = scores.iou[size_t(c)];
+    if (std::isfinite(values[size_t(c)])) json[labels.classes[size_t(c)].name] = values[size_t(c)];
   }
+  return json;
+}
+
+Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
   return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples},
-          {"iou", iou}};
+          {"iou", by_class(scores.iou, labels)}};
 }
 
 struct ViewMetrics {
@@ -66,8 +72,28 @@ std::vector<Camera> true_training_cameras(const Scene& scene) {
   return cameras;
 }
 
+/// From the run's world to the true one, by the training cameras; nothing where the true poses are not known.
+std::optional<Similarity> to_true_world(const Scene& scene) {
+  std::vector<Rigidd> own, truth;
+  for (const int view : scene.train) {
+    const View& v = scene.views[static_cast<size_t>(view)];
+    if (!v.truth_camera) return std::nullopt;
+    own.push_back(v.camera.world_to_camera);
+    truth.push_back(v.truth_camera->world_to_camera);
+  }
+  if (own.empty()) return std::nullopt;
+  return fit_similarity_of_cameras(own, truth).similarity;
+}
+
+/// How far a pose is from the true one: metres and degrees.
+Json pose_error(const Camera& camera, const Camera& truth, const Similarity& to_truth) {
+  const Rigidd moved = to_truth.transform_world_to_camera(camera.world_to_camera);
+  return {{"metres", norm(to_truth * camera.centre() - truth.centre())},
+          {"degrees", rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)}};
+}
+
 /// What the picture gains where the test photo itself says where it was taken; the scene stays as it is.
-void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, Json& entry) {
+void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const std::optional<Similarity>& to_truth, Json& entry) {
   RenderOptions options = run.render_options();
   options.labels = false;
   const LookAtScene look = [&](const Camera& camera) {
@@ -81,6 +107,25 @@ void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, Jso
                            {"shift", norm(aligned.camera.centre() - data.camera.centre())},
                            {"turn_degrees", rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation,
                                                                            data.camera.world_to_camera.rotation)}};
+  const std::optional<Camera>& truth = run.scene.views[static_cast<size_t>(view)].truth_camera;
+  if (!to_truth || !truth) return;
+  entry["pose_refined"]["error_before"] = pose_error(data.camera, *truth, *to_truth);
+  entry["pose_refined"]["error_after"] = pose_error(aligned.camera, *truth, *to_truth);
+}
+
+/// Over the test views: scores with fitted poses, and the median distance of the poses from the true ones before and after.
+Json refined_pose_json(const Json& per_view) {
+  Json refined = Json::array();
+  for (const Json& view : per_view) refined.push_back(view["pose_refined"]);
+  const auto median = [&](const char* when) {
+    std::vector<double> values;
+    for (const Json& view : refined) {
+      if (view.contains(when)) values.push_back(view[when]["metres"].get<double>());
+    }
+    return values.empty() ? Json(nullptr) : Json(median_of(std::move(values)));
+  };
+  return {{"psnr", mean_of(refined, "psnr")}, {"ssim", mean_of(refined, "ssim")}, {"median_error_before_m", median("error_before")},
+          {"median_error_after_m", median("error_after")}, {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
 }
 
 ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
@@ -93,6 +138,8 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
   Progress progress(options.progress, "evaluate views", run.scene.test.size());
   LoadOptions load = run.load_options();
   load.scores_as_logits = run.config.data.scores_as_logits;
+  load.least_score_sum = 0;  // the teacher is judged by its best class of every pixel, whatever the run itself makes of its scores
+  const std::optional<Similarity> to_truth = to_true_world(run.scene);
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
     const bool labels = run.has_labels() && !view.truth_labels.empty();
@@ -119,7 +166,7 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
       if (!data.labels.empty()) taught.add(truth, data.labels);
       judged |= !data.labels.empty();
     }
-    if (options.refine_test_poses) measure_with_refined_pose(run, index, data, entry);
+    if (options.refine_test_poses) measure_with_refined_pose(run, index, data, to_truth, entry);
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
   }
@@ -130,12 +177,7 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
                 {"views", result.per_view.size()}, {"pose_refined", nullptr},
                 {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
                                      {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
-  if (options.refine_test_poses && !result.per_view.empty()) {
-    Json refined = Json::array();
-    for (const Json& view : result.per_view) refined.push_back(view["pose_refined"]);
-    result.nvs["pose_refined"] = {{"psnr", mean_of(refined, "psnr")}, {"ssim", mean_of(refined, "ssim")},
-                                  {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
-  }
+  if (options.refine_test_poses && !result.per_view.empty()) result.nvs["pose_refined"] = refined_pose_json(result.per_view);
   for (const bool extrapolating : {false, true}) {
     result.nvs[extrapolating ? "extrapolating" : "interpolating"] = {
         {"psnr", mean_of(result.per_view, "psnr", extrapolating)},
@@ -194,6 +236,7 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
     mesh_semantics = semantic_json(labels.all, run.scene.labels);
     mesh_semantics["coverage"] = number(labels.coverage);
     mesh_semantics["covered_miou"] = number(labels.covered.miou);
+    mesh_semantics["class_coverage"] = by_class(labels.class_coverage, run.scene.labels);
   }
 }
 
