@@ -117,13 +117,6 @@ def write_tables(arguments, results):
     (arguments.output / "table.md").write_text("\n".join(lines) + "\n")
 
 
-def write_page(arguments, seed):
-    folders = [arguments.output / "runs" / str(seed) / row.folder for row in ROWS]
-    folders = [f for f in folders if (f / "metrics.json").exists()]
-    if len(folders) > 1:
-        ladder.run("compare", *folders, "--html", arguments.output / f"{seed}.html")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("capture", type=Path)
@@ -148,7 +141,7 @@ def main():
                 if (seed,) not in results.setdefault(yardstick[0], {}):
                     results[yardstick[0]][(seed,)] = measure(arguments, seed, yardstick)
                     write_tables(arguments, results)
-        write_page(arguments, seed)
+        ladder.write_page([arguments.output / "runs" / str(seed) / row.folder for row in ROWS], arguments.output / f"{seed}.html")
     print((arguments.output / "table.md").read_text())
 
 

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """What the benchmark of a real capture writes: run it with python3."""
 import json
-import math
 import tempfile
 import unittest
 from pathlib import Path
@@ -9,11 +8,7 @@ from types import SimpleNamespace
 
 import capture
 import ladder
-import ladder_rows
-
-
-def scores(**given):
-    return {key: float(given.get(key, math.nan)) for key, *_ in ladder_rows.COLUMNS}
+from ladder_test import scores
 
 
 class CaptureTest(unittest.TestCase):

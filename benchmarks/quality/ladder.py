@@ -175,6 +175,13 @@ def program_version():
     return " ".join([run("--version").strip(), commit.stdout.strip()]).strip()
 
 
+def write_page(folders, page):
+    """Pictures of the runs that are done, side by side; one alone has nothing beside it."""
+    done = [f for f in folders if (f / "metrics.json").exists()]
+    if len(done) > 1:
+        run("compare", *done, "--html", page)
+
+
 def write_settings(output, conditions, rows):
     """What made the numbers; a table must not mix conditions (as lengths or rooms), and says when it mixes programs."""
     file = output / "settings.json"
@@ -227,11 +234,10 @@ def main():
                 for yard in YARDSTICKS.get(row.name, []):
                     if key not in results.setdefault(yard.name, {}):
                         results[yard.name][key] = measure_yardstick(arguments, room, room_seed, seed, row, yard)
-            folders = [f for f in (output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS) if (f / "metrics.json").exists()]
-            for folder in folders:  # the largest part of a run, and done with
+            folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS]
+            for folder in (f for f in folders if (f / "metrics.json").exists()):  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)
-            if len(folders) > 1:
-                run("compare", *folders, "--html", output / f"{room}_{room_seed}_{seed}.html")
+            write_page(folders, output / f"{room}_{room_seed}_{seed}.html")
             if not arguments.keep_scenes:
                 for scene in (output / "scenes").glob(f"{room}_{room_seed}_{seed}_*"):
                     shutil.rmtree(scene)

@@ -45,10 +45,8 @@ SemanticScores ConfusionMatrix::scores(double min_share) const {
   std::vector<uint64_t> in_truth(classes_, 0), in_prediction(classes_, 0);
   uint64_t right = 0;
   for (int t = 0; t < classes_; ++t) {
-    for (int p = 0; p <= classes_; ++p) {
-      in_truth[t] += count(t, p);
-      if (p < classes_) in_prediction[p] += count(t, p);
-    }
+    in_truth[t] = of_class(t);
+    for (int p = 0; p < classes_; ++p) in_prediction[p] += count(t, p);
     right += count(t, t);
     scores.samples += in_truth[t];
   }

@@ -33,6 +33,7 @@ class ConfusionMatrix {
   int classes() const { return classes_; }
   /// predicted == classes() is "none".
   uint64_t count(int truth, int predicted) const { return counts_[size_t(truth) * (classes_ + 1) + predicted]; }
+  /// Labelled pixels (points) of a true class, whatever is predicted.
   uint64_t of_class(int truth) const;
 
   /// IoU = TP / (TP + FP + FN) over labelled pixels; a class counts when it holds at least `min_share` of them

@@ -72,17 +72,13 @@ std::vector<Camera> true_training_cameras(const Scene& scene) {
   return cameras;
 }
 
-/// From the run's world to the true one, by the training cameras; nothing where the true poses are not known.
-std::optional<Similarity> to_true_world(const Scene& scene) {
-  std::vector<Rigidd> own, truth;
-  for (const int view : scene.train) {
-    const View& v = scene.views[static_cast<size_t>(view)];
-    if (!v.truth_camera) return std::nullopt;
-    own.push_back(v.camera.world_to_camera);
-    truth.push_back(v.truth_camera->world_to_camera);
-  }
-  if (own.empty()) return std::nullopt;
-  return fit_similarity_of_cameras(own, truth).similarity;
+/// The cameras of the run and the true ones, without meshes yet.
+MeshEvaluationInput evaluation_cameras_of(const Scene& scene) {
+  MeshEvaluationInput input;
+  for (const View& view : scene.views) input.run_cameras.push_back(view.camera);
+  input.truth_cameras = scene.evaluation_cameras;
+  input.train = scene.train;
+  return input;
 }
 
 /// How far a pose is from the true one: metres and degrees.
@@ -93,7 +89,7 @@ Json pose_error(const Camera& camera, const Camera& truth, const Similarity& to_
 }
 
 /// What the picture gains where the test photo itself says where it was taken; the scene stays as it is.
-void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const std::optional<Similarity>& to_truth, Json& entry) {
+void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const Similarity& to_truth, Json& entry) {
   RenderOptions options = run.render_options();
   options.labels = false;
   const LookAtScene look = [&](const Camera& camera) {
@@ -108,9 +104,9 @@ void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, con
                            {"turn_degrees", rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation,
                                                                            data.camera.world_to_camera.rotation)}};
   const std::optional<Camera>& truth = run.scene.views[static_cast<size_t>(view)].truth_camera;
-  if (!to_truth || !truth) return;
-  entry["pose_refined"]["error_before"] = pose_error(data.camera, *truth, *to_truth);
-  entry["pose_refined"]["error_after"] = pose_error(aligned.camera, *truth, *to_truth);
+  if (!truth) return;
+  entry["pose_refined"]["error_before"] = pose_error(data.camera, *truth, to_truth);
+  entry["pose_refined"]["error_after"] = pose_error(aligned.camera, *truth, to_truth);
 }
 
 /// Over the test views: scores with fitted poses, and the median distance of the poses from the true ones before and after.
@@ -139,7 +135,7 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
   LoadOptions load = run.load_options();
   load.scores_as_logits = run.config.data.scores_as_logits;
   load.least_score_sum = 0;  // the teacher is judged by its best class of every pixel, whatever the run itself makes of its scores
-  const std::optional<Similarity> to_truth = to_true_world(run.scene);
+  const Similarity to_truth = align_on_training_cameras(evaluation_cameras_of(run.scene)).similarity;
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
     const bool labels = run.has_labels() && !view.truth_labels.empty();
@@ -202,12 +198,6 @@ Json geometry_json(const MeshProtocolResult& result) {
   return json;
 }
 
-std::vector<Camera> cameras_of(const Scene& scene) {
-  std::vector<Camera> cameras;
-  for (const View& view : scene.views) cameras.push_back(view.camera);
-  return cameras;
-}
-
 /// Geometry and mesh labels against the true mesh; nulls when either mesh is missing.
 void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry, Json& mesh_semantics) {
   const fs::path truth_file = options.truth_mesh.empty() ? run.scene.truth_mesh : options.truth_mesh;
@@ -218,12 +208,9 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
     return;
   }
   const TriangleMesh predicted = read_mesh_ply(mesh_file), truth = read_mesh_ply(truth_file);
-  MeshEvaluationInput input;
+  MeshEvaluationInput input = evaluation_cameras_of(run.scene);
   input.predicted = &predicted;
   input.truth = &truth;
-  input.run_cameras = cameras_of(run.scene);
-  input.truth_cameras = run.scene.evaluation_cameras;
-  input.train = run.scene.train;
   const MeshEvaluation evaluation = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
   geometry = geometry_json(evaluation.headline);
   geometry["variants"] = Json::array();
