@@ -14,22 +14,28 @@ UNPROJECTED = ["init.start=depth"]  # the start is depth unprojected with the ca
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
 NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
-# Normals at label edges (loss.crease) use labels too, and constant labels have no edges: the controls of the coupling go without.
-COUPLING_ALONE = ["loss.crease=0"]
+COUPLING = ["semantic.coupling_strength=0.1"]  # bounded: a tenth of the photometric gradient
 UNCOUPLED = "stereo, uncoupled"
-COUPLED = "stereo, coupled, no crease"
+COUPLED = "stereo, coupled"
 PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
 # The controls of all that labels do, planes included: nothing, one class everywhere, names without meaning.
 LABEL_CONTROLS = ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]
 # What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
 CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
-# What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, coupled".
+# What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, uncoupled".
 WITHOUT = {
     "log depth": ["loss.log_depth=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
-    "creases": ["loss.crease=0"], "coupling": [NO_COUPLING], "free space": ["densify.free_space_every=0"],
-    "closed room": ["train.closed_room=false"], "dense start": ["init.start=cloud"], "sharpened labels": ["semantic.drawn_sharpness=0"],
+    "free space": ["densify.free_space_every=0"], "closed room": ["train.closed_room=false"], "dense start": ["init.start=cloud"],
+    "sharpened labels": ["semantic.drawn_sharpness=0"],
 }
+# And what it leaves off, each switched on alone: settings, or options of `aligngs refine`.
+WITH = {
+    "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
+    "opacity dropout": ["train.opacity_dropout=0.2"], "minimum splat size": ["optimizer.scale_min_pixels=0.7"],
+    "moving cameras": ["optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4"],
+}
+WITH_REFINED = {"planes of tables": ["--plane-tables"], "fused labels": ["--fuse-labels"], "a square room": ["--square-room"]}
 
 
 class Row:
@@ -77,24 +83,23 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("default", "default", compare_with="+ feed-forward start"),
     Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
     Row(LABEL_CONTROLS[0], "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
-    Row(UNCOUPLED, "default", COUPLING_ALONE + [NO_COUPLING], refine=NO_LABELS_YET, compare_with=LABEL_CONTROLS[0]),
-    Row(COUPLED, "default", COUPLING_ALONE, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
-    Row(PLACEBOS[0], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
-    Row(PLACEBOS[1], "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
-    Row(PLACEBOS[2], "default", COUPLING_ALONE + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
-    Row("stereo, true labels", "default", COUPLING_ALONE, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
-    Row("stereo, coupled", "default", refine=NO_LABELS_YET, compare_with=COUPLED),
+    Row(UNCOUPLED, "default", refine=NO_LABELS_YET, compare_with=LABEL_CONTROLS[0]),
+    Row(COUPLED, "default", COUPLING, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
+    Row(PLACEBOS[0], "default", COUPLING, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
+    Row(PLACEBOS[1], "default", COUPLING, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
+    Row(PLACEBOS[2], "default", COUPLING + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
+    Row("stereo, true labels", "default", COUPLING, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
     Row("default, refined", "default", refine=[],
-        compare_with=[*LABEL_CONTROLS, "stereo, coupled", "default, refined cameras", "pgsr + prior depth, refined cameras",
+        compare_with=[*LABEL_CONTROLS, UNCOUPLED, "default, refined cameras", "pgsr + prior depth, refined cameras",
                       "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
                       "+ L_ng + L_nb (paper)"]),
     Row(LABEL_CONTROLS[1], "default", refine=[], labels="constant", compare_with=LABEL_CONTROLS[0]),
     Row(LABEL_CONTROLS[2], "default", refine=[], labels="shuffled", compare_with=LABEL_CONTROLS[0]),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
-    Row("default, refined, multi-view terms", "default", MULTI_VIEW, refine=[], compare_with="default, refined"),
-    Row("default, refined, MCMC growth", "default", ["densify.strategy=mcmc"], refine=[], compare_with="default, refined"),
     Row("default, without stereo", "default", refine=["--no-stereo"], compare_with="default, refined"),
     *[Row(f"default, without {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITHOUT.items()],
+    *[Row(f"default, with {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITH.items()],
+    *[Row(f"default, with {what}", "default", refine=options, compare_with="default, refined") for what, options in WITH_REFINED.items()],
     Row("pgsr + prior depth, refined cameras", "pgsr", PGSR_PRIOR, refine=CAMERAS_ONLY, compare_with="pgsr + prior depth"),
     Row("pgsr + prior depth, refined cameras and start", "pgsr", PGSR_PRIOR + UNPROJECTED, refine=CAMERAS_ONLY,
         compare_with="pgsr + prior depth, refined cameras"),

@@ -15,9 +15,14 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, no_exposure = false, keep_tests = false, own_focal = false, overwrite = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, square = false, no_exposure = false;
+  bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
 };
+
+PlaneSurfaces surfaces_of(const RefineCommandOptions& options) {
+  return options.tables ? PlaneSurfaces::kLayoutAndTables : PlaneSurfaces::kLayout;
+}
 
 /// Largest difference of the photos' log gains of green; 0 without any.
 double exposure_span(const std::vector<Vec3f>& log_gains) {
@@ -28,7 +33,7 @@ double exposure_span(const std::vector<Vec3f>& log_gains) {
 }
 
 void print_planes(const std::vector<ScenePlane>& planes, double share) {
-  if (!planes.empty()) std::printf("%zu planes of walls, floor and ceiling; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
+  if (!planes.empty()) std::printf("%zu planes; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
 }
 
 void print_exposure(const std::vector<Vec3f>& log_gains) {
@@ -39,6 +44,8 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   MeasureSceneOptions measure_options;
   measure_options.exposure = !options.no_exposure;
   measure_options.planes = !options.no_planes;
+  measure_options.surfaces = surfaces_of(options);
+  measure_options.plane_settings.sure.square = options.square;
   measure_options.overwrite = options.overwrite;
   measure_options.progress = context.progress();
   ThreadPool pool(context.global.threads);
@@ -66,6 +73,9 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.correct_depth = !options.keep_depth;
   refine_options.stereo = !options.no_stereo;
   refine_options.planes = !options.no_planes;
+  refine_options.surfaces = surfaces_of(options);
+  refine_options.fuse_labels = options.fuse_labels;
+  refine_options.plane_settings.square = options.square;
   refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
@@ -119,6 +129,9 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
   command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo only, not by multi-view stereo");
   command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
+  command->add_flag("--plane-tables", options->tables, "draw the tops of tables, desks and counters to planes, too");
+  command->add_flag("--fuse-labels", options->fuse_labels, "find planes by what most photos call a place, and weigh each pixel by their share");
+  command->add_flag("--square-room", options->square, "turn planes to the axes of the room where they show that it is built square");
   command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");

@@ -49,7 +49,7 @@ struct Rendering {
   ImageF color;            ///< H x W x 3, not clamped
   ImageF alpha;            ///< H x W
   ImageF normal;           ///< H x W x 3, camera frame, unit where alpha > 0
-  ImageF depth_plane;      ///< H x W, unbiased plane depth with guards (guidance 2.5), 0 = invalid
+  ImageF depth_plane;      ///< H x W, unbiased plane depth with guards (formulas/plane_depth.h), 0 = invalid
   ImageF depth_median;     ///< H x W, depth of the first intersection with transmittance < 0.5, 0 = none
   ImageF depth_expected;   ///< H x W, alpha-normalised mean of intersection depths, 0 = none
   Image<uint16_t> label;   ///< H x W, kNoLabel where alpha < 0.5
@@ -110,7 +110,7 @@ class Engine {
 
   virtual Rendering render(const Camera& camera, const RenderOptions& options) const = 0;
 
-  /// Closed-form semantic start (guidance 2.1): s_i = log(sum_u w_i(u) t(u) + eps) - row mean over all
+  /// Closed-form semantic start: s_i = log(sum_u w_i(u) t(u) + eps) - row mean over all
   /// training views. Rows that no pixel sees stay zero.
   virtual void lift_semantics(const RasterSettings& raster) = 0;
 

@@ -14,7 +14,7 @@ struct PrepareOptions {
   bool depth_weights = true;     ///< fill depth_weight (needs a prior depth)
   bool semantic_weights = true;  ///< fill semantic_weight (needs semantics)
 
-  double depth_jump = 0.05;        ///< |dz| / z between neighbours that is a discontinuity (guidance 2.2)
+  double depth_jump = 0.05;        ///< |dz| / z between neighbours that is a discontinuity
   double color_edge = 0.08;        ///< sRGB difference between neighbours that is a colour edge: five sigma of
                                    ///< sensor noise (1.5 / 255, two pixels), above soft shading
   int label_edge_radius = 2;       ///< pixels on either side of a label edge that L_d leaves out
@@ -23,7 +23,7 @@ struct PrepareOptions {
   double confidence_high = 0.6;    ///< quantile above which it weighs 1; linear between the two
 };
 
-/// Derives the maps of TrainingView (guidance 2.1 to 2.3); those whose input is missing stay empty.
+/// Derives the maps of TrainingView; those whose input is missing stay empty.
 /// `prior_confidence` is null or H x W at the camera's size, larger is better, any scale.
 /// Throws Error{kBadInput} when the prior depth, the labels, the mask or the confidence do not have the
 /// camera's size, and when the semantic target is inconsistent.
@@ -36,7 +36,7 @@ Image<uint8_t> label_edge_map(const Image<uint16_t>& labels, const PrepareOption
 /// quantiles (1 everywhere without a confidence or when it is constant).
 ImageF depth_weight_map(const ImageF& depth, const ImageF* confidence, const PrepareOptions& options);
 
-/// omega of guidance 2.1: the teacher's confidence times 1 - H(t) / log C, sampled bilinearly from its own
+/// omega: the teacher's confidence times 1 - H(t) / log C, sampled bilinearly from its own
 /// resolution; 0 close to a label edge unless a colour edge or a depth discontinuity is close as well, since
 /// the teacher's outlines are pixels off.
 ImageF semantic_weight_map(const ViewData& data, const PrepareOptions& options);

@@ -10,7 +10,7 @@
 
 namespace aligngs {
 
-/// Constants of the rasteriser (spec: aligngs.md 3.1).
+/// Constants of the rasteriser (3DGS, Kerbl et al. 2023).
 struct RasterSettings {
   float near_plane = 0.01f;           ///< camera z below which a Gaussian is culled, scene units
   float low_pass = 0.3f;              ///< pixels^2 added to the diagonal of the 2-D covariance
@@ -27,7 +27,7 @@ struct RasterSettings {
 
 enum class SemanticBlend {
   kLogits,        ///< paper: P = sum w s, softmax per pixel
-  kProbabilities  ///< guidance 2.1: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
+  kProbabilities  ///< our default: pi = softmax(s) per Gaussian, Q = sum w pi + (1 - A) / C
 };
 /// "logits" or "probabilities", as the setting semantic.blend has them.
 inline SemanticBlend semantic_blend_named(std::string_view name) {
@@ -36,7 +36,7 @@ inline SemanticBlend semantic_blend_named(std::string_view name) {
 
 enum class SemanticCoupling {
   kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
-  kBounded, ///< guidance 2.1: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kBounded, ///< our default: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
 /// Whether the coupling is scaled to a share of the photometric gradient.
@@ -57,12 +57,12 @@ struct LossSettings {
   float coupling_strength = 0.1f;
 
   float pearson_weight = 0.0f;       ///< paper L_d: 1 - Pearson(rendered, prior) outside the edge mask
-  float log_depth_weight = 0.0f;     ///< guidance 2.2 L_z: Huber on log depth against the prior
+  float log_depth_weight = 0.0f;     ///< L_z: Huber on log depth against the prior
   float log_depth_huber = 0.02f;     ///< Huber delta in log units
   float prior_depth_scale = 1.0f;    ///< a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
   float normal_consistency_weight = 0.0f;  ///< L_ng: 1 - n . n_depth
   float normal_boundary_weight = 0.0f;     ///< paper L_nb with alpha = 100
-  float crease_weight = 0.0f;        ///< guidance 2.3: one-sided normal supervision at label edges
+  float crease_weight = 0.0f;        ///< one-sided normal supervision at label edges
   float prior_normal_weight = 0.0f;  ///< 1 - n . n_prior
   /// PGSR's terms against the neighbour of the step (StepRequest::neighbour); without one they do not act.
   float multi_view_geometric_weight = 0.0f;    ///< mean forward-backward reprojection error, pixels
@@ -91,7 +91,7 @@ struct AdamSettings {
   bool skip_invisible_semantics = true;
 };
 
-/// Hard limits applied after the optimiser step (guidance 2.6); 0 = off.
+/// Hard limits applied after the optimiser step; 0 = off.
 struct ShapeLimits {
   float flat_ratio_max = 0;    ///< smallest scale <= this share of the middle one
   float aspect_max = 0;        ///< largest scale <= this multiple of the middle one

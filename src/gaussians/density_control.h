@@ -11,7 +11,7 @@
 namespace aligngs {
 
 /// Sums since the last reset, one entry per Gaussian. Gradients are of the photometric loss only
-/// (guidance 2.1), of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
+/// of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
 struct DensityStatistics {
   std::vector<float> gradient;        ///< sum over views of |d L / d mean2D|
   std::vector<float> gradient_abs;    ///< sum over views of | sum over pixels of |d L / d mean2D| | (AbsGS)
@@ -43,7 +43,7 @@ struct RestructurePlan {
   size_t cloned = 0, split = 0, pruned = 0;
 };
 
-/// Parameters of adaptive density control (aligngs.md section 5; guidance 2.7). Lengths are scene units.
+/// Parameters of adaptive density control (3DGS, Kerbl et al. 2023, and ours). Lengths are scene units.
 struct DensityRule {
   float gradient_threshold = 2e-4f;      ///< mean 2-D gradient above which a Gaussian grows
   float gradient_abs_threshold = 8e-4f;  ///< mean absolute gradient above which a large one splits; 0 = off
@@ -53,7 +53,7 @@ struct DensityRule {
   float prune_opacity = 0.005f;
   float prune_scale = 0;                 ///< largest scale above which a Gaussian is removed; 0 = off
   size_t max_gaussians = 0;              ///< cap; growth stops there, the largest gradients first; 0 = none
-  float residual_quantile = 0;           ///< grow only in the top (1 - q) of mean residual; 0 = off (guidance: 0.9)
+  float residual_quantile = 0;           ///< grow only in the top (1 - q) of mean residual; 0 = off
   float unsupported_min = 0;             ///< grow only where this share of the weight lacks prior support; 0 = off
   bool grow = true;                      ///< false: prune only
   bool morton_order = false;             ///< the plan's rows in the order of morton_order.h

@@ -16,7 +16,7 @@ struct GaussianLabels {
   std::vector<uint8_t> confidence;   ///< probability of the class x 255
 };
 
-/// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path (ecosystem.md 3.1).
+/// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path: what every viewer of splats reads.
 void write_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model);
 void write_labelled_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model,
                                  const GaussianLabels& labels);

@@ -16,7 +16,7 @@
 namespace aligngs {
 namespace {
 
-// In metres (guidance 2.8): finer than the 2 cm at which meshes are compared, coarser than depth noise.
+// In metres: finer than the 2 cm at which meshes are compared, coarser than depth noise.
 constexpr double kMinVoxel = 0.005, kMaxVoxel = 0.015;
 constexpr double kMinTruncation = 0.03, kMaxTruncation = 0.05;
 constexpr double kFootprintsPerVoxel = 1.5;
@@ -26,7 +26,7 @@ constexpr double kResidualsPerTruncation = 3;
 constexpr double kMinVoxelsPerTruncation = 2;  // below, the field has no slope left to interpolate
 constexpr double kMinComponentArea = 0.0025;   // m^2: 5 x 5 cm
 constexpr double kMinComponentExtent = 0.10;   // m
-constexpr double kMaxInterpolatedWeight = 0.3; // guidance 2.8
+constexpr double kMaxInterpolatedWeight = 0.3; // of a photo's: it saw nothing itself
 constexpr double kMaxNearness = 4;             // (median depth / depth)^2 is capped at its square
 constexpr int kStatisticsStride = 4;           // pixels between the samples of medians
 

@@ -14,7 +14,7 @@
 
 namespace aligngs {
 
-/// Lengths are in scene units; 0 means "choose from the data" (guidance 2.8). The bounds below are in metres; a scene
+/// Lengths are in scene units; 0 means "choose from the data". The bounds below are in metres; a scene
 /// without metric units is taken for a room whose robust extent is kTypicalExtent metres.
 struct FusionOptions {
   bool metric = false;      ///< scene units are metres
@@ -26,7 +26,7 @@ struct FusionOptions {
   /// Guidance 2.8 cuts at the quantile itself. On the real kitchen (sensor depth) that loses 6 points of recall and, as
   /// far views no longer carve, 2 of precision: F at 5 cm 0.930 against 0.974 with 1.5, which still stops runaways.
   double max_depth_factor = 1.5;
-  double min_alpha = 0.9;   ///< of a pixel (guidance 2.5)
+  double min_alpha = 0.9;   ///< of a pixel: less is a surface only half seen
   double min_cosine = 0.17; ///< between viewing ray and surface normal: 80 degrees
   double single_view_weight = 0.25;   ///< of surface that one view alone sees; 0 drops it
   double contradicted_weight = 0;     ///< of surface that another view looks through

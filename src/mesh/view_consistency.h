@@ -18,9 +18,9 @@ enum class PixelSupport : uint8_t {
 };
 
 struct ConsistencyOptions {
-  double depth_tolerance = 0.01;  ///< relative; guidance 2.8
-  double pixel_tolerance = 1.0;   ///< pixels, there and back; guidance 2.8
-  double see_through = 0.04;      ///< relative: the other view must see this much farther to contradict (guidance 2.7)
+  double depth_tolerance = 0.01;  ///< relative
+  double pixel_tolerance = 1.0;   ///< pixels, there and back
+  double see_through = 0.04;      ///< relative: the other view must see this much farther to contradict
 };
 
 /// Usable depth of each frame: 0 where there is none, where alpha is below `min_alpha` and beyond `max_depth`

@@ -21,7 +21,7 @@ struct ImageMetricOptions {
 struct ImageScores {
   double psnr = 0;                 ///< dB, over all channels of all pixels
   double ssim = 0;                 ///< see ssim()
-  double psnr_affine_crossfit = 0; ///< dB, 3x4 colour fit on one half, scored on the other (guidance 2.10.3)
+  double psnr_affine_crossfit = 0; ///< dB, 3x4 colour fit on one half, scored on the other
   double psnr_affine_full = 0;     ///< dB, fitted and scored on all pixels: an optimistic diagnostic
   size_t pixels = 0;               ///< pixels that counted
 };

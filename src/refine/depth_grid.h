@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// Factor exp(g(u, v)) with g bilinear between 4 x 3 nodes over the image (guidance 4.2).
+/// Factor exp(g(u, v)) with g bilinear between 4 x 3 nodes over the image.
 struct DepthGrid {
   static constexpr int kColumns = 4, kRows = 3;
   std::array<double, kColumns * kRows> log_factor{};  ///< row by row from the top left; all 0: no correction

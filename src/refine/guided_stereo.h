@@ -1,4 +1,4 @@
-// Multi-view stereo near the prior depth (guidance 4.3): where the photos say something, they say it better than a network.
+// Multi-view stereo near the prior depth: where the photos say something, they say it better than a network.
 #pragma once
 
 #include <functional>

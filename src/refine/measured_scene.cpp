@@ -102,7 +102,7 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
-    report.planes = lay_on_planes(photos.match, photos.labels, plane_classes(scene.labels), settings, pool, depths);
+    report.planes = lay_on_planes(photos.match, photos.labels, plane_classes(scene.labels, options.surfaces), settings, pool, depths);
   }
   if (options.exposure) report.log_gains = measure_exposure(photos, depths, options, pool);
   FolderReplacement replacement(output);

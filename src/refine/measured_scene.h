@@ -16,6 +16,7 @@ struct MeasureSceneOptions {
   PhotoDepthSettings settings;
   LabelledDepthSettings plane_settings;
   bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
+  PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
   ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool overwrite = false;

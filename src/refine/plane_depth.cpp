@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "refine/room_axes.h"
 #include "scene/depth_normals.h"
 #include "scene/triangle_mesh.h"
 
@@ -23,6 +24,9 @@ constexpr NamedClass kNamedClasses[] = {
     {"door", {PlaneKind::kWall, false}},      {"painting", {PlaneKind::kWall, false}},
     {"poster", {PlaneKind::kWall, false}},    {"bulletin board", {PlaneKind::kWall, false}},
     {"windowpane", {PlaneKind::kWall, true}}, {"mirror", {PlaneKind::kWall, true}},
+    {"table", {PlaneKind::kTable, false}},    {"coffee table", {PlaneKind::kTable, false}},
+    {"desk", {PlaneKind::kTable, false}},     {"counter", {PlaneKind::kTable, false}},
+    {"countertop", {PlaneKind::kTable, false}},
 };
 
 /// The class that stands at each pixel, kNoLabel near the edge to something of another place and where no plane is.
@@ -158,7 +162,7 @@ PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, co
                                      ? measure_glass(local, classes[label].kind, ray, z, s)
                                      : measure_surface(local, classes[label].kind, ray, normal_at(prepared.normals, x, y), z, s);
       out.log_factor.at(x, y) = static_cast<float>(m.log_factor);
-      out.weight.at(x, y) = static_cast<float>(m.weight);
+      out.weight.at(x, y) = static_cast<float>(m.weight) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
     }
   }
   return out;
@@ -182,15 +186,18 @@ std::vector<ScenePlane> planes_in(const std::vector<PlaneView>& views, const std
                                   const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings) {
   std::vector<PlanePoint> points;
   for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
-  return find_planes(points, settings.planes, kSeed);
+  std::vector<ScenePlane> planes = find_planes(points, settings.planes, kSeed);
+  const auto axes = settings.square ? estimate_room_axes(planes) : std::nullopt;
+  return axes ? squared_planes(std::move(planes), *axes) : planes;
 }
 
 }  // namespace
 
-std::vector<PlaneClass> plane_classes(const LabelSet& labels) {
+std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surfaces) {
   std::vector<PlaneClass> out(labels.classes.size());
   for (const NamedClass& named : kNamedClasses) {
     const int index = labels.find(named.name);
+    if (named.what.kind == PlaneKind::kTable && surfaces == PlaneSurfaces::kLayout) continue;
     if (index >= 0) out[static_cast<size_t>(index)] = named.what;
   }
   return out;

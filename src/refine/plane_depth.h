@@ -1,4 +1,4 @@
-// Prior depth brought to the planes of the room where the labels say wall, floor or ceiling (guidance 2.4).
+// Prior depth brought to the planes of the room where the labels say wall, floor or ceiling.
 #pragma once
 
 #include <vector>
@@ -17,6 +17,7 @@ struct PlaneView {
   ImageF depth;              ///< scene units, 0 = none
   ImageF certainty;          ///< in [0, 1]: of the depth, where stereo measured it; may be empty
   Image<uint16_t> labels;    ///< class per pixel, kNoLabel = none; empty: the photo has no say
+  ImageF label_share;        ///< in [0, 1]: how sure the label is; a pixel's weight on a plane is multiplied by it; empty: 1
 };
 
 struct PlaneDepthSettings {
@@ -27,6 +28,7 @@ struct PlaneDepthSettings {
   double glass_reach = 0.5;    ///< and within which a window or mirror is in its wall: networks see through or behind it
   double normal_angle = 30;    ///< degrees between the depth's own normal and the plane's
   double strength = 3;         ///< weight of a pixel on a plane, where a sure stereo measurement weighs 1
+  bool square = false;         ///< planes of a room that is built square are turned to its axes (refine/room_axes.h)
 };
 
 /// Per view what planes say: the log factor that takes the depth to its plane, and its weight; 0 where none.
@@ -46,8 +48,14 @@ struct PlaneClass {
   bool glass = false;  ///< its depth says nothing of the plane
 };
 
-/// For each class of a label set, by name: rugs lie on the floor; doors, pictures, windows and mirrors are part of walls.
-std::vector<PlaneClass> plane_classes(const LabelSet& labels);
+/// Which named surfaces are planes.
+enum class PlaneSurfaces {
+  kLayout,         ///< wall, floor and ceiling: rugs lie on the floor; doors, pictures, windows and mirrors are part of walls
+  kLayoutAndTables ///< and the tops of tables, desks and counters
+};
+
+/// For each class of a label set, by name.
+std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surfaces = PlaneSurfaces::kLayout);
 
 /// The planes of measure_planes() alone, without what they say of each pixel.
 std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings,

@@ -117,6 +117,32 @@ TEST(PlaneDepth, PhotosWithoutDepthAreLeftOut) {
   EXPECT_EQ(*std::max_element(result.views[1].weight.data.begin(), result.views[1].weight.data.end()), 0);
 }
 
+TEST(PlaneDepth, AHalfSureLabelDrawsHalfAsMuch) {
+  LabelledPhotos photos(0);
+  const PlaneDepthResult sure = photos.measure();
+  photos.views[2].label_share = ImageF(kWidth, kHeight, 1);
+  photos.views[2].label_share.data.assign(photos.views[2].label_share.data.size(), 0.5f);
+  const PlaneDepthResult half = photos.measure();
+  EXPECT_FLOAT_EQ(half.views[2].weight.at(90, 35), 0.5f * sure.views[2].weight.at(90, 35));
+  EXPECT_EQ(half.views[1].weight.at(90, 35), sure.views[1].weight.at(90, 35));
+}
+
+TEST(PlaneDepth, TablesArePlanesOnlyWhereAskedFor) {
+  const LabelSet labels = ade20k_labels();
+  const size_t desk = static_cast<size_t>(labels.find("desk"));
+  EXPECT_EQ(plane_classes(labels)[desk].kind, PlaneKind::kNone);
+  EXPECT_EQ(plane_classes(labels, PlaneSurfaces::kLayoutAndTables)[desk].kind, PlaneKind::kTable);
+}
+
+TEST(PlaneDepth, TheRoomsWallsAndFloorAreSquareWhereAskedFor) {
+  LabelledPhotos photos(0.04);
+  PlaneDepthSettings settings;
+  settings.square = true;
+  const PlaneDepthResult result = measure_planes(photos.views, kClasses, settings, photos.pool);
+  ASSERT_EQ(result.planes.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(dot(result.planes[i].normal, result.planes[(i + 1) % 3].normal), 0, 1e-9);
+}
+
 TEST(PlaneDepth, TheClassesOfAde20kAreKnownByName) {
   const std::vector<PlaneClass> classes = plane_classes(ade20k_labels());
   EXPECT_EQ(classes[0].kind, PlaneKind::kWall);

@@ -1,4 +1,4 @@
-// Cameras and prior depth of a feed-forward network, corrected from what the photos themselves say (guidance 4.2).
+// Cameras and prior depth of a feed-forward network, corrected from what the photos themselves say.
 #pragma once
 
 #include <functional>

@@ -10,6 +10,7 @@
 #include "io/folder_replacement.h"
 #include "io/npy.h"
 #include "io/resample.h"
+#include "refine/fused_labels.h"
 #include "refine/scene_copy.h"
 #include "scene/colmap_model.h"
 #include "scene/prior_maps.h"
@@ -134,7 +135,14 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       views[i].labels = labels[i];
     }
   });
-  const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels), options.plane_settings, pool);
+  if (options.fuse_labels) {
+    std::vector<FusedLabels> fused = fuse_labels(views, {}, pool);
+    for (size_t i = 0; i < views.size(); ++i) {
+      views[i].labels = std::move(fused[i].labels);
+      views[i].label_share = std::move(fused[i].share);
+    }
+  }
+  const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
   report.planes = planes.planes;
   report.on_planes = planes.share;
   std::vector<ImageF> factors(photos.size());

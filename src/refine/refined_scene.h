@@ -19,6 +19,8 @@ struct RefineSceneOptions {
   bool stereo = true;            ///< and then by what multi-view stereo finds with the refined cameras
   PlaneDepthSettings plane_settings;
   bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
+  PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
+  bool fuse_labels = false;      ///< planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
   ExposureSettings exposure_settings;

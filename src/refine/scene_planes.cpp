@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kRefinements = 12;   // of reweighted least squares; it settles after six to ten
 constexpr size_t kScored = 4000;   // points that candidates are compared on: more do not change which one wins
-constexpr std::array<PlaneKind, 3> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall};
+constexpr std::array<PlaneKind, 4> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall, PlaneKind::kTable};
 
 using Indices = std::vector<size_t>;
 
@@ -61,6 +61,7 @@ ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, Sc
     }
     const PlaneFit fit = fit_plane(positions, weights, plane.normal);
     plane.normal = fit.normal;
+    plane.centre = fit.centre;
     plane.offset = -dot(fit.normal, fit.centre);
   }
   return plane;

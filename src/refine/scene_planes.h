@@ -1,4 +1,4 @@
-// The planes of a room: walls, floor and ceiling, from labelled points of all photos (guidance 2.4).
+// The planes of a room: walls, floor and ceiling, and tables, from labelled points of all photos.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace aligngs {
 
 /// What a plane is the surface of. Points of one kind never make a plane of another.
-enum class PlaneKind : uint8_t { kNone, kWall, kFloor, kCeiling };
+enum class PlaneKind : uint8_t { kNone, kWall, kFloor, kCeiling, kTable };
 
 /// One place on a surface, as one photo has it.
 struct PlanePoint {
@@ -25,6 +25,7 @@ struct PlanePoint {
 struct ScenePlane {
   Vec3d normal;
   double offset = 0;
+  Vec3d centre;           ///< of its points; lies in the plane
   PlaneKind kind = PlaneKind::kNone;
   int views = 0;          ///< photos that show it
   size_t points = 0;

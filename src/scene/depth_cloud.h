@@ -20,7 +20,7 @@ struct DepthCloudView {
   const ImageF* confidence = nullptr;  ///< H x W x 1 in [0, 1], or null: 1 everywhere
 };
 
-/// Parameters of the dense start (guidance 4.1).
+/// Parameters of the dense start from prior depth.
 struct DepthCloudOptions {
   double agreement = 0.02;       ///< relative depth difference up to which another view confirms a point
   double contradiction = 0.05;   ///< a view that measures more than this share farther sees through the point
@@ -30,7 +30,7 @@ struct DepthCloudOptions {
   double min_confidence = 0.05;  ///< pixels below are not used
   double jump = 0.05;            ///< relative depth step to a neighbour that marks a silhouette pixel: not used
   double voxel = 0;              ///< scene units; 0: automatic, `voxel_footprints` pixel footprints at median depth
-  double voxel_footprints = 1.5; ///< guidance 2.7
+  double voxel_footprints = 1.5; ///< voxel size in pixel footprints at the median depth
   size_t max_points = 250000;    ///< the automatic voxel grows until the cloud has at most this many; 0: no limit
   int stride = 1;                ///< use every stride-th pixel in both directions
 };

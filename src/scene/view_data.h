@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// Scores whose sum lies below this say nothing about a pixel (Mask2Former's "no object"; guidance 2.1).
+/// Scores whose sum lies below this say nothing about a pixel (Mask2Former's "no object").
 inline constexpr double kUnknownScoreSum = 0.3;
 
 /// The teacher's class probabilities at their native resolution (which may be smaller than the image).
@@ -40,7 +40,7 @@ struct LoadOptions {
   bool semantics = true;
   bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
   bool exposure = false;        ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike
-  double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum (guidance 2.1)
+  double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum
   double least_score_sum = kUnknownScoreSum;  ///< scores that sum to less say nothing
 };
 

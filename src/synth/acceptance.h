@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// One measured figure and the range real networks fall into (guidance, section 3; medium level only).
+/// One measured figure and the range real networks fall into (docs/quality.md; medium level only).
 struct AcceptanceFigure {
   std::string name;
   double value = 0;

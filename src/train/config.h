@@ -19,6 +19,9 @@ struct DataConfig {
   bool refine_cameras = false;    ///< `run` and `demo`: correct cameras and prior depth before training
   bool refine_stereo = false;     ///< and the depth by multi-view stereo
   bool refine_planes = false;     ///< and by the planes of walls, floor and ceiling
+  bool refine_tables = false;     ///< and of tables, desks and counters
+  bool refine_fused_labels = false;  ///< which are found by the labels of most photos
+  bool refine_square = false;     ///< and turned to the axes of the room
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
   bool refine_exposure = false;   ///< `run` and `demo`: measure the photos' exposures there
@@ -122,7 +125,7 @@ struct CheckpointConfig {
   int64_t keep = 0;
 };
 
-/// Used by `aligngs mesh`, not by training; 0 = automatic (guidance 2.8).
+/// Used by `aligngs mesh`, not by training; 0 = automatic (mesh/fusion.h).
 struct MeshConfig {
   std::string depth;  ///< median, plane, expected
   double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units

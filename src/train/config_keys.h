@@ -62,7 +62,7 @@ template <class T>
 PresetValues each(T preview, T standard, T paper, T high) {
   return {value(preview), value(standard), value(paper), value(high), value(paper)};
 }
-/// The guidance's value in preview, default and high; the paper's in paper.
+/// Our value in preview, default and high; the paper's in paper.
 template <class T>
 PresetValues ours_paper(T ours, T paper) {
   return each(ours, ours, paper, ours);

@@ -1,4 +1,4 @@
-// Removal of Gaussians that float in free space (guidance 2.7, last sentence).
+// Removal of Gaussians that float in free space.
 #pragma once
 
 #include <cstdint>

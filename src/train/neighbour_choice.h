@@ -1,5 +1,5 @@
-// Which training views serve each other as neighbours in the multi-view terms (PGSR, Chen et al. 2024; facts in aligngs.md
-// 4.8), and which of them a step takes.
+// Which training views serve each other as neighbours in the multi-view terms (PGSR, Chen et al.
+// 2024), and which of them a step takes.
 #pragma once
 
 #include <cstdint>

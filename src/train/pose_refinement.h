@@ -1,4 +1,4 @@
-// Small corrections of the training cameras while the scene is trained (guidance 2.9).
+// Small corrections of the training cameras while the scene is trained.
 #pragma once
 
 #include <array>

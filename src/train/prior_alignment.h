@@ -1,4 +1,4 @@
-// The scale a_v of each view's metric prior depth in L_z (guidance 2.2).
+// The scale a_v of each view's metric prior depth in L_z.
 #pragma once
 
 #include <optional>

@@ -8,7 +8,7 @@ namespace aligngs {
 namespace {
 
 constexpr int64_t kRaiseScalesEvery = 100;  // [ref] a scale shrinks by at most a third in so many steps
-constexpr int kManyViews = 30;  // guidance section 4: SH degree 2 only above 30 views
+constexpr int kManyViews = 30;  // SH degree 2 only above it: fewer views do not show what depends on direction
 
 float to_float(double v) { return static_cast<float>(v); }
 
@@ -86,7 +86,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   l.log_depth_huber = to_float(c.log_depth_huber);
   l.paper_normals = c.paper_normals;
   const bool normal_terms = iteration > scaled(c.normal_start);
-  // Without normals at the start the plane depth is noise until the Gaussians have turned (guidance 2.5).
+  // Without normals at the start the plane depth is noise until the Gaussians have turned.
   const bool depth_terms = iteration > scaled(c.depth_start) && (facts_.normals_at_start || normal_terms);
   const bool metric = facts_.prior_depth == PriorDepthKind::kMetric;
   const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;

@@ -214,7 +214,10 @@ TEST(Schedule, WithoutPriorsTheirTermsAreOff) {
 }
 
 TEST(Schedule, CouplingActsFromASeventhOfTheRunToItsLastTenth) {
-  const Schedule s(standard(), room());
+  EXPECT_EQ(Schedule(standard(), room()).request(3000).losses.coupling_strength, 0) << "off unless asked for";
+  TrainConfig coupled = standard();
+  coupled.semantic.coupling_strength = 0.1;
+  const Schedule s(coupled, room());
   EXPECT_EQ(s.request(1000).losses.coupling_strength, 0);
   EXPECT_FLOAT_EQ(s.request(1001).losses.coupling_strength, 0.1f);
   EXPECT_FLOAT_EQ(s.request(6300).losses.coupling_strength, 0.1f);

@@ -19,6 +19,7 @@ Options options_of(const TrainConfig& config, const CommandContext& context) {
   options.overwrite = true;
   options.exposure = config.data.refine_exposure;
   options.planes = config.data.refine_planes && config.data.semantics;
+  if (config.data.refine_tables) options.surfaces = PlaneSurfaces::kLayoutAndTables;
   options.progress = context.progress();
   return options;
 }
@@ -32,7 +33,8 @@ bool should_measure(const fs::path& scene, const TrainConfig& config) {
 }
 
 bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
-  const auto options = options_of<MeasureSceneOptions>(config, context);
+  auto options = options_of<MeasureSceneOptions>(config, context);
+  options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const MeasureSceneReport report = measure_scene(open_scene(scene), run / "scene", options, pool);
@@ -66,6 +68,8 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
 void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
   auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
+  options.fuse_labels = config.data.refine_fused_labels;
+  options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
@@ -73,7 +77,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (!report.planes.empty()) {
-    log_info("{} planes of walls, floor and ceiling; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
+    log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }
 }
 

@@ -1,5 +1,5 @@
 // Front-to-back blending of projected Gaussians at one pixel, and its derivatives. Formulas of 3DGS (Kerbl et
-// al. 2023) with the constants of aligngs.md 3.1; intersection depth of guidance 2.5.
+// al. 2023) with the constants of engine/settings.h; the depth at which a ray meets a Gaussian's plane.
 #pragma once
 
 #include <cmath>
@@ -101,7 +101,7 @@ struct AlphaSweep {
 inline constexpr double kGrazingCosine = 0.1;
 
 /// Depth at which the ray r (z = 1) meets the Gaussian's plane, d / (-n . r), clamped to the centre's depth
-/// +- 3 standard deviations of the largest axis (guidance 2.5). No gradient flows here.
+/// +- 3 standard deviations of the largest axis. No gradient flows here.
 template <class T>
 ALIGNGS_HD inline T intersection_depth(const Projection<T>& p, const Vec3<T>& ray) {
   const T s = -dot(p.normal, ray);

@@ -1,5 +1,5 @@
 // Losses on the plane depth at one pixel: how far a depth can be trusted, the Huber norm of its log ratio to the prior
-// (guidance 2.2), the Pearson correlation with the prior (aligngs.md 4.4), and the way of dL/dz back to the maps.
+// (our default), the Pearson correlation with the prior (AlignGS, Gao et al. 2025), and the way of dL/dz back to the maps.
 #pragma once
 
 #include <cmath>
@@ -15,11 +15,11 @@ namespace aligngs {
 /// mask keeps.
 enum DepthValidity : uint8_t {
   kDepthInvalid = 0,
-  kDepthLoose = 1,  ///< 0.5 z_e < z < 2 z_e with z_e the alpha-normalised expected depth (guidance 2.2)
+  kDepthLoose = 1,  ///< 0.5 z_e < z < 2 z_e with z_e the alpha-normalised expected depth
   kDepthTight = 2   ///< z within 15 % of z_e (plane_depth_valid)
 };
 
-inline constexpr double kDepthJumpShare = 0.05;  ///< |dz| / z of neighbours that is a discontinuity (guidance 2.3)
+inline constexpr double kDepthJumpShare = 0.05;  ///< |dz| / z of neighbours that is a discontinuity
 /// A depth or normal loss with fewer valid pixels is zero: a handful would carry the whole weight of the term.
 inline constexpr double kMinimumValidShare = 0.01;
 
@@ -139,8 +139,8 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE LogDepthTerm<T> log_depth_term(T depth, float p
 
 // ---- Pearson ----
 
-inline constexpr double kPearsonMinimumShare = 0.05;    ///< of the pixels must be valid (guidance 2.2)
-inline constexpr double kPearsonMinimumSpread = 0.05;   ///< standard deviation / mean of the prior (guidance 2.2)
+inline constexpr double kPearsonMinimumShare = 0.05;    ///< of the pixels must be valid: fewer say little
+inline constexpr double kPearsonMinimumSpread = 0.05;   ///< standard deviation / mean of the prior: a flat one correlates with noise
 inline constexpr double kPearsonRenderedSpread = 0.01;  ///< of the rendered depth: the gradient grows as 1 / spread
 inline constexpr double kPearsonEpsilon = 1e-6;         ///< added to both standard deviations, as released
 

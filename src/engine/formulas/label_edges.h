@@ -1,5 +1,5 @@
 // Neighbouring pixels that the teacher gives different classes, and where normals are compared beside them
-// (guidance 2.3).
+// (settings loss.crease and loss.normal_boundary).
 #pragma once
 
 namespace aligngs {

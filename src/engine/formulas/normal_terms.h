@@ -1,5 +1,5 @@
 // Losses on the blended normals at one pixel: their direction, its comparison with the normal that the depth map
-// implies (aligngs.md 4.6, guidance 2.3) and with the prior's, and the penalty at label edges (aligngs.md 4.7).
+// implies (PGSR, Chen et al. 2024) and with the prior's, and the penalty at label edges (AlignGS, Gao et al. 2025).
 #pragma once
 
 #include <cmath>

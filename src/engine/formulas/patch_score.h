@@ -1,5 +1,5 @@
 // How well a patch of a photo agrees with another photo across the plane that a pixel shows: 1 - NCC^2 and its derivative by
-// the plane (PGSR, Chen et al. 2024; facts in aligngs.md 4.8).
+// the plane (PGSR, Chen et al. 2024).
 #pragma once
 
 #include "engine/formulas/two_views.h"

@@ -6,7 +6,7 @@
 
 namespace aligngs {
 
-/// Guards of guidance 2.5.
+/// Guards: a grazing ray's plane depth is nearly unbounded.
 inline constexpr double kPlaneSlopeMin = 0.1;        ///< smallest cosine between ray and plane; below it s is constant
 inline constexpr double kPlaneAlphaLoss = 0.5;       ///< alpha above which the depth may enter a loss
 inline constexpr double kPlaneAlphaFusion = 0.9;     ///< alpha above which the depth may be fused

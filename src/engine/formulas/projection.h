@@ -1,6 +1,6 @@
 // One Gaussian seen by one camera: 2-D mean, conic, opacity, plane, and the pixels it can touch; with the
 // derivatives next to it. EWA splatting (Zwicker et al. 2001) as in 3DGS (Kerbl et al. 2023), planes as in
-// PGSR (Chen et al. 2024); constants from aligngs.md 3.1.
+// PGSR (Chen et al. 2024); constants in engine/settings.h.
 #pragma once
 
 #include <cmath>
@@ -203,7 +203,7 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
   }
   out.conic = {out.covariance.yy / det, -out.covariance.xy / det, out.covariance.xx / det};
 
-  // The normal: V's column of the smallest scale, turned so that it looks at the camera (aligngs.md 2).
+  // The normal: V's column of the smallest scale, turned so that it looks at the camera.
   out.normal_axis = g.log_scale.y < g.log_scale.x ? 1 : 0;
   if (g.log_scale.z < g.log_scale[out.normal_axis]) out.normal_axis = 2;
   const Vec3<T> axis = f.axes.column(out.normal_axis);

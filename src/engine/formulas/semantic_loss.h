@@ -1,5 +1,5 @@
 // Semantic distillation at one pixel: values, gradient of the Gaussians' rows, and the gradient that reaches the
-// blending weights (coupling). aligngs.md 4.3 as the paper prints it; guidance 2.1.
+// blending weights (coupling). As AlignGS (Gao et al. 2025) prints it, and ours.
 //
 // Everything an engine needs per pixel is two vectors of length C:
 //   row gradient g: dL/dx_k = w_k g, with x_k what is blended (kLogits: s_k; kProbabilities: pi_k = softmax(s_k));
@@ -14,7 +14,7 @@
 
 namespace aligngs {
 
-/// Floor of Q_c inside the logarithm (guidance 2.1), lowered for very many classes so that the uniform start,
+/// Floor of Q_c inside the logarithm, lowered for very many classes so that the uniform start,
 /// 1 / C, always lies above it and has a gradient.
 template <class T>
 ALIGNGS_HD inline T semantic_floor(int channels) {
@@ -115,7 +115,7 @@ ALIGNGS_HD inline SemanticTerms<T> semantic_loss_logits(const T* logits, const T
   return terms;
 }
 
-/// kProbabilities, guidance 2.1: `blended` B = sum_k w_k pi_k, A = sum_k w_k, Q = B + (1 - A) / C. With f the floor:
+/// kProbabilities, our default: `blended` B = sum_k w_k pi_k, A = sum_k w_k, Q = B + (1 - A) / C. With f the floor:
 ///   L = soft [sum p log p - sum_c p_c log max(Q_c, f)] - hard log max(Q_y, f),
 ///   g_c = -(soft p_c + hard [c = y]) / Q_c where Q_c > f, else 0.
 /// The remainder (1 - A) / C gives the rows no gradient. `gradient` receives g and may be `blended`.
@@ -152,7 +152,7 @@ ALIGNGS_HD inline T plain_coupling_offset(bool probabilities, const T* row_gradi
   return sum / T(channels);
 }
 
-/// kBounded with kProbabilities (guidance 2.1): L_geo = 1/2 omega |B / A - t|^2 with A detached, so
+/// kBounded with kProbabilities, our default: L_geo = 1/2 omega |B / A - t|^2 with A detached, so
 /// h = omega (B / A - t) / A and h_0 = 0. Zero where A < 0.5. `omega` is the pixel's weight divided by the number of
 /// valid pixels. Returns L_geo; `h` must not be `blended`.
 template <class T>

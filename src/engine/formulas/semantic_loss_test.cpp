@@ -76,7 +76,7 @@ TEST(SemanticLoss, PerfectStudentHasNoSoftLoss) {
   EXPECT_NEAR(semantic_loss_probabilities(kTeacher.data(), 1.0, kTeacher.data(), kC, {1, 0}, g.data()).soft, 0, 1e-12);
 }
 
-/// One class at score 1 through a softmax over 150: 0.0179, and 0.00653 nats from the uniform start (guidance 2.1).
+/// One class at score 1 through a softmax over 150: 0.0179, and 0.00653 nats from the uniform start.
 TEST(SemanticLoss, UniformStudentOfAScoreTeacher) {
   std::vector<double> teacher(150, 0.0), logits(150, 0.0), q(150), g(150);
   teacher[7] = 1;

@@ -1,4 +1,4 @@
-// The closed-form start of a semantic row (guidance 2.1) from what the teachers say where the Gaussian is seen.
+// The closed-form start of a semantic row from what the teachers say where the Gaussian is seen.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace aligngs {
 
-/// epsilon of guidance 2.1 for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The first, in
+/// epsilon inside the logarithm for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The first, in
 /// pixels per class, keeps a row that hardly any pixel saw near uniform; the second keeps absent classes just above the
 /// floor of the loss (semantic_floor), below which training could not change the row's mind.
 inline constexpr float kPseudoCount = 0.01f, kShare = 2e-3f;

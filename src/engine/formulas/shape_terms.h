@@ -16,7 +16,7 @@ ALIGNGS_HD inline int smallest_axis(const Vec3<T>& log_scale) {
   return log_scale.z < log_scale[axis] ? 2 : axis;
 }
 
-/// Flattening (aligngs.md 4.2, made scale-free as guidance 2.6): the term is the mean over the visible Gaussians of
+/// Flattening (AlignGS, Gao et al. 2025, made scale-free): the term is the mean over the visible Gaussians of
 /// min_k s_k / extent. "Visible" = blended in at least one pixel of this view. Returns this row's value before the
 /// mean; its gradient with respect to log_scale[smallest_axis] is the same number.
 template <class T>
@@ -43,7 +43,7 @@ ALIGNGS_HD inline T scale_value(T log_scale, T extent) {
   return exp(log_scale) / extent;
 }
 
-/// ShapeLimits after the optimiser step (guidance 2.6). Order: cap the largest scale, then pull the largest towards
+/// ShapeLimits after the optimiser step. Order: cap the largest scale, then pull the largest towards
 /// the middle one, then press the smallest below its share of the middle one. A NaN stays a NaN.
 template <class T>
 ALIGNGS_HD inline void apply_shape_limits(const ShapeLimits& limits, Vec3<T>& log_scale) {

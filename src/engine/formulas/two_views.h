@@ -1,5 +1,5 @@
 // Two cameras that look at the same surface: bilinear samples of the other one's maps, and the forward-backward
-// reprojection of a depth between them (PGSR, Chen et al. 2024; facts in aligngs.md 4.8).
+// reprojection of a depth between them (PGSR, Chen et al. 2024).
 #pragma once
 
 #include <cmath>
@@ -82,7 +82,7 @@ ALIGNGS_HD inline BilinearSample<T> sample_bilinear(const V* map, int width, int
 }
 
 /// A depth between pixel centres is none where one of the four pixels has none or they lie on both sides of a
-/// discontinuity (as for the other depth terms, guidance 2.3).
+/// discontinuity (as for the other depth terms).
 template <class T>
 ALIGNGS_HD inline bool continuous_depth(const BilinearSample<T>& s) {
   return s.smallest > T(0) && s.largest <= (T(1) + T(kDepthJumpShare)) * s.smallest;

@@ -1,4 +1,4 @@
-// Normals beside label edges, supervised from one side each (guidance 2.3): what replaces L_nb by default.
+// Normals beside label edges, supervised from one side each: ours in place of L_nb.
 #pragma once
 
 #include "engine/formulas/label_edges.h"

@@ -1,4 +1,4 @@
-// The default depth loss L_z: Huber norm of the log ratio of rendered and prior depth (guidance 2.2).
+// The default depth loss L_z: Huber norm of the log ratio of rendered and prior depth.
 #pragma once
 
 #include "engine/losses/map_losses.h"

@@ -1,4 +1,4 @@
-// The paper's depth loss L_d: 1 - Pearson correlation of rendered and prior depth (aligngs.md 4.4).
+// The paper's depth loss L_d: 1 - Pearson correlation of rendered and prior depth (AlignGS, Gao et al. 2025).
 #pragma once
 
 #include "engine/losses/map_losses.h"

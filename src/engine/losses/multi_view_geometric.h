@@ -1,5 +1,5 @@
 // Multi-view geometric consistency: a pixel taken into a neighbouring view and back must come home (PGSR, Chen et al.
-// 2024; facts in aligngs.md 4.8).
+// 2024).
 #pragma once
 
 #include "engine/losses/map_losses.h"

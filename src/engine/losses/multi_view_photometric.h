@@ -1,5 +1,5 @@
 // Multi-view photometric consistency: the photo around a pixel must look like a neighbouring photo across the plane that the
-// pixel shows (PGSR, Chen et al. 2024; facts in aligngs.md 4.8).
+// pixel shows (PGSR, Chen et al. 2024).
 #pragma once
 
 #include "engine/formulas/patch_draw.h"

@@ -1,4 +1,4 @@
-// The paper's L_nb: normals on the two sides of a label edge are pushed apart (aligngs.md 4.7).
+// The paper's L_nb: normals on the two sides of a label edge are pushed apart (AlignGS, Gao et al. 2025).
 #pragma once
 
 #include "engine/formulas/normal_terms.h"

@@ -1,4 +1,4 @@
-// L_ng: the blended normals and the normals of the depth map must agree (aligngs.md 4.6, guidance 2.3).
+// L_ng: the blended normals and the normals of the depth map must agree (AlignGS, Gao et al. 2025; PGSR, Chen et al. 2024).
 #pragma once
 
 #include "engine/losses/map_losses.h"

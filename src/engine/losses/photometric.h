@@ -1,4 +1,4 @@
-// The photometric losses: mean absolute colour difference and 1 - SSIM (aligngs.md 4.1).
+// The photometric losses: mean absolute colour difference and 1 - SSIM (3DGS, Kerbl et al. 2023).
 #pragma once
 
 #include "engine/formulas/photometric.h"

@@ -1,4 +1,4 @@
-// Supervision of the blended normals by the normals of the prior depth (guidance 2.3).
+// Supervision of the blended normals by the normals of the prior depth.
 #pragma once
 
 #include "engine/losses/map_losses.h"

@@ -31,7 +31,7 @@ StepRequest semantic_request(const Mode& mode) {
   return r;
 }
 
-/// omega varies over the image, as guidance 2.1 wants it.
+/// omega varies over the image, as the confidence of a teacher does.
 TrainingView weighted_view() {
   TrainingView v = make_view();
   v.semantic_weight = ImageF(kWidth, kHeight, 1);
