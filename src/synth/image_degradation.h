@@ -6,7 +6,7 @@
 
 namespace aligngs {
 
-/// Guidance, section 3, "images".
+/// What a hand-held camera does to photos of a room; the shares are judgement.
 struct ImageDegradationSettings {
   double noise = 1.5 / 255;      ///< standard deviation at medium brightness; grows with the square root of it
   double blur = 1.5;             ///< largest width of the blur (full width at half maximum), pixels

@@ -5,7 +5,7 @@
 
 namespace aligngs {
 
-/// Guidance, section 3, "mono-depth teacher". Shares are relative to the depth.
+/// Chosen so that the figures of synth/acceptance.h lie where published networks do. Shares are relative to the depth.
 struct MonoDepthSettings {
   double view_scale = 0.077;     ///< so that the RMSE is that of published monocular networks
   double view_shift = 0.08;      ///< metres

@@ -11,7 +11,7 @@
 
 namespace aligngs {
 
-/// Guidance, section 3, "semantic teacher". Lengths in pixels of the image.
+/// Chosen so that the figures of synth/acceptance.h lie where published networks do. Lengths in pixels of the image.
 struct SemanticTeacherSettings {
   double outline_rms = 3.5;         ///< displacement of mask outlines, correlated over 20 pixels
   double confused_share = 0.22;     ///< of the objects: wrong or ambiguous in most of their views

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""What each part of mesh fusion does: one trained run per scene, fused again with one setting changed at a time.
+
+    benchmarks/quality/mesh_filters.py OUTPUT SCENE... [--iterations 1000] [--seed 1]
+
+SCENE is a scene folder with truth, as `benchmarks/quality/ladder.py` leaves them under scenes/ with --keep-scenes. Finished runs and
+meshes in OUTPUT are not repeated. Writes mesh.csv (a line per scene and variant) and mesh.md (means, and differences from the
+default with 95 % intervals over the scenes). ALIGNGS names the program (default build/aligngs)."""
+import argparse
+import csv
+import json
+import math
+from pathlib import Path
+
+import ladder
+import ladder_tables
+
+DEFAULT = "default"
+PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.single_view_weight=1", "mesh.contradicted_weight=1"]
+# Name, settings of `aligngs mesh` and where its depth comes from.
+VARIANTS = [
+    (DEFAULT, [], None),
+    ("no view consistency", ["mesh.single_view_weight=1", "mesh.contradicted_weight=1"], None),
+    ("surface of one view as sure as any", ["mesh.single_view_weight=1"], None),
+    ("surface of one view dropped", ["mesh.single_view_weight=0"], None),
+    ("surface that others look through kept", ["mesh.contradicted_weight=1"], None),
+    ("views agree within 2 % instead of 1 %", ["mesh.consistency=0.02"], None),
+    ("half-transparent pixels kept (0.5)", ["mesh.alpha_min=0.5"], None),
+    ("grazing pixels kept", ["mesh.min_cosine=0"], None),
+    ("small pieces kept", ["mesh.component_area=-1", "mesh.component_extent=-1"], None),
+    ("plane depth", ["mesh.depth=plane"], None),
+    ("expected depth", ["mesh.depth=expected"], None),
+    ("40 views between the training views", ["mesh.interpolated_views=40"], None),
+    ("voxels of 5 mm", ["mesh.voxel=0.005"], None),
+    ("all as preset paper", PAPER, None),
+    ("depth before training", [], "--from-prior"),
+    ("true depth, true cameras", [], "--from-truth"),
+]
+COLUMNS = [("accuracy", "Acc (m)", 4), ("completeness", "Comp (m)", 4), ("precision", "Prec", 3), ("recall", "Recall", 3), ("fscore", "F", 3),
+           ("coverage", "classes' surface", 3), ("miou", "mesh mIoU", 3)]
+
+
+def scores(metrics):
+    """`coverage`: the share of a class's true surface that the mesh comes near, mean over classes, so that thin ones count as walls do."""
+    labels = (metrics.get("semantics") or {}).get("mesh") or {}
+    parts = [v for v in (labels.get("class_coverage") or {}).values() if v is not None]
+    return {**{key: ladder.value_at(metrics, f"geometry.{key}") for key in ("accuracy", "completeness", "precision", "recall", "fscore")},
+            "coverage": sum(parts) / len(parts) if parts else math.nan, "miou": ladder.value_at(labels, "miou")}
+
+
+def trained(arguments, scene):
+    run = arguments.output / scene.name
+    if not (run / "metrics.json").exists():
+        ladder.run("run", scene, "-o", run, "--preset", "default", "-n", arguments.iterations, "--seed", arguments.seed, "--no-refine", "--overwrite",
+                   "--set", f"checkpoint.every={arguments.iterations}")
+    return run
+
+
+def measure(run, index):
+    _, settings, source = VARIANTS[index]
+    result = run / f"variant_{index}.json"
+    if not result.exists():
+        mesh = run / f"variant_{index}.ply"
+        ladder.run("mesh", run, "-o", mesh, *([source] if source else []), *(text for s in settings for text in ("--set", s)))
+        partial = result.with_suffix(".partial")
+        partial.write_text(ladder.run("eval", run, "--mesh", mesh, "--no-pose-fit", "--json"))
+        partial.rename(result)
+        mesh.unlink()
+    return scores(json.loads(result.read_text()))
+
+
+def write_tables(output, results):
+    with open(output / "mesh.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["variant", "scene", *(key for key, *_ in COLUMNS)])
+        for name, by_scene in results.items():
+            for scene, values in by_scene.items():
+                writer.writerow([name, scene, *("" if math.isnan(values[key]) else values[key] for key, *_ in COLUMNS)])
+    lines = ["| fusion | scenes | " + " | ".join(title for _, title, _ in COLUMNS) + " | F against the default |", "|---" * (len(COLUMNS) + 3) + "|"]
+    for name, by_scene in results.items():
+        cells = [ladder_tables.mean_cell([v[key] for v in by_scene.values()], digits) for key, _, digits in COLUMNS]
+        cells.append("" if name == DEFAULT else ladder_tables.difference_cell(results, name, DEFAULT, "fscore", 4))
+        lines.append(f"| {name} | {len(by_scene)} | " + " | ".join(cells) + " |")
+    (output / "mesh.md").write_text("\n".join(lines) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", type=Path)
+    parser.add_argument("scenes", type=Path, nargs="+")
+    parser.add_argument("--iterations", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    results = {name: {} for name, *_ in VARIANTS}
+    for scene in arguments.scenes:
+        run = trained(arguments, scene)
+        for index, (name, *_) in enumerate(VARIANTS):
+            print(f"{scene.name}: {name}", flush=True)
+            results[name][scene.name] = measure(run, index)
+            write_tables(arguments.output, {n: r for n, r in results.items() if r})
+    print((arguments.output / "mesh.md").read_text())
+
+
+if __name__ == "__main__":
+    main()
