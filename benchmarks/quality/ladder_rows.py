@@ -35,7 +35,7 @@ WITH = {
     "opacity dropout": ["train.opacity_dropout=0.2"], "minimum splat size": ["optimizer.scale_min_pixels=0.7"],
     "moving cameras": ["optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4"],
 }
-WITH_REFINED = {"planes of tables": ["--plane-tables"], "fused labels": ["--fuse-labels"], "a square room": ["--square-room"]}
+WITH_REFINED = {"planes of tables": ["--plane-tables"], "fused labels": ["--fuse-labels"]}
 
 
 class Row:
@@ -97,6 +97,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row(LABEL_CONTROLS[2], "default", refine=[], labels="shuffled", compare_with=LABEL_CONTROLS[0]),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, without stereo", "default", refine=["--no-stereo"], compare_with="default, refined"),
+    Row("default, without square planes", "default", refine=["--no-square"], compare_with="default, refined"),
     *[Row(f"default, without {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITHOUT.items()],
     *[Row(f"default, with {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITH.items()],
     *[Row(f"default, with {what}", "default", refine=options, compare_with="default, refined") for what, options in WITH_REFINED.items()],

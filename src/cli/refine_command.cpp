@@ -15,7 +15,7 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, square = false, no_exposure = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
 };
@@ -32,8 +32,16 @@ double exposure_span(const std::vector<Vec3f>& log_gains) {
   return static_cast<double>(brightest->y - darkest->y);
 }
 
-void print_planes(const std::vector<ScenePlane>& planes, double share) {
+void print_planes(const std::vector<ScenePlane>& planes, double share, const std::optional<RoomAxes>& axes) {
   if (!planes.empty()) std::printf("%zu planes; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
+  if (axes) std::printf("the room is built square: %.0f %% of its planes face along three axes\n", 100 * axes->share);
+  if (axes && axes->up) std::printf("up is (%.3f, %.3f, %.3f)\n", axes->up->x, axes->up->y, axes->up->z);
+}
+
+/// World direction; null where the planes do not say.
+nlohmann::ordered_json up_json(const std::optional<RoomAxes>& axes) {
+  if (!axes || !axes->up) return nullptr;
+  return {axes->up->x, axes->up->y, axes->up->z};
 }
 
 void print_exposure(const std::vector<Vec3f>& log_gains) {
@@ -45,7 +53,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   measure_options.exposure = !options.no_exposure;
   measure_options.planes = !options.no_planes;
   measure_options.surfaces = surfaces_of(options);
-  measure_options.plane_settings.sure.square = options.square;
+  measure_options.plane_settings.sure.square = !options.no_square;
   measure_options.overwrite = options.overwrite;
   measure_options.progress = context.progress();
   ThreadPool pool(context.global.threads);
@@ -55,14 +63,14 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   }
   if (context.global.json) {
     const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
-                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes},
+                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes}, {"square", report.planes.axes.has_value()}, {"up", up_json(report.planes.axes)},
                                              {"exposure_span", exposure_span(report.log_gains)}};
     std::printf("%s\n", document.dump(2).c_str());
     return;
   }
   std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
               100 * report.measured);
-  print_planes(report.planes.planes, report.planes.on_planes);
+  print_planes(report.planes.planes, report.planes.on_planes, report.planes.axes);
   print_exposure(report.log_gains);
 }
 
@@ -75,7 +83,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.planes = !options.no_planes;
   refine_options.surfaces = surfaces_of(options);
   refine_options.fuse_labels = options.fuse_labels;
-  refine_options.plane_settings.square = options.square;
+  refine_options.plane_settings.square = !options.no_square;
   refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
@@ -98,7 +106,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
                                              {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
-                                             {"on_planes", report.on_planes}, {"exposure_span", exposure_span(report.log_gains)},
+                                             {"on_planes", report.on_planes}, {"square", report.axes.has_value()}, {"up", up_json(report.axes)}, {"exposure_span", exposure_span(report.log_gains)},
                                              {"views", views}};
     std::printf("%s\n", document.dump(2).c_str());
     return;
@@ -106,7 +114,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
-  print_planes(report.planes, report.on_planes);
+  print_planes(report.planes, report.on_planes, report.axes);
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
@@ -131,7 +139,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
   command->add_flag("--plane-tables", options->tables, "draw the tops of tables, desks and counters to planes, too");
   command->add_flag("--fuse-labels", options->fuse_labels, "find planes by what most photos call a place, and weigh each pixel by their share");
-  command->add_flag("--square-room", options->square, "turn planes to the axes of the room where they show that it is built square");
+  command->add_flag("--no-square", options->no_square, "leave planes as they are found where they show that the room is built square");
   command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");

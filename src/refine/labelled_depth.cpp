@@ -43,6 +43,7 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
   LabelledDepthReport report;
   const PlaneDepthResult sure = measure_planes(with_depth(views, labels, depths, Keep::kSure), classes, settings.sure, pool);
   report.planes = sure.planes;
+  report.axes = sure.axes;
   if (report.planes.empty()) return report;
   const auto on_unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes, settings.unsure, pool);
   std::vector<size_t> on_planes(views.size(), 0);

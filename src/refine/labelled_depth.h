@@ -24,6 +24,7 @@ struct LabelledDepthSettings {
 
 struct LabelledDepthReport {
   std::vector<ScenePlane> planes;
+  std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
   double on_planes = 0;  ///< share of the pixels that lie on one
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/angles.h"
-#include "refine/room_axes.h"
 #include "scene/depth_normals.h"
 #include "scene/triangle_mesh.h"
 
@@ -182,13 +181,20 @@ std::vector<PreparedView> prepare_all(const std::vector<PlaneView>& views, const
   return prepared;
 }
 
-std::vector<ScenePlane> planes_in(const std::vector<PlaneView>& views, const std::vector<PreparedView>& prepared,
+/// Planes, and the axes of a square room that they were turned to.
+struct FoundPlanes {
+  std::vector<ScenePlane> planes;
+  std::optional<RoomAxes> axes;
+};
+
+FoundPlanes planes_in(const std::vector<PlaneView>& views, const std::vector<PreparedView>& prepared,
                                   const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings) {
   std::vector<PlanePoint> points;
   for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
-  std::vector<ScenePlane> planes = find_planes(points, settings.planes, kSeed);
-  const auto axes = settings.square ? estimate_room_axes(planes) : std::nullopt;
-  return axes ? squared_planes(std::move(planes), *axes) : planes;
+  FoundPlanes found{find_planes(points, settings.planes, kSeed), std::nullopt};
+  if (settings.square) found.axes = estimate_room_axes(found.planes);
+  if (found.axes) found.planes = squared_planes(std::move(found.planes), *found.axes);
+  return found;
 }
 
 }  // namespace
@@ -205,7 +211,7 @@ std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surf
 
 std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings,
                                     ThreadPool& pool) {
-  return planes_in(views, prepare_all(views, classes, settings, pool), classes, settings);
+  return planes_in(views, prepare_all(views, classes, settings, pool), classes, settings).planes;
 }
 
 std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
@@ -220,7 +226,9 @@ PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::
   PlaneDepthResult result;
   result.views.resize(views.size());
   const std::vector<PreparedView> prepared = prepare_all(views, classes, settings, pool);
-  result.planes = planes_in(views, prepared, classes, settings);
+  FoundPlanes found = planes_in(views, prepared, classes, settings);
+  result.planes = std::move(found.planes);
+  result.axes = std::move(found.axes);
   for_each_view(views, pool, [&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
   size_t with_depth = 0, on_plane = 0;
   for (size_t i = 0; i < views.size(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "core/image.h"
 #include "core/thread_pool.h"
+#include "refine/room_axes.h"
 #include "refine/scene_planes.h"
 #include "scene/camera.h"
 #include "scene/label_set.h"
@@ -39,6 +40,7 @@ struct PlaneMeasurement {
 struct PlaneDepthResult {
   std::vector<ScenePlane> planes;
   std::vector<PlaneMeasurement> views;
+  std::optional<RoomAxes> axes;  ///< that the planes were turned to; nothing where the room is not square or nobody asked
   double share = 0;  ///< of the pixels with depth that lie on a plane
 };
 

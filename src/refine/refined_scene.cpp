@@ -144,6 +144,7 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
   }
   const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
   report.planes = planes.planes;
+  report.axes = planes.axes;
   report.on_planes = planes.share;
   std::vector<ImageF> factors(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {

@@ -34,6 +34,7 @@ struct RefineSceneReport {
   RefineResult cameras;
   double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
   std::vector<ScenePlane> planes;
+  std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
   double on_planes = 0; ///< share of the pixels with depth that lie on one of them
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };

@@ -9,7 +9,7 @@
 namespace aligngs {
 
 struct RoomAxesSettings {
-  double angle = 8;          ///< degrees within which a plane faces along an axis: what a network's depth bends walls by, and a little
+  double angle = 4;          ///< degrees within which a plane faces along an axis
   double least_share = 0.7;  ///< of the planes' points whose planes do; less, and the room is not square
 };
 

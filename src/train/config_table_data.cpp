@@ -22,7 +22,7 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_planes: the tops of tables, desks and counters are planes, too"},
       {"data.refine_fused_labels", field<&C::data, &DataConfig::refine_fused_labels>, 0, 0, "", all(false),
        "with data.refine_planes: a pixel is what most photos call its place, and is drawn to a plane by their share"},
-      {"data.refine_square", field<&C::data, &DataConfig::refine_square>, 0, 0, "", all(false),
+      {"data.refine_square", field<&C::data, &DataConfig::refine_square>, 0, 0, "", ours_paper(true, false),
        "with data.refine_planes: turn planes to the axes of the room where they show that it is built square"},
       {"data.refine_exposure", field<&C::data, &DataConfig::refine_exposure>, 0, 0, "", ours_paper(true, false),
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
