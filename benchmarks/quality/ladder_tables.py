@@ -70,9 +70,7 @@ def write_tables(arguments, results):
              "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
              "Processor seconds are those of `run`, without `refine` before it.", "",
              "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
-    for name, by_pair in results.items():
-        lines.append(f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits)
-                                                 for key, _, digits, _ in COLUMNS) + " |")
+    lines += [mean_line(name, by_pair) for name, by_pair in results.items()] + common_lines(results)
     lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
               "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
     for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
@@ -83,23 +81,46 @@ def write_tables(arguments, results):
     (output / "table.md").write_text("\n".join(lines) + "\n")
 
 
+def mean_line(name, by_pair):
+    return f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits) for key, _, digits, _ in COLUMNS) + " |"
+
+
+def common_lines(results):
+    """Rows with more pairs than others once more, on the pairs that all rows have: means of different pairs do not compare."""
+    common = set.intersection(*(set(by_pair) for by_pair in results.values())) if results else set()
+    more = {name: {k: by_pair[k] for k in sorted(common)} for name, by_pair in results.items() if len(by_pair) > len(common)}
+    if not common or not more or len(more) == len(results):
+        return []
+    return [mean_line(f"{name}, the pairs that all rows have", by_pair) for name, by_pair in more.items()]
+
+
+def summary_line(title, by_pair, digits):
+    """Mean, interval, smallest pair and the mean of every room."""
+    middle, low, high, count = interval(by_pair.values())
+    rooms = {}
+    for (room, *_), value in by_pair.items():
+        rooms.setdefault(room, []).append(value)
+    each = ", ".join(f"{room} {mean(values):.{digits}f}" for room, values in sorted(rooms.items()))
+    return f"{title}: {middle:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}], smallest {min(by_pair.values()):.{digits}f}, over {count} pairs ({each})."
+
+
 def gap_lines(results):
-    """Which share of the way from the prior's own surface to the ceiling a row goes, and its labels against the teacher's."""
+    """What a row adds to the meshes that no training has touched, which share of the way to the ceiling it goes, and its labels against the
+    teacher's."""
     lines = []
-    for row in YARDSTICKS:
-        gains = [v["miou"] - v["teacher"] for v in results.get(row, {}).values() if math.isfinite(v["miou"] - v["teacher"])]
+    for row, (first, *between, last) in YARDSTICKS.items():
+        own, prior, ceiling = (results.get(name, {}) for name in (row, first.name, last.name))
+        gains = {k: v["miou"] - v["teacher"] for k, v in own.items() if math.isfinite(v["miou"] - v["teacher"])}
         if gains:
-            middle, low, high, count = interval(gains)
-            lines += ["", f"mIoU of `{row}` less that of the teacher on the test photos: {middle:+.3f} [{low:+.3f}, {high:+.3f}], "
-                      f"smallest {min(gains):+.3f}, over {count} pairs."]
-    for row, (first, *_, last) in YARDSTICKS.items():
-        prior, ceiling = results.get(first.name, {}), results.get(last.name, {})
-        shares = [(results[row][k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
-                  for k in results.get(row, {}) if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]]
+            lines += ["", summary_line(f"mIoU of `{row}` less that of the teacher on the test photos", gains, 3)]
+        shares = {k: (own[k]["fscore"] - prior[k]["fscore"]) / (ceiling[k]["fscore"] - prior[k]["fscore"])
+                  for k in own if k in prior and k in ceiling and ceiling[k]["fscore"] > prior[k]["fscore"]}
         if shares:
-            middle, low, high, count = interval(shares)
-            lines += ["", f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`: {middle:.2f} [{low:.2f}, {high:.2f}], "
-                      f"smallest {min(shares):.2f}, over {count} pairs."]
+            lines += ["", summary_line(f"(F - F_prior) / (F_ceiling - F_prior) of `{row}`", shares, 2)]
+        for yard in between:
+            over = {k: own[k]["fscore"] - results[yard.name][k]["fscore"] for k in own if k in results.get(yard.name, {})}
+            if over:
+                lines += ["", summary_line(f"F of `{row}` less that of `{yard.name}`", over, 3)]
     for row, controls in CONTROLS.items():
         placebos = [results[p] for p in controls if p in results]
         for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):

@@ -72,6 +72,19 @@ class LadderTest(unittest.TestCase):
                    last.name: {key: scores(fscore=1.0)}}
         self.assertIn("0.67 [0.67, 0.67], smallest 0.67", "\n".join(ladder_tables.gap_lines(results)))
 
+    def test_a_row_with_more_pairs_stands_once_more_on_those_that_all_have(self):
+        few, many = ("bedroom", 101, 1), ("bedroom", 101, 2)
+        lines = ladder_tables.common_lines({"a": {few: scores(fscore=0.5)}, "b": {few: scores(fscore=0.8), many: scores(fscore=0.6)}})
+        self.assertEqual(len(lines), 1)
+        self.assertIn("| b, the pairs that all rows have | 1 |", lines[0])
+        self.assertIn(" 0.800 ", lines[0])
+        self.assertEqual(ladder_tables.common_lines({"a": {few: scores()}, "b": {many: scores()}}), [])
+        self.assertEqual(ladder_tables.common_lines({}), [])
+
+    def test_every_room_has_its_mean(self):
+        line = ladder_tables.summary_line("gain", {("office", 104, 1): 0.02, ("office", 104, 2): 0.04, ("bedroom", 101, 1): -0.01}, 3)
+        self.assertIn("smallest -0.010, over 3 pairs (bedroom -0.010, office 0.030).", line)
+
     def test_coupling_is_compared_with_the_best_placebo_of_each_pair(self):
         keys = [("bedroom", 101, s) for s in (1, 2, 3)]
         results = {ladder_rows.COUPLED: {k: scores(fscore=0.8, psnr=25) for k in keys}}
