@@ -86,12 +86,14 @@ def mean_line(name, by_pair):
 
 
 def common_lines(results):
-    """Rows with more pairs than others once more, on the pairs that all rows have: means of different pairs do not compare."""
-    common = set.intersection(*(set(by_pair) for by_pair in results.values())) if results else set()
-    more = {name: {k: by_pair[k] for k in sorted(common)} for name, by_pair in results.items() if len(by_pair) > len(common)}
-    if not common or not more or len(more) == len(results):
+    """Rows with more pairs than most once more, on the pairs that most rows have: means of different pairs do not compare."""
+    counts = [len(by_pair) for by_pair in results.values()]
+    if not counts:
         return []
-    return [mean_line(f"{name}, the pairs that all rows have", by_pair) for name, by_pair in more.items()]
+    usual = max(set(counts), key=lambda n: (counts.count(n), n))
+    common = set.intersection(*(set(by_pair) for by_pair in results.values() if len(by_pair) == usual))
+    more = {name: by_pair for name, by_pair in results.items() if common and len(by_pair) > usual and common <= set(by_pair)}
+    return [mean_line(f"{name}, the pairs that most rows have", {k: by_pair[k] for k in common}) for name, by_pair in more.items()]
 
 
 def summary_line(title, by_pair, digits):
