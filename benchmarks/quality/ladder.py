@@ -147,6 +147,16 @@ def yardstick_scene(arguments, room, room_seed, seed, row, yard):
     return mixed
 
 
+def measure_mesh(folder, result, *options):
+    """Writes to `result` what `aligngs eval` says of the mesh that `aligngs mesh` makes of a run with these options."""
+    mesh = result.with_suffix(".ply")
+    run("mesh", folder, "-o", mesh, *options)
+    partial = result.with_suffix(".partial")
+    partial.write_text(run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json"))
+    partial.rename(result)
+    mesh.unlink()
+
+
 def mesh_scores(folder, scene, option, preset, seed, settings=()):
     """Scores of a mesh that no training has touched. The run in `folder` that the commands need is one of a single iteration."""
     result = folder / f"yardstick{option}.json"
@@ -154,12 +164,7 @@ def mesh_scores(folder, scene, option, preset, seed, settings=()):
         if not (folder / "metrics.json").exists():
             options = [text for s in settings for text in ("--set", s)]
             run("run", scene, "-o", folder, "--preset", preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite", *options)
-        mesh = folder / f"yardstick{option}.ply"
-        run("mesh", folder, option, "-o", mesh)
-        partial = result.with_suffix(".partial")
-        partial.write_text(run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json"))
-        partial.rename(result)
-        mesh.unlink()
+        measure_mesh(folder, result, option)
     return scores(json.loads(result.read_text()), GEOMETRY)
 
 

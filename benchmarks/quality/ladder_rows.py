@@ -38,6 +38,11 @@ WITH = {
 WITH_REFINED = {"planes of tables": ["--plane-tables"], "fused labels": ["--fuse-labels"]}
 
 
+def file_name(name):
+    """Letters and digits of a row's name, for files and folders."""
+    return "".join(c if c.isalnum() else "_" for c in name)
+
+
 class Row:
     """One way to train: which cloud and labels the scene has, how `aligngs refine` goes before, and the settings."""
 
@@ -48,7 +53,7 @@ class Row:
 
     @property
     def folder(self):
-        return "".join(c if c.isalnum() else "_" for c in self.name)
+        return file_name(self.name)
 
 
 # Also in the paper's rows, which would take many minutes each otherwise: classes that no teacher ranks among its two best share a

@@ -13,6 +13,7 @@ import math
 from pathlib import Path
 
 import ladder
+import ladder_rows
 import ladder_tables
 
 DEFAULT = "default"
@@ -56,16 +57,10 @@ def trained(arguments, scene):
     return run
 
 
-def measure(run, index):
-    _, settings, source = VARIANTS[index]
-    result = run / f"variant_{index}.json"
+def measure(run, name, settings, source):
+    result = run / f"variant_{ladder_rows.file_name(name)}.json"
     if not result.exists():
-        mesh = run / f"variant_{index}.ply"
-        ladder.run("mesh", run, "-o", mesh, *([source] if source else []), *(text for s in settings for text in ("--set", s)))
-        partial = result.with_suffix(".partial")
-        partial.write_text(ladder.run("eval", run, "--mesh", mesh, "--no-pose-fit", "--json"))
-        partial.rename(result)
-        mesh.unlink()
+        ladder.measure_mesh(run, result, *([source] if source else []), *(text for s in settings for text in ("--set", s)))
     return scores(json.loads(result.read_text()))
 
 
@@ -95,9 +90,9 @@ def main():
     results = {name: {} for name, *_ in VARIANTS}
     for scene in arguments.scenes:
         run = trained(arguments, scene)
-        for index, (name, *_) in enumerate(VARIANTS):
+        for name, settings, source in VARIANTS:
             print(f"{scene.name}: {name}", flush=True)
-            results[name][scene.name] = measure(run, index)
+            results[name][scene.name] = measure(run, name, settings, source)
             write_tables(arguments.output, {n: r for n, r in results.items() if r})
     print((arguments.output / "mesh.md").read_text())
 

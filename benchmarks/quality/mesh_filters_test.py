@@ -5,6 +5,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import ladder_rows
 import mesh_filters
 
 
@@ -30,6 +31,7 @@ class MeshFiltersTest(unittest.TestCase):
 
     def test_names_of_variants_differ(self):
         self.assertEqual(len({name for name, *_ in mesh_filters.VARIANTS}), len(mesh_filters.VARIANTS))
+        self.assertEqual(len({ladder_rows.file_name(name) for name, *_ in mesh_filters.VARIANTS}), len(mesh_filters.VARIANTS))
 
 
 if __name__ == "__main__":

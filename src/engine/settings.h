@@ -36,7 +36,7 @@ inline SemanticBlend semantic_blend_named(std::string_view name) {
 
 enum class SemanticCoupling {
   kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
-  kBounded, ///< our default: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kBounded, ///< ours, for experiments: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
 /// Whether the coupling is scaled to a share of the photometric gradient.

@@ -10,8 +10,8 @@
 
 namespace aligngs {
 
-/// Sums since the last reset, one entry per Gaussian. Gradients are of the photometric loss only
-/// of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
+/// Sums since the last reset, one entry per Gaussian. Gradients are of the photometric loss only,
+/// and of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
 struct DensityStatistics {
   std::vector<float> gradient;        ///< sum over views of |d L / d mean2D|
   std::vector<float> gradient_abs;    ///< sum over views of | sum over pixels of |d L / d mean2D| | (AbsGS)

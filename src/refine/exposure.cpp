@@ -23,21 +23,11 @@ bool usable(const ExposureView& view, int x, int y) {
 }
 
 /// The pixel of `to` that shows what pixel (x, y) of `from` shows.
-struct Pixel {
-  int x, y;
-};
-std::optional<Pixel> same_surface(const ExposureView& from, int x, int y, const ExposureView& to, double agreement) {
+std::optional<PixelIndex> same_surface(const ExposureView& from, int x, int y, const ExposureView& to, double agreement) {
   const float z = from.match->depth.at(x, y);
   if (!(z > 0) || !std::isfinite(z)) return {};
-  const Camera& other = to.match->camera;
-  const Vec3d p = other.world_to_camera * from.match->camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z));
-  if (!(p.z > 0)) return {};
-  const Vec2d at = other.project(p);
-  if (!(at.x >= 0 && at.y >= 0 && at.x < other.width && at.y < other.height)) return {};
-  const Pixel pixel{static_cast<int>(at.x), static_cast<int>(at.y)};
-  const double seen = static_cast<double>(to.match->depth.at(pixel.x, pixel.y));
-  if (!(std::abs(seen - p.z) <= agreement * p.z)) return {};
-  return pixel;
+  const Vec3d place = from.match->camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z));
+  return pixel_showing(place, to.match->camera, to.match->depth, agreement);
 }
 
 std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t from, size_t to, const ExposureSettings& s) {
@@ -46,7 +36,7 @@ std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t 
   for (int y = s.step / 2; y < a.color->height; y += s.step) {
     for (int x = s.step / 2; x < a.color->width; x += s.step) {
       if (!usable(a, x, y)) continue;
-      const std::optional<Pixel> other = same_surface(a, x, y, b, s.depth_agreement);
+      const std::optional<PixelIndex> other = same_surface(a, x, y, b, s.depth_agreement);
       if (!other || !usable(b, other->x, other->y)) continue;
       for (int k = 0; k < 3; ++k) {
         const float mine = a.color->at(x, y, k), theirs = b.color->at(other->x, other->y, k);

@@ -3,12 +3,11 @@
 #include <array>
 #include <cmath>
 
+#include "refine/view_overlap.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
-
-bool usable(float z) { return z > 0 && std::isfinite(z); }
 
 bool has_say(const PlaneView& view) { return !view.labels.data.empty() && !view.depth.empty(); }
 
@@ -26,8 +25,19 @@ class Votes {
     if (used_ < entries_.size()) entries_[used_++] = {label, 1};
   }
 
-  uint16_t winner(uint16_t own) const { return best(own).label; }
-  float share_of_winner(uint16_t own) const { return total_ == 0 ? 0.0f : static_cast<float>(best(own).count) / static_cast<float>(total_); }
+  struct Winner {
+    uint16_t label;
+    float share;  ///< of all votes; 0 without any
+  };
+  Winner winner(uint16_t own) const {
+    Entry best{own, 0};
+    for (size_t i = 0; i < used_; ++i) {
+      const Entry& e = entries_[i];
+      const bool wins_tie = e.count == best.count && best.label != own && (e.label == own || e.label < best.label);
+      if (e.count > best.count || wins_tie) best = e;
+    }
+    return {best.label, total_ == 0 ? 0.0f : static_cast<float>(best.count) / static_cast<float>(total_)};
+  }
 
  private:
   static constexpr size_t kMostClasses = 8;  // of one place; a ninth would win with a ninth of the votes at best
@@ -36,16 +46,6 @@ class Votes {
     int count = 0;
   };
 
-  Entry best(uint16_t own) const {
-    Entry best{own, 0};
-    for (size_t i = 0; i < used_; ++i) {
-      const Entry& e = entries_[i];
-      const bool wins_tie = e.count == best.count && best.label != own && (e.label == own || e.label < best.label);
-      if (e.count > best.count || wins_tie) best = e;
-    }
-    return best;
-  }
-
   std::array<Entry, kMostClasses> entries_{};
   size_t used_ = 0;
   int total_ = 0;
@@ -53,14 +53,8 @@ class Votes {
 
 /// What another photo calls a place; kNoLabel where it does not show it.
 uint16_t label_of(const Vec3d& x, const PlaneView& view, double agreement) {
-  const Vec3d p = view.camera.world_to_camera * x;
-  if (!(p.z > 0)) return kNoLabel;
-  const Vec2d pixel = view.camera.project(p);
-  if (!view.camera.contains(pixel)) return kNoLabel;
-  const int i = static_cast<int>(pixel.x), j = static_cast<int>(pixel.y);
-  const float z = view.depth.at(i, j);
-  if (!usable(z) || std::abs(z - p.z) > agreement * p.z) return kNoLabel;
-  return view.labels.at(i, j);
+  const std::optional<PixelIndex> pixel = pixel_showing(x, view.camera, view.depth, agreement);
+  return pixel ? view.labels.at(pixel->x, pixel->y) : kNoLabel;
 }
 
 FusedLabels fused(const std::vector<PlaneView>& views, size_t index, double agreement) {
@@ -73,12 +67,15 @@ FusedLabels fused(const std::vector<PlaneView>& views, size_t index, double agre
       Votes votes;
       votes.add(own);
       const float z = view.depth.at(x, y);
-      const Vec3d place = usable(z) ? to_world * (view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z)) : Vec3d{};
-      for (size_t other = 0; usable(z) && other < views.size(); ++other) {
-        if (other != index && has_say(views[other])) votes.add(label_of(place, views[other], agreement));
+      if (z > 0 && std::isfinite(z)) {
+        const Vec3d place = to_world * (view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z));
+        for (size_t other = 0; other < views.size(); ++other) {
+          if (other != index && has_say(views[other])) votes.add(label_of(place, views[other], agreement));
+        }
       }
-      out.labels.at(x, y) = votes.winner(own);
-      out.share.at(x, y) = votes.share_of_winner(own);
+      const Votes::Winner winner = votes.winner(own);
+      out.labels.at(x, y) = winner.label;
+      out.share.at(x, y) = winner.share;
     }
   }
   return out;

@@ -38,7 +38,8 @@ Mat3d orthogonal(const Vec3d& first, const Vec3d& second) {
 /// x with a x = b; nothing when a is singular (Cramer's rule).
 std::optional<Vec3d> solve(const Mat3d& a, const Vec3d& b) {
   const double det = determinant(a);
-  if (std::abs(det) < 1e-12) return std::nullopt;
+  constexpr double kSingular = 1e-12;  // of a matrix whose numbers are at most 1
+  if (std::abs(det) < kSingular) return std::nullopt;
   const Vec3d c0 = a.column(0), c1 = a.column(1), c2 = a.column(2);
   return Vec3d{dot(b, cross(c1, c2)), dot(c0, cross(b, c2)), dot(c0, cross(c1, b))} * (1 / det);
 }

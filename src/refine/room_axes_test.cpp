@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/angles.h"
-#include "core/random.h"
 
 namespace aligngs {
 namespace {

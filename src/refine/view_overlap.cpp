@@ -46,4 +46,15 @@ std::vector<std::vector<int>> overlapping_views(const std::vector<const MatchVie
   return out;
 }
 
+std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth, double agreement) {
+  const Vec3d p = camera.world_to_camera * place;
+  if (!(p.z > 0)) return {};
+  const Vec2d at = camera.project(p);
+  if (!camera.contains(at)) return {};
+  const PixelIndex pixel{static_cast<int>(at.x), static_cast<int>(at.y)};
+  const double seen = static_cast<double>(depth.at(pixel.x, pixel.y));
+  if (!(std::abs(seen - p.z) <= agreement * p.z)) return {};  // also where there is none, or no number
+  return pixel;
+}
+
 }  // namespace aligngs

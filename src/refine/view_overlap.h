@@ -1,6 +1,7 @@
 // Which photos see the same things.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "refine/guided_match.h"
@@ -15,5 +16,13 @@ double view_overlap(const MatchView& from, const MatchView& to, double largest_t
 std::vector<std::vector<int>> overlapping_views(const std::vector<const MatchView*>& from,
                                                 const std::vector<const MatchView*>& to, int count, double least,
                                                 double largest_turn);
+
+struct PixelIndex {
+  int x = 0, y = 0;
+};
+
+/// The pixel of a photo (camera, H x W depth, 0 = none) that shows a place of the world; nothing where the place is behind the camera or
+/// outside of the image, or where what is seen there lies farther from it than `agreement` (relative, below 1).
+std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth, double agreement);
 
 }  // namespace aligngs

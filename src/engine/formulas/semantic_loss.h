@@ -152,7 +152,7 @@ ALIGNGS_HD inline T plain_coupling_offset(bool probabilities, const T* row_gradi
   return sum / T(channels);
 }
 
-/// kBounded with kProbabilities, our default: L_geo = 1/2 omega |B / A - t|^2 with A detached, so
+/// kBounded with kProbabilities: L_geo = 1/2 omega |B / A - t|^2 with A detached, so
 /// h = omega (B / A - t) / A and h_0 = 0. Zero where A < 0.5. `omega` is the pixel's weight divided by the number of
 /// valid pixels. Returns L_geo; `h` must not be `blended`.
 template <class T>
