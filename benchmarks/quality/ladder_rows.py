@@ -33,6 +33,7 @@ WITHOUT = {
 WITH = {
     "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
     "opacity dropout": ["train.opacity_dropout=0.2"], "minimum splat size": ["optimizer.scale_min_pixels=0.7"],
+    "planes in the loop": ["loss.plane_weight=1"], "planes in the loop, held": ["loss.plane_weight=1", "loss.log_depth_end=0.2"],
     "moving cameras": ["optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4"],
 }
 WITH_REFINED = {"planes of tables": ["--plane-tables"], "fused labels": ["--fuse-labels"]}

@@ -31,6 +31,7 @@ PlaneMeasurement merged(PlaneMeasurement sure, const PlaneMeasurement& unsure) {
     if (unsure.weight.data[p] <= 0) continue;
     sure.log_factor.data[p] = unsure.log_factor.data[p];
     sure.weight.data[p] = unsure.weight.data[p];
+    sure.plane.data[p] = unsure.plane.data[p];
   }
   return sure;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/angles.h"
 #include "scene/depth_normals.h"
@@ -88,46 +89,28 @@ void collect_points(const PlaneView& view, const PreparedView& prepared, const s
   }
 }
 
-/// A plane in a camera's frame: depth along ray r is -offset / (normal . r).
-struct CameraPlane {
-  Vec3d normal;
-  double offset;
-  PlaneKind kind;
-};
-
-std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes) {
-  std::vector<CameraPlane> out;
-  const Vec3d centre = camera.centre();
-  for (const ScenePlane& plane : planes) {
-    const double before = plane.distance(centre);
-    if (before > 0) out.push_back({camera.world_to_camera.rotation * plane.normal, before, plane.kind});  // else seen from behind
-  }
-  return out;
-}
-
-/// Depth of a plane along a ray with z = 1; 0: not in front.
-double depth_of(const CameraPlane& plane, const Vec3d& ray) {
-  const double slope = -dot(plane.normal, ray);
-  return slope > 0 ? plane.offset / slope : 0;
-}
-
 /// Tukey's biweight.
 double biweight(double share) { return std::abs(share) < 1 ? (1 - share * share) * (1 - share * share) : 0; }
 
 struct PixelMeasurement {
   double log_factor = 0, weight = 0;
+  uint8_t plane = 0;
 };
 
 /// Glass is in the wall that the ray meets first, whatever its depth looks like.
 PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, double z, const PlaneDepthSettings& s) {
   double nearest = 0;
+  uint8_t number = 0;
   for (const CameraPlane& plane : planes) {
-    const double depth = plane.kind == kind ? depth_of(plane, ray) : 0;
-    if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
+    const double depth = plane.kind == kind ? plane.depth(ray) : 0;
+    if (depth > 0 && (nearest == 0 || depth < nearest)) {
+      nearest = depth;
+      number = plane.number;
+    }
   }
   const double factor = nearest > 0 ? std::log(nearest / z) : 0;
   if (nearest == 0 || std::abs(factor) > s.glass_reach) return {};
-  return {factor, s.strength};
+  return {factor, s.strength, number};
 }
 
 /// Everything else is on the plane that is nearest to its depth, if that is near and turned alike.
@@ -137,10 +120,10 @@ PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, PlaneKi
   PixelMeasurement best;
   for (const CameraPlane& plane : planes) {
     if (plane.kind != kind || dot(plane.normal, normal) < least_cosine) continue;
-    const double depth = depth_of(plane, ray);
+    const double depth = plane.depth(ray);
     if (!(depth > 0)) continue;
     const double factor = std::log(depth / z), weight = s.strength * biweight(factor / s.reach);
-    if (weight > best.weight) best = {factor, weight};
+    if (weight > best.weight) best = {factor, weight, plane.number};
   }
   return best;
 }
@@ -148,7 +131,7 @@ PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, PlaneKi
 PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, const std::vector<PlaneClass>& classes,
                          const std::vector<ScenePlane>& planes, const PlaneDepthSettings& s) {
   const int width = view.camera.width, height = view.camera.height;
-  PlaneMeasurement out{ImageF(width, height, 1), ImageF(width, height, 1)};
+  PlaneMeasurement out{ImageF(width, height, 1), ImageF(width, height, 1), Image<uint8_t>(width, height, 1)};
   if (prepared.classes.data.empty()) return out;
   const std::vector<CameraPlane> local = in_frame_of(view.camera, planes);
   for (int y = 0; y < height; ++y) {
@@ -162,6 +145,7 @@ PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, co
                                      : measure_surface(local, classes[label].kind, ray, normal_at(prepared.normals, x, y), z, s);
       out.log_factor.at(x, y) = static_cast<float>(m.log_factor);
       out.weight.at(x, y) = static_cast<float>(m.weight) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
+      out.plane.at(x, y) = m.plane;
     }
   }
   return out;
@@ -198,6 +182,18 @@ FoundPlanes planes_in(const std::vector<PlaneView>& views, const std::vector<Pre
 }
 
 }  // namespace
+
+std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes) {
+  std::vector<CameraPlane> out;
+  const Vec3d centre = camera.centre();
+  constexpr size_t kMost = std::numeric_limits<uint8_t>::max();
+  for (size_t i = 0; i < planes.size() && i < kMost; ++i) {
+    const double distance = planes[i].distance(centre);
+    if (!(distance > 0)) continue;  // seen from behind
+    out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind, static_cast<uint8_t>(i + 1)});
+  }
+  return out;
+}
 
 std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surfaces) {
   std::vector<PlaneClass> out(labels.classes.size());

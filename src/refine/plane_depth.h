@@ -32,10 +32,28 @@ struct PlaneDepthSettings {
   bool square = false;         ///< planes of a room that is built square are turned to its axes (refine/room_axes.h)
 };
 
-/// Per view what planes say: the log factor that takes the depth to its plane, and its weight; 0 where none.
+/// Per view what planes say: the log factor that takes the depth to its plane, its weight, and 1 + the plane's index; 0 where none.
 struct PlaneMeasurement {
   ImageF log_factor, weight;
+  Image<uint8_t> plane;
 };
+
+/// A plane in a camera's frame, from the side that the camera is on.
+struct CameraPlane {
+  Vec3d normal;      ///< unit, to the camera's side
+  double distance;   ///< of the camera's centre, scene units, > 0
+  PlaneKind kind;
+  uint8_t number;    ///< 1 + index among the planes of the scene
+
+  /// Depth along a ray with z = 1; 0: not in front.
+  double depth(const Vec3d& ray) const {
+    const double slope = -dot(normal, ray);
+    return slope > 0 ? distance / slope : 0;
+  }
+};
+
+/// The planes that a camera sees from their front; of the first 255, which are more than find_planes() finds.
+std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes);
 
 struct PlaneDepthResult {
   std::vector<ScenePlane> planes;

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "io/safetensors.h"
+#include "train/checkpoint_planes.h"
+#include "train/checkpoint_tensors.h"
 
 namespace aligngs {
 namespace {
@@ -20,27 +21,6 @@ constexpr const char* kSchema = "aligngs-checkpoint-1";
 constexpr const char* kPrefix = "step_";
 constexpr const char* kSuffix = ".safetensors";
 constexpr const char* kOtherScene = "other scene";  // field by which the caller tells this case from damage
-
-template <class T>
-TensorBytes raw_tensor(const char* dtype, const T* values, size_t count) {
-  TensorBytes t;
-  t.dtype = dtype;
-  t.shape = {static_cast<int64_t>(count)};
-  t.bytes.resize(count * sizeof(T));
-  if (count > 0) std::memcpy(t.bytes.data(), values, t.bytes.size());
-  return t;
-}
-
-template <class T>
-std::vector<T> raw_values(const TensorFile& file, const char* name, const char* dtype, const fs::path& path) {
-  const auto it = file.tensors.find(name);
-  if (it == file.tensors.end() || it->second.dtype != dtype || it->second.bytes.size() % sizeof(T) != 0) {
-    throw_bad_input(path, name, "the tensor is missing or of another type");
-  }
-  std::vector<T> values(it->second.bytes.size() / sizeof(T));
-  if (!values.empty()) std::memcpy(values.data(), it->second.bytes.data(), it->second.bytes.size());
-  return values;
-}
 
 std::vector<float> float_tensor(const TensorFile& file, const std::string& name, size_t count, const fs::path& path) {
   const auto it = file.tensors.find(name);
@@ -196,6 +176,7 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
     const std::vector<double> numbers = numbers_of(state.motions);
     file.tensors["camera_motions"] = raw_tensor("F64", numbers.data(), numbers.size());
   }
+  put_planes(state.planes, file);
   file.metadata["schema"] = kSchema;
   file.metadata["version"] = ALIGNGS_VERSION;
   file.metadata["fingerprint"] = fingerprint;
@@ -254,6 +235,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   take_random("density.random", state.density_random);
   state.depth_scales = raw_values<float>(file, "depth_scales", "F32", path);
   state.motions = take_motions(file, path);
+  state.planes = take_planes(file, path);
   return state;
 }
 

@@ -10,6 +10,7 @@
 
 #include "engine/engine.h"
 #include "scene/scene.h"
+#include "train/plane_targets.h"
 #include "train/pose_refinement.h"
 #include "train/view_order.h"
 
@@ -24,6 +25,7 @@ struct TrainingState {
   std::array<uint64_t, 4> density_random{};  ///< of density control
   std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
   std::vector<CameraMotion> motions;         ///< of the training cameras; empty: this run moves none
+  PlaneTargets planes;                       ///< of the last fit (loss.plane_weight); empty: none yet
   int64_t non_finite_steps = 0;              ///< steps rolled back so far
   uint64_t max_gaussians = 0;                ///< cap found at the start, 0 = none
   bool dense_start = false, normals_at_start = false;

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "train/checkpoint_planes.h"
 
 namespace aligngs {
 namespace {
@@ -90,6 +91,50 @@ TEST_F(Checkpoint, MovedCamerasComeBackAndAreAppliedToTheTrainingViewsAlone) {
   EXPECT_NEAR(scene.views[2].camera.world_to_camera.translation.y, 2, 1e-12);
   scene.train = {0};
   EXPECT_THROW(apply_motions(r.motions, scene), Error);
+}
+
+TEST_F(Checkpoint, PlanesComeBack) {
+  TrainingState s = state_at(7);
+  ViewPlanes one, none;
+  one.planes = {{{0, 0.6, -0.8}, 2.5, PlaneKind::kWall, 3}, {{0, 0, -1}, 1.5, PlaneKind::kFloor, 4}};
+  one.plane = Image<uint8_t>(3, 2, 1, 2);
+  one.weight = Image<uint8_t>(3, 2, 1, 200);
+  one.depth_scale = 0.98f;
+  none.plane = none.weight = Image<uint8_t>(2, 2, 1);
+  s.planes.views = {one, none};
+  write_checkpoint(folder_, s, "scene", 2);
+  const PlaneTargets r = read_checkpoint(newest(), "scene").planes;
+  ASSERT_EQ(r.views.size(), 2u);
+  ASSERT_EQ(r.views[0].planes.size(), 2u);
+  EXPECT_EQ(r.views[0].planes[0].normal.y, 0.6);
+  EXPECT_EQ(r.views[0].planes[1].distance, 1.5);
+  EXPECT_EQ(r.views[0].plane.width, 3);
+  EXPECT_EQ(r.views[0].plane.data, one.plane.data);
+  EXPECT_EQ(r.views[0].weight.data, one.weight.data);
+  EXPECT_EQ(r.views[0].depth_scale, 0.98f);
+  EXPECT_TRUE(r.views[1].planes.empty());
+}
+
+TEST_F(Checkpoint, PlanesThatDoNotFitEachOtherAreRefused) {
+  PlaneTargets targets;
+  targets.views.resize(1);
+  targets.views[0].planes = {{{0, 0, -1}, 1.5, PlaneKind::kFloor, 1}};
+  targets.views[0].plane = targets.views[0].weight = Image<uint8_t>(3, 2, 1, 1);
+  TensorFile good;
+  put_planes(targets, good);
+  EXPECT_EQ(take_planes(good, "step").views.size(), 1u);
+  const auto expect_refused = [&](const char* tensor, const auto& damage) {
+    TensorFile bad = good;
+    damage(bad.tensors.at(tensor));
+    EXPECT_THROW(take_planes(bad, "step"), Error) << tensor;
+  };
+  expect_refused("planes.sizes", [](TensorBytes& t) { t.bytes.resize(8); });
+  expect_refused("planes.sizes", [](TensorBytes& t) { t.bytes[7] = 0x7f; });  // a width beyond all bounds
+  expect_refused("planes.sizes", [](TensorBytes& t) { t.bytes[0] = 4; });
+  expect_refused("planes.frames", [](TensorBytes& t) { t.bytes.resize(24); });
+  expect_refused("planes.scales", [](TensorBytes& t) { t.bytes.clear(); });
+  expect_refused("planes.numbers", [](TensorBytes& t) { t.bytes[5] = 2; });
+  expect_refused("planes.weights", [](TensorBytes& t) { t.dtype = "F32"; });
 }
 
 TEST_F(Checkpoint, KeepsTheLastK) {

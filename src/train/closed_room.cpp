@@ -7,13 +7,13 @@
 #include "gaussians/soft_labels.h"
 #include "refine/unseen_layout.h"
 #include "scene/kd_tree.h"
+#include "train/rendered_view.h"
 
 namespace aligngs {
 namespace {
 
 constexpr int kLongestSide = 320;      // pixels of a rendering: planes, openings and colours need no more
 constexpr double kCell = 0.01;         // edge of a square / extent: 3 to 5 cm in a room, whose unseen walls are plain
-constexpr double kSolid = 0.9;         // alpha from which a pixel's depth counts as one surface's
 constexpr double kTaken = 0.75;        // squares; a Gaussian this near to a square's centre covers it
 constexpr float kTakenOpacity = 0.3f;  // if it is at least so opaque
 constexpr float kOpacity = 0.95f;
@@ -22,21 +22,16 @@ constexpr float kWidth = 0.7f;         // standard deviation / edge of a square:
 constexpr float kSureLogit = 8;        // of the class against all others: 0.95 among 150 classes
 
 /// What a training view shows of the trained scene.
-LayoutView look(const Engine& engine, const GuideView& view, RenderOptions options) {
+LayoutView look(const Engine& engine, const GuideView& view, const RenderOptions& options) {
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(view.camera.width, view.camera.height));
   LayoutView out;
   out.plane.camera = view.camera.resized(std::max(1, static_cast<int>(std::lround(view.camera.width * shrink))),
                                          std::max(1, static_cast<int>(std::lround(view.camera.height * shrink))));
-  options.raster.near_plane = view.near_plane;
-  options.geometry = options.labels = true;
-  Rendering seen = engine.render(out.plane.camera, options);
-  out.plane.depth = std::move(seen.depth_median);
-  out.plane.labels = std::move(seen.label);
-  out.plane.certainty = ImageF(out.plane.camera.width, out.plane.camera.height, 1);
+  Rendering seen = render_labelled(engine, view, out.plane.camera, options);
+  out.plane = plane_view_of(out.plane.camera, seen);
   out.color = std::move(seen.color);
   for (size_t i = 0; i < seen.alpha.data.size(); ++i) {
     const float alpha = seen.alpha.data[i];
-    out.plane.certainty.data[i] = alpha > kSolid ? 1.0f : 0.0f;
     for (size_t c = 0; alpha > 0 && c < 3; ++c) out.color.data[3 * i + c] = std::clamp(out.color.data[3 * i + c] / alpha, 0.0f, 1.0f);
   }
   return out;

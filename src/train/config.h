@@ -70,6 +70,8 @@ struct LossConfig {
   double normal_consistency = 0, normal_boundary = 0, crease = 0;
   int64_t normal_start = 0;  ///< [ref] those three act after it
   double prior_normal = 0, prior_normal_end = 0;
+  double plane_weight = 0;   ///< of a rendered plane beside a prior of weight 1 (plane_targets.h); 0 = none
+  int64_t plane_every = 0;   ///< [ref] iterations between fits
   double multi_view_geometric = 0, multi_view_photometric = 0;
   int64_t multi_view_from = 0;   ///< [ref] those two act after it
   int64_t multi_view_every = 1;  ///< in every so-manieth iteration

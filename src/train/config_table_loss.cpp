@@ -37,6 +37,10 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "weight of the normals of metric prior depth at the start"},
       {"loss.prior_normal_end", field<&C::loss, &L::prior_normal_end>, 0, 1e6, "", ours_paper(0.01, 0.0),
        "the same at the end of the schedule; log-linear between"},
+      {"loss.plane_weight", field<&C::loss, &L::plane_weight>, 0, 16, "", all(0.0),
+       "weight of the plane of a wall, floor or ceiling beside prior depth of weight 1 as what the depth and normal terms draw to (1 was tried); "
+       "planes are fitted to the rendered depth and labels; needs metric prior depth and labels; 0 = off"},
+      {"loss.plane_every", field<&C::loss, &L::plane_every>, 1, kIterationsMax, "", all(1000), "[ref] iterations between these fits"},
       {"loss.multi_view_geometric", field<&C::loss, &L::multi_view_geometric>, 0, 1e6, "", with_pgsr(all(0.0), 0.03),
        "weight of the reprojection error (pixels) of rendered depth into a neighbouring view and back"},
       {"loss.multi_view_photometric", field<&C::loss, &L::multi_view_photometric>, 0, 1e6, "", with_pgsr(all(0.0), 0.15),

@@ -152,6 +152,11 @@ bool Schedule::aligns_prior_depth(int64_t iteration) const {
          every(iteration, config_.loss.depth_align_every);
 }
 
+bool Schedule::fits_planes(int64_t iteration) const {
+  return facts_.prior_depth == PriorDepthKind::kMetric && facts_.semantics && config_.loss.plane_weight > 0 &&
+         every(iteration, config_.loss.plane_every);
+}
+
 bool Schedule::closes_room(int64_t iteration) const {
   return config_.train.closed_room && facts_.semantics && iteration == config_.train.iterations;
 }

@@ -49,6 +49,7 @@ class Schedule {
   bool prunes_free_space(int64_t iteration) const;
   bool raises_scales(int64_t iteration) const;
   bool aligns_prior_depth(int64_t iteration) const;
+  bool fits_planes(int64_t iteration) const;
   /// After the last step.
   bool closes_room(int64_t iteration) const;
   /// Before the step of this iteration.

@@ -270,6 +270,20 @@ TEST(Schedule, TheRoomIsClosedAfterTheLastStepWhereThereAreLabels) {
   EXPECT_FALSE(Schedule(paper(), room()).closes_room(paper().train.iterations));
 }
 
+TEST(Schedule, PlanesAreFittedWhereDepthIsMetricAndThereAreLabels) {
+  TrainConfig c = standard();
+  EXPECT_FALSE(Schedule(c, room()).fits_planes(1000)) << "off unless asked for";
+  c.loss.plane_weight = 1;
+  EXPECT_TRUE(Schedule(c, room()).fits_planes(1000));
+  EXPECT_FALSE(Schedule(c, room()).fits_planes(1001));
+  EXPECT_FALSE(Schedule(c, room()).fits_planes(c.train.iterations));
+  ScheduleFacts unlabelled = room(), relative = room();
+  unlabelled.semantics = false;
+  relative.prior_depth = PriorDepthKind::kRelative;
+  EXPECT_FALSE(Schedule(c, unlabelled).fits_planes(1000));
+  EXPECT_FALSE(Schedule(c, relative).fits_planes(1000));
+}
+
 TEST(Schedule, McmcBringsNoiseThatFallsWithTheRateOfPositions) {
   TrainConfig c = standard();
   EXPECT_EQ(Schedule(c, room()).position_noise(10), 0);

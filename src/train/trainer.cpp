@@ -94,9 +94,13 @@ TrainingState Trainer::run(TrainingState state) {
   if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
     throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views", "start anew with --overwrite");
   }
-  place_cameras();
-
   view_scale_ = schedule_.view_scale(state_.iteration + 1);
+  if (state_.planes.empty()) {
+    place_cameras();
+  } else {
+    give_views();
+  }
+
   const int64_t last = in_.config.train.iterations;
   EventLog events(folder_.events(), state_.iteration);
   Progress progress(in_.progress, "train", static_cast<uint64_t>(last), static_cast<uint64_t>(state_.iteration));
@@ -119,8 +123,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   StepRequest request = schedule_.request(iteration);
   if (schedule_.view_scale(iteration) != view_scale_) {
     view_scale_ = schedule_.view_scale(iteration);
-    engine_.set_training_views(in_.load_views(view_scale_));
-    place_cameras();
+    give_views();
     events.message(iteration, "resolution", fmt::format("views at {} of the working resolution", view_scale_));
   }
   if (schedule_.lifts_semantics(iteration)) engine_.lift_semantics(request.raster);
@@ -179,6 +182,7 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
   if (schedule_.aligns_prior_depth(iteration)) {
     align_to_renderings(engine_, in_.guides, in_.from_points, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
   }
+  if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
   if (schedule_.closes_room(iteration)) close_room_now(iteration, events);
   if (engine_.size() > 0) return;
   throw Error({ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
@@ -201,12 +205,33 @@ void Trainer::move_camera(size_t view, const PoseRates& rates) {
   place_camera(view);
 }
 
-void Trainer::close_room_now(int64_t iteration, EventLog& events) {
+void Trainer::give_views() {
+  std::vector<TrainingView> views = in_.load_views(view_scale_);
+  draw_to_planes(state_.planes, in_.config.loss.plane_weight, views);
+  engine_.set_training_views(std::move(views));
+  place_cameras();
+}
+
+RenderOptions Trainer::labelled_rendering(int64_t iteration) const {
   RenderOptions render;
   render.raster = schedule_.request(iteration).raster;
   render.semantic_blend = semantic_blend_named(in_.config.semantic.blend);
+  return render;
+}
+
+void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
+  const PlaneSurfaces surfaces = in_.config.data.refine_tables ? PlaneSurfaces::kLayoutAndTables : PlaneSurfaces::kLayout;
+  const std::vector<PlaneClass> classes = plane_classes(in_.labels, surfaces);
+  state_.planes = fit_plane_targets(
+      engine_, {in_.guides, classes, state_.depth_scales, labelled_rendering(iteration), in_.config.data.refine_square}, pool_);
+  give_views();
+  events.message(iteration, "planes", fmt::format("planes of walls, floor and ceiling under {:.0f} % of the pixels",
+                                                  100 * state_.planes.share()));
+}
+
+void Trainer::close_room_now(int64_t iteration, EventLog& events) {
   const size_t most = in_.facts.max_gaussians > 0 ? in_.facts.max_gaussians : std::numeric_limits<size_t>::max();
-  const size_t added = close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, render}, pool_);
+  const size_t added = close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
   if (added == 0) return;
   events.message(iteration, "closed_room", fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
   log_info("closed room: {} Gaussians for walls, floor and ceiling that no photo shows", added);

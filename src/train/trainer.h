@@ -31,7 +31,7 @@ struct TrainerInputs {
   std::string fingerprint;           ///< of the scene
   std::string resume_command;        ///< shown when the run is interrupted
   ProgressStyle progress;
-  /// The training views at this share of the working resolution; called when Schedule::view_scale changes.
+  /// The training views at this share of the working resolution; called when Schedule::view_scale changes and for new planes.
   std::function<std::vector<TrainingView>(double scale)> load_views;
 };
 
@@ -62,6 +62,10 @@ class Trainer {
   void place_camera(size_t view);
   void move_camera(size_t view, const PoseRates& rates);
   void close_room_now(int64_t iteration, EventLog& events);
+  void fit_planes_now(int64_t iteration, EventLog& events);
+  /// Gives the engine the views of this resolution, with cameras and planes as the state has them.
+  void give_views();
+  RenderOptions labelled_rendering(int64_t iteration) const;
   void write_state();
   void stop_here();
   void obey();

@@ -15,6 +15,7 @@ namespace {
 // Per pixel of a prepared view: colour, mask, prior depth, its weight, prior normal (3), semantic weight as
 // floats, labels (2 bytes) and label edges (1 byte).
 constexpr uint64_t kColorBytes = 3 * 4, kMaskBytes = 4, kDepthBytes = (1 + 1 + 3) * 4, kSemanticBytes = 4 + 2 + 1;
+constexpr uint64_t kPlaneBytes = 2;  // number and weight, train/plane_targets.h
 
 constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixels do not move the near plane
 
@@ -122,6 +123,7 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
 
 uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, const PriorUse& use) {
   uint64_t bytes = 0;
+  const bool planes = config.loss.plane_weight > 0 && use.semantics && use.depth == PriorDepthKind::kMetric;
   for (const int v : scene.train) {
     const Camera camera = working_camera(scene, config, v);
     const uint64_t pixels = uint64_t(camera.width) * static_cast<uint64_t>(camera.height);
@@ -136,8 +138,9 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
       bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 4);  // float16 probabilities and a confidence
     }
     bytes += pixels * per_pixel;
+    if (planes) bytes += pixels * kPlaneBytes;
   }
-  return bytes;
+  return planes ? 2 * bytes : bytes;  // loaded anew for every fit, while the engine still has the views of the last one
 }
 
 float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double extent) {
