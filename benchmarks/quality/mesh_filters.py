@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """What each part of mesh fusion does: one trained run per scene, fused again with one setting changed at a time.
 
-    benchmarks/quality/mesh_filters.py OUTPUT SCENE... [--iterations 1000] [--seed 1]
+    benchmarks/quality/mesh_filters.py OUTPUT SCENE... [--iterations 1000] [--seed 1] [--set data.scale=0.5] [--variants NAME...]
 
-SCENE is a scene folder with truth, as `benchmarks/quality/ladder.py` leaves them under scenes/ with --keep-scenes. Finished runs and
-meshes in OUTPUT are not repeated. Writes mesh.csv (a line per scene and variant) and mesh.md (means, and differences from the
+SCENE is a scene folder with a true surface, as `benchmarks/quality/ladder.py` (with --keep-scenes) and `capture.py` leave them under
+scenes/. --set is of the training. Finished runs and meshes in OUTPUT are not repeated. Writes mesh.csv (a line per scene and variant) and mesh.md (means, and differences from the
 default with 95 % intervals over the scenes). ALIGNGS names the program (default build/aligngs)."""
 import argparse
 import csv
@@ -53,7 +53,7 @@ def trained(arguments, scene):
     run = arguments.output / scene.name
     if not (run / "metrics.json").exists():
         ladder.run("run", scene, "-o", run, "--preset", "default", "-n", arguments.iterations, "--seed", arguments.seed, "--no-refine", "--overwrite",
-                   "--set", f"checkpoint.every={arguments.iterations}")
+                   *(text for s in [f"checkpoint.every={arguments.iterations}", *arguments.settings] for text in ("--set", s)))
     return run
 
 
@@ -85,12 +85,16 @@ def main():
     parser.add_argument("scenes", type=Path, nargs="+")
     parser.add_argument("--iterations", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--set", dest="settings", action="append", default=[])
+    parser.add_argument("--variants", nargs="+", choices=[name for name, *_ in VARIANTS[1:]], metavar="NAME", help="only these")
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
     results = {name: {} for name, *_ in VARIANTS}
     for scene in arguments.scenes:
         run = trained(arguments, scene)
         for name, settings, source in VARIANTS:
+            if arguments.variants and name not in [DEFAULT, *arguments.variants]:
+                continue
             print(f"{scene.name}: {name}", flush=True)
             results[name][scene.name] = measure(run, name, settings, source)
             write_tables(arguments.output, {n: r for n, r in results.items() if r})
