@@ -25,7 +25,7 @@ CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
 # What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, uncoupled".
 WITHOUT = {
-    "log depth": ["loss.log_depth=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
+    "log depth": ["loss.log_depth=0", "loss.pearson=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
     "free space": ["densify.free_space_every=0"], "closed room": ["train.closed_room=false"], "dense start": ["init.start=cloud"],
     "sharpened labels": ["semantic.drawn_sharpness=0"],
 }
@@ -33,6 +33,9 @@ WITHOUT = {
 WITH = {
     "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
     "opacity dropout": ["train.opacity_dropout=0.2"], "minimum splat size": ["optimizer.scale_min_pixels=0.7"],
+    "stronger normal consistency": ["loss.normal_consistency=0.05"],
+    "Pearson in place of log depth": ["loss.log_depth=0"],
+    "weaker log depth": ["loss.log_depth=0.1", "loss.log_depth_end=0.004"],
     "planes in the loop": ["loss.plane_weight=1"], "planes in the loop, held": ["loss.plane_weight=1", "loss.log_depth_end=0.2"],
     "moving cameras": ["optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4"],
 }

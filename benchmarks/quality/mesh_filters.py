@@ -17,18 +17,18 @@ import ladder_rows
 import ladder_tables
 
 DEFAULT = "default"
-PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.single_view_weight=1", "mesh.contradicted_weight=1"]
+PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.contradicted_weight=1"]
 # Name, settings of `aligngs mesh` and where its depth comes from.
 VARIANTS = [
     (DEFAULT, [], None),
-    ("no view consistency", ["mesh.single_view_weight=1", "mesh.contradicted_weight=1"], None),
-    ("surface of one view as sure as any", ["mesh.single_view_weight=1"], None),
+    ("surface of one view weighs a quarter", ["mesh.single_view_weight=0.25"], None),
     ("surface of one view dropped", ["mesh.single_view_weight=0"], None),
     ("surface that others look through kept", ["mesh.contradicted_weight=1"], None),
     ("views agree within 2 % instead of 1 %", ["mesh.consistency=0.02"], None),
     ("half-transparent pixels kept (0.5)", ["mesh.alpha_min=0.5"], None),
     ("grazing pixels kept", ["mesh.min_cosine=0"], None),
     ("small pieces kept", ["mesh.component_area=-1", "mesh.component_extent=-1"], None),
+    ("pieces of 5 cm kept", ["mesh.component_area=0.0005", "mesh.component_extent=0.05"], None),
     ("plane depth", ["mesh.depth=plane"], None),
     ("expected depth", ["mesh.depth=expected"], None),
     ("40 views between the training views", ["mesh.interpolated_views=40"], None),

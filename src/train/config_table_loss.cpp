@@ -25,7 +25,7 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "[ref] iterations between closed-form updates of the per-view scale of metric prior depth; 0 = never"},
       {"loss.depth_align_limit", field<&C::loss, &L::depth_align_limit>, 0, 0.5, "", all(0.03),
        "largest deviation of that scale from 1"},
-      {"loss.normal_consistency", field<&C::loss, &L::normal_consistency>, 0, 1e6, "", with_pgsr(all(0.05), 0.015),
+      {"loss.normal_consistency", field<&C::loss, &L::normal_consistency>, 0, 1e6, "", with_pgsr(ours_paper(0.015, 0.05), 0.015),
        "weight of L_ng, rendered normal against the normal of the rendered depth"},
       {"loss.normal_boundary", field<&C::loss, &L::normal_boundary>, 0, 1e6, "", with_pgsr(ours_paper(0.0, 0.01), 0.0),
        "weight of the paper's L_nb at label edges"},
