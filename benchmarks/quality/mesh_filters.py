@@ -17,11 +17,12 @@ import ladder_rows
 import ladder_tables
 
 DEFAULT = "default"
-PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.contradicted_weight=1"]
+PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.single_view_weight=1", "mesh.contradicted_weight=1"]
 # Name, settings of `aligngs mesh` and where its depth comes from.
 VARIANTS = [
     (DEFAULT, [], None),
-    ("surface of one view weighs a quarter", ["mesh.single_view_weight=0.25"], None),
+    ("no view consistency", ["mesh.single_view_weight=1", "mesh.contradicted_weight=1"], None),
+    ("surface of one view as sure as any", ["mesh.single_view_weight=1"], None),
     ("surface of one view dropped", ["mesh.single_view_weight=0"], None),
     ("surface that others look through kept", ["mesh.contradicted_weight=1"], None),
     ("views agree within 2 % instead of 1 %", ["mesh.consistency=0.02"], None),

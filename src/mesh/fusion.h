@@ -28,7 +28,7 @@ struct FusionOptions {
   double max_depth_factor = 1.5;
   double min_alpha = 0.9;   ///< of a pixel: less is a surface only half seen
   double min_cosine = 0.17; ///< between viewing ray and surface normal: 80 degrees
-  double single_view_weight = 1;      ///< of surface that one view alone sees; 0 drops it
+  double single_view_weight = 0.25;   ///< of surface that one view alone sees; 0 drops it
   double contradicted_weight = 0;     ///< of surface that another view looks through
   double interpolated_weight = 0.3;   ///< of interpolated views, at most 0.3
   ConsistencyOptions consistency;

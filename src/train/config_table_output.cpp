@@ -25,7 +25,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "cosine of the viewing angle below which a pixel is not fused"},
       {"mesh.consistency", field<&C::mesh, &M::consistency>, 0, 1, "", all(0.01),
        "relative depth difference within which two views agree"},
-      {"mesh.single_view_weight", field<&C::mesh, &M::single_view_weight>, 0, 1, "", all(1.0),
+      {"mesh.single_view_weight", field<&C::mesh, &M::single_view_weight>, 0, 1, "", ours_paper(0.25, 1.0),
        "weight of surface that one view alone sees"},
       {"mesh.contradicted_weight", field<&C::mesh, &M::contradicted_weight>, 0, 1, "", ours_paper(0.0, 1.0),
        "weight of surface that another view looks through"},
