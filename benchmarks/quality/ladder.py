@@ -36,6 +36,10 @@ ROOMS = {
 }
 
 
+def set_options(settings):
+    return [text for s in settings for text in ("--set", s)]
+
+
 def run(*arguments):
     """The program's standard output; ends this script with its message when it fails."""
     done = subprocess.run([PROGRAM, *map(str, arguments), "-q"], capture_output=True, text=True)
@@ -108,7 +112,7 @@ def trained(folder, make_scene, row, iterations, seed, settings=()):
         scene = make_scene()
         # A checkpoint at the end alone: rows are short, and half a gigabyte every 500 steps takes some seconds.
         settings = [f"checkpoint.every={iterations}", *settings, *row.settings]
-        options = [text for s in settings for text in ("--set", s)]
+        options = set_options(settings)
         interrupted = folder.exists()  # what went before is not known to this process
         before = processor_seconds()
         run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *options)
@@ -162,7 +166,7 @@ def mesh_scores(folder, scene, option, preset, seed, settings=()):
     result = folder / f"yardstick{option}.json"
     if not result.exists():
         if not (folder / "metrics.json").exists():
-            options = [text for s in settings for text in ("--set", s)]
+            options = set_options(settings)
             run("run", scene, "-o", folder, "--preset", preset, "-n", 1, "--seed", seed, "--no-refine", "--overwrite", *options)
         measure_mesh(folder, result, option)
     return scores(json.loads(result.read_text()), GEOMETRY)

@@ -4,8 +4,9 @@
     benchmarks/quality/mesh_filters.py OUTPUT SCENE... [--iterations 1000] [--seed 1] [--set data.scale=0.5] [--variants NAME...]
 
 SCENE is a scene folder with a true surface, as `benchmarks/quality/ladder.py` (with --keep-scenes) and `capture.py` leave them under
-scenes/. --set is of the training. Finished runs and meshes in OUTPUT are not repeated. Writes mesh.csv (a line per scene and variant) and mesh.md (means, and differences from the
-default with 95 % intervals over the scenes). ALIGNGS names the program (default build/aligngs)."""
+scenes/. --set is of the training. Finished runs and meshes in OUTPUT are not repeated. Writes mesh.csv (a line per scene and variant)
+and mesh.md (means, and differences from the default with 95 % intervals over the scenes). ALIGNGS names the program (default
+build/aligngs)."""
 import argparse
 import csv
 import json
@@ -54,14 +55,14 @@ def trained(arguments, scene):
     run = arguments.output / scene.name
     if not (run / "metrics.json").exists():
         ladder.run("run", scene, "-o", run, "--preset", "default", "-n", arguments.iterations, "--seed", arguments.seed, "--no-refine", "--overwrite",
-                   *(text for s in [f"checkpoint.every={arguments.iterations}", *arguments.settings] for text in ("--set", s)))
+                   *ladder.set_options([f"checkpoint.every={arguments.iterations}", *arguments.settings]))
     return run
 
 
 def measure(run, name, settings, source):
     result = run / f"variant_{ladder_rows.file_name(name)}.json"
     if not result.exists():
-        ladder.measure_mesh(run, result, *([source] if source else []), *(text for s in settings for text in ("--set", s)))
+        ladder.measure_mesh(run, result, *([source] if source else []), *ladder.set_options(settings))
     return scores(json.loads(result.read_text()))
 
 

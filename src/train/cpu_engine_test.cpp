@@ -2,22 +2,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "scene/test_scene_folder.h"
+#include "train/resumed_runs_for_tests.h"
 #include "train/run_folder.h"
 #include "train/train_run.h"
-#include "train/watched_engine.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
-using test_train::Killed;
-using test_train::WatchedEngine;
+using test_train::expect_resumes;
 
 /// The slope of test_scene with a texture that belongs to its surface, so that the views agree on it.
 fs::path write_textured_scene() {
@@ -68,28 +66,6 @@ class TrainOnCpu : public testing::Test {
 
   fs::path scene_, base_;
 };
-
-/// An engine that dies in the middle of a step.
-EngineFactory killed_at(int64_t step) {
-  return [step](int threads) {
-    return std::make_unique<WatchedEngine>(make_cpu_engine(threads), test_train::killed_at(step));
-  };
-}
-
-/// `make` gives the options of a run by its name. Killed and resumed, such a run must end with the very Gaussians of `whole`, which has
-/// ended. `compare` looks at what else must be equal; `places` are the steps in which runs are killed.
-void expect_resumes(const TrainOptions& whole, const std::function<TrainOptions(const std::string&)>& make,
-                    const std::function<void(const TrainOptions&)>& compare = {},
-                    const std::vector<int64_t>& places = {5, 16, 37}) {
-  for (const int64_t at : places) {
-    TrainOptions o = make(whole.run.filename().string() + std::to_string(at));
-    EXPECT_THROW(train_run(o, killed_at(at)), Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(read_file(RunFolder(o.run).scene_ply()) == read_file(RunFolder(whole.run).scene_ply())) << o.run << " killed at " << at;
-    if (compare) compare(o);
-  }
-}
 
 TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   for (const char* preset : {"default", "paper", "pgsr"}) {

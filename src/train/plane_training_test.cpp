@@ -5,10 +5,10 @@
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "scene/test_scene_folder.h"
+#include "train/resumed_runs_for_tests.h"
 #include "train/run_folder.h"
 #include "train/train_run.h"
 #include "train/trained_room_for_tests.h"
-#include "train/watched_engine.h"
 
 namespace aligngs {
 namespace {
@@ -84,15 +84,7 @@ TEST_F(PlaneTraining, SaysWhatItFittedAndChangesTheResult) {
 TEST_F(PlaneTraining, KilledBetweenFitsAndResumedEndsByteIdentical) {
   const TrainOptions whole = options("whole");
   train_run(whole);
-  for (const int64_t at : {9, 13, 22}) {  // fits at 8 and 16, checkpoints at 10 and 20
-    TrainOptions o = options("killed_at_" + std::to_string(at));
-    EXPECT_THROW(train_run(o, [at](int threads) {
-      return std::make_unique<test_train::WatchedEngine>(make_cpu_engine(threads), test_train::killed_at(at));
-    }), test_train::Killed);
-    o.resume = true;
-    train_run(o);
-    EXPECT_TRUE(ply(o) == ply(whole)) << at;
-  }
+  test_train::expect_resumes(whole, [&](const std::string& name) { return options(name); }, {}, {9, 13, 22});  // fits at 8 and 16, checkpoints at 10 and 20
 }
 
 }  // namespace
