@@ -7,7 +7,7 @@
 #include "edit/mesh_selection.h"
 #include "edit/recolor.h"
 #include "edit/support_fill.h"
-#include "gaussians/density_control.h"
+#include "gaussians/restructure.h"
 
 namespace aligngs {
 namespace {

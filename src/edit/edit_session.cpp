@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "edit/edit_products.h"
+#include "gaussians/restructure.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
 #include "scene/mesh_ply.h"

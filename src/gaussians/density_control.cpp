@@ -196,42 +196,4 @@ RestructurePlan plan_keep(const std::vector<uint8_t>& keep) {
   return plan;
 }
 
-namespace {
-
-std::vector<float> gather(const RestructurePlan& plan, size_t width, const std::vector<float>& rows, bool copies) {
-  std::vector<float> out(plan.rows.size() * width, 0.0f);
-  for (size_t i = 0; i < plan.rows.size(); ++i) {
-    const RowOrigin& origin = plan.rows[i];
-    if (!copies && origin.kind != RowOrigin::Kind::kKeep) continue;
-    std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(origin.source * width), width,
-                out.begin() + static_cast<std::ptrdiff_t>(i * width));
-  }
-  return out;
-}
-
-}  // namespace
-
-void restructure_model(const RestructurePlan& plan, GaussianModel& model) {
-  model.positions = gather(plan, 3, model.positions, true);
-  model.log_scales = gather(plan, 3, model.log_scales, true);
-  model.rotations = gather(plan, 4, model.rotations, true);
-  model.opacity_logits = gather(plan, 1, model.opacity_logits, true);
-  model.sh = gather(plan, size_t(3) * kShCoefficients, model.sh, true);
-  model.semantics = gather(plan, static_cast<size_t>(model.semantic_channels), model.semantics, true);
-  for (size_t i = 0; i < plan.rows.size(); ++i) {
-    const RowOrigin& origin = plan.rows[i];
-    if (origin.kind == RowOrigin::Kind::kKeep) continue;
-    const float log_shrink = std::log(origin.shrink);
-    if (!std::isnan(origin.opacity_logit)) model.opacity_logits[i] = origin.opacity_logit;
-    for (size_t k = 0; k < 3; ++k) {
-      model.positions[3 * i + k] += origin.offset[k];
-      if (origin.kind == RowOrigin::Kind::kSplit) model.log_scales[3 * i + k] -= log_shrink;
-    }
-  }
-}
-
-void restructure_rows(const RestructurePlan& plan, size_t width, std::vector<float>& rows) {
-  rows = gather(plan, width, rows, false);
-}
-
 }  // namespace aligngs

@@ -70,9 +70,4 @@ RestructurePlan plan_density_control(const GaussianModel& model, const DensitySt
 /// A plan that keeps the rows whose flag is set.
 RestructurePlan plan_keep(const std::vector<uint8_t>& keep);
 
-/// Carries out a plan on the parameters.
-void restructure_model(const RestructurePlan& plan, GaussianModel& model);
-/// Carries out a plan on a per-row array of `width` values per row; new rows are zero (for moments).
-void restructure_rows(const RestructurePlan& plan, size_t width, std::vector<float>& rows);
-
 }  // namespace aligngs

@@ -199,23 +199,7 @@ TEST(DensityControl, EmptyModelGivesAnEmptyPlan) {
   EXPECT_TRUE(plan_density_control(model_with_scales({}), quiet_statistics(0), {}, random).rows.empty());
 }
 
-TEST(Restructure, MovesParametersAndZeroesMomentsOfNewRows) {
-  GaussianModel model = model_with_scales({1.0f, 2.0f});
-  RestructurePlan plan;
-  plan.rows = {{1, RowOrigin::Kind::kKeep, {0, 0, 0}, 1}, {0, RowOrigin::Kind::kSplit, {0.5f, 0, 0}, 2}};
-  std::vector<float> moments = {1, 2, 3, 4};
-  restructure_rows(plan, 2, moments);
-  EXPECT_EQ(moments, (std::vector<float>{3, 4, 0, 0}));
-  restructure_model(plan, model);
-  ASSERT_EQ(model.size(), 2u);
-  EXPECT_FLOAT_EQ(model.positions[0], 10);
-  EXPECT_FLOAT_EQ(model.positions[3], 0.5f);
-  EXPECT_NEAR(std::exp(model.log_scales[3]), 0.5, 1e-6);
-  EXPECT_FLOAT_EQ(model.semantics[0], 1);
-  EXPECT_FLOAT_EQ(model.semantics[2], 0);
-}
-
-TEST(Restructure, PlanKeepDropsUnflaggedRows) {
+TEST(DensityControl, PlanKeepDropsUnflaggedRows) {
   const RestructurePlan plan = plan_keep({1, 0, 1});
   ASSERT_EQ(plan.rows.size(), 2u);
   EXPECT_EQ(plan.rows[1].source, 2u);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "gaussians/restructure.h"
+
 namespace aligngs {
 namespace {
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "gaussians/restructure.h"
+
 namespace aligngs {
 namespace {
 

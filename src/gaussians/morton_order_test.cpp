@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "gaussians/restructure.h"
+
 namespace aligngs {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/engine.h"
+#include "gaussians/restructure.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs::test_train {
@@ -27,6 +28,12 @@ class FakeEngine final : public Engine {
     reset_density_statistics();
   }
   void store(GaussianModel& model) const override { model = model_; }
+  void store_shapes(GaussianModel& model) const override {
+    model = model_;
+    model.sh.clear();
+    model.semantics.clear();
+    model.semantic_channels = 0;
+  }
   void save_state(EngineState& state) const override {
     state.model = model_;
     state.arrays = {{"adam_m.positions", moments_}, {"gradient", gradient_}, {"visible", visible_}, {"running", {running_}}};

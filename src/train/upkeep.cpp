@@ -24,7 +24,7 @@ ImageF median_depth(const Engine& engine, const GuideView& view, const RasterSet
 
 RestructurePlan control_density(Engine& engine, const DensityRule& rule, Random& random) {
   GaussianModel model;
-  engine.store(model);
+  engine.store_shapes(model);
   const RestructurePlan plan = plan_density_control(model, engine.density_statistics(), rule, random);
   apply(engine, plan);
   return plan;
@@ -32,7 +32,7 @@ RestructurePlan control_density(Engine& engine, const DensityRule& rule, Random&
 
 RestructurePlan grow_by_mcmc(Engine& engine, const McmcRule& rule, Random& random) {
   GaussianModel model;
-  engine.store(model);
+  engine.store_shapes(model);
   const RestructurePlan plan = plan_mcmc_growth(model, rule, random);
   apply(engine, plan);
   return plan;
@@ -67,7 +67,7 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
   rule.rendered_relative = config.densify.free_space_rendered;
   rule.agreement = config.densify.free_space_agreement;
   GaussianModel model;
-  engine.store(model);
+  engine.store_shapes(model);
   const RestructurePlan plan = plan_keep(free_space_keep(model, sources, rule, pool));
   if (plan.pruned > 0) apply(engine, plan);
   return plan;
@@ -75,7 +75,7 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
 
 void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, double pixels, ThreadPool& pool) {
   GaussianModel model;
-  engine.store(model);
+  engine.store_shapes(model);
   engine.raise_scales(smallest_log_scales(model, views, pixels, pool));
 }
 

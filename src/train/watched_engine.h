@@ -25,6 +25,7 @@ class WatchedEngine final : public Engine {
   std::string device_name() const override { return engine_->device_name(); }
   void load(const GaussianModel& model) override { engine_->load(model); }
   void store(GaussianModel& model) const override { engine_->store(model); }
+  void store_shapes(GaussianModel& model) const override { engine_->store_shapes(model); }
   void save_state(EngineState& state) const override { engine_->save_state(state); }
   void load_state(const EngineState& state) override { engine_->load_state(state); }
   size_t size() const override { return engine_->size(); }

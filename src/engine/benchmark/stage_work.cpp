@@ -63,9 +63,9 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     return {14 * numbers, 0, kAdamBytes * numbers};
   }
   if (stage == "densify") {
-    // The plan is made from a copy of the parameters (Engine::store); then parameters and both moments move to their new rows.
+    // The plan is made from a copy of the shapes (Engine::store_shapes); then parameters and both moments move to their new rows.
     const double per_row = kFloat * (kShapeFloats + kShFloats + channels);
-    return {0, 0, per_row * (2 * n + 3 * (n + static_cast<double>(timing.densified)))};
+    return {0, 0, kFloat * kShapeFloats * 2 * n + per_row * 3 * (n + static_cast<double>(timing.densified))};
   }
   return {};
 }

@@ -29,7 +29,7 @@ void time_density_control(Engine& engine, StepTiming& out) {
   Random random(1);
   const auto start = std::chrono::steady_clock::now();
   GaussianModel model;
-  engine.store(model);
+  engine.store_shapes(model);
   const DensityStatistics statistics = engine.density_statistics();
   std::vector<float> mean;
   for (size_t i = 0; i < statistics.visible.size(); ++i) {

@@ -99,7 +99,7 @@ TEST(StepBenchmarkTest, DensificationMovesEveryRowOfOldAndNewModel) {
   EXPECT_NE(timing.densified, options.room.gaussians);
   const double row = 4.0 * (11 + 48 + 7), before = 2000, after = static_cast<double>(timing.densified);
   const StageWork work = stage_work("densify", timing, options.room);
-  EXPECT_EQ(work.bytes, row * (2 * before + 3 * (before + after)));
+  EXPECT_EQ(work.bytes, 4.0 * 11 * 2 * before + row * 3 * (before + after));
   EXPECT_EQ(work.vector_flops, 0);
 }
 

@@ -12,6 +12,7 @@
 #include "engine/engine_arrays.h"
 #include "engine/formulas/adam.h"
 #include "gaussians/morton_order.h"
+#include "gaussians/restructure.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs::cpu {
@@ -69,6 +70,21 @@ TEST(CpuEngine, NothingVisibleLeavesTheModelAsItIs) {
   EXPECT_TRUE(same_bits(before.positions, after.positions));
   EXPECT_TRUE(same_bits(before.opacity_logits, after.opacity_logits));
   EXPECT_TRUE(same_bits(before.semantics, after.semantics));
+}
+
+TEST(CpuEngine, ShapesAreTheModelWithoutColoursAndClasses) {
+  CpuEngine engine(1);
+  const GaussianModel model = make_model({});
+  engine.load(model);
+  GaussianModel shapes;
+  engine.store_shapes(shapes);
+  EXPECT_TRUE(same_bits(model.positions, shapes.positions));
+  EXPECT_TRUE(same_bits(model.log_scales, shapes.log_scales));
+  EXPECT_TRUE(same_bits(model.rotations, shapes.rotations));
+  EXPECT_TRUE(same_bits(model.opacity_logits, shapes.opacity_logits));
+  EXPECT_EQ(shapes.sh_degree, model.sh_degree);
+  EXPECT_EQ(shapes.semantic_channels, 0);
+  EXPECT_TRUE(shapes.sh.empty() && shapes.semantics.empty());
 }
 
 TEST(CpuEngine, EmptyModelStepsAndRenders) {

@@ -8,6 +8,7 @@
 #include "engine/cpu/tile_products.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/shape_terms.h"
+#include "gaussians/restructure.h"
 
 namespace aligngs::cpu {
 
@@ -63,6 +64,15 @@ AdamMoments CpuEngine::expanded_moments() const {
 }
 
 void CpuEngine::store(GaussianModel& model) const { model = expanded(model_); }
+
+void CpuEngine::store_shapes(GaussianModel& model) const {
+  model = {};
+  model.sh_degree = model_.sh_degree;
+  model.positions = model_.positions;
+  model.log_scales = model_.log_scales;
+  model.rotations = model_.rotations;
+  model.opacity_logits = model_.opacity_logits;
+}
 
 void CpuEngine::reset_density_statistics() {
   for (const NamedArray& a : arrays_of(statistics_)) a.values->assign(model_.size(), 0.0f);

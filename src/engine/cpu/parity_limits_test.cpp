@@ -6,6 +6,7 @@
 #include "engine/cpu/threshold_scenes.h"
 #include "engine/cpu/tile_statistics.h"
 #include "engine/prepare_view.h"
+#include "gaussians/restructure.h"
 
 namespace aligngs::cpu {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "engine/cpu/test_scenes.h"
 #include "engine/engine_arrays.h"
-#include "gaussians/density_control.h"
+#include "gaussians/restructure.h"
 
 namespace aligngs::cpu::testing_scene {
 

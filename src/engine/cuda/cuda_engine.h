@@ -36,6 +36,7 @@ class CudaEngine final : public Engine {
   std::string device_name() const override { return name_; }
   void load(const GaussianModel& model) override;
   void store(GaussianModel& model) const override;
+  void store_shapes(GaussianModel& model) const override;
   void save_state(EngineState& state) const override;
   void load_state(const EngineState& state) override;
   size_t size() const override { return model_.size(); }

@@ -68,6 +68,12 @@ GaussianModel CudaEngine::expanded(const ModelArrays& rows) const {
 
 void CudaEngine::store(GaussianModel& model) const { model = expanded(model_); }
 
+void CudaEngine::store_shapes(GaussianModel& model) const {
+  model = {};
+  model.sh_degree = sh_degree_;
+  model_.download_shapes(model);
+}
+
 void CudaEngine::resize_statistics(size_t gaussians) {
   for (DeviceArray<float>& a : statistics_) a.resize(*context_, gaussians, "density statistics");
 }

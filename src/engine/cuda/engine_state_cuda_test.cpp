@@ -228,6 +228,19 @@ TEST_F(CudaEngineState, LiftIsThatOfTheCpuEngine) {
   EXPECT_LE(difference(got.semantics, want.semantics).worst, CudaTolerance().lift);
 }
 
+TEST_F(CudaEngineState, ShapesAreTheModelWithoutColoursAndClasses) {
+  const SceneOptions o = small_scene();
+  const GaussianModel model = make_model(o);
+  const std::unique_ptr<Engine> cuda = engine(model, {make_view(o)});
+  GaussianModel shapes;
+  cuda->store_shapes(shapes);
+  EXPECT_EQ(shapes.positions, model.positions);
+  EXPECT_EQ(shapes.log_scales, model.log_scales);
+  EXPECT_EQ(shapes.rotations, model.rotations);
+  EXPECT_EQ(shapes.opacity_logits, model.opacity_logits);
+  EXPECT_TRUE(shapes.sh.empty() && shapes.semantics.empty());
+}
+
 TEST_F(CudaEngineState, MergedClassesComeOutWhole) {
   SceneOptions o = small_scene();
   o.channels = 12;

@@ -30,13 +30,17 @@ void ModelArrays::upload(DeviceContext& context, const GaussianModel& from, cons
 }
 
 void ModelArrays::download(GaussianModel& to) const {
+  download_shapes(to);
   to.semantic_channels = channels_;
+  to.sh = sh_.to_host();
+  to.semantics = semantics_.to_host();
+}
+
+void ModelArrays::download_shapes(GaussianModel& to) const {
   to.positions = positions_.to_host();
   to.log_scales = log_scales_.to_host();
   to.rotations = rotations_.to_host();
   to.opacity_logits = opacity_logits_.to_host();
-  to.sh = sh_.to_host();
-  to.semantics = semantics_.to_host();
 }
 
 ModelSpans ModelArrays::spans() const {

@@ -15,6 +15,7 @@ class ModelArrays {
   void upload(DeviceContext& context, const GaussianModel& from, const char* what);
   /// All but sh_degree.
   void download(GaussianModel& to) const;
+  void download_shapes(GaussianModel& to) const;  ///< positions, scales, rotations and opacities; the rest of `to` stays
   /// body(array, numbers per row) for each array.
   template <class Body>
   void for_each(const Body& body) {

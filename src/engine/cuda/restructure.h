@@ -28,7 +28,7 @@ class DevicePlan {
   DeviceArray<float> offset_, log_shrink_, opacity_logit_;
 };
 
-/// restructure_model of gaussians/density_control.h.
+/// restructure_model of gaussians/restructure.h.
 void restructure_model(DeviceContext& context, const DevicePlan& plan, ModelArrays& model);
 /// restructure_rows for every array of a moment: new rows are zero.
 void restructure_moment(DeviceContext& context, const DevicePlan& plan, ModelArrays& moment);
