@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <memory>
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/byte_source.h"
 #include "io/safetensors.h"
 #include "train/checkpoint_planes.h"
 #include "train/checkpoint_tensors.h"
@@ -17,10 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kSchema = "aligngs-checkpoint-1";
+constexpr const char* kSchema = "aligngs-checkpoint-2";  // 1: an empty tensor hid damage in those before it from the checksum
 constexpr const char* kPrefix = "step_";
 constexpr const char* kSuffix = ".safetensors";
 constexpr const char* kOtherScene = "other scene";  // field by which the caller tells this case from damage
+const std::string kEnginePrefix = "engine.";         // of the names of EngineState::arrays
+constexpr size_t kPieceBytes = size_t(1) << 18;      // of a tensor that is only summed: it fits the second-level cache
 
 std::vector<float> float_tensor(const TensorFile& file, const std::string& name, size_t count, const fs::path& path) {
   const auto it = file.tensors.find(name);
@@ -31,23 +36,60 @@ std::vector<float> float_tensor(const TensorFile& file, const std::string& name,
 }
 
 uint32_t add_to_checksum(uint32_t crc, const void* data, size_t bytes) {
+  if (bytes == 0) return crc;  // zlib begins anew when given no address, which is what an empty vector has
   return static_cast<uint32_t>(crc32_z(crc, static_cast<const Bytef*>(data), bytes));
 }
 
-/// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too.
-std::string checksum(const TensorFile& file) {
+/// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too. `add_content(crc, name)` is the
+/// sum with the content of that tensor added.
+template <class Tensors, class AddContent>
+std::string checksum(const Tensors& tensors, const std::map<std::string, std::string>& metadata, const AddContent& add_content) {
   uint32_t crc = static_cast<uint32_t>(crc32_z(0, nullptr, 0));
-  for (const auto& [name, tensor] : file.tensors) {
+  for (const auto& [name, tensor] : tensors) {
     crc = add_to_checksum(crc, name.data(), name.size());
     crc = add_to_checksum(crc, tensor.dtype.data(), tensor.dtype.size());
-    crc = add_to_checksum(crc, tensor.bytes.data(), tensor.bytes.size());
+    crc = add_content(crc, name);
   }
-  for (const auto& [name, text] : file.metadata) {
+  for (const auto& [name, text] : metadata) {
     if (name == "crc32") continue;
     crc = add_to_checksum(crc, name.data(), name.size());
     crc = add_to_checksum(crc, text.data(), text.size());
   }
   return fmt::format("{:08x}", crc);
+}
+
+std::string checksum(const TensorFile& file) {
+  return checksum(file.tensors, file.metadata, [&](uint32_t crc, const std::string& name) {
+    const std::vector<uint8_t>& bytes = file.tensors.at(name).bytes;
+    return add_to_checksum(crc, bytes.data(), bytes.size());
+  });
+}
+
+bool is_engine_array(const std::string& name) { return name.compare(0, kEnginePrefix.size(), kEnginePrefix) == 0; }
+
+/// All metadata and the tensors that are asked for; the checksum is of the whole file.
+TensorFile read_tensors(const fs::path& path, CheckpointParts parts, std::string& sum) {
+  const std::unique_ptr<const ByteSource> source = file_source(path);
+  const TensorDirectory directory = read_safetensors_directory(*source);
+  TensorFile file;
+  file.metadata = directory.metadata;
+  std::vector<char> piece(kPieceBytes);
+  sum = checksum(directory.tensors, directory.metadata, [&](uint32_t crc, const std::string& name) {
+    const TensorPlace& place = directory.tensors.at(name);
+    if (parts == CheckpointParts::kAll || !is_engine_array(name)) {
+      TensorBytes& tensor = file.tensors[name];
+      tensor = {place.dtype, place.shape, std::vector<uint8_t>(place.bytes)};
+      source->read_into(place.offset, place.bytes, reinterpret_cast<char*>(tensor.bytes.data()));
+      return add_to_checksum(crc, tensor.bytes.data(), tensor.bytes.size());
+    }
+    for (uint64_t done = 0; done < place.bytes; done += piece.size()) {
+      const size_t count = std::min<uint64_t>(piece.size(), place.bytes - done);
+      source->read_into(place.offset + done, count, piece.data());
+      crc = add_to_checksum(crc, piece.data(), count);
+    }
+    return crc;
+  });
+  return file;
 }
 
 template <class T>
@@ -166,7 +208,7 @@ void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
 void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint, int64_t keep) {
   TensorFile file;
   put_model(state.engine.model, file);
-  for (const auto& [name, values] : state.engine.arrays) file.tensors["engine." + name] = tensor_of(values);
+  for (const auto& [name, values] : state.engine.arrays) file.tensors[kEnginePrefix + name] = tensor_of(values);
   const std::vector<int64_t> left(state.order.left.begin(), state.order.left.end());
   file.tensors["order.left"] = raw_tensor("I64", left.data(), left.size());
   file.tensors["order.random"] = raw_tensor("U64", state.order.random.data(), state.order.random.size());
@@ -197,14 +239,15 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
   }
 }
 
-TrainingState read_checkpoint(const fs::path& path, const std::string& fingerprint) {
-  const TensorFile file = read_safetensors(path);
+TrainingState read_checkpoint(const fs::path& path, const std::string& fingerprint, CheckpointParts parts) {
+  std::string sum;
+  const TensorFile file = read_tensors(path, parts, sum);
   const auto meta = [&](const char* name) {
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
   };
-  if (meta("schema") != kSchema) throw_bad_input(path, "schema", "not a checkpoint of this program");
-  if (meta("crc32") != checksum(file)) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
+  if (meta("schema") != kSchema) throw_bad_input(path, "schema", fmt::format("not a checkpoint as this version writes them ({})", kSchema), "train again with --overwrite");
+  if (meta("crc32") != sum) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
   if (meta("fingerprint") != fingerprint) {
     throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
                     "give the scene the run began with, or start anew with --overwrite");
@@ -218,10 +261,8 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   state.psnr_average = metadata_number<double>(file, "psnr_average", path);
   state.seconds = metadata_number<double>(file, "seconds", path);
   state.engine.model = take_model(file, path);
-  const std::string engine_prefix = "engine.";
   for (const auto& [name, tensor] : file.tensors) {
-    if (name.compare(0, engine_prefix.size(), engine_prefix) != 0) continue;
-    state.engine.arrays[name.substr(engine_prefix.size())] = floats_of(tensor, path.string() + ": " + name);
+    if (is_engine_array(name)) state.engine.arrays[name.substr(kEnginePrefix.size())] = floats_of(tensor, path.string() + ": " + name);
   }
   for (const int64_t view : raw_values<int64_t>(file, "order.left", "I64", path)) {
     state.order.left.push_back(static_cast<int>(view));
@@ -239,10 +280,10 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   return state;
 }
 
-std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, const std::string& fingerprint) {
+std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, const std::string& fingerprint, CheckpointParts parts) {
   for (const fs::path& path : list_checkpoints(folder)) {
     try {
-      return read_checkpoint(path, fingerprint);
+      return read_checkpoint(path, fingerprint, parts);
     } catch (const Error& error) {
       if (error.details().field == kOtherScene || error.kind() != ErrorKind::kBadInput) throw;
       log_warning("checkpoint {} cannot be used ({}); taking the one before", path.string(), error.details().message);

@@ -38,12 +38,18 @@ struct TrainingState {
 void write_checkpoint(const std::filesystem::path& folder, const TrainingState& state, const std::string& fingerprint,
                       int64_t keep);
 
-/// Error{kBadInput} when the file is damaged or belongs to another scene.
-TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint);
+enum class CheckpointParts {
+  kAll,                 ///< what a run needs to go on
+  kWithoutEngineArrays  ///< the same but moments and statistics, two thirds of the file: for those who only look at the scene
+};
+
+/// Error{kBadInput} when the file is damaged, in whatever part, or belongs to another scene.
+TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint, CheckpointParts parts = CheckpointParts::kAll);
 
 /// The newest good checkpoint. A damaged one is reported as a warning and the one before is taken; nothing
 /// when there is none. Error{kBadInput} when a good one belongs to another scene.
-std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint);
+std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint,
+                                                    CheckpointParts parts = CheckpointParts::kAll);
 
 /// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions. Error{kBadInput} when there are as
 /// many motions as another number of views has.

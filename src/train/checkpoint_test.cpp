@@ -7,6 +7,8 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/byte_source.h"
+#include "io/safetensors.h"
 #include "train/checkpoint_planes.h"
 
 namespace aligngs {
@@ -43,6 +45,13 @@ class Checkpoint : public testing::Test {
     s.dense_start = true;
     s.psnr_average = 21.123456789012345;
     return s;
+  }
+  static void flip_bit_of(const fs::path& path, uint64_t offset) {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(offset));
+    const char byte = static_cast<char>(file.get());
+    file.seekp(static_cast<std::streamoff>(offset));
+    file.put(static_cast<char>(byte ^ 4));
   }
   fs::path newest() const { return list_checkpoints(folder_).front(); }
 
@@ -145,6 +154,15 @@ TEST_F(Checkpoint, KeepsTheLastK) {
   EXPECT_EQ(all[1].filename(), "step_000300.safetensors");
 }
 
+TEST_F(Checkpoint, WhoOnlyLooksReadsNoMoments) {
+  const TrainingState s = state_at(100);
+  write_checkpoint(folder_, s, "scene", 2);
+  const TrainingState r = read_checkpoint(newest(), "scene", CheckpointParts::kWithoutEngineArrays);
+  EXPECT_TRUE(r.engine.arrays.empty());
+  EXPECT_EQ(r.engine.model.semantics, s.engine.model.semantics);
+  EXPECT_EQ(r.order.random, s.order.random);
+}
+
 TEST_F(Checkpoint, TruncatedNewestFallsBackToThePrevious) {
   write_checkpoint(folder_, state_at(100), "scene", 2);
   write_checkpoint(folder_, state_at(200), "scene", 2);
@@ -155,13 +173,20 @@ TEST_F(Checkpoint, TruncatedNewestFallsBackToThePrevious) {
 TEST_F(Checkpoint, OneFlippedBitIsNoticed) {
   write_checkpoint(folder_, state_at(100), "scene", 2);
   write_checkpoint(folder_, state_at(200), "scene", 2);
-  std::fstream file(newest(), std::ios::in | std::ios::out | std::ios::binary);
-  file.seekg(-5, std::ios::end);
-  const char byte = static_cast<char>(file.get());
-  file.seekp(-5, std::ios::end);
-  file.put(static_cast<char>(byte ^ 4));
-  file.close();
-  EXPECT_EQ(read_latest_checkpoint(folder_, "scene")->iteration, 100);
+  const TensorDirectory directory = read_safetensors_directory(*file_source(newest()));
+  flip_bit_of(newest(), directory.tensors.at("engine.adam_m.positions").offset);
+  for (const CheckpointParts parts : {CheckpointParts::kAll, CheckpointParts::kWithoutEngineArrays}) {
+    EXPECT_EQ(read_latest_checkpoint(folder_, "scene", parts)->iteration, 100);  // whether or not the damaged part is wanted
+  }
+}
+
+TEST_F(Checkpoint, AnEmptyTensorHidesNoDamageBeforeIt) {
+  TrainingState s = state_at(100);
+  s.order.left.clear();  // as after each pass over the photos; in the file it comes after the model
+  write_checkpoint(folder_, s, "scene", 2);
+  const TensorDirectory directory = read_safetensors_directory(*file_source(newest()));
+  flip_bit_of(newest(), directory.tensors.at("model.positions").offset);
+  EXPECT_THROW(read_checkpoint(newest(), "scene"), Error);
 }
 
 TEST_F(Checkpoint, WithoutAGoodOneThereIsNone) {

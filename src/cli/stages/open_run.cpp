@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -61,12 +62,12 @@ OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   if (!record.fingerprint.empty() && record.fingerprint != fingerprint) {
     log_warning("the scene in {} has changed since this run was trained", scene_folder.string());
   }
-  const std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record.fingerprint);
+  std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record.fingerprint, CheckpointParts::kWithoutEngineArrays);
   if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");
   apply_motions(state->motions, run.scene);
   run.log_gains.resize(run.scene.views.size());
   if (run.config.data.exposure) run.log_gains = predict_log_gains(run.scene);
-  run.model = state->engine.model;
+  run.model = std::move(state->engine.model);
   run.engine = options.make_engine ? options.make_engine(options.threads) : make_cpu_engine(options.threads);
   run.pool = std::make_unique<ThreadPool>(options.threads);
   const SemanticConfig& semantic = run.config.semantic;
