@@ -37,6 +37,8 @@ def difference_cell(results, row, base, key, digits):
     middle, low, high, count = interval(pairs)
     if count == 0:
         return "–"
+    if all(d == 0 for d in pairs):
+        return "0 (the same to the last digit)"
     noise = " (noise)" if count < 3 or low <= 0 <= high else ""
     return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
 
@@ -61,39 +63,58 @@ def write_csv(file, key_columns, results):
                 writer.writerow([name, *keys] + ["" if math.isnan(values[k]) else values[k] for k, *_ in COLUMNS])
 
 
+def in_order(results):
+    """Rows as ladder_rows.py lists them, yardsticks behind."""
+    order = [r.name for r in ROWS]
+    return dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
+
+
 def write_tables(arguments, results):
     output = arguments.output
-    order = [r.name for r in ROWS]
-    results = dict(sorted(results.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)))
+    results = in_order(results)
     write_csv(output / "results.csv", PAIR, results)
     lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, {arguments.size}, 20 training and 8 test views, **simulated** "
              "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
-             "Processor seconds are those of `run`, without `refine` before it.", "",
-             "| row | pairs | " + " | ".join(title for _, title, *_ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 2) + "|"]
-    lines += [mean_line(name, by_pair) for name, by_pair in results.items()] + common_lines(results)
-    lines += ["", "Paired differences, mean and 95 % interval over room and seed:", "",
-              "| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
-    for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
-        if base in results and row in results:
-            cells = [difference_cell(results, row, base, *column) for column in (("psnr", 2), ("fscore", 3), ("miou", 3))]
-            lines.append(f"| {row} | {base} | " + " | ".join(cells) + " |")
+             "Processor seconds are those of `run`, without `refine` before it.", "", *mean_lines(results), "",
+             "Paired differences, mean and 95 % interval over room and seed:", "", *difference_lines(results)]
     lines += gap_lines(results) + acceptance_lines(output / "acceptance")
     (output / "table.md").write_text("\n".join(lines) + "\n")
 
 
-def mean_line(name, by_pair):
-    return f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits) for key, _, digits, _ in COLUMNS) + " |"
+def mean_line(name, by_pair, columns=COLUMNS):
+    return f"| {name} | {len(by_pair)} | " + " | ".join(mean_cell([v[key] for v in by_pair.values()], digits) for key, _, digits, _ in columns) + " |"
 
 
-def common_lines(results):
-    """Rows with more pairs than most once more, on the pairs that most rows have: means of different pairs do not compare."""
+def rows_on_common_pairs(results):
+    """Rows with more pairs than most, on the pairs that most rows have: means of different pairs do not compare."""
     counts = [len(by_pair) for by_pair in results.values()]
     if not counts:
-        return []
+        return {}
     usual = max(set(counts), key=lambda n: (counts.count(n), n))
     common = set.intersection(*(set(by_pair) for by_pair in results.values() if len(by_pair) == usual))
-    more = {name: by_pair for name, by_pair in results.items() if common and len(by_pair) > usual and common <= set(by_pair)}
-    return [mean_line(f"{name}, the pairs that most rows have", {k: by_pair[k] for k in common}) for name, by_pair in more.items()]
+    return {name: {k: by_pair[k] for k in common} for name, by_pair in results.items() if common and len(by_pair) > usual and common <= set(by_pair)}
+
+
+def common_lines(results, columns=COLUMNS):
+    return [mean_line(f"{name}, the pairs that most rows have", by_pair, columns) for name, by_pair in rows_on_common_pairs(results).items()]
+
+
+def mean_lines(results, columns=COLUMNS):
+    """The table of means, its head included."""
+    return (["| row | pairs | " + " | ".join(title for _, title, *_ in columns) + " |", "|---" * (len(columns) + 2) + "|"] +
+            [mean_line(name, by_pair, columns) for name, by_pair in results.items()] + common_lines(results, columns))
+
+
+def difference_lines(results):
+    """The table of paired differences, its head included."""
+    lines = ["| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
+    meaningless = {r.name for r in ROWS if r.labels in ("constant", "shuffled")}  # labels that nobody asks to be right
+    for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
+        if base in results and row in results:
+            cells = [difference_cell(results, row, base, *column) for column in (("psnr", 2), ("fscore", 3))]
+            cells.append("–" if {row, base} & meaningless else difference_cell(results, row, base, "miou", 3))
+            lines.append(f"| {row} | {base} | " + " | ".join(cells) + " |")
+    return lines
 
 
 def summary_line(title, by_pair, digits):

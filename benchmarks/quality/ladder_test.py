@@ -32,6 +32,17 @@ class LadderTest(unittest.TestCase):
         self.assertNotIn("(noise)", ladder_tables.difference_cell(results, "a", "c", "psnr", 2))
         self.assertEqual(ladder_tables.difference_cell(results, "a", "b", "fscore", 3), "–")
 
+    def test_equal_results_are_called_the_same(self):
+        results = {name: {i: scores(psnr=20 + i) for i in range(4)} for name in "ab"}
+        self.assertEqual(ladder_tables.difference_cell(results, "a", "b", "psnr", 2), "0 (the same to the last digit)")
+
+    def test_labels_without_meaning_are_not_compared(self):
+        key = ("bedroom", 101, 1)
+        results = {name: {key: scores(psnr=20, miou=0.5)} for name in ("default, refined", "stereo, uncoupled", "default, refined, shuffled labels")}
+        lines = ladder_tables.difference_lines(results)
+        self.assertTrue(next(l for l in lines if "| default, refined | default, refined, shuffled labels |" in l).endswith("| – |"))
+        self.assertFalse(next(l for l in lines if "| default, refined | stereo, uncoupled |" in l).endswith("| – |"))
+
     def test_two_pairs_are_noise_whatever_they_say(self):
         results = {"a": {i: scores(psnr=30) for i in range(2)}, "b": {i: scores(psnr=20) for i in range(2)}}
         self.assertIn("(noise)", ladder_tables.difference_cell(results, "a", "b", "psnr", 2))

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""How results of several places come together: run it with python3."""
+import math
+import unittest
+
+import ladder_rows
+import merge_results
+
+ONE, TWO = ("bedroom", 101, 1), ("bedroom", 101, 2)
+
+
+def scores(**given):
+    return {key: float(given.get(key, math.nan)) for key, *_ in ladder_rows.COLUMNS}
+
+
+def folder(program, results, **conditions):
+    settings = {"programs": [program], "rooms": "test", "iterations": 2000, "size": "320x240", "teacher_seed": None, **conditions}
+    return {"settings": {**settings, "rows": {row: {"preset": program} for row in results}}, "results": results}
+
+
+class MergeTest(unittest.TestCase):
+    def setUp(self):
+        self.whole = {"settings": {}, "results": {}}
+
+    def test_a_later_part_takes_the_place_of_the_same_pairs(self):
+        merge_results.merge(self.whole, folder("old", {"default": {ONE: scores(psnr=20), TWO: scores(psnr=21)}}))
+        merge_results.merge(self.whole, folder("new", {"default": {ONE: scores(psnr=25)}}))
+        self.assertEqual([self.whole["results"]["default"][k]["psnr"] for k in (ONE, TWO)], [25, 21])
+        self.assertEqual(self.whole["settings"]["row programs"], {"default": ["old", "new"]})
+
+    def test_a_program_none_of_whose_pairs_are_left_is_forgotten(self):
+        merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}, "pgsr": {ONE: scores()}}))
+        merge_results.merge(self.whole, folder("new", {"default": {ONE: scores(), TWO: scores()}}))
+        self.assertEqual(self.whole["settings"]["row programs"], {"default": ["new"], "pgsr": ["old"]})
+        self.assertEqual(self.whole["settings"]["programs"], ["new", "old"])
+        self.assertEqual(self.whole["settings"]["rows"]["default"], {"preset": "new"})
+
+    def test_other_conditions_do_not_mix(self):
+        merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}}))
+        with self.assertRaisesRegex(ValueError, "iterations is 1000"):
+            merge_results.merge(self.whole, folder("new", {"default": {TWO: scores()}}, iterations=1000))
+
+    def test_tables_of_a_document_stand_between_their_marks(self):
+        text = "before\n<!-- ladder: means -->\nold\n<!-- ladder: end -->\nafter\n"
+        made = merge_results.with_tables(text, {"default": {ONE: scores(psnr=25)}})
+        self.assertTrue(made.startswith("before\n<!-- ladder: means -->\n| row | pairs | PSNR |"))
+        self.assertTrue(made.endswith("<!-- ladder: end -->\nafter\n"))
+        self.assertIn("| default | 1 | 25.00 |", made)
+        self.assertNotIn("old", made)
+
+
+if __name__ == "__main__":
+    unittest.main()
