@@ -86,17 +86,18 @@ def mean_line(name, by_pair, columns=COLUMNS):
 
 
 def rows_on_common_pairs(results):
-    """Rows with more pairs than most, on the pairs that most rows have: means of different pairs do not compare."""
+    """Where most rows that lack pairs have the same few, the other rows on these pairs: means of different pairs do not compare."""
     counts = [len(by_pair) for by_pair in results.values()]
-    if not counts:
+    fewer = [n for n in counts if n < max(counts)]
+    if not fewer:
         return {}
-    usual = max(set(counts), key=lambda n: (counts.count(n), n))
+    usual = max(set(fewer), key=lambda n: (fewer.count(n), n))
     common = set.intersection(*(set(by_pair) for by_pair in results.values() if len(by_pair) == usual))
     return {name: {k: by_pair[k] for k in common} for name, by_pair in results.items() if common and len(by_pair) > usual and common <= set(by_pair)}
 
 
 def common_lines(results, columns=COLUMNS):
-    return [mean_line(f"{name}, the pairs that most rows have", by_pair, columns) for name, by_pair in rows_on_common_pairs(results).items()]
+    return [mean_line(f"{name}, the pairs of shorter rows", by_pair, columns) for name, by_pair in rows_on_common_pairs(results).items()]
 
 
 def mean_lines(results, columns=COLUMNS):

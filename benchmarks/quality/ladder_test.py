@@ -83,13 +83,15 @@ class LadderTest(unittest.TestCase):
                    last.name: {key: scores(fscore=1.0)}}
         self.assertIn("0.67 [0.67, 0.67], smallest 0.67", "\n".join(ladder_tables.gap_lines(results)))
 
-    def test_a_row_with_more_pairs_stands_once_more_on_those_that_most_have(self):
+    def test_rows_with_more_pairs_stand_once_more_on_those_of_shorter_rows(self):
         few, many = ("bedroom", 101, 1), ("bedroom", 101, 2)
         short = {few: scores(fscore=0.5)}
         lines = ladder_tables.common_lines({"a": short, "b": short, "c": {few: scores(fscore=0.8), many: scores(fscore=0.6)}})
         self.assertEqual(len(lines), 1)
-        self.assertIn("| c, the pairs that most rows have | 1 |", lines[0])
+        self.assertIn("| c, the pairs of shorter rows | 1 |", lines[0])
         self.assertIn(" 0.800 ", lines[0])
+        whole = {few: scores(), many: scores()}
+        self.assertEqual(len(ladder_tables.common_lines({"a": short, "b": whole, "c": whole})), 2)
         self.assertEqual(ladder_tables.common_lines({"a": short, "b": short, "c": {many: scores()}}), [])
         self.assertEqual(ladder_tables.common_lines({}), [])
 

@@ -6,7 +6,7 @@
 OUTPUT and every PART are folders of ladder.py. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it, pair
 by pair of room and seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/ and settings.json
 of OUTPUT, whose "row programs" say which programs made a row. With --docs the tables of that file between the lines
-<!-- ladder: means --> or <!-- ladder: differences --> and <!-- ladder: end --> are made anew."""
+<!-- OUTPUT: means --> or <!-- OUTPUT: differences --> and <!-- OUTPUT: end --> are made anew, where OUTPUT is the folder's name."""
 import argparse
 import json
 import re
@@ -45,11 +45,11 @@ def read_folder(folder):
     return {"settings": json.loads((folder / "settings.json").read_text()), "results": read_csv(folder / "results.csv", PAIR)}
 
 
-def with_tables(text, results):
-    """The document with its tables made anew; means without the columns that only table.md has."""
+def with_tables(text, folder_name, results):
+    """The document with that folder's tables made anew; means without the columns that only table.md has."""
     columns = [c for c in COLUMNS if c[0] not in LEFT_TO_TABLE_MD]
     for name, lines in (("means", mean_lines(results, columns)), ("differences", difference_lines(results))):
-        pattern = re.compile(rf"(<!-- ladder: {name} -->\n).*?(<!-- ladder: end -->)", re.S)
+        pattern = re.compile(rf"(<!-- {folder_name}: {name} -->\n).*?(<!-- {folder_name}: end -->)", re.S)
         text = pattern.sub(lambda m: m[1] + "\n".join(lines) + "\n" + m[2], text)
     return text
 
@@ -74,7 +74,7 @@ def main():
     conditions = {key: whole["settings"][key] for key in ("rooms", "iterations", "size")}
     write_tables(SimpleNamespace(output=output, **conditions), whole["results"])
     if arguments.docs:
-        arguments.docs.write_text(with_tables(arguments.docs.read_text(), in_order(whole["results"])))
+        arguments.docs.write_text(with_tables(arguments.docs.read_text(), output.resolve().name, in_order(whole["results"])))
 
 
 if __name__ == "__main__":

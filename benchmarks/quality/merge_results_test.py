@@ -41,10 +41,11 @@ class MergeTest(unittest.TestCase):
             merge_results.merge(self.whole, folder("new", {"default": {TWO: scores()}}, iterations=1000))
 
     def test_tables_of_a_document_stand_between_their_marks(self):
-        text = "before\n<!-- ladder: means -->\nold\n<!-- ladder: end -->\nafter\n"
-        made = merge_results.with_tables(text, {"default": {ONE: scores(psnr=25)}})
-        self.assertTrue(made.startswith("before\n<!-- ladder: means -->\n| row | pairs | PSNR |"))
-        self.assertTrue(made.endswith("<!-- ladder: end -->\nafter\n"))
+        other = "<!-- other: means -->\nkept\n<!-- other: end -->\n"
+        text = "before\n<!-- rooms: means -->\nold\n<!-- rooms: end -->\n" + other
+        made = merge_results.with_tables(text, "rooms", {"default": {ONE: scores(psnr=25)}})
+        self.assertTrue(made.startswith("before\n<!-- rooms: means -->\n| row | pairs | PSNR |"))
+        self.assertTrue(made.endswith("<!-- rooms: end -->\n" + other))
         self.assertIn("| default | 1 | 25.00 |", made)
         self.assertNotIn("old", made)
 
