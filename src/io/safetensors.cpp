@@ -231,16 +231,18 @@ TensorFile decode_safetensors(const std::string& bytes,
   return file;
 }
 
+TensorBytes read_tensor(const ByteSource& source, const TensorPlace& place) {
+  TensorBytes tensor = {place.dtype, place.shape, std::vector<uint8_t>(place.bytes)};
+  source.read_into(place.offset, place.bytes, reinterpret_cast<char*>(tensor.bytes.data()));
+  return tensor;
+}
+
 TensorFile read_safetensors(const std::filesystem::path& path) {
   const std::unique_ptr<const ByteSource> source = file_source(path);
   const TensorDirectory directory = read_safetensors_directory(*source);
   TensorFile file;
   file.metadata = directory.metadata;
-  for (const auto& [key, place] : directory.tensors) {
-    TensorBytes& tensor = file.tensors[key];
-    tensor = {place.dtype, place.shape, std::vector<uint8_t>(place.bytes)};
-    source->read_into(place.offset, place.bytes, reinterpret_cast<char*>(tensor.bytes.data()));
-  }
+  for (const auto& [key, place] : directory.tensors) file.tensors[key] = read_tensor(*source, place);
   return file;
 }
 

@@ -77,9 +77,7 @@ TensorFile read_tensors(const fs::path& path, CheckpointParts parts, std::string
   sum = checksum(directory.tensors, directory.metadata, [&](uint32_t crc, const std::string& name) {
     const TensorPlace& place = directory.tensors.at(name);
     if (parts == CheckpointParts::kAll || !is_engine_array(name)) {
-      TensorBytes& tensor = file.tensors[name];
-      tensor = {place.dtype, place.shape, std::vector<uint8_t>(place.bytes)};
-      source->read_into(place.offset, place.bytes, reinterpret_cast<char*>(tensor.bytes.data()));
+      const TensorBytes& tensor = file.tensors[name] = read_tensor(*source, place);
       return add_to_checksum(crc, tensor.bytes.data(), tensor.bytes.size());
     }
     for (uint64_t done = 0; done < place.bytes; done += piece.size()) {
