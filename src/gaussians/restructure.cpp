@@ -40,6 +40,7 @@ void close_gaps(const RestructurePlan& plan, size_t count, size_t width, std::ve
 }
 
 void carry_out(const RestructurePlan& plan, size_t width, bool copies, std::vector<float>& rows) {
+  if (width == 0) return rows.clear();  // classes of a model without labels: no memory that could move
   const size_t count = plan.rows.size(), rising = rising_rows(plan);
   if (count * width > rows.capacity() || rising == 0) {
     std::vector<float> out(count * width);
