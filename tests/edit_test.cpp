@@ -6,6 +6,7 @@
 #include "edit/edit_operation.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "support/process.h"
 #include "support/small_scene.h"
 
@@ -44,7 +45,7 @@ class EditCommand : public testing::Test {
   nlohmann::json edit_json(const std::string& arguments) const {
     const ProcessResult result = edit("--json " + arguments);
     EXPECT_EQ(result.status, 0) << result.err;
-    return nlohmann::json::parse(result.out);
+    return parse_json(result.out);
   }
   fs::path run_;
 };
@@ -144,7 +145,7 @@ TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
     const fs::path file = root() / (std::string("export.") + format);
     const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json -f " + format + " -o " + quoted(file));
     ASSERT_EQ(result.status, 0) << format << result.err;
-    EXPECT_EQ(nlohmann::json::parse(result.out)["edits"], 1);
+    EXPECT_EQ(parse_json(result.out)["edits"], 1);
     EXPECT_GT(fs::file_size(file), 100u) << format;
   }
   EXPECT_EQ(read_gaussian_ply(root() / "export.ply").size(), read_gaussian_ply(run_ / "edits" / "scene.ply").size());

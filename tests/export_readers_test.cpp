@@ -9,6 +9,7 @@
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "edit/small_room_for_tests.h"
+#include "io/json_text.h"
 #include "support/process.h"
 
 namespace aligngs {
@@ -99,10 +100,10 @@ TEST_F(ExportReaders, TheKhronosValidatorAcceptsTheGlb) {
   if (IsSkipped()) return;
   const std::string text =
       output_of("node '" + (kNodeFolder / "validate_glb.mjs").string() + "' '" + exported("glb") + "'");
-  const nlohmann::json report = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json report = parse_json(text);
   ASSERT_FALSE(report.is_discarded()) << text;
-  EXPECT_TRUE(report["errors"].empty()) << report["errors"].dump(2);
-  EXPECT_TRUE(report["warnings"].empty()) << report["warnings"].dump(2);
+  EXPECT_TRUE(report["errors"].empty()) << json_document(report["errors"]);
+  EXPECT_TRUE(report["warnings"].empty()) << json_document(report["warnings"]);
   EXPECT_EQ(report["info"]["drawCallCount"], 5) << "four objects and the splats";
 }
 

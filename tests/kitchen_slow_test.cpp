@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "io/json_text.h"
 #include "support/process.h"
 
 namespace aligngs {
@@ -35,7 +36,7 @@ class Kitchen : public testing::Test {
     const ProcessResult run = run_aligngs("run '" + (base_ / "scene").string() + "' -o '" + (base_ / "run").string() + "' -q --json -n " +
                                           std::to_string(iterations), base_);
     EXPECT_EQ(run.status, 0) << run.err;
-    return nlohmann::json::parse(run.out, nullptr, false);
+    return parse_json(run.out);
   }
 
   fs::path base_;

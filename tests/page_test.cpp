@@ -10,6 +10,7 @@
 #include "cli/page_server.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "serve/http_client_for_tests.h"
 #include "support/process.h"
 #include "support/small_scene.h"
@@ -51,14 +52,14 @@ class PageRequests : public testing::Test {
 
   std::string headers() const { return "Content-Type: application/json\r\nX-AlignGS-Token: " + token_ + "\r\n"; }
   std::string post(const std::string& path, const json& body) const {
-    return test_http::post(server_->port(), path, headers(), body.dump(), kPatience);
+    return test_http::post(server_->port(), path, headers(), json_line(body), kPatience);
   }
   json posted(const std::string& path, const json& body) const {
     const std::string answer = post(path, body);
     EXPECT_EQ(test_http::status(answer), 200) << answer;
-    return json::parse(test_http::body(answer));
+    return parse_json(test_http::body(answer));
   }
-  json list() const { return json::parse(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience))); }
+  json list() const { return parse_json(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience))); }
 
   fs::path run_;
   std::unique_ptr<PageServer> server_;
@@ -127,7 +128,7 @@ TEST_F(PageRequests, ExportsEveryFormat) {
 }
 
 TEST_F(PageRequests, DrawsAnyViewOnDemand) {
-  const json cameras = json::parse(read_file(run_ / "cameras.json"));
+  const json cameras = parse_json(read_file(run_ / "cameras.json"));
   const std::string view = cameras[0]["img_name"];
   for (const char* kind : {"rgb", "depth", "normal", "label"}) {
     const std::string answer = test_http::get(server_->port(), "/api/render/" + view + "/" + kind + ".png", "localhost", kPatience);
@@ -225,7 +226,7 @@ TEST(PageOption, TrainWithViewServesWhileItTrains) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     const std::string answer = test_http::get(port, "/api/state");
     if (test_http::status(answer) != 200) continue;
-    state = json::parse(test_http::body(answer));
+    state = parse_json(test_http::body(answer));
     if (state["splats"] == "live/scene.ply") break;
     test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");  // somebody looks on
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "nn/random_weights.h"
 #include "priors/child_process.h"
 #include "priors/model_store.h"
@@ -72,7 +73,7 @@ TEST_F(PhotosProgram, EvalMeasuresLpipsWhereItsWeightsAre) {
   testing_support::write_small_scene(folder / "scene");
   ASSERT_EQ(run("train " + out("scene") + " -o " + out("run") + " --preset preview -n 20 --set data.scale=1").status, 0);
   ASSERT_EQ(run("eval " + out("run")).status, 0);
-  const auto nvs = [&] { return nlohmann::json::parse(read_file(folder / "run" / "metrics.json"))["nvs"]; };
+  const auto nvs = [&] { return parse_json(read_file(folder / "run" / "metrics.json"))["nvs"]; };
   EXPECT_TRUE(nvs()["lpips"].is_null());
   EXPECT_THAT(nvs()["lpips_note"].get<std::string>(), HasSubstr("aligngs models download lpips-vgg"));
   const PublishedModel& model = published_model("lpips-vgg");

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "io/json_text.h"
 #include "support/process.h"
 #include "support/small_scene.h"
 
@@ -50,7 +51,7 @@ class Pipeline : public testing::Test {
     const ProcessResult result = run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / name) + " -q --json -n " +
                                              std::to_string(iterations) + " " + more, base_);
     EXPECT_EQ(result.status, 0) << result.err;
-    return nlohmann::json::parse(result.out, nullptr, false);
+    return parse_json(result.out);
   }
 
   static fs::path base_;

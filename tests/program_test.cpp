@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/json_text.h"
 #include "support/process.h"
 
 namespace aligngs {
@@ -129,7 +130,7 @@ TEST_F(Program, BenchTellsEveryStageFromItsFloor) {
   const ProcessResult result =
       run("bench --json --threads 1 --width 64 --height 48 --gaussians 500 --channels 5 --steps 2 --pixel-share 1 --blend logits");
   ASSERT_EQ(result.status, 0) << result.err;
-  const nlohmann::json document = nlohmann::json::parse(result.out);
+  const nlohmann::json document = parse_json(result.out);
   EXPECT_EQ(document["scene"]["gaussians"], 500);
   EXPECT_EQ(document["scene"]["pixel_share"], 1.0);
   EXPECT_EQ(document["scene"]["blend"], "logits");

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "refine/bundle_adjustment.h"
 #include "scene/scene.h"
 #include "support/process.h"
@@ -35,7 +36,7 @@ TEST_F(RefineCommand, WritesASceneThatOpensAndLeavesTheOldOneAlone) {
   const std::string before = read_file(root() / "scene" / "sparse" / "images.bin");
   const ProcessResult result = refine("--json");
   ASSERT_EQ(result.status, 0) << result.err;
-  const nlohmann::json json = nlohmann::json::parse(result.out);
+  const nlohmann::json json = parse_json(result.out);
   EXPECT_TRUE(json["tracks"].is_number());
   const Scene scene = open_scene(root() / "refined"), old = open_scene(root() / "scene");
   EXPECT_EQ(scene.views.size(), old.views.size());
@@ -55,7 +56,7 @@ TEST_F(RefineCommand, WithoutPriorDepthItIsMeasured) {
   fs::remove_all(root() / "scene" / "pred_depths");
   const ProcessResult result = refine("--json");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_GT(nlohmann::json::parse(result.out)["depth_measured"].get<double>(), 0);
+  EXPECT_GT(parse_json(result.out)["depth_measured"].get<double>(), 0);
   EXPECT_EQ(open_scene(root() / "refined").prior_source, kStereoDepth);
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/colmap.h"
+#include "io/json_text.h"
 #include "io/npy.h"
 #include "support/process.h"
 #include "support/small_scene.h"
@@ -60,7 +61,7 @@ TEST(SimilarityInvariance, ScaledAndTurnedSceneGivesTheSameScores) {
   for (int i = 0; i < 2; ++i) {
     const ProcessResult result = run_aligngs("run '" + (base / names[i]).string() + "' -o '" + (base / names[i]).string() + "_run' -q --json -n 250", base);
     ASSERT_EQ(result.status, 0) << result.err;
-    metrics[i] = nlohmann::json::parse(result.out);
+    metrics[i] = parse_json(result.out);
   }
   // Noise: voxels of the start and of the TSDF lie otherwise in a turned world.
   EXPECT_NEAR(metrics[0]["nvs"]["psnr"].get<double>(), metrics[1]["nvs"]["psnr"].get<double>(), 0.4);

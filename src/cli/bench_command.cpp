@@ -12,6 +12,7 @@
 #include "engine/benchmark/step_benchmark.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/runtime/device_ceilings.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -187,7 +188,7 @@ void run_bench(BenchOptions& o, bool json) {
   }
   const nlohmann::json document = document_of(timing, o, machine);
   if (json) {
-    std::printf("%s\n", document.dump(2).c_str());
+    std::fputs(json_document(document).c_str(), stdout);
   } else {
     print_table(document, machine.line);
   }

@@ -8,6 +8,7 @@
 #include "cli/report/comparison.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -44,8 +45,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
   if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
   if (context.global.json) {
-    const auto replace = nlohmann::ordered_json::error_handler_t::replace;
-    std::printf("%s\n", comparison_json(runs).dump(2, ' ', false, replace).c_str());
+    std::fputs(json_document(comparison_json(runs)).c_str(), stdout);
   } else {
     std::fputs(comparison_text(runs).c_str(), stdout);
   }

@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "core/error.h"
+#include "io/json_text.h"
 #include "scene/view_data.h"
 #include "synth/simulated_priors.h"
 
@@ -31,9 +32,9 @@ void check(const std::string& folder, bool json) {
     list.push_back({{"fatal", p.fatal}, {"path", p.path.string()}, {"field", p.field}, {"message", p.message}, {"remedy", p.remedy}});
   }
   if (json) {
-    std::printf("%s\n", nlohmann::json({{"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()},
-                                        {"errors", fatal}, {"warnings", problems.size() - fatal}, {"problems", list}})
-                            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    const nlohmann::json document = {{"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()},
+                                     {"errors", fatal}, {"warnings", problems.size() - fatal}, {"problems", list}};
+    std::fputs(json_document(document).c_str(), stdout);
   } else {
     print_problems(problems);
     std::printf("%zu views (%zu training, %zu test), %zu points, depth priors: %s, semantics: %s; %zu errors, %zu warnings\n", scene.views.size(),

@@ -11,6 +11,7 @@
 #include "cli/photo_options.h"
 #include "core/memory_budget.h"
 #include "engine/cuda/runtime/cuda_device.h"
+#include "io/json_text.h"
 #include "nn/cpu/matrix_backend.h"
 
 namespace aligngs {
@@ -162,7 +163,7 @@ void add_doctor_command(CLI::App& program, CommandContext& context) {
       if (!check.remedy.empty()) std::printf("     %-16s %s\n", "", check.remedy.c_str());
     }
     document["ok"] = all;
-    if (context.global.json) std::printf("%s\n", document.dump(2).c_str());
+    if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
     else std::printf("%s\n", all ? "ready: try `aligngs demo`" : "see the lines marked !!");
   });
 }

@@ -12,6 +12,7 @@
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "scene/mesh_ply.h"
 
 namespace aligngs {
@@ -28,7 +29,7 @@ struct EditOptions {
 
 void print(const CommandContext& context, const Json& json, const std::string& text) {
   if (context.global.json)
-    std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    std::fputs(json_document(json).c_str(), stdout);
   else
     std::fputs(text.c_str(), stdout);
 }

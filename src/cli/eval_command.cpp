@@ -9,6 +9,7 @@
 #include "cli/device_option.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/summary.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -39,7 +40,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
     stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
     const nlohmann::json metrics = evaluate_run(run, stage);
-    if (context.global.json) std::printf("%s\n", metrics.dump(2).c_str());
+    if (context.global.json) std::fputs(json_document(metrics).c_str(), stdout);
     else std::fputs(metrics_summary(metrics).c_str(), stdout);
     require_at_least(metrics, options->fail_under);
   });

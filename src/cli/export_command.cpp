@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "core/error.h"
 #include "edit/edit_session.h"
+#include "io/json_text.h"
 #include "serve/export_file.h"
 
 namespace aligngs {
@@ -35,13 +36,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     const std::filesystem::path& file = made.file;
     const uint64_t bytes = std::filesystem::file_size(report.files.front());
     if (context.global.json) {
-      std::printf("%s\n", nlohmann::json({{"file", file.string()},
-                                          {"bytes", bytes},
-                                          {"gaussians", report.gaussians},
-                                          {"objects", report.objects},
-                                          {"edits", made.edits}})
-                              .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-                              .c_str());
+      const nlohmann::json document = {{"file", file.string()}, {"bytes", bytes}, {"gaussians", report.gaussians},
+                                       {"objects", report.objects}, {"edits", made.edits}};
+      std::fputs(json_document(document).c_str(), stdout);
     } else {
       std::printf("%s: %.2f MB, %zu Gaussians, %zu objects%s\n", file.string().c_str(),
                   static_cast<double>(bytes) / 1e6, report.gaussians, report.objects,

@@ -9,6 +9,7 @@
 #include "cli/command.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/import/import_capture.h"
 
 namespace aligngs {
@@ -52,9 +53,10 @@ void run_import(const CommandContext& context, Options& options) {
   ThreadPool pool(context.global.threads);
   const ImportReport report = import_capture(capture, options.output, import, pool);
   if (context.global.json) {
-    std::printf("%s\n", nlohmann::json({{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
-                                        {"skipped", report.skipped}, {"points", report.points}, {"cloud_source", report.cloud_source},
-                                        {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}}).dump(2).c_str());
+    const nlohmann::json document = {{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
+                                     {"skipped", report.skipped}, {"points", report.points}, {"cloud_source", report.cloud_source},
+                                     {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
+    std::fputs(json_document(document).c_str(), stdout);
     return;
   }
   std::printf("%s: %s layout, %zu training and %zu test views, %zu points from %s, depth prior: %s\n", options.output.c_str(),

@@ -13,6 +13,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_source.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "io/npy.h"
 #include "io/ply.h"
 #include "io/safetensors.h"
@@ -129,10 +130,10 @@ Json info_of_torch(const fs::path& path) {
 }
 
 Json info_of_run(const fs::path& folder) {
-  Json info = {{"kind", "run"}, {"run", Json::parse(read_file(folder / "run.json"), nullptr, false)}};
+  Json info = {{"kind", "run"}, {"run", parse_json(read_file(folder / "run.json"))}};
   if (info["run"].is_discarded()) throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
   if (fs::exists(folder / "metrics.json")) {
-    const Json metrics = Json::parse(read_file(folder / "metrics.json"), nullptr, false);
+    const Json metrics = parse_json(read_file(folder / "metrics.json"));
     for (const char* part : {"nvs", "geometry", "semantics", "train"}) {
       if (metrics.is_object() && metrics.contains(part)) info["metrics"][part] = metrics[part];
     }
@@ -177,7 +178,7 @@ void print_plain(const Json& value, int indent) {
       std::printf("%*s%s:\n", indent, "", key.c_str());
       print_plain(item, indent + 2);
     } else {
-      const std::string text = item.is_string() ? item.get<std::string>() : item.dump(-1, ' ', false, Json::error_handler_t::replace);
+      const std::string text = item.is_string() ? item.get<std::string>() : json_line(item);
       std::printf("%*s%s: %s\n", indent, "", key.c_str(), text.c_str());
     }
   }
@@ -193,7 +194,7 @@ void add_info_command(CLI::App& program, CommandContext& context) {
   command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
   command->callback([&context, path] {
     const Json info = info_of(*path);
-    if (context.global.json) std::printf("%s\n", info.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    if (context.global.json) std::fputs(json_document(info).c_str(), stdout);
     else print_plain(info, 0);
   });
 }

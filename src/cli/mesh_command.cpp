@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/device_option.h"
 #include "cli/stages/mesh_stage.h"
+#include "io/json_text.h"
 #include "train/config_file.h"
 
 namespace aligngs {
@@ -41,9 +42,10 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
     const MeshStageResult result = mesh_run(run, stage);
     const FusionReport& f = result.fusion;
     if (context.global.json) {
-      std::printf("%s\n", nlohmann::json({{"mesh", result.file.string()}, {"vertices", f.vertices}, {"triangles", f.triangles},
-                                          {"voxel", f.voxel}, {"truncation", f.truncation}, {"max_depth", f.max_depth},
-                                          {"predicted_bytes", f.predicted_bytes}, {"labelled_vertices", result.labels.labelled}}).dump(2).c_str());
+      const nlohmann::json document = {{"mesh", result.file.string()}, {"vertices", f.vertices}, {"triangles", f.triangles},
+                                       {"voxel", f.voxel}, {"truncation", f.truncation}, {"max_depth", f.max_depth},
+                                       {"predicted_bytes", f.predicted_bytes}, {"labelled_vertices", result.labels.labelled}};
+      std::fputs(json_document(document).c_str(), stdout);
     } else {
       std::printf("%s: %zu vertices, %zu triangles, voxel %.4g\n", result.file.string().c_str(), f.vertices, f.triangles, f.voxel);
     }

@@ -8,6 +8,7 @@
 #include "cli/device_option.h"
 #include "cli/photo_options.h"
 #include "core/error.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -23,10 +24,11 @@ void print_report(const CommandContext& context, const std::string& scene, const
   if (context.global.json) {
     nlohmann::json unplaced = nlohmann::json::array();
     for (const UnplacedPhoto& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
-    std::printf("%s\n", nlohmann::json({{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
-                                        {"train", report.train}, {"test", report.test}, {"points", report.points},
-                                        {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
-                                        {"unplaced", unplaced}}).dump(2).c_str());
+    const nlohmann::json document = {{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
+                                     {"train", report.train}, {"test", report.test}, {"points", report.points},
+                                     {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
+                                     {"unplaced", unplaced}};
+    std::fputs(json_document(document).c_str(), stdout);
     return;
   }
   std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos,

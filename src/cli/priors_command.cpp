@@ -9,6 +9,7 @@
 #include "cli/photo_options.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -73,7 +74,7 @@ void run_priors(const CommandContext& context, Options& options) {
     document["semantics"] = json_of(report);
     semantics_line = line_of(report);
   }
-  if (context.global.json) std::printf("%s\n", document.dump(2).c_str());
+  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
   else std::printf("depth      %s\nsemantics  %s\n", depth_line.c_str(), semantics_line.c_str());
 }
 

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -65,7 +66,7 @@ int report_error(const Error& error, bool json) {
     const Error::Details& d = error.details();
     const nlohmann::json document = {{"error", {{"status", error.exit_status()}, {"message", d.message},
                                                 {"path", d.path.string()}, {"field", d.field}, {"remedy", d.remedy}}}};
-    std::printf("%s\n", document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::fputs(json_document(document).c_str(), stdout);
   }
   log_error("{}", error.what());
   return error.exit_status();

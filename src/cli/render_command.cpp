@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/device_option.h"
 #include "cli/stages/render_stage.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -29,7 +30,7 @@ void add_render_command(CLI::App& program, CommandContext& context) {
     stage.progress = context.progress();
     const size_t views = render_views(run, stage);
     const std::string folder = (run.folder / "renders").string();
-    if (context.global.json) std::printf("%s\n", nlohmann::json({{"views", views}, {"folder", folder}}).dump().c_str());
+    if (context.global.json) std::printf("%s\n", json_line(nlohmann::json({{"views", views}, {"folder", folder}})).c_str());
     else std::printf("%zu views in %s\n", views, folder.c_str());
   });
 }

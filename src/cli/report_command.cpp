@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/report/html_report.h"
 #include "core/error.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -22,7 +23,7 @@ void add_report_command(CLI::App& program, CommandContext& context) {
     }
     write_report(folder);
     const std::string page = (folder / "report.html").string();
-    if (context.global.json) std::printf("%s\n", nlohmann::json({{"report", page}}).dump().c_str());
+    if (context.global.json) std::printf("%s\n", json_line(nlohmann::json({{"report", page}})).c_str());
     else std::printf("%s\n", page.c_str());
   });
 }

@@ -8,6 +8,7 @@
 
 #include "cli/synth_options.h"
 #include "core/log.h"
+#include "io/json_text.h"
 #include "mesh/fusion.h"
 #include "metrics/mesh_protocols.h"
 #include "synth/acceptance.h"
@@ -77,8 +78,9 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
     AcceptanceReport report = measure_acceptance(scene, pool);
     report.figures.push_back(tsdf_figure(scene, pool));
     if (context.global.json) {
-      std::printf("%s\n", nlohmann::json({{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
-                                          {"acceptance", to_json(report)}}).dump(2).c_str());
+      const nlohmann::json document = {{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
+                                       {"acceptance", to_json(report)}};
+      std::fputs(json_document(document).c_str(), stdout);
       return;
     }
     std::printf("%s: %zu training and %zu test views; priors: %s\n\n%s", output->c_str(), scene.train.size(), scene.test.size(),

@@ -6,6 +6,7 @@
 #include "cli/page_server.h"
 #include "cli/train_options.h"
 #include "core/error.h"
+#include "io/json_text.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
 
@@ -26,9 +27,10 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
   const auto page = serve_while_working(options.view, options.view_port, options.output, scene, train.threads);
   const TrainResult result = train_run(train);
   if (context.global.json) {
-    std::printf("%s\n", nlohmann::json({{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
-                                        {"gaussians", result.gaussians}, {"seconds", result.seconds}, {"train_psnr", result.psnr},
-                                        {"warnings", result.warnings}}).dump(2).c_str());
+    const nlohmann::json document = {{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
+                                     {"gaussians", result.gaussians}, {"seconds", result.seconds}, {"train_psnr", result.psnr},
+                                     {"warnings", result.warnings}};
+    std::fputs(json_document(document).c_str(), stdout);
   } else if (result.already_finished) {
     std::printf("%s: finished already (%lld iterations); -n beyond that extends it\n", options.output.c_str(), static_cast<long long>(result.iterations));
   } else {

@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/page_server.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -35,7 +36,7 @@ void add_view_command(CLI::App& program, CommandContext& context) {
     const PageServer server(std::move(page));
     const std::string ssh = server.ssh_line();
     if (context.global.json) {
-      std::printf("%s\n", nlohmann::json({{"url", server.url()}, {"port", server.port()}, {"ssh", ssh}}).dump().c_str());
+      std::printf("%s\n", json_line(nlohmann::json({{"url", server.url()}, {"port", server.port()}, {"ssh", ssh}})).c_str());
     } else {
       std::printf("%s\n", server.url().c_str());
       if (!ssh.empty()) std::printf("from your own computer: %s\nthen open %s\n", ssh.c_str(), server.url().c_str());

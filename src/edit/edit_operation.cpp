@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -138,7 +139,7 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
     depth += (c == '{' || c == '[') - (c == '}' || c == ']');
     if (depth > kDeepest) refuse("", "nested too deeply for a list of edits");
   }
-  const Json document = Json::parse(json, nullptr, false);
+  const Json document = parse_ordered_json(json);
   if (!document.is_object()) refuse("", "this is no JSON object");
   const auto schema = document.find("schema");
   if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() != kSchema) {
@@ -162,7 +163,7 @@ std::string edits_text(const std::vector<EditOperation>& edits) {
     if (edit.kind == EditKind::kDelete) entry["fill"] = edit.fill;
     list.push_back(entry);
   }
-  return Json{{"schema", kSchema}, {"edits", list}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(Json{{"schema", kSchema}, {"edits", list}});
 }
 
 std::vector<EditOperation> read_edits(const std::filesystem::path& path) {

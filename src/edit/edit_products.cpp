@@ -7,6 +7,7 @@
 #include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "scene/mesh_ply.h"
 #include "train/run_outputs.h"
 
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 void write_json(const fs::path& path, const Json& json) {
-  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(path, json_document(json));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "core/log.h"
 #include "core/progress.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/sha256.h"
 
 namespace aligngs {
@@ -241,7 +242,7 @@ std::optional<ModelStore::Record> ModelStore::record(const PublishedModel& model
                                                      const ModelFile& file) const {
   const fs::path path = own_path(model, file).string() + ".json";
   if (!is_file(path)) return std::nullopt;
-  const Json json = Json::parse(read_file(path, uint64_t(1) << 16), nullptr, false);
+  const Json json = parse_json(read_file(path, uint64_t(1) << 16));
   if (!json.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
     return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
@@ -264,8 +265,7 @@ void ModelStore::write_record(const PublishedModel& model, const ModelFile& file
   const Json json = {{"path", record.path},     {"sha256", record.sha256},
                      {"source", record.source}, {"bytes", record.bytes},
                      {"modified", record.modified}, {"licence_accepted", record.licence}};
-  write_file_atomically(own_path(model, file).string() + ".json",
-                        json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(own_path(model, file).string() + ".json", json_document(json));
 }
 
 }  // namespace aligngs

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
+#include "io/json_text.h"
 #include "io/npy.h"
 #include "io/resample.h"
 #include "refine/fused_labels.h"
@@ -191,7 +192,7 @@ constexpr const char* kRefined = "cameras_refined";  // of scene.json
 /// An empty object when there is none.
 nlohmann::ordered_json read_description(const fs::path& file) {
   if (!fs::exists(file)) return nlohmann::ordered_json::object();
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(read_file(file), nullptr, false);
+  nlohmann::ordered_json json = parse_ordered_json(read_file(file));
   return json.is_object() ? json : nlohmann::ordered_json::object();
 }
 
@@ -202,7 +203,7 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
                              {"reprojection_median_before_px", result.bundle.start_median},
                              {"reprojection_median_px", result.bundle.end_median},
                              {"focal_factor", result.focal_factor}};
-  write_file_atomically(file, json.dump(2) + "\n");
+  write_file_atomically(file, json_document(json));
 }
 
 /// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -59,7 +60,7 @@ std::optional<PriorJson> prior_of(const json& object, const char* key, const std
   if (settings != found->end() && settings->is_object()) {
     for (const auto& [name, value] : settings->items()) {
       if (value.is_structured()) continue;  // other programs may nest what they like; it is only shown
-      prior.settings[name] = value.is_string() ? value.get<std::string>() : value.dump();
+      prior.settings[name] = value.is_string() ? value.get<std::string>() : json_line(value);
     }
   }
   return prior;
@@ -74,7 +75,7 @@ json json_of(const PriorJson& prior) {
 
 /// Text with invalid UTF-8 replaced: file names may hold any bytes.
 void write_object(const std::filesystem::path& path, const json& value) {
-  write_file_atomically(path, value.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+  write_file_atomically(path, json_document(value));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "edit/report_json.h"
 #include "io/base64.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "serve/export_file.h"
 #include "serve/file_version.h"
 #include "train/run_control.h"
@@ -23,7 +24,7 @@ constexpr size_t kLongestText = 4096;  // bytes of one field
 
 /// A request with exactly the named fields, all text.
 Json request_of(const std::string& body, std::initializer_list<const char*> fields) {
-  const Json json = Json::parse(body, nullptr, false);
+  const Json json = parse_json(body);
   if (!json.is_object()) throw_usage("the request is no JSON object");
   for (const char* name : fields) {
     const auto it = json.find(name);
@@ -47,7 +48,6 @@ std::string files_of(const fs::path& run) {
   return all;
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -81,7 +81,7 @@ std::string EditService::list() {
                        {"gaussians", object.gaussians},
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
   }
-  return text_of({{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}});
+  return json_line(Json{{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}});
 }
 
 std::string EditService::preview(const std::string& request) {
@@ -95,14 +95,14 @@ std::string EditService::preview(const std::string& request) {
     const std::vector<uint8_t> png = encode_png(picture.picture);
     answer["picture"] = "data:image/png;base64," + base64_text({reinterpret_cast<const char*>(png.data()), png.size()});
   }
-  return text_of(answer);
+  return json_line(answer);
 }
 
 std::string EditService::listed(const char* what, const Json& value) {
   opened_ = files_of(options_.run);
   Json answer = Json::parse(list());
   answer[what] = value;
-  return text_of(answer);
+  return json_line(answer);
 }
 
 std::string EditService::push(const std::string& request) {
@@ -134,7 +134,7 @@ std::string EditService::export_file(const std::string& request) {
   const std::string format = request_of(request, {"format"})["format"].get<std::string>();
   require_export_format(format, run_export_formats());
   const RunExport made = export_run(session(), format, false, {});
-  return text_of({{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
+  return json_line(Json{{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
 }
 
 void EditService::serve(ViewServerOptions& options) {

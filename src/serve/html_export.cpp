@@ -12,6 +12,7 @@
 #include "io/atomic_file.h"
 #include "io/base64.h"
 #include "io/gzip.h"
+#include "io/json_text.h"
 #include "serve/web_page.h"
 
 namespace aligngs {
@@ -69,7 +70,7 @@ Json classes_of(const LabelSet& labels) {
 
 Json cameras_of(const std::filesystem::path& path) {
   try {
-    Json cameras = Json::parse(read_file(path, kMaxCameras), nullptr, false);
+    Json cameras = parse_ordered_json(read_file(path, kMaxCameras));
     return cameras.is_array() ? cameras : Json();
   } catch (const Error&) {
     return nullptr;

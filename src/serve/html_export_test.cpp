@@ -7,6 +7,7 @@
 
 #include "edit/small_room_for_tests.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -31,7 +32,7 @@ class HtmlExport : public testing::Test {
 TEST_F(HtmlExport, ColumnsGiveTheGaussiansBack) {
   const std::string packed = packed_scene(room_, info_);
   const size_t line = packed.find('\n');
-  const nlohmann::json head = nlohmann::json::parse(packed.substr(0, line));
+  const nlohmann::json head = parse_json(packed.substr(0, line));
   const size_t n = head["count"];
   ASSERT_EQ(n, room_.gaussians.model.size());
   EXPECT_EQ(head["state"]["name"], info_.name);
@@ -78,7 +79,7 @@ TEST_F(HtmlExport, TheFileNeedsNothingElse) {
 TEST_F(HtmlExport, WhatNobodySeesIsLeftOut) {
   room_.gaussians.model.opacity_logits[0] = -9;
   const std::string packed = packed_scene(room_, info_);
-  EXPECT_EQ(nlohmann::json::parse(packed.substr(0, packed.find('\n')))["count"], room_.gaussians.model.size() - 1);
+  EXPECT_EQ(parse_json(packed.substr(0, packed.find('\n')))["count"], room_.gaussians.model.size() - 1);
 }
 
 }  // namespace

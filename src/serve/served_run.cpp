@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/label_set.h"
 #include "serve/file_version.h"
 #include "serve/request_rules.h"
@@ -23,7 +24,7 @@ constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
 
 Json read_json(const fs::path& path) {
   try {
-    Json json = Json::parse(read_file(path, kMaxJson), nullptr, false);
+    Json json = parse_json(read_file(path, kMaxJson));
     return json.is_discarded() ? Json() : json;
   } catch (const Error&) {
     return nullptr;
@@ -120,7 +121,7 @@ std::string ServedRun::state() const {
     state["name"] = only_;
     state["splats"] = only_;
     state["version"] = file_version(root_ / only_);
-    return state.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return json_line(state);
   }
   state["name"] = root_.filename().string();
   const Json run = read_json(root_ / "run.json");
@@ -159,7 +160,7 @@ std::string ServedRun::state() const {
     state["up"] = field(description, "up");
     state["units"] = field(description, "units");
   }
-  return state.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_line(state);
 }
 
 std::string ServedRun::signature() const {

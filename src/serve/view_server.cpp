@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "io/json_text.h"
 #include "serve/request_rules.h"
 #include "serve/served_run.h"
 #include "serve/web_page.h"
@@ -140,7 +141,7 @@ struct ViewServer::State {
   }
 
   http::response<http::string_body> refuse(const Request& request, http::status status, const char* why) const {
-    return answer(request, status, nlohmann::json{{"error", why}}.dump(), "application/json");
+    return answer(request, status, json_line(nlohmann::json{{"error", why}}), "application/json");
   }
 
   http::response<http::string_body> page(const Request& request, const std::string& path) const {
@@ -189,8 +190,7 @@ struct ViewServer::State {
   http::response<http::string_body> refuse(const Request& request, const Error& error) const {
     const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
     const nlohmann::json body = {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}};
-    return answer(request, theirs ? http::status::bad_request : http::status::internal_server_error,
-                  body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), "application/json");
+    return answer(request, theirs ? http::status::bad_request : http::status::internal_server_error, json_line(body), "application/json");
   }
 
   awaitable<http::response<http::string_body>> post(const Request& request, const std::string& path) {
@@ -297,7 +297,7 @@ struct ViewServer::State {
       const std::string now_version = run.signature();
       if (now_version != version) {
         version = now_version;
-        message += "event: state\ndata: " + nlohmann::json(version).dump() + "\n\n";
+        message += "event: state\ndata: " + json_line(nlohmann::json(version)) + "\n\n";
       }
       const auto now = std::chrono::steady_clock::now();
       if (message.empty() && now - last_sent > kPingTime) message = ": ping\n\n";

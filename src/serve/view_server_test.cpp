@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "io/json_text.h"
 #include "serve/http_client_for_tests.h"
 #include "train/run_control.h"
 
@@ -156,9 +157,9 @@ TEST_F(ViewServerTest, ATrainingIsAskedForSnapshotsOnlyWhileSomebodyLooksOn) {
 TEST_F(ViewServerTest, ARunInProgressShowsItsSnapshotAndItsStages) {
   fs::create_directories(base_ / "run" / "live");
   write("run/live/scene.ply", "live");
-  EXPECT_EQ(nlohmann::json::parse(body(get("/api/state")))["splats"], "scene.ply") << "left behind by a killed training";
+  EXPECT_EQ(parse_json(body(get("/api/state")))["splats"], "scene.ply") << "left behind by a killed training";
   const RunLock lock(base_ / "run");
-  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  const auto state = parse_json(body(get("/api/state")));
   EXPECT_EQ(state["splats"], "live/scene.ply");
   EXPECT_EQ(state["active"], true);
   EXPECT_EQ(state["editable"], false);
@@ -170,14 +171,14 @@ TEST_F(ViewServerTest, ARunInProgressShowsItsSnapshotAndItsStages) {
 TEST_F(ViewServerTest, AnEditedRunShowsItsEditsAndKnowsTheOriginal) {
   fs::create_directories(base_ / "run" / "edits");
   write("run/edits/scene.labels.ply", "edited");
-  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  const auto state = parse_json(body(get("/api/state")));
   EXPECT_EQ(state["splats"], "edits/scene.labels.ply");
   EXPECT_EQ(state["original"], "scene.ply");
   EXPECT_EQ(state["edited"], true);
 }
 
 TEST_F(ViewServerTest, DescribesTheRun) {
-  const auto state = nlohmann::json::parse(body(get("/api/state")));
+  const auto state = parse_json(body(get("/api/state")));
   EXPECT_EQ(state["status"], "running");
   EXPECT_EQ(state["splats"], "scene.ply");
   EXPECT_TRUE(state["mesh"].is_null());

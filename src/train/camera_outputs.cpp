@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/colmap_model.h"
 #include "train/run_record.h"
 #include "train/training_set.h"
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 bool contains(const std::vector<int>& list, int index) { return std::find(list.begin(), list.end(), index) != list.end(); }
 
 void write_json(const fs::path& path, const Json& json) {
-  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(path, json_document(json));
 }
 
 /// The layout that 3DGS viewers read (position and rotation are camera to world, OpenCV axes), plus the

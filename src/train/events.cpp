@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/memory_budget.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -19,7 +20,7 @@ std::string kept_lines(const std::string& text, int64_t completed) {
   size_t begin = 0;
   for (size_t end = text.find('\n'); end != std::string::npos; begin = end + 1, end = text.find('\n', begin)) {
     const std::string line = text.substr(begin, end - begin);
-    const Json json = Json::parse(line, nullptr, false);
+    const Json json = parse_ordered_json(line);
     if (!json.is_object()) continue;
     const auto step = json.find("step");
     if (step != json.end() && step->is_number_integer() && step->get<int64_t>() > completed) continue;
@@ -71,16 +72,16 @@ void EventLog::step(const Step& s) {
                {"psnr", s.report->losses.psnr}, {"gaussians", s.gaussians}, {"visible", s.report->visible},
                {"coupling_scale", s.report->coupling_scale}, {"seconds_per_step", s.seconds_per_step},
                {"memory_bytes", peak_memory_bytes()}};
-  line(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  line(json_line(json));
 }
 
 void EventLog::restructured(int64_t step, const std::string& event, const RestructurePlan& plan) {
-  line(Json{{"step", step}, {"event", event}, {"gaussians", plan.rows.size()}, {"cloned", plan.cloned},
-            {"split", plan.split}, {"pruned", plan.pruned}}.dump());
+  line(json_line(Json{{"step", step}, {"event", event}, {"gaussians", plan.rows.size()}, {"cloned", plan.cloned},
+                      {"split", plan.split}, {"pruned", plan.pruned}}));
 }
 
 void EventLog::message(int64_t step, const std::string& event, const std::string& message) {
-  line(Json{{"step", step}, {"event", event}, {"message", message}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  line(json_line(Json{{"step", step}, {"event", event}, {"message", message}}));
 }
 
 }  // namespace aligngs

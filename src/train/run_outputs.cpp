@@ -5,6 +5,7 @@
 
 #include "gaussians/instances.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -13,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void write_json(const std::filesystem::path& path, const Json& json) {
-  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(path, json_document(json));
 }
 
 Json objects_json(const std::vector<Instance>& instances, int label) {

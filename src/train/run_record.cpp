@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -43,7 +44,7 @@ std::string utc_now() {
 void write_run_record(const fs::path& path, const RunRecord& r) {
   Json json = Json::object();
   if (fs::exists(path)) {
-    const Json old = Json::parse(read_file(path, kLargestRecord), nullptr, false);
+    const Json old = parse_json(read_file(path, kLargestRecord));
     if (old.is_object()) json = old;
   }
   json["schema"] = kSchema;
@@ -68,11 +69,11 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
                    {"peak_memory_bytes", r.train.peak_memory_bytes},
                    {"device", r.device}};
   // A path or message that is not UTF-8 must not end a run: such bytes are replaced.
-  write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file_atomically(path, json_document(json));
 }
 
 RunRecord read_run_record(const fs::path& path) {
-  const Json json = Json::parse(read_file(path, kLargestRecord), nullptr, false);
+  const Json json = parse_json(read_file(path, kLargestRecord));
   if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start anew with --overwrite");
   RunRecord r;
   r.status = text_of(json, "status");

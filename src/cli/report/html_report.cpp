@@ -12,6 +12,7 @@
 #include "cli/report/picture_cell.h"
 #include "cli/report/svg_chart.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -34,7 +35,7 @@ pre{background:#f8fafc;padding:10px;overflow:auto;font-size:12.5px} svg{max-widt
 
 Json read_json(const fs::path& file) {
   if (!fs::exists(file)) return Json::object();
-  Json value = Json::parse(read_file(file), nullptr, false);
+  Json value = parse_json(read_file(file));
   return value.is_object() ? value : Json::object();
 }
 
@@ -101,7 +102,7 @@ std::string charts(const fs::path& run) {
   std::vector<Json> events;
   std::istringstream lines(read_file(file));
   for (std::string line; std::getline(lines, line);) {
-    Json event = Json::parse(line, nullptr, false);
+    Json event = parse_json(line);
     if (event.is_object()) events.push_back(std::move(event));
   }
   std::vector<ChartSeries> losses = series_of(events, {"total", "l1", "ssim", "semantic_soft", "log_depth", "pearson", "normal_consistency", "prior_normal"});

@@ -9,6 +9,7 @@
 #include "cli/report/json_field.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -55,7 +56,7 @@ RunScores read_run_scores(const std::filesystem::path& run) {
   if (!std::filesystem::exists(file)) {
     throw_bad_input(file, "metrics.json", "this run has not been measured", "run `aligngs eval " + run.string() + "` first");
   }
-  const Json metrics = Json::parse(read_file(file), nullptr, false);
+  const Json metrics = parse_json(read_file(file));
   if (!metrics.is_object()) throw_bad_input(file, "metrics.json", "is not JSON", "measure again with `aligngs eval`");
   RunScores out;
   out.folder = run;

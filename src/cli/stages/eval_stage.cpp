@@ -13,6 +13,7 @@
 #include "core/log.h"
 #include "core/median.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "metrics/image_metrics.h"
 #include "metrics/mesh_protocols.h"
 #include "metrics/semantic_metrics.h"
@@ -231,7 +232,7 @@ Json training_json(const OpenRun& run) {
   Json train = {{"seconds", nullptr}, {"iterations", run.config.train.iterations}, {"gaussians", run.model.size()},
                 {"iterations_per_second", nullptr}, {"peak_memory_bytes", nullptr}, {"device", run.engine->device_name()}};
   const fs::path file = run.folder / "run.json";
-  const Json state = fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json();
+  const Json state = fs::exists(file) ? parse_json(read_file(file)) : Json();
   if (!state.is_object() || !state.contains("train") || !state["train"].is_object()) return train;
   for (const auto& [key, value] : state["train"].items()) train[key] = value;
   return train;
@@ -252,7 +253,7 @@ Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
                         {"width", run.working_camera(0).width}, {"height", run.working_camera(0).height},
                         {"nvs", views.nvs}, {"geometry", geometry}, {"semantics", semantics},
                         {"train", training_json(run)}, {"per_view", views.per_view}};
-  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", metrics.dump(2) + "\n");
+  if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", json_document(metrics));
   return metrics;
 }
 

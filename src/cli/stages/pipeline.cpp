@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/json_text.h"
 #include "train/run_control.h"
 #include "train/run_record.h"
 
@@ -63,7 +64,7 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   write_run_record(options.run / "run.json", record);
   lock.reset();
   if (context.global.json) {
-    std::printf("%s\n", metrics.dump(2).c_str());
+    std::fputs(json_document(metrics).c_str(), stdout);
   } else {
     std::printf("training     %lld iterations in %s, %llu Gaussians\n", static_cast<long long>(trained.iterations),
                 format_duration(trained.seconds).c_str(), static_cast<unsigned long long>(trained.gaussians));

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
+#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -83,7 +84,7 @@ void GlbContainer::write(const std::filesystem::path& path) {
     if (json_.contains(array) && json_[array].empty()) json_.erase(array);
   }
   if (buffer_.empty()) json_.erase("buffers");
-  std::string text = json_.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string text = json_line(json_);
   pad(text, ' ');
   const uint64_t total = 12 + 8 + text.size() + (buffer_.empty() ? 0 : 8 + buffer_.size());
   if (total > UINT32_MAX) {

@@ -12,6 +12,7 @@
 #include "edit/small_room_for_tests.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
+#include "io/json_text.h"
 #include "io/zip_archive.h"
 
 namespace aligngs {
@@ -33,7 +34,7 @@ nlohmann::json json_of_glb(const fs::path& path) {
   const std::string bytes = read_file(path);
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
   EXPECT_EQ(load_number<uint32_t>(bytes.data() + 8, false), bytes.size());
-  return nlohmann::json::parse(bytes.substr(20, load_number<uint32_t>(bytes.data() + 12, false)));
+  return parse_json(bytes.substr(20, load_number<uint32_t>(bytes.data() + 12, false)));
 }
 
 TEST_F(SceneExport, GlbHasANodePerObjectAndTheSplats) {
@@ -90,7 +91,7 @@ TEST_F(SceneExport, SogIsAZipWithAnImagePerAttribute) {
   export_room(room_, "sog", file("scene.sog"), pool_);
   const ZipArchive zip(file_source(file("scene.sog")));
   ASSERT_TRUE(zip.find("meta.json"));
-  const nlohmann::json meta = nlohmann::json::parse(zip.read(*zip.find("meta.json")));
+  const nlohmann::json meta = parse_json(zip.read(*zip.find("meta.json")));
   EXPECT_EQ(meta["version"], 2);
   EXPECT_EQ(meta["count"], room_.gaussians.model.size());
   for (const char* name : {"means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp"})

@@ -10,6 +10,7 @@
 #include "edit/export/codebook.h"
 #include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
+#include "io/json_text.h"
 #include "io/zip_archive.h"
 
 namespace aligngs {
@@ -183,7 +184,7 @@ ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& m
   meta["quats"] = add_rotations(model, path, files);
   meta["sh0"] = add_colors(model, path, files);
   if (model.sh_degree > 0) meta["shN"] = add_harmonics(model, path, pool, files);
-  const std::string text = meta.dump();
+  const std::string text = json_line(meta);
   std::vector<std::pair<std::string, std::string_view>> entries = {{"meta.json", text}};
   for (const auto& [name, bytes] : files) entries.emplace_back(name, bytes);
   write_file_atomically(path, make_stored_zip(entries));

@@ -229,9 +229,8 @@ TEST_F(CudaEngineState, LiftIsThatOfTheCpuEngine) {
 }
 
 TEST_F(CudaEngineState, ShapesAreTheModelWithoutColoursAndClasses) {
-  const SceneOptions o = small_scene();
-  const GaussianModel model = make_model(o);
-  const std::unique_ptr<Engine> cuda = engine(model, {make_view(o)});
+  const GaussianModel model = make_model(small_scene());
+  const std::unique_ptr<Engine> cuda = engine(model);
   GaussianModel shapes;
   cuda->store_shapes(shapes);
   EXPECT_EQ(shapes.positions, model.positions);

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
+#include "io/json_text.h"
 #include "scene/import/capture.h"
 #include "scene/import/capture_text.h"
 #include "scene/mesh_ply.h"
@@ -75,7 +76,7 @@ std::vector<std::string> stems(const Reader& reader, std::initializer_list<const
 
 Capture read_transforms(const fs::path& folder) {
   Reader reader{folder / "transforms.json", {}};
-  reader.document = Json::parse(read_file(reader.file), nullptr, false);
+  reader.document = parse_json(read_file(reader.file));
   if (!reader.document.is_object() || !reader.document.contains("frames") || !reader.document["frames"].is_array()) {
     throw_bad_input(reader.file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
   }

@@ -1,0 +1,23 @@
+// JSON as text, in one place: the writer and the parser are compiled once, and neither throws.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+namespace aligngs {
+
+/// One line, without a line break at its end. Bytes that are no UTF-8 (the name of a file may have them) become U+FFFD, numbers that
+/// are not finite null.
+std::string json_line(const nlohmann::json& value);
+std::string json_line(const nlohmann::ordered_json& value);
+
+/// The same for files and people: two spaces a level, and a line break at the end.
+std::string json_document(const nlohmann::json& value);
+std::string json_document(const nlohmann::ordered_json& value);
+
+/// The value of a text; `is_discarded()` where the text is no JSON.
+nlohmann::json parse_json(std::string_view text);
+nlohmann::ordered_json parse_ordered_json(std::string_view text);  // objects keep the order of their members
+
+}  // namespace aligngs

@@ -1,0 +1,39 @@
+#include "io/json_text.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace aligngs {
+namespace {
+
+TEST(JsonText, LinesAreForProgramsAndDocumentsForFilesAndPeople) {
+  const nlohmann::json value = {{"views", 2}, {"folder", "renders"}};
+  EXPECT_EQ(json_line(value), R"({"folder":"renders","views":2})");
+  EXPECT_EQ(json_document(value), "{\n  \"folder\": \"renders\",\n  \"views\": 2\n}\n");
+}
+
+TEST(JsonText, OrderedObjectsKeepTheirOrder) {
+  const std::string text = R"({"views":2,"folder":"renders"})";
+  EXPECT_EQ(json_line(parse_ordered_json(text)), text);
+}
+
+TEST(JsonText, AFileNameThatIsNoUtf8IsWrittenAllTheSame) {
+  EXPECT_EQ(json_line(nlohmann::json{{"folder", "room\xff"}}), "{\"folder\":\"room\xef\xbf\xbd\"}");
+}
+
+TEST(JsonText, NumbersThatAreNotFiniteAreNull) {
+  EXPECT_EQ(json_line(nlohmann::json(std::numeric_limits<double>::quiet_NaN())), "null");
+}
+
+TEST(JsonText, WhatIsNoJsonIsDiscarded) {
+  for (const char* text : {"", "{", "{\"a\":1} and more", "nul", "\"\xff\"", "[1,]"}) {
+    EXPECT_TRUE(parse_json(text).is_discarded()) << text;
+    EXPECT_TRUE(parse_ordered_json(text).is_discarded()) << text;
+  }
+  EXPECT_EQ(parse_json("[1, 2]").size(), 2u);
+}
+
+}  // namespace
+}  // namespace aligngs
