@@ -22,7 +22,13 @@ ScheduleFacts room() {
 }
 
 TrainConfig paper() { return make_preset(Preset::kPaper); }
-TrainConfig standard() { return make_preset(Preset::kDefault); }
+
+/// The default preset in as many iterations as its [ref] keys count, so that these are the iterations at which things happen.
+TrainConfig standard() {
+  TrainConfig c = make_preset(Preset::kDefault);
+  c.train.iterations = c.train.reference_iterations;
+  return c;
+}
 
 TEST(Schedule, SemanticSampleMovesOnWithEveryPassOverTheViews) {
   TrainConfig c = standard();
