@@ -6,13 +6,13 @@
 
 #include "cli/command.h"
 #include "cli/device_option.h"
+#include "cli/print_json.h"
 #include "core/error.h"
 #include "core/memory_budget.h"
 #include "engine/benchmark/instruction_limit.h"
 #include "engine/benchmark/step_benchmark.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/runtime/device_ceilings.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -188,7 +188,7 @@ void run_bench(BenchOptions& o, bool json) {
   }
   const nlohmann::json document = document_of(timing, o, machine);
   if (json) {
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
   } else {
     print_table(document, machine.line);
   }

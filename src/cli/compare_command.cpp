@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "cli/report/comparison.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -45,7 +45,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
   if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
   if (context.global.json) {
-    std::fputs(json_document(comparison_json(runs)).c_str(), stdout);
+    print_json(comparison_json(runs));
   } else {
     std::fputs(comparison_text(runs).c_str(), stdout);
   }

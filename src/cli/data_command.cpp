@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/error.h"
-#include "io/json_text.h"
 #include "scene/view_data.h"
 #include "synth/simulated_priors.h"
 
@@ -34,7 +34,7 @@ void check(const std::string& folder, bool json) {
   if (json) {
     const nlohmann::json document = {{"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()},
                                      {"errors", fatal}, {"warnings", problems.size() - fatal}, {"problems", list}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
   } else {
     print_problems(problems);
     std::printf("%zu views (%zu training, %zu test), %zu points, depth priors: %s, semantics: %s; %zu errors, %zu warnings\n", scene.views.size(),

@@ -9,9 +9,9 @@
 #include <thread>
 
 #include "cli/photo_options.h"
+#include "cli/print_json.h"
 #include "core/memory_budget.h"
 #include "engine/cuda/runtime/cuda_device.h"
-#include "io/json_text.h"
 #include "nn/cpu/matrix_backend.h"
 
 namespace aligngs {
@@ -163,7 +163,7 @@ void add_doctor_command(CLI::App& program, CommandContext& context) {
       if (!check.remedy.empty()) std::printf("     %-16s %s\n", "", check.remedy.c_str());
     }
     document["ok"] = all;
-    if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+    if (context.global.json) print_json(document);
     else std::printf("%s\n", all ? "ready: try `aligngs demo`" : "see the lines marked !!");
   });
 }

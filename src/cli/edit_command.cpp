@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
 #include "edit/edit_products.h"
@@ -12,7 +13,6 @@
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
 #include "io/image_file.h"
-#include "io/json_text.h"
 #include "scene/mesh_ply.h"
 
 namespace aligngs {
@@ -29,7 +29,7 @@ struct EditOptions {
 
 void print(const CommandContext& context, const Json& json, const std::string& text) {
   if (context.global.json)
-    std::fputs(json_document(json).c_str(), stdout);
+    print_json(json);
   else
     std::fputs(text.c_str(), stdout);
 }

@@ -7,9 +7,9 @@
 
 #include "cli/command.h"
 #include "cli/device_option.h"
+#include "cli/print_json.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/summary.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 
@@ -40,7 +40,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
     stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
     const nlohmann::json metrics = evaluate_run(run, stage);
-    if (context.global.json) std::fputs(json_document(metrics).c_str(), stdout);
+    if (context.global.json) print_json(metrics);
     else std::fputs(metrics_summary(metrics).c_str(), stdout);
     require_at_least(metrics, options->fail_under);
   });

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/error.h"
 #include "edit/edit_session.h"
-#include "io/json_text.h"
 #include "serve/export_file.h"
 
 namespace aligngs {
@@ -38,7 +38,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (context.global.json) {
       const nlohmann::json document = {{"file", file.string()}, {"bytes", bytes}, {"gaussians", report.gaussians},
                                        {"objects", report.objects}, {"edits", made.edits}};
-      std::fputs(json_document(document).c_str(), stdout);
+      print_json(document);
     } else {
       std::printf("%s: %.2f MB, %zu Gaussians, %zu objects%s\n", file.string().c_str(),
                   static_cast<double>(bytes) / 1e6, report.gaussians, report.objects,

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
-#include "io/json_text.h"
 #include "scene/import/import_capture.h"
 
 namespace aligngs {
@@ -56,7 +56,7 @@ void run_import(const CommandContext& context, Options& options) {
     const nlohmann::json document = {{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
                                      {"skipped", report.skipped}, {"points", report.points}, {"cloud_source", report.cloud_source},
                                      {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
     return;
   }
   std::printf("%s: %s layout, %zu training and %zu test views, %zu points from %s, depth prior: %s\n", options.output.c_str(),

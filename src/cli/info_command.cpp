@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/byte_source.h"
@@ -194,7 +195,7 @@ void add_info_command(CLI::App& program, CommandContext& context) {
   command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
   command->callback([&context, path] {
     const Json info = info_of(*path);
-    if (context.global.json) std::fputs(json_document(info).c_str(), stdout);
+    if (context.global.json) print_json(info);
     else print_plain(info, 0);
   });
 }

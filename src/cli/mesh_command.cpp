@@ -5,8 +5,8 @@
 
 #include "cli/command.h"
 #include "cli/device_option.h"
+#include "cli/print_json.h"
 #include "cli/stages/mesh_stage.h"
-#include "io/json_text.h"
 #include "train/config_file.h"
 
 namespace aligngs {
@@ -45,7 +45,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
       const nlohmann::json document = {{"mesh", result.file.string()}, {"vertices", f.vertices}, {"triangles", f.triangles},
                                        {"voxel", f.voxel}, {"truncation", f.truncation}, {"max_depth", f.max_depth},
                                        {"predicted_bytes", f.predicted_bytes}, {"labelled_vertices", result.labels.labelled}};
-      std::fputs(json_document(document).c_str(), stdout);
+      print_json(document);
     } else {
       std::printf("%s: %zu vertices, %zu triangles, voxel %.4g\n", result.file.string().c_str(), f.vertices, f.triangles, f.voxel);
     }

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "io/json_text.h"
 #include "priors/model_download.h"
 
 namespace aligngs {
@@ -61,7 +61,7 @@ void list_models(const CommandContext& context) {
   if (context.global.json) {
     Json document = {{"folder", store.options().folder.string()}, {"models", Json::array()}};
     for (const PublishedModel& model : published_models()) document["models"].push_back(model_json(store, model));
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
     return;
   }
   std::printf("%-19s %-10s %9s  %s\n", "model", "installed", "size", "what for, licence");
@@ -127,7 +127,7 @@ void download_models(const CommandContext& context, const DownloadArguments& arg
     for (const ModelFile& file : model->files)
       std::printf("%s: %s%s\n", model->name.c_str(), store.find(*model, file)->path.c_str(), missing ? "" : " (was there already)");
   }
-  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+  if (context.global.json) print_json(document);
 }
 
 void verify_models(const CommandContext& context, const std::vector<std::string>& names) {
@@ -152,7 +152,7 @@ void verify_models(const CommandContext& context, const std::vector<std::string>
                 state.good ? fmt::format("{}, sha256 {} (compared with: {})", state.path.string(), state.sha256, state.compared_with).c_str()
                            : fmt::format("{}: {}", state.path.empty() ? state.file->name : state.path.string(), state.problem).c_str());
   }
-  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+  if (context.global.json) print_json(document);
   else if (states.empty()) std::printf("no weights are on this machine; `aligngs models list` shows what there is\n");
   if (bad) {
     throw Error({ErrorKind::kWeights, state_of(store, *bad->model) == "no" ? "the weights are missing" : "the weights are not what they should be",
@@ -168,7 +168,7 @@ void print_paths(const CommandContext& context, const std::string& name) {
     document.push_back(path.string());
     if (!context.global.json) std::printf("%s\n", path.c_str());
   }
-  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+  if (context.global.json) print_json(document);
 }
 
 void import_files(const CommandContext& context, const std::string& name, const std::vector<std::string>& files) {
@@ -186,7 +186,7 @@ void import_files(const CommandContext& context, const std::string& name, const 
         log_warning("{} is used instead: the {} is looked in first", used->path.string(), name_of(used->place));
     }
   }
-  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+  if (context.global.json) print_json(document);
   if (!store.installed(model)) log_warning("{} is not complete yet: {}", model.name, how_to_get(store, model));
 }
 

@@ -7,8 +7,8 @@
 
 #include "cli/device_option.h"
 #include "cli/photo_options.h"
+#include "cli/print_json.h"
 #include "core/error.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -28,7 +28,7 @@ void print_report(const CommandContext& context, const std::string& scene, const
                                      {"train", report.train}, {"test", report.test}, {"points", report.points},
                                      {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
                                      {"unplaced", unplaced}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
     return;
   }
   std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos,

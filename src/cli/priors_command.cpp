@@ -7,9 +7,9 @@
 
 #include "cli/device_option.h"
 #include "cli/photo_options.h"
+#include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -74,7 +74,7 @@ void run_priors(const CommandContext& context, Options& options) {
     document["semantics"] = json_of(report);
     semantics_line = line_of(report);
   }
-  if (context.global.json) std::fputs(json_document(document).c_str(), stdout);
+  if (context.global.json) print_json(document);
   else std::printf("depth      %s\nsemantics  %s\n", depth_line.c_str(), semantics_line.c_str());
 }
 

@@ -6,11 +6,11 @@
 #include <new>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/edit_distance.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
-#include "io/json_text.h"
 
 namespace aligngs {
 namespace {
@@ -66,7 +66,7 @@ int report_error(const Error& error, bool json) {
     const Error::Details& d = error.details();
     const nlohmann::json document = {{"error", {{"status", error.exit_status()}, {"message", d.message},
                                                 {"path", d.path.string()}, {"field", d.field}, {"remedy", d.remedy}}}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
   }
   log_error("{}", error.what());
   return error.exit_status();

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/print_json.h"
 #include "core/error.h"
-#include "io/json_text.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
 
@@ -66,7 +66,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
     const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
                                              {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes}, {"square", report.planes.axes.has_value()}, {"up", up_json(report.planes.axes)},
                                              {"exposure_span", exposure_span(report.log_gains)}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
     return;
   }
   std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
@@ -109,7 +109,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
                                              {"on_planes", report.on_planes}, {"square", report.axes.has_value()}, {"up", up_json(report.axes)}, {"exposure_span", exposure_span(report.log_gains)},
                                              {"views", views}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
     return;
   }
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/print_json.h"
 #include "cli/synth_options.h"
 #include "core/log.h"
-#include "io/json_text.h"
 #include "mesh/fusion.h"
 #include "metrics/mesh_protocols.h"
 #include "synth/acceptance.h"
@@ -80,7 +80,7 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
     if (context.global.json) {
       const nlohmann::json document = {{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
                                        {"acceptance", to_json(report)}};
-      std::fputs(json_document(document).c_str(), stdout);
+      print_json(document);
       return;
     }
     std::printf("%s: %zu training and %zu test views; priors: %s\n\n%s", output->c_str(), scene.train.size(), scene.test.size(),

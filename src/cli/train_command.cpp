@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/page_server.h"
+#include "cli/print_json.h"
 #include "cli/train_options.h"
 #include "core/error.h"
-#include "io/json_text.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
 
@@ -30,7 +30,7 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
     const nlohmann::json document = {{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
                                      {"gaussians", result.gaussians}, {"seconds", result.seconds}, {"train_psnr", result.psnr},
                                      {"warnings", result.warnings}};
-    std::fputs(json_document(document).c_str(), stdout);
+    print_json(document);
   } else if (result.already_finished) {
     std::printf("%s: finished already (%lld iterations); -n beyond that extends it\n", options.output.c_str(), static_cast<long long>(result.iterations));
   } else {

@@ -100,7 +100,7 @@ std::string EditService::preview(const std::string& request) {
 
 std::string EditService::listed(const char* what, const Json& value) {
   opened_ = files_of(options_.run);
-  Json answer = Json::parse(list());
+  Json answer = parse_json(list());
   answer[what] = value;
   return json_line(answer);
 }

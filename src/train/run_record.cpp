@@ -68,7 +68,6 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
                    {"iterations_per_second", r.train.iterations_per_second},
                    {"peak_memory_bytes", r.train.peak_memory_bytes},
                    {"device", r.device}};
-  // A path or message that is not UTF-8 must not end a run: such bytes are replaced.
   write_file_atomically(path, json_document(json));
 }
 

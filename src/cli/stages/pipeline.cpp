@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cli/print_json.h"
 #include "cli/report/html_report.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/stages/render_stage.h"
@@ -11,7 +12,6 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
-#include "io/json_text.h"
 #include "train/run_control.h"
 #include "train/run_record.h"
 
@@ -64,7 +64,7 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   write_run_record(options.run / "run.json", record);
   lock.reset();
   if (context.global.json) {
-    std::fputs(json_document(metrics).c_str(), stdout);
+    print_json(metrics);
   } else {
     std::printf("training     %lld iterations in %s, %llu Gaussians\n", static_cast<long long>(trained.iterations),
                 format_duration(trained.seconds).c_str(), static_cast<unsigned long long>(trained.gaussians));
