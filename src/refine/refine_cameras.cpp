@@ -19,15 +19,19 @@ class Refinement {
       prior_.push_back(v.match.camera);
     }
     for (size_t i = 0; i < views.size(); ++i) (views[i].test ? test_ : train_).push_back(static_cast<int>(i));
+    placed_by_.assign(views.size(), 0);
     if (settings.share_focal) share_focal();
   }
 
   RefineResult run(const RefineProgress& progress) {
     const double steps = settings_.rounds + 1;
-    for (int round = 0; round < settings_.rounds; ++round) {
-      if (progress) progress(round / steps);
+    int rounds = settings_.rounds;
+    for (int round = 0; round < rounds; ++round) {
+      if (progress) progress(std::min(round, settings_.rounds) / steps);
       tracks_ = find_tracks(track_photos(train_), round == 0 ? settings_.tracks.match.search : settings_.tracks.near_search, settings_.tracks, pool_);
       adjust();
+      const bool found = find_lost_photos();
+      if (found && round + 1 == settings_.rounds) ++rounds;  // what they show has to be matched where they are now
     }
     if (progress) progress(settings_.rounds / steps);
     register_test_views();
@@ -92,18 +96,23 @@ class Refinement {
     focal_factor_ *= solved.focal_factor;
   }
 
-  void drop_outliers() {
+  /// And tracks that fewer than two photos are left of.
+  template <class Unwanted>
+  void drop_observations(const Unwanted& unwanted) {
     for (Track& t : tracks_) {
-      const auto wrong = [&](const Observation& o) {
-        return reprojection_error(match(o.view).camera, t.point, o.pixel) > settings_.outlier;
-      };
-      t.observations.erase(std::remove_if(t.observations.begin(), t.observations.end(), wrong), t.observations.end());
+      t.observations.erase(std::remove_if(t.observations.begin(), t.observations.end(), [&](const Observation& o) { return unwanted(t, o); }),
+                           t.observations.end());
     }
     tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.observations.size() < 2; }),
                   tracks_.end());
   }
 
+  void drop_outliers() {
+    drop_observations([&](const Track& t, const Observation& o) { return reprojection_error(match(o.view).camera, t.point, o.pixel) > settings_.outlier; });
+  }
+
   void adjust() {
+    matched_ = count_training_observations();
     if (!adjusted_) {
       BundleSettings coarse = settings_.bundle;
       coarse.pixel = settings_.coarse_pixel;
@@ -127,12 +136,13 @@ class Refinement {
     take(bundle);
   }
 
-  int count_observations(int view) const {
-    int count = 0;
+  /// By view.
+  std::vector<int> count_training_observations() const {
+    std::vector<int> counts(views_.size(), 0);
     for (const Track& t : tracks_) {
-      count += static_cast<int>(std::count_if(t.observations.begin(), t.observations.end(), [&](const Observation& o) { return o.view == view; }));
+      for (const Observation& o : t.observations) ++counts[static_cast<size_t>(o.view)];
     }
-    return count;
+    return counts;
   }
 
   /// The well-determined training view whose prior camera is nearest; -1 without any.
@@ -156,8 +166,7 @@ class Refinement {
   }
 
   void follow_neighbours() {
-    std::vector<int> counts(views_.size(), 0);
-    for (const int v : train_) counts[static_cast<size_t>(v)] = count_observations(v);
+    const std::vector<int> counts = count_training_observations();
     by_neighbour_.assign(views_.size(), false);
     for (const int v : train_) {
       if (counts[static_cast<size_t>(v)] >= settings_.least_observations) continue;
@@ -172,62 +181,63 @@ class Refinement {
     }
   }
 
+  /// Training photos of whose matches far fewer agree with the cameras than of the others' (wrong ones do with some pose: a
+  /// wallpaper's pattern fits one flower further, too), or too few at all.
+  std::vector<int> lost_photos() const {
+    const std::vector<int> fitting = count_training_observations();
+    const auto share = [&](int v) { return static_cast<double>(fitting[static_cast<size_t>(v)]) / std::max(1, matched_[static_cast<size_t>(v)]); };
+    std::vector<double> shares;
+    for (const int v : train_) shares.push_back(share(v));
+    if (shares.empty()) return {};
+    const double least = settings_.lost_share * median_of(std::move(shares));
+    std::vector<int> lost;
+    std::copy_if(train_.begin(), train_.end(), std::back_inserter(lost),
+                 [&](int v) { return fitting[static_cast<size_t>(v)] < settings_.least_observations || share(v) < least; });
+    return lost;
+  }
+
+  /// Forgets what lost photos seemed to show and looks for them farther off, by the points of the others. Whether any was found; the
+  /// others follow their neighbours.
+  bool find_lost_photos() {
+    const std::vector<int> lost = lost_photos();
+    if (lost.empty() || lost.size() == train_.size()) return false;
+    const auto is_lost = [&](int v) { return std::find(lost.begin(), lost.end(), v) != lost.end(); };
+    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [&](const Track& t) { return is_lost(t.view); }), tracks_.end());
+    drop_observations([&](const Track&, const Observation& o) { return is_lost(o.view); });
+    solve(settings_.bundle);
+    drop_outliers();
+    follow_neighbours();
+    std::vector<int> others;
+    std::copy_if(train_.begin(), train_.end(), std::back_inserter(others), [&](int v) { return !is_lost(v); });
+    const std::vector<int> found = place(lost, others, {{settings_.lost_search, true}});
+    for (const int v : found) by_neighbour_[static_cast<size_t>(v)] = false;
+    return !found.empty();
+  }
+
+  /// Looks for the wanted by the tracks of others, in one way after the other until they are placed. Those that were.
+  std::vector<int> place(std::vector<int> wanted, const std::vector<int>& by, const std::vector<PhotoSearch>& searches) {
+    const std::vector<TrackPhoto> photos = track_photos(by);
+    std::vector<int> found;
+    for (const PhotoSearch& search : searches) {
+      std::vector<WantedPhoto> tried;
+      for (const int v : wanted) tried.push_back({v, &matches_[static_cast<size_t>(v)], &views_[static_cast<size_t>(v)].mask, 0});
+      place_photos({tracks_, photos, extent_}, tried, search, settings_, pool_);
+      wanted.clear();
+      for (const WantedPhoto& photo : tried) {
+        placed_by_[static_cast<size_t>(photo.view)] = photo.observations;
+        (photo.observations > 0 ? found : wanted).push_back(photo.view);
+      }
+    }
+    return found;
+  }
+
   /// Test photos against the points of the training photos, which they do not move.
   void register_test_views() {
-    if (test_.empty() || tracks_.empty()) return;
-    test_observations_.assign(views_.size(), 0);
-    place_views(test_, settings_.tracks.match.search);
-    std::vector<int> again;
-    std::copy_if(test_.begin(), test_.end(), std::back_inserter(again), [&](int v) { return !placed(v); });
-    if (!again.empty()) place_views(again, settings_.lost_search);
-    for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = !placed(v);
-  }
-
-  /// Whether the last search for a test view found it.
-  bool placed(int view) const { return test_observations_[static_cast<size_t>(view)] > 0; }
-
-  /// Searched, and searched again near the place found, which finds more. Views that are not placed both times stay where they were.
-  void place_views(const std::vector<int>& views, double search) {
-    std::vector<Camera> before;
-    for (const int v : views) before.push_back(match(v).camera);
-    register_views(views, search);
-    std::vector<int> found;
-    std::copy_if(views.begin(), views.end(), std::back_inserter(found), [&](int v) { return placed(v); });
-    if (!found.empty()) register_views(found, settings_.tracks.near_search);
-    for (size_t i = 0; i < views.size(); ++i) {
-      if (!placed(views[i])) matches_[static_cast<size_t>(views[i])].camera = before[i];
-    }
-  }
-
-  /// Moves those of the views that enough observations place; of the others none counts. Wrong matches agree with some pose, too, but
-  /// never most of them.
-  void register_views(const std::vector<int>& views, double search) {
-    BundleProblem resection = without_observations();
-    resection.fixed_points = true;
-    resection.anchors = resection.cameras;  // carried along with their neighbours, they are better than the prior
-    resection.observations = find_points(tracks_, track_photos(train_), track_photos(views), search, settings_.tracks, pool_);
-    BundleSettings settings = settings_.bundle;
-    settings.focal = 0;
-    settings.pixel = settings_.coarse_pixel;
-    adjust_bundle(resection, settings);
-    const auto wrong = [&](const Observation& o) {
-      return reprojection_error(resection.cameras[static_cast<size_t>(o.view)], resection.points[static_cast<size_t>(o.point)], o.pixel) > settings_.outlier;
-    };
-    auto& all = resection.observations;
-    const auto count = [&](int v) {
-      return static_cast<int>(std::count_if(all.begin(), all.end(), [v](const Observation& o) { return o.view == v; }));
-    };
-    std::vector<int> found;
-    for (const int v : views) found.push_back(count(v));
-    all.erase(std::remove_if(all.begin(), all.end(), wrong), all.end());
-    settings.pixel = settings_.bundle.pixel;
-    adjust_bundle(resection, settings);
-    for (size_t i = 0; i < views.size(); ++i) {
-      const int v = views[i], fitting = count(v);
-      const bool enough = fitting >= settings_.least_observations && fitting >= settings_.least_fitting * found[i];
-      test_observations_[static_cast<size_t>(v)] = enough ? fitting : 0;
-      if (enough) matches_[static_cast<size_t>(v)].camera = resection.cameras[static_cast<size_t>(v)];
-    }
+    if (tracks_.empty()) return;
+    for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = true;
+    const std::vector<int> found =
+        place(test_, train_, {{settings_.tracks.match.search, false}, {settings_.lost_search, false}, {settings_.lost_search, true}});
+    for (const int v : found) by_neighbour_[static_cast<size_t>(v)] = false;
   }
 
   DepthGrid depth_correction(int view) const {
@@ -249,12 +259,13 @@ class Refinement {
     result.bundle = bundle_;
     result.focal_factor = focal_factor_;
     result.tracks = tracks_.size();
+    const std::vector<int> counts = count_training_observations();
     for (size_t i = 0; i < views_.size(); ++i) {
       const int v = static_cast<int>(i);
       RefinedView out;
       out.camera = matches_[i].camera;
       out.by_neighbour = !by_neighbour_.empty() && by_neighbour_[i];
-      out.observations = views_[i].test ? (test_observations_.empty() ? 0 : test_observations_[i]) : count_observations(v);
+      out.observations = views_[i].test ? placed_by_[i] : counts[i];
       if (!views_[i].test) out.depth = depth_correction(v);
       measure_change(prior_[i], out);
       result.views.push_back(out);
@@ -278,7 +289,8 @@ class Refinement {
   std::vector<int> train_, test_;
   std::vector<Track> tracks_;
   std::vector<bool> by_neighbour_;
-  std::vector<int> test_observations_;
+  std::vector<int> placed_by_;  ///< observations by view, of photos looked for by others' tracks
+  std::vector<int> matched_;  ///< observations by view before the last round's outliers were dropped
   BundleReport bundle_;
   double focal_factor_ = 1;
   bool adjusted_ = false;

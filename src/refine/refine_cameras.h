@@ -8,7 +8,7 @@
 #include "core/thread_pool.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/depth_grid.h"
-#include "refine/tracks.h"
+#include "refine/resection.h"
 #include "scene/point_cloud.h"
 
 namespace aligngs {
@@ -22,16 +22,12 @@ struct RefineView {
   bool test = false;  ///< registered afterwards against the points of the training views, which it does not move
 };
 
-struct RefineSettings {
-  TrackSettings tracks;
-  BundleSettings bundle;
+/// Tracks, adjustment and what places a photo are ResectionSettings, for training and test photos alike.
+struct RefineSettings : ResectionSettings {
   DepthGridSettings grid;
   int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
-  double lost_search = 0.15;    ///< of the image width: for test photos of which the usual search finds too little
-  double coarse_pixel = 0.5;    ///< pixels: `bundle.pixel` of the very first adjustment and of each search for test views, which start too far off for the exact one
-  double outlier = 3;           ///< pixels: observations beyond are dropped before and after the exact adjustment
-  int least_observations = 15;  ///< a view with fewer keeps its prior relative to its nearest neighbour
-  double least_fitting = 0.5;   ///< share of a test view's matches that agree with the pose found for it; with fewer it is not placed
+  double lost_search = 0.15;    ///< of the image width: for photos of which the usual search finds too little
+  double lost_share = 0.45;      ///< of the median photo's share of matches that agree with the cameras: a training photo below is lost
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
 };
 

@@ -26,6 +26,19 @@ std::vector<Camera> cameras_of(const RefineResult& result) {
   return out;
 }
 
+/// About the vertical.
+void turn(Camera& camera, double degrees) {
+  const double c = std::cos(degrees * kRadiansPerDegree), s = std::sin(degrees * kRadiansPerDegree);
+  camera.world_to_camera = Rigidd{Mat3d{{c, 0, s, 0, 1, 0, -s, 0, c}}, {}} * camera.world_to_camera;
+}
+
+/// Photos whose every place is told from the others, with true cameras.
+std::vector<RefineView> rough_photos(int count) {
+  std::vector<RefineView> views;
+  for (int i = 0; i < count; ++i) views.push_back(photo(true_camera(i), 0.6));
+  return views;
+}
+
 /// Small photos need few, and the tests little time.
 RefineSettings few_corners() {
   RefineSettings settings;
@@ -70,18 +83,28 @@ TEST_F(RefineCamerasTest, TestPhotosAreRegisteredAndMoveNothing) {
 }
 
 TEST_F(RefineCamerasTest, ATestPhotoFarFromItsPlaceIsLookedForFarther) {
-  std::vector<RefineView> views;
-  for (int i = 0; i < 8; ++i) views.push_back(photo(true_camera(i), 0.6));
+  std::vector<RefineView> views = rough_photos(8);
   views[7].test = true;
-  const double turn = 6 * kRadiansPerDegree, c = std::cos(turn), s = std::sin(turn);  // 15 pixels; the usual search reaches 8
-  Camera& camera = views[7].match.camera;
-  camera.world_to_camera = Rigidd{Mat3d{{c, 0, s, 0, 1, 0, -s, 0, c}}, {}} * camera.world_to_camera;
+  turn(views[7].match.camera, 6);  // 15 pixels; the usual search reaches 8
   RefineSettings settings;
   const RefineResult found = refine_cameras(views, kRoomExtent, settings, pool_);
   EXPECT_FALSE(found.views[7].by_neighbour);
   EXPECT_NEAR(found.views[7].turned, 6, 0.5);
   settings.lost_search = settings.tracks.match.search;
   EXPECT_TRUE(refine_cameras(views, kRoomExtent, settings, pool_).views[7].by_neighbour);
+}
+
+TEST_F(RefineCamerasTest, ATrainingPhotoFarFromItsPlaceIsLookedForByTheOthers) {
+  std::vector<RefineView> views = rough_photos(8);
+  RefineSettings settings;
+  const double never_lost = pair_error(cameras_of(refine_cameras(views, kRoomExtent, settings, pool_)));
+  turn(views[4].match.camera, 6);
+  const RefineResult found = refine_cameras(views, kRoomExtent, settings, pool_);
+  EXPECT_FALSE(found.views[4].by_neighbour);
+  EXPECT_NEAR(pair_error(cameras_of(found)), never_lost, 0.1 * never_lost);
+  EXPECT_GT(found.views[4].observations, 1000);
+  settings.lost_search = settings.tracks.match.search;
+  EXPECT_GT(pair_error(cameras_of(refine_cameras(views, kRoomExtent, settings, pool_))), 2 * never_lost);
 }
 
 TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {

@@ -10,19 +10,6 @@
 namespace aligngs {
 namespace {
 
-constexpr double kFewestInWideSearch = 600;  // corners of a photo; they find cameras to some pixels
-
-/// For every photo of `from` the indices into `to` of those that see most of the same.
-std::vector<std::vector<int>> neighbours(const std::vector<TrackPhoto>& from, const std::vector<TrackPhoto>& to, int count,
-                                         const TrackSettings& settings) {
-  const auto matches = [](const std::vector<TrackPhoto>& photos) {
-    std::vector<const MatchView*> out;
-    for (const TrackPhoto& photo : photos) out.push_back(photo.match);
-    return out;
-  };
-  return overlapping_views(matches(from), matches(to), count, settings.least_overlap, settings.largest_turn);
-}
-
 Observation observation(const TrackPhoto& photo, const Vec2d& pixel) {
   Observation o;
   o.view = photo.view;
@@ -35,17 +22,24 @@ Observation observation(const TrackPhoto& photo, const Vec2d& pixel) {
   return o;
 }
 
-/// Without observations where the corner has no depth.
-Track start_track(const TrackPhoto& photo, const Corner& corner) {
+/// Without observations where the corner, at `pixel` of the photo, has no depth.
+Track start_track(const TrackPhoto& photo, const Vec2d& pixel, float strength) {
   Track track;
   track.view = photo.view;
-  track.corner = corner;
-  const Observation own = observation(photo, {corner.x + 0.5, corner.y + 0.5});
+  track.corner = {strength, static_cast<int>(pixel.x), static_cast<int>(pixel.y)};
+  const Observation own = observation(photo, pixel);
   if (own.prior_depth <= 0) return track;
   track.point = photo.match->camera.unproject(own.pixel.x, own.pixel.y, own.prior_depth);
   track.observations.push_back(own);
   return track;
 }
+
+MatchSettings with_search(MatchSettings settings, double search) {
+  settings.search = search;
+  return settings;
+}
+
+Vec2d middle(int x, int y) { return {x + 0.5, y + 0.5}; }
 
 }  // namespace
 
@@ -53,33 +47,29 @@ CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& l
   CornerSettings corners = settings.corners;
   const double size = relative_size(luma);
   const bool wide = search > settings.near_search;
-  double most = (wide ? std::min(corners.per_view, settings.wide_corners) : corners.per_view) * std::min(size, 1.0);
-  if (size > 1) {
-    corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
-    if (wide) most = std::max(std::min(most, kFewestInWideSearch), most / size);
-  }
+  const double most = (wide ? std::min(corners.per_view, settings.wide_corners) : corners.per_view) * std::min(size, 1.0);
+  if (size > 1) corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
   corners.per_view = static_cast<int>(std::lround(most));
   return corners;
 }
 
 std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool) {
-  MatchSettings match_settings = settings.match;
-  match_settings.search = search;
-  const auto near = neighbours(photos, photos, settings.neighbours, settings);
-  const ImageF no_mask;
+  const MatchSettings match_settings = with_search(settings.match, search);
+  const SearchPhotos searched(photos, search > settings.near_search);
+  const auto near = overlapping_views(searched.matches(), searched.matches(), settings.neighbours, settings.least_overlap, settings.largest_turn);
   std::vector<std::vector<Track>> of_photo(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      const MatchView& from = *photos[i].match;
-      const ImageF& mask = photos[i].mask ? *photos[i].mask : no_mask;
-      for (const Corner& corner : find_corners(from.luma, mask, corners_for_search(settings, from.luma, search))) {
-        Track track = start_track(photos[i], corner);
+      const MatchView& from = searched.match(i);
+      for (const Corner& corner : find_corners(from.luma, searched.mask(i), corners_for_search(settings, from.luma, search))) {
+        Track track = start_track(photos[i], searched.to_given(i, middle(corner.x, corner.y)), corner.strength);
         if (track.observations.empty()) continue;
         for (const int k : near[i]) {
-          const TrackPhoto& other = photos[static_cast<size_t>(k)];
-          if (const auto found = guided_match(from, corner.x, corner.y, *other.match, match_settings)) {
-            track.observations.push_back(observation(other, found->pixel));
-            track.observations.back().covariance = found->covariance;
+          const size_t other = static_cast<size_t>(k);
+          if (const auto found = guided_match(from, corner.x, corner.y, searched.match(other), match_settings)) {
+            const Match match = searched.to_given(other, *found);
+            track.observations.push_back(observation(photos[other], match.pixel));
+            track.observations.back().covariance = match.covariance;
           }
         }
         if (track.observations.size() >= 2) of_photo[i].push_back(std::move(track));
@@ -93,9 +83,11 @@ std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double sea
 
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
                                      const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool) {
-  MatchSettings match_settings = settings.match;
-  match_settings.search = search;
-  const auto near = neighbours(photos, wanted, static_cast<int>(wanted.size()), settings);
+  const MatchSettings match_settings = with_search(settings.match, search);
+  const bool wide = search > settings.near_search;
+  const SearchPhotos begun(photos, wide), searched(wanted, wide);
+  const auto near =
+      overlapping_views(begun.matches(), searched.matches(), static_cast<int>(wanted.size()), settings.least_overlap, settings.largest_turn);
   std::map<int, size_t> photo_of_view;
   for (size_t i = 0; i < photos.size(); ++i) photo_of_view[photos[i].view] = i;
   constexpr size_t kTracksAtATime = 64;  // milliseconds of work
@@ -104,15 +96,19 @@ std::vector<Observation> find_points(const std::vector<Track>& tracks, const std
     for (size_t t = begin; t < end; ++t) {
       const Track& track = tracks[t];
       const size_t from = photo_of_view.at(track.view);
+      const Vec2d corner = middle(track.corner.x, track.corner.y), inside = begun.from_given(from, corner);
+      const int x = static_cast<int>(inside.x), y = static_cast<int>(inside.y);
+      const Vec2d looked_for = begun.to_given(from, middle(x, y));  // in a copy the corner lies beside a pixel's middle
       for (const int k : near[from]) {
-        const TrackPhoto& photo = wanted[static_cast<size_t>(k)];
-        const auto place = guided_match(*photos[from].match, track.corner.x, track.corner.y, *photo.match, match_settings);
+        const size_t photo = static_cast<size_t>(k);
+        const auto place = guided_match(begun.match(from), x, y, searched.match(photo), match_settings);
         if (!place) continue;
+        const Match match = searched.to_given(photo, *place);
         Observation o;
-        o.view = photo.view;
+        o.view = wanted[photo].view;
         o.point = static_cast<int>(t);
-        o.pixel = place->pixel;
-        o.covariance = place->covariance;
+        o.pixel = {match.pixel.x + corner.x - looked_for.x, match.pixel.y + corner.y - looked_for.y};
+        o.covariance = match.covariance;
         found[t].push_back(o);
       }
     }

@@ -6,6 +6,7 @@
 #include "core/thread_pool.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/guided_match.h"
+#include "refine/search_photos.h"
 #include "scene/corners.h"
 
 namespace aligngs {
@@ -29,20 +30,14 @@ struct TrackSettings {
   double largest_turn = 90;     ///< degrees between viewing directions
 };
 
-/// A photo in which tracks begin, or in which their points are looked for.
-struct TrackPhoto {
-  int view = 0;                      ///< its number in observations
-  const MatchView* match = nullptr;  ///< with depth where tracks begin
-  const ImageF* mask = nullptr;      ///< 0 = no corner here; may be empty
-};
-
 /// Which corners of a photo are taken when they are looked for within `search` of the image width. A small photo gets fewer
 /// than one of 320 x 240; a larger one no more, but as far apart in proportion: each is placed more exactly there, and takes longer
-/// to look for. A wide search, whose window has as many more pixels, makes do with fewer.
+/// to look for. A wide search makes do with fewer.
 CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& luma, double search);
 
 /// Tracks of the corners of every photo that have depth and are found in at least one other, within `search` of the image width
-/// of where depth and cameras expect them; photo by photo. The same for any number of threads.
+/// of where depth and cameras expect them; photo by photo. A search beyond TrackSettings::near_search looks at small copies
+/// (`SearchPhotos`), so that its places are rougher. The same for any number of threads.
 std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool);
 
 /// Where the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`; Observation::point is
