@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Puts together what ladder.py measured in several places.
+"""Puts together what ladder.py, or capture.py, measured in several places.
 
     benchmarks/quality/merge_results.py OUTPUT [PART...] [--docs docs/quality.md]
 
-OUTPUT and every PART are folders of ladder.py. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it, pair
-by pair of room and seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/ and settings.json
-of OUTPUT, whose "row programs" say which programs made a row. With --docs the tables of that file between the lines
+OUTPUT and every PART are folders of one of the two. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it,
+pair by pair of room and seed, or seed by seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/
+and settings.json of OUTPUT, whose "row programs" say which programs made a row. With --docs the tables of that file between the lines
 <!-- OUTPUT: means --> or <!-- OUTPUT: differences --> and <!-- OUTPUT: end --> are made anew, where OUTPUT is the folder's name."""
 import argparse
 import json
@@ -15,18 +15,22 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import capture
+import ladder_tables
 from ladder_rows import COLUMNS, PAIR
-from ladder_tables import difference_lines, in_order, mean_lines, read_csv, write_tables
+from ladder_tables import difference_lines, in_order, mean_lines, read_csv
 
-CONDITIONS = ("rooms", "iterations", "size", "teacher_seed")
+CONDITIONS = ("rooms", "iterations", "size", "teacher_seed", "scale")  # a ladder has no scale, a capture that and the iterations alone
 LEFT_TO_TABLE_MD = ("area", "aligned", "mesh_miou")
 
 
 def merge(into, part):
     """Pair by pair; of each the results and the settings, which tell who made what. Both are changed in `into`."""
     for condition in CONDITIONS:
-        if into["settings"].setdefault(condition, part["settings"].get(condition)) != part["settings"].get(condition):
-            raise ValueError(f"{condition} is {part['settings'].get(condition)} in one folder and {into['settings'][condition]} in another")
+        if into["settings"].get("programs") and into["settings"].get(condition) != part["settings"].get(condition):
+            raise ValueError(f"{condition} is {part['settings'].get(condition)} in one folder and {into['settings'].get(condition)} in another")
+        if condition in part["settings"]:
+            into["settings"][condition] = part["settings"][condition]
     made_by = into["settings"].setdefault("row programs", {})
     for row, by_pair in part["results"].items():
         before = into["results"].setdefault(row, {})
@@ -41,8 +45,19 @@ def merge(into, part):
     into["settings"]["programs"] = sorted({program for programs in made_by.values() for program in programs})
 
 
+def is_capture(settings):
+    return "scale" in settings
+
+
 def read_folder(folder):
-    return {"settings": json.loads((folder / "settings.json").read_text()), "results": read_csv(folder / "results.csv", PAIR)}
+    settings = json.loads((folder / "settings.json").read_text())
+    return {"settings": settings, "results": read_csv(folder / "results.csv", ("seed",) if is_capture(settings) else PAIR)}
+
+
+def write_tables(output, whole):
+    conditions = {key: whole["settings"][key] for key in CONDITIONS if key in whole["settings"]}
+    writer = capture if is_capture(whole["settings"]) else ladder_tables
+    writer.write_tables(SimpleNamespace(output=output, **conditions), whole["results"])
 
 
 def with_tables(text, folder_name, results):
@@ -67,12 +82,12 @@ def main():
             merge(whole, read_folder(folder))
         except (OSError, KeyError, ValueError) as problem:
             sys.exit(f"{folder}: {problem}")
-    (output / "acceptance").mkdir(parents=True, exist_ok=True)
+    output.mkdir(parents=True, exist_ok=True)
     for file in (f for part in arguments.parts for f in sorted((part / "acceptance").glob("*.txt"))):
+        (output / "acceptance").mkdir(exist_ok=True)
         shutil.copy(file, output / "acceptance")
     (output / "settings.json").write_text(json.dumps(whole["settings"], indent=2) + "\n")
-    conditions = {key: whole["settings"][key] for key in ("rooms", "iterations", "size")}
-    write_tables(SimpleNamespace(output=output, **conditions), whole["results"])
+    write_tables(output, whole)
     if arguments.docs:
         arguments.docs.write_text(with_tables(arguments.docs.read_text(), output.resolve().name, in_order(whole["results"])))
 

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """How results of several places come together: run it with python3."""
 import math
+import tempfile
 import unittest
+from pathlib import Path
 
 import ladder_rows
 import merge_results
@@ -39,6 +41,21 @@ class MergeTest(unittest.TestCase):
         merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}}))
         with self.assertRaisesRegex(ValueError, "iterations is 1000"):
             merge_results.merge(self.whole, folder("new", {"default": {TWO: scores()}}, iterations=1000))
+
+    def test_a_capture_is_joined_seed_by_seed(self):
+        conditions = {"iterations": 2000, "scale": 0.5}
+        for program, seeds in (("old", (1, 2)), ("new", (2, 3))):
+            part = {"programs": [program], **conditions, "rows": {"rgb: default": {}}}
+            merge_results.merge(self.whole, {"settings": part, "results": {"rgb: default": {(s,): scores(psnr=len(program) + s) for s in seeds}}})
+        with tempfile.TemporaryDirectory() as folder:
+            merge_results.write_tables(Path(folder), self.whole)
+            self.assertIn("| rgb: default | 3 | 5.00 |", (Path(folder) / "table.md").read_text())
+            self.assertEqual(len((Path(folder) / "results.csv").read_text().splitlines()), 4)
+
+    def test_a_capture_and_rooms_do_not_mix(self):
+        merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}}))
+        with self.assertRaisesRegex(ValueError, "rooms is None"):
+            merge_results.merge(self.whole, {"settings": {"programs": ["new"], "iterations": 2000, "scale": 0.5, "rows": {}}, "results": {}})
 
     def test_tables_of_a_document_stand_between_their_marks(self):
         other = "<!-- other: means -->\nkept\n<!-- other: end -->\n"
