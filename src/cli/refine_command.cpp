@@ -101,7 +101,8 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
     for (size_t i = 0; i < result.views.size(); ++i) {
       const RefinedView& v = result.views[i];
       views.push_back({{"name", scene.views[static_cast<size_t>(order[i])].name}, {"observations", v.observations},
-                       {"turned_degrees", v.turned}, {"shifted", v.shifted}, {"by_neighbour", v.by_neighbour}});
+                       {"turned_degrees", v.turned}, {"shifted", v.shifted}, {"by_neighbour", v.by_neighbour},
+                       {"misplaced", v.misplaced}});
     }
     const nlohmann::ordered_json document = {{"scene", options.output}, {"tracks", result.tracks},
                                              {"reprojection_median_before_px", result.bundle.start_median},
@@ -119,8 +120,9 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
+    const char* remark = v.by_neighbour ? "  (too few: follows its nearest neighbour)" : v.misplaced ? "  (was misplaced)" : "";
     std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),
-                v.observations, v.turned, v.shifted, v.by_neighbour ? "  (too few: follows its nearest neighbour)" : "");
+                v.observations, v.turned, v.shifted, remark);
   }
 }
 

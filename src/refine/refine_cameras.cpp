@@ -20,6 +20,7 @@ class Refinement {
     }
     for (size_t i = 0; i < views.size(); ++i) (views[i].test ? test_ : train_).push_back(static_cast<int>(i));
     placed_by_.assign(views.size(), 0);
+    misplaced_.assign(views.size(), false);
     if (settings.share_focal) share_focal();
   }
 
@@ -210,7 +211,10 @@ class Refinement {
     std::vector<int> others;
     std::copy_if(train_.begin(), train_.end(), std::back_inserter(others), [&](int v) { return !is_lost(v); });
     const std::vector<int> found = place(lost, others, {{settings_.lost_search, true}});
-    for (const int v : found) by_neighbour_[static_cast<size_t>(v)] = false;
+    for (const int v : found) {
+      by_neighbour_[static_cast<size_t>(v)] = false;
+      misplaced_[static_cast<size_t>(v)] = true;
+    }
     return !found.empty();
   }
 
@@ -265,6 +269,7 @@ class Refinement {
       RefinedView out;
       out.camera = matches_[i].camera;
       out.by_neighbour = !by_neighbour_.empty() && by_neighbour_[i];
+      out.misplaced = misplaced_[i];
       out.observations = views_[i].test ? placed_by_[i] : counts[i];
       if (!views_[i].test) out.depth = depth_correction(v);
       measure_change(prior_[i], out);
@@ -289,6 +294,7 @@ class Refinement {
   std::vector<int> train_, test_;
   std::vector<Track> tracks_;
   std::vector<bool> by_neighbour_;
+  std::vector<bool> misplaced_;
   std::vector<int> placed_by_;  ///< observations by view, of photos looked for by others' tracks
   std::vector<int> matched_;  ///< observations by view before the last round's outliers were dropped
   BundleReport bundle_;

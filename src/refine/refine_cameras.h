@@ -39,6 +39,7 @@ struct RefinedView {
   double turned = 0;       ///< degrees from the prior
   double shifted = 0;      ///< of the centre from the prior, scene units
   bool by_neighbour = false;  ///< too few observations: follows its nearest neighbour
+  bool misplaced = false;     ///< a training view whose matches did not fit where the prior has it; found elsewhere by the others' points
 };
 
 /// Fills in how far the camera of `view` is from `prior`.

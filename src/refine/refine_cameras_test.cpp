@@ -103,6 +103,7 @@ TEST_F(RefineCamerasTest, ATrainingPhotoFarFromItsPlaceIsLookedForByTheOthers) {
   EXPECT_FALSE(found.views[4].by_neighbour);
   EXPECT_NEAR(pair_error(cameras_of(found)), never_lost, 0.1 * never_lost);
   EXPECT_GT(found.views[4].observations, 1000);
+  for (size_t i = 0; i < 8; ++i) EXPECT_EQ(found.views[i].misplaced, i == 4);
   settings.lost_search = settings.tracks.match.search;
   EXPECT_GT(pair_error(cameras_of(refine_cameras(views, kRoomExtent, settings, pool_))), 2 * never_lost);
 }

@@ -211,9 +211,8 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
                  std::vector<ImageF>& log_factors, RefineSceneReport& report) {
   std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
-  const BundleReport before = report.cameras.bundle;
-  const double focal_before = report.cameras.focal_factor;
-  const bool first = report.cameras.views.empty();
+  const RefineResult before = report.cameras;
+  const bool first = before.views.empty();
   {
     constexpr uint64_t kSteps = 100;
     Progress progress(options.progress, "refine cameras", kSteps);
@@ -221,9 +220,10 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
                                     [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
   }
   if (!first) {  // the report is about the cameras as they came
-    report.cameras.bundle.start_rms = before.start_rms;
-    report.cameras.bundle.start_median = before.start_median;
-    report.cameras.focal_factor *= focal_before;
+    report.cameras.bundle.start_rms = before.bundle.start_rms;
+    report.cameras.bundle.start_median = before.bundle.start_median;
+    report.cameras.focal_factor *= before.focal_factor;
+    for (size_t i = 0; i < views.size(); ++i) report.cameras.views[i].misplaced |= before.views[i].misplaced;
   }
   std::vector<ImageF> measured(training);
   if (options.correct_depth) measured = measured_factors(scene, corrected_photos(views, training, report.cameras), photos.labels, options, pool, report);

@@ -1,5 +1,7 @@
 #include "cli/stages/refine_stage.h"
 
+#include <algorithm>
+
 #include "core/log.h"
 #include "refine/bundle_adjustment.h"
 #include "refine/measured_scene.h"
@@ -76,6 +78,8 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  const auto misplaced = std::count_if(result.views.begin(), result.views.end(), [](const RefinedView& v) { return v.misplaced; });
+  if (misplaced > 0) log_info("{} photos did not fit where their cameras had them, and were found elsewhere by the others", misplaced);
   if (!report.planes.empty()) {
     log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }
