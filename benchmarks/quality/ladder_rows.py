@@ -102,6 +102,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
         compare_with=[*LABEL_CONTROLS, UNCOUPLED, "default, refined cameras", "pgsr + prior depth, refined cameras",
                       "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
                       "+ L_ng + L_nb (paper)"]),
+    Row("high, refined", "high", refine=[], compare_with="default, refined"),
     Row(LABEL_CONTROLS[1], "default", refine=[], labels="constant", compare_with=LABEL_CONTROLS[0]),
     Row(LABEL_CONTROLS[2], "default", refine=[], labels="shuffled", compare_with=LABEL_CONTROLS[0]),
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
