@@ -109,10 +109,11 @@ def write_tables(arguments, results):
         lines.append(f"| {name} | {len(by_seed)} | " + " | ".join(cells) + " |")
     for source in ("rgb", "simulated"):
         lines += [f"| {source}: {name} | 0 | " + " | ".join("–" for _ in columns) + " |" for name in NEED_LABELS]
-    lines += ["", WHY_EMPTY, "", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F |", "|---|---|---|---|"]
+    lines += ["", WHY_EMPTY, "", "Paired differences, mean and 95 % interval over seeds:", "", "| row | against | PSNR (dB) | F | F, aligned |",
+              "|---|---|---|---|---|"]
     for row in ROWS:
         for base in (b for b in row.compare_with if b in results and row.name in results):
-            cells = [ladder_tables.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3))]
+            cells = [ladder_tables.difference_cell(results, row.name, base, key, digits) for key, digits in (("psnr", 2), ("fscore", 3), ("aligned", 3))]
             lines.append(f"| {row.name} | {base} | " + " | ".join(cells) + " |")
     (arguments.output / "table.md").write_text("\n".join(lines) + "\n")
 

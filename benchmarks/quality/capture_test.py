@@ -31,7 +31,7 @@ class CaptureTest(unittest.TestCase):
 
     def test_differences_are_paired_by_seed(self):
         text = self.table({"rgb: default": {(s,): scores(psnr=25 + s) for s in (1, 2, 3)}, "rgb: pgsr": {(s,): scores(psnr=23 + s) for s in (1, 2, 3)}})
-        self.assertIn("| rgb: default | rgb: pgsr | +2.00 [+2.00, +2.00] | – |", text)
+        self.assertIn("| rgb: default | rgb: pgsr | +2.00 [+2.00, +2.00] | – | – |", text)
 
     def test_settings_of_another_length_are_refused_and_programs_are_kept(self):
         with tempfile.TemporaryDirectory() as folder:
