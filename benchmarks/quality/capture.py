@@ -60,6 +60,7 @@ NO_COLUMNS = ("miou", "teacher", "mesh_miou",   # no labels
 YARDSTICKS = {
     "rgb: default": [("rgb: TSDF of the measured depth", "--from-prior", REFINED)],
     "simulated: default": [("simulated: TSDF of the prior depth, cameras as given", "--from-prior", None),
+                           ("simulated: TSDF of the prior depth, refined cameras", "--from-prior", ladder_rows.CAMERAS_ONLY),
                            ("simulated: TSDF of the refined depth", "--from-prior", REFINED),
                            ("simulated: TSDF of the true depth (ceiling)", "--from-truth", REFINED)],
 }
