@@ -10,7 +10,7 @@ results.csv holds stays. It writes
     results.csv    a line per row, room and seed
     settings.json  the program's version and what each row sets
     settings/      every setting of each row, as `aligngs train --config` takes it
-    table.md       means, and paired differences with 95 % intervals (percentile bootstrap over the pairs)
+    table.md       means, and paired differences with 95 % intervals (percentile bootstrap over rooms, and seeds within each)
     ROOM_SEED.html pictures of all rows side by side (`aligngs compare`)
     acceptance/    what the simulated teachers of each scene measure
 

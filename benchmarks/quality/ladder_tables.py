@@ -7,14 +7,21 @@ import re
 from ladder_rows import COLUMNS, CONTROLS, PAIR, ROWS, YARDSTICKS
 
 
-def interval(differences, draws=10000):
-    """Mean and 95 % interval of paired differences: percentile bootstrap with a fixed seed."""
-    values = [d for d in differences if math.isfinite(d)]
+def interval(by_pair, draws=10000):
+    """Mean and 95 % interval of {pair: difference}, and how many are known: percentile bootstrap with a fixed seed. A pair is what makes its
+    scene and, last, the draw. Scenes are drawn first, and then the draws within each: three draws of one room are not three rooms."""
+    values = {pair: d for pair, d in by_pair.items() if math.isfinite(d)}
     if not values:
         return math.nan, math.nan, math.nan, 0
-    generator = random.Random(1)
-    means = sorted(sum(generator.choices(values, k=len(values))) / len(values) for _ in range(draws))
-    return sum(values) / len(values), means[int(0.025 * draws)], means[int(0.975 * draws) - 1], len(values)
+    by_scene = {}
+    for (*scene, _), value in values.items():
+        by_scene.setdefault(tuple(scene), []).append(value)
+    scenes, generator, means = list(by_scene.values()), random.Random(1), []
+    for _ in range(draws):
+        drawn = [value for scene in generator.choices(scenes, k=len(scenes)) for value in generator.choices(scene, k=len(scene))]
+        means.append(sum(drawn) / len(drawn))
+    means.sort()
+    return sum(values.values()) / len(values), means[int(0.025 * draws)], means[int(0.975 * draws) - 1], len(values)
 
 
 def number(value, digits):
@@ -33,11 +40,11 @@ def mean_cell(values, digits):
 
 
 def difference_cell(results, row, base, key, digits):
-    pairs = [results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]]
+    pairs = {k: results[row][k][key] - results[base][k][key] for k in results[row] if k in results[base]}
     middle, low, high, count = interval(pairs)
     if count == 0:
         return "–"
-    if all(d == 0 for d in pairs):
+    if all(d == 0 for d in pairs.values()):
         return "0 (the same to the last digit)"
     noise = " (noise)" if count < 3 or low <= 0 <= high else ""
     return f"{middle:+.{digits}f} [{low:+.{digits}f}, {high:+.{digits}f}]{noise}"
@@ -76,7 +83,7 @@ def write_tables(arguments, results):
     lines = [f"{arguments.rooms} rooms, {arguments.iterations} iterations, {arguments.size}, 20 training and 8 test views, **simulated** "
              "teachers of the medium level. Means over the pairs of room and seed, of which there are as many as the second column says. "
              "Processor seconds are those of `run`, without `refine` before it.", "", *mean_lines(results), "",
-             "Paired differences, mean and 95 % interval over room and seed:", "", *difference_lines(results)]
+             "Paired differences, mean and 95 % interval over rooms and the seeds of each:", "", *difference_lines(results)]
     lines += gap_lines(results) + acceptance_lines(output / "acceptance")
     (output / "table.md").write_text("\n".join(lines) + "\n")
 
@@ -120,7 +127,7 @@ def difference_lines(results):
 
 def summary_line(title, by_pair, digits):
     """Mean, interval, smallest pair and the mean of every room."""
-    middle, low, high, count = interval(by_pair.values())
+    middle, low, high, count = interval(by_pair)
     rooms = {}
     for (room, *_), value in by_pair.items():
         rooms.setdefault(room, []).append(value)
@@ -148,8 +155,8 @@ def gap_lines(results):
     for row, controls in CONTROLS.items():
         placebos = [results[p] for p in controls if p in results]
         for key, title, digits in (("fscore", "F", 3), ("psnr", "PSNR (dB)", 2)):
-            over = [v[key] - max(p[k][key] for p in placebos) for k, v in results.get(row, {}).items()
-                    if placebos and all(k in p for p in placebos)]
+            over = {k: v[key] - max(p[k][key] for p in placebos) for k, v in results.get(row, {}).items()
+                    if placebos and all(k in p for p in placebos)}
             if over:
                 middle, low, high, count = interval(over)
                 lines += ["", f"{title} of `{row}` over the best of {len(placebos)} controls of each pair: {middle:+.{digits}f} "

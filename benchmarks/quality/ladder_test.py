@@ -17,23 +17,30 @@ def scores(**given):
 
 class LadderTest(unittest.TestCase):
     def test_interval_of_equal_differences_is_that_difference(self):
-        self.assertEqual(ladder_tables.interval([0.5, 0.5, 0.5]), (0.5, 0.5, 0.5, 3))
+        self.assertEqual(ladder_tables.interval({("a", 1): 0.5, ("a", 2): 0.5, ("b", 1): 0.5}), (0.5, 0.5, 0.5, 3))
 
     def test_interval_ignores_what_is_not_known(self):
-        middle, low, high, count = ladder_tables.interval([1.0, math.nan, 3.0])
+        middle, low, high, count = ladder_tables.interval({("a", 1): 1.0, ("a", 2): math.nan, ("b", 1): 3.0})
         self.assertEqual((middle, count), (2.0, 2))
         self.assertTrue(1.0 <= low <= high <= 3.0)
-        self.assertEqual(ladder_tables.interval([])[3], 0)
+        self.assertEqual(ladder_tables.interval({})[3], 0)
+
+    def test_draws_of_one_room_are_not_as_many_rooms(self):
+        rooms_differ = {(room, seed): value for room, value in (("a", 0.0), ("b", 1.0)) for seed in range(20)}
+        draws_differ = {(room, seed): float(seed % 2) for room in "ab" for seed in range(20)}
+        self.assertEqual(ladder_tables.interval(rooms_differ)[1:3], (0.0, 1.0))
+        middle, low, high, _ = ladder_tables.interval(draws_differ)
+        self.assertTrue(0.2 < low < middle < high < 0.8)
 
     def test_an_interval_that_holds_zero_is_called_noise(self):
-        results = {"a": {i: scores(psnr=20 + d) for i, d in enumerate((-1, 0, 1, 2))},
-                   "b": {i: scores(psnr=20) for i in range(4)}, "c": {i: scores(psnr=10) for i in range(4)}}
+        results = {"a": {("room", i): scores(psnr=20 + d) for i, d in enumerate((-1, 0, 1, 2))},
+                   "b": {("room", i): scores(psnr=20) for i in range(4)}, "c": {("room", i): scores(psnr=10) for i in range(4)}}
         self.assertIn("(noise)", ladder_tables.difference_cell(results, "a", "b", "psnr", 2))
         self.assertNotIn("(noise)", ladder_tables.difference_cell(results, "a", "c", "psnr", 2))
         self.assertEqual(ladder_tables.difference_cell(results, "a", "b", "fscore", 3), "–")
 
     def test_equal_results_are_called_the_same(self):
-        results = {name: {i: scores(psnr=20 + i) for i in range(4)} for name in "ab"}
+        results = {name: {("room", i): scores(psnr=20 + i) for i in range(4)} for name in "ab"}
         self.assertEqual(ladder_tables.difference_cell(results, "a", "b", "psnr", 2), "0 (the same to the last digit)")
 
     def test_labels_without_meaning_are_not_compared(self):
@@ -44,7 +51,7 @@ class LadderTest(unittest.TestCase):
         self.assertFalse(next(l for l in lines if "| default, refined | stereo, uncoupled |" in l).endswith("| – |"))
 
     def test_two_pairs_are_noise_whatever_they_say(self):
-        results = {"a": {i: scores(psnr=30) for i in range(2)}, "b": {i: scores(psnr=20) for i in range(2)}}
+        results = {"a": {("room", i): scores(psnr=30) for i in range(2)}, "b": {("room", i): scores(psnr=20) for i in range(2)}}
         self.assertIn("(noise)", ladder_tables.difference_cell(results, "a", "b", "psnr", 2))
 
     def test_a_mean_of_some_says_of_how_many(self):
