@@ -108,6 +108,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("default, refined, photos as exposed", "default", ["data.exposure=false"], refine=[], compare_with="default, refined"),
     Row("default, without stereo", "default", refine=["--no-stereo"], compare_with="default, refined"),
     Row("default, without square planes", "default", refine=["--no-square"], compare_with="default, refined"),
+    Row("default, without panels", "default", refine=["--no-panels"], compare_with="default, refined"),
     *[Row(f"default, without {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITHOUT.items()],
     *[Row(f"default, with {what}", "default", settings, refine=[], compare_with="default, refined") for what, settings in WITH.items()],
     *[Row(f"default, with {what}", "default", refine=options, compare_with="default, refined") for what, options in WITH_REFINED.items()],

@@ -16,7 +16,8 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_exposure = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false;
+  bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
 };
@@ -85,6 +86,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.surfaces = surfaces_of(options);
   refine_options.fuse_labels = options.fuse_labels;
   refine_options.plane_settings.square = !options.no_square;
+  refine_options.panels = !options.no_panels;
   refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
@@ -108,7 +110,8 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
                                              {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
-                                             {"on_planes", report.on_planes}, {"square", report.axes.has_value()}, {"up", up_json(report.axes)}, {"exposure_span", exposure_span(report.log_gains)},
+                                             {"on_planes", report.on_planes}, {"square", report.axes.has_value()}, {"up", up_json(report.axes)}, {"panels", report.panels.size()},
+                                             {"exposure_span", exposure_span(report.log_gains)},
                                              {"views", views}};
     print_json(document);
     return;
@@ -117,6 +120,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
+  if (!report.panels.empty()) std::printf("%zu panes, mirrors, screens or pictures have planes of their own\n", report.panels.size());
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
@@ -143,6 +147,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--plane-tables", options->tables, "draw the tops of tables, desks and counters to planes, too");
   command->add_flag("--fuse-labels", options->fuse_labels, "find planes by what most photos call a place, and weigh each pixel by their share");
   command->add_flag("--no-square", options->no_square, "leave planes as they are found where they show that the room is built square");
+  command->add_flag("--no-panels", options->no_panels, "do not draw panes, mirrors, screens and pictures to planes of their own");
   command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
   command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");

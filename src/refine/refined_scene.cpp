@@ -143,7 +143,12 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       views[i].label_share = std::move(fused[i].share);
     }
   }
-  const PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
+  PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
+  if (options.panels) {
+    const std::vector<bool> classes = panel_classes(scene.labels);
+    report.panels = find_panels(views, classes, planes.planes, options.panel_settings);
+    measure_on_panels(report.panels, views, classes, options.panel_settings, pool, planes.views);
+  }
   report.planes = planes.planes;
   report.axes = planes.axes;
   report.on_planes = planes.share;

@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "refine/exposure.h"
 #include "refine/guided_stereo.h"
+#include "refine/panel_depth.h"
 #include "refine/plane_depth.h"
 #include "refine/refine_cameras.h"
 #include "scene/scene.h"
@@ -21,6 +22,8 @@ struct RefineSceneOptions {
   bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
   bool fuse_labels = false;      ///< planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
+  PanelDepthSettings panel_settings;
+  bool panels = true;            ///< where planes are looked for: panes, mirrors, screens and pictures are drawn to planes of their own
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
   ExposureSettings exposure_settings;
@@ -34,6 +37,7 @@ struct RefineSceneReport {
   RefineResult cameras;
   double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
   std::vector<ScenePlane> planes;
+  std::vector<Panel> panels;
   std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
   double on_planes = 0; ///< share of the pixels with depth that lie on one of them
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without

@@ -24,6 +24,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_planes: a pixel is what most photos call its place, and is drawn to a plane by their share"},
       {"data.refine_square", field<&C::data, &DataConfig::refine_square>, 0, 0, "", ours_paper(true, false),
        "with data.refine_planes: turn planes to the axes of the room where they show that it is built square"},
+      {"data.refine_panels", field<&C::data, &DataConfig::refine_panels>, 0, 0, "", ours_paper(true, false),
+       "with data.refine_planes: panes, mirrors, screens and pictures lie in the plane of what can be measured of them"},
       {"data.refine_exposure", field<&C::data, &DataConfig::refine_exposure>, 0, 0, "", ours_paper(true, false),
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
       {"data.exposure", field<&C::data, &DataConfig::exposure>, 0, 0, "", with_pgsr(ours_paper(true, false), false),

@@ -72,6 +72,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   options.stereo = config.data.refine_stereo;
   options.fuse_labels = config.data.refine_fused_labels;
   options.plane_settings.square = config.data.refine_square;
+  options.panels = config.data.refine_panels;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
@@ -83,6 +84,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   if (!report.planes.empty()) {
     log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }
+  if (!report.panels.empty()) log_info("{} panes, mirrors, screens or pictures have planes of their own", report.panels.size());
 }
 
 }  // namespace aligngs

@@ -1,0 +1,182 @@
+#include "refine/panel_depth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/disjoint_sets.h"
+
+namespace aligngs {
+namespace {
+
+constexpr uint64_t kSeed = 1;       // the same panels every time
+// Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no panel.
+constexpr const char* kNames[] = {"windowpane", "mirror", "painting", "poster", "bulletin board", "blind", "television", "monitor", "crt screen", "screen"};
+
+/// H x W, 1 where the label is one of the classes.
+Image<uint8_t> mask_of(const PlaneView& view, const std::vector<bool>& classes) {
+  Image<uint8_t> mask(view.labels.width, view.labels.height, 1);
+  for (size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = view.labels.data[p] < classes.size() && classes[view.labels.data[p]];
+  return mask;
+}
+
+/// Without the pixels within `edge` of one that is not in it.
+Image<uint8_t> eroded(const Image<uint8_t>& mask, int edge) {
+  Image<uint8_t> out = mask;
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      for (int dy = -edge; out.at(x, y) && dy <= edge; ++dy) {
+        for (int dx = -edge; out.at(x, y) && dx <= edge; ++dx) {
+          out.at(x, y) = mask.at(std::clamp(x + dx, 0, mask.width - 1), std::clamp(y + dy, 0, mask.height - 1));
+        }
+      }
+    }
+  }
+  return out;
+}
+
+/// Its 4-connected regions.
+DisjointSets regions(const Image<uint8_t>& mask) {
+  DisjointSets sets(mask.data.size());
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const auto i = static_cast<uint32_t>(y * mask.width + x);
+      if (!mask.data[i]) continue;
+      if (x + 1 < mask.width && mask.data[i + 1]) sets.unite(i, i + 1);
+      const auto below = i + static_cast<uint32_t>(mask.width);
+      if (y + 1 < mask.height && mask.data[below]) sets.unite(i, below);
+    }
+  }
+  return sets;
+}
+
+bool has_maps(const PlaneView& view) { return !view.labels.data.empty() && !view.depth.empty(); }
+
+/// The panels as one camera sees them: how deep the ray of a pixel meets them.
+class PanelsInView {
+ public:
+  PanelsInView(const std::vector<Panel>& panels, const Camera& camera) : panels_(panels), camera_(camera), centre_(camera.centre()) {}
+
+  Vec3d ray(int x, int y) const { return transpose_times(camera_.world_to_camera.rotation, camera_.ray(x + 0.5, y + 0.5)); }
+  /// Depth of a panel along a ray; 0 beside it and from behind.
+  double depth(size_t panel, const Vec3d& ray) const {
+    const double distance = panels_[panel].distance(centre_), slope = -dot(panels_[panel].normal, ray);
+    if (!(distance > 0) || !(slope > 0)) return 0;
+    return panels_[panel].contains(centre_ + ray * (distance / slope)) ? distance / slope : 0;
+  }
+  size_t count() const { return panels_.size(); }
+
+ private:
+  const std::vector<Panel>& panels_;
+  const Camera& camera_;
+  Vec3d centre_;
+};
+
+constexpr int32_t kNobody = -1;
+
+/// Of which panel each pixel of the mask is, by the nearest measured pixel along the mask; kNobody where its region has none.
+Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const Image<uint8_t>& mask, const PanelDepthSettings& s) {
+  Image<int32_t> owner(mask.width, mask.height, 1);
+  std::fill(owner.data.begin(), owner.data.end(), kNobody);
+  std::vector<std::pair<int, int>> queue;  // breadth first
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const double z = view.depth.at(x, y);
+      if (!mask.at(x, y) || view.certainty.empty() || !(view.certainty.at(x, y) >= s.least_certainty) || !(z > 0)) continue;
+      double least = s.off;
+      const Vec3d ray = panels.ray(x, y);
+      for (size_t k = 0; k < panels.count(); ++k) {
+        const double depth = panels.depth(k, ray), off = depth > 0 ? std::abs(std::log(depth / z)) : least;
+        if (off >= least) continue;
+        least = off;
+        owner.at(x, y) = static_cast<int32_t>(k);
+      }
+      if (owner.at(x, y) != kNobody) queue.emplace_back(x, y);
+    }
+  }
+  constexpr int kSteps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  for (size_t next = 0; next < queue.size(); ++next) {
+    const auto [x, y] = queue[next];
+    for (const auto& step : kSteps) {
+      const int nx = x + step[0], ny = y + step[1];
+      if (nx < 0 || ny < 0 || nx >= mask.width || ny >= mask.height || !mask.at(nx, ny) || owner.at(nx, ny) != kNobody) continue;
+      owner.at(nx, ny) = owner.at(x, y);
+      queue.emplace_back(nx, ny);
+    }
+  }
+  return owner;
+}
+
+/// Depth of the panel that a pixel is of; 0: of none.
+double panel_depth(const PanelsInView& panels, int32_t owner, const Vec3d& ray) {
+  if (owner != kNobody) return panels.depth(static_cast<size_t>(owner), ray);
+  double nearest = 0;
+  for (size_t k = 0; k < panels.count(); ++k) {
+    const double depth = panels.depth(k, ray);
+    if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<bool> panel_classes(const LabelSet& labels) {
+  std::vector<bool> out(labels.classes.size());
+  for (const char* name : kNames) {
+    const int index = labels.find(name);
+    if (index >= 0) out[static_cast<size_t>(index)] = true;
+  }
+  return out;
+}
+
+std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<bool>& classes, const std::vector<ScenePlane>& planes,
+                               const PanelDepthSettings& settings) {
+  std::vector<PanelPoint> points;
+  uint32_t parts = 0;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const PlaneView& view = views[v];
+    if (!has_maps(view) || view.certainty.empty()) continue;
+    const Image<uint8_t> mask = eroded(mask_of(view, classes), settings.label_edge);
+    DisjointSets sets = regions(mask);
+    const Vec3d centre = view.camera.centre();
+    for (int y = 0; y < mask.height; ++y) {
+      for (int x = 0; x < mask.width; ++x) {
+        const float z = view.depth.at(x, y), certainty = view.certainty.at(x, y);
+        if (!mask.at(x, y) || !(z > 0) || !(certainty >= settings.least_certainty)) continue;
+        const uint32_t part = parts + sets.find(static_cast<uint32_t>(y * mask.width + x));
+        points.push_back({view.camera.unproject(x + 0.5, y + 0.5, z), centre, z, certainty, static_cast<int>(v), part});
+      }
+    }
+    parts += static_cast<uint32_t>(mask.data.size());
+  }
+  return find_panels(points, planes, settings.panels, kSeed);
+}
+
+void measure_on_panels(const std::vector<Panel>& panels, const std::vector<PlaneView>& views, const std::vector<bool>& classes,
+                       const PanelDepthSettings& s, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements) {
+  if (panels.empty()) return;
+  pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t v = begin; v < end; ++v) {
+      const PlaneView& view = views[v];
+      if (!has_maps(view)) continue;
+      const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
+      const PanelsInView seen(panels, view.camera);
+      const Image<int32_t> owner = owners(seen, view, mask, s);
+      PlaneMeasurement& out = measurements[v];
+      for (int y = 0; y < mask.height; ++y) {
+        for (int x = 0; x < mask.width; ++x) {
+          const double z = view.depth.at(x, y);
+          const double depth = mask.at(x, y) && z > 0 && std::isfinite(z) ? panel_depth(seen, owner.at(x, y), seen.ray(x, y)) : 0;
+          if (!(depth > 0)) continue;
+          const double log_factor = std::log(depth / z);
+          const bool elsewhere = !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;
+          if (elsewhere || std::abs(log_factor) > s.reach) continue;
+          out.log_factor.at(x, y) = static_cast<float>(log_factor);
+          out.weight.at(x, y) = static_cast<float>(s.strength) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
+          out.plane.at(x, y) = 0;
+        }
+      }
+    }
+  });
+}
+
+}  // namespace aligngs
