@@ -40,6 +40,10 @@ void print_planes(const std::vector<ScenePlane>& planes, double share, const std
   if (axes && axes->up) std::printf("up is (%.3f, %.3f, %.3f)\n", axes->up->x, axes->up->y, axes->up->z);
 }
 
+void print_panels(size_t count) {
+  if (count > 0) std::printf("%zu panes, mirrors, screens or pictures have planes of their own\n", count);
+}
+
 /// World direction; null where the planes do not say.
 nlohmann::ordered_json up_json(const std::optional<RoomAxes>& axes) {
   if (!axes || !axes->up) return nullptr;
@@ -56,6 +60,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   measure_options.planes = !options.no_planes;
   measure_options.surfaces = surfaces_of(options);
   measure_options.plane_settings.sure.square = !options.no_square;
+  measure_options.panels = !options.no_panels;
   measure_options.overwrite = options.overwrite;
   measure_options.progress = context.progress();
   ThreadPool pool(context.global.threads);
@@ -65,7 +70,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   }
   if (context.global.json) {
     const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
-                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes}, {"square", report.planes.axes.has_value()}, {"up", up_json(report.planes.axes)},
+                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes}, {"square", report.planes.axes.has_value()}, {"up", up_json(report.planes.axes)}, {"panels", report.planes.panels.size()},
                                              {"exposure_span", exposure_span(report.log_gains)}};
     print_json(document);
     return;
@@ -73,6 +78,7 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
               100 * report.measured);
   print_planes(report.planes.planes, report.planes.on_planes, report.planes.axes);
+  print_panels(report.planes.panels.size());
   print_exposure(report.log_gains);
 }
 
@@ -120,7 +126,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
-  if (!report.panels.empty()) std::printf("%zu panes, mirrors, screens or pictures have planes of their own\n", report.panels.size());
+  print_panels(report.panels.size());
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];

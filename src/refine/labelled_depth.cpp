@@ -6,7 +6,7 @@
 namespace aligngs {
 namespace {
 
-enum class Keep { kSure, kUnsure };
+enum class Keep { kSure, kUnsure, kAll };
 
 /// The photos with the depth of some of their pixels.
 std::vector<PlaneView> with_depth(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
@@ -19,7 +19,8 @@ std::vector<PlaneView> with_depth(const std::vector<MatchView>& views, const std
     out[i].certainty = depths[i].certainty;
     out[i].labels = labels[i];
     for (size_t p = 0; p < out[i].depth.data.size(); ++p) {
-      if ((out[i].certainty.data[p] > 0) != (keep == Keep::kSure)) out[i].depth.data[p] = 0;
+      const bool sure = out[i].certainty.data[p] > 0;
+      if (keep == (sure ? Keep::kUnsure : Keep::kSure)) out[i].depth.data[p] = 0;
     }
   }
   return out;
@@ -39,20 +40,25 @@ PlaneMeasurement merged(PlaneMeasurement sure, const PlaneMeasurement& unsure) {
 }  // namespace
 
 LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
-                                  const std::vector<PlaneClass>& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
+                                  const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
                                   std::vector<PhotoDepth>& depths) {
   LabelledDepthReport report;
-  const PlaneDepthResult sure = measure_planes(with_depth(views, labels, depths, Keep::kSure), classes, settings.sure, pool);
+  const std::vector<PlaneView> confirmed = with_depth(views, labels, depths, Keep::kSure);
+  PlaneDepthResult sure = measure_planes(confirmed, classes.planes, settings.sure, pool);
   report.planes = sure.planes;
   report.axes = sure.axes;
-  if (report.planes.empty()) return report;
-  const auto on_unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes, settings.unsure, pool);
+  report.panels = find_panels(confirmed, classes.panels, report.planes, settings.panels);
+  if (report.planes.empty() && report.panels.empty()) return report;
+  const auto unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes.planes, settings.unsure, pool);
+  std::vector<PlaneMeasurement> flat;
+  for (size_t i = 0; i < views.size(); ++i) flat.push_back(merged(std::move(sure.views[i]), unsure[i]));
+  measure_on_panels(report.panels, with_depth(views, labels, depths, Keep::kAll), classes.panels, settings.panels, pool, flat);
   std::vector<size_t> on_planes(views.size(), 0);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       PhotoDepth& depth = depths[i];
       if (depth.depth.empty()) continue;
-      const PlaneMeasurement plane = merged(sure.views[i], on_unsure[i]);
+      const PlaneMeasurement& plane = flat[i];
       ImageF given(plane.weight.width, plane.weight.height, 1), weight = plane.weight;
       for (size_t p = 0; p < weight.data.size(); ++p) {
         weight.data[p] += depth.certainty.data[p];

@@ -1,6 +1,7 @@
 // Measured depth where stereo is blind and labels are not: bare walls, floors and ceilings lie on the planes of what was measured of them.
 #pragma once
 
+#include "refine/panel_depth.h"
 #include "refine/photo_depth.h"
 #include "refine/plane_depth.h"
 
@@ -18,20 +19,28 @@ inline PlaneDepthSettings loose_planes() {
 struct LabelledDepthSettings {
   PlaneDepthSettings sure;                      ///< finds the planes, from confirmed pixels alone; and what lies on them of those
   PlaneDepthSettings unsure = loose_planes();   ///< what lies on them of the others
+  PanelDepthSettings panels;                    ///< panes, mirrors, screens and pictures, by what is confirmed of them
   LogCorrectionSettings spread;                 ///< of the depth between
   double certainty = 0.5;                       ///< of a pixel on a plane that was not measured itself
 };
 
 struct LabelledDepthReport {
   std::vector<ScenePlane> planes;
+  std::vector<Panel> panels;
   std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
-  double on_planes = 0;  ///< share of the pixels that lie on one
+  double on_planes = 0;  ///< share of the pixels that lie on one of either
+};
+
+/// What labels say is flat.
+struct FlatClasses {
+  std::vector<PlaneClass> planes;  ///< per class (plane_classes())
+  std::vector<bool> panels;        ///< per class (panel_classes()); empty: panels are not looked for
 };
 
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo, kNoLabel = none.
-/// Without planes nothing changes. Deterministic for any number of threads.
+/// Where nothing flat is found nothing changes. Deterministic for any number of threads.
 LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
-                                  const std::vector<PlaneClass>& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
+                                  const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
                                   std::vector<PhotoDepth>& depths);
 
 }  // namespace aligngs

@@ -14,7 +14,7 @@ namespace {
 using namespace wall_photos;
 
 constexpr uint16_t kWallLabel = 0, kFloorLabel = 1, kOtherLabel = 2;
-const std::vector<PlaneClass> kClasses = {{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {}};
+const FlatClasses kClasses = {{{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {}}, {}};
 
 /// Photos of the corner of which stereo measured one column in three; in between the depth is a fifth too large.
 struct HalfMeasured {
@@ -48,7 +48,7 @@ struct HalfMeasured {
     }
   }
 
-  LabelledDepthReport lay() { return lay_on_planes(views, labels, kClasses, {}, pool, depths); }
+  LabelledDepthReport lay(const FlatClasses& classes = kClasses) { return lay_on_planes(views, labels, classes, {}, pool, depths); }
 
   double median_error(size_t i) const {
     std::vector<double> errors;
@@ -65,6 +65,14 @@ TEST(LabelledDepth, BareWallsLieOnThePlanesOfWhatWasMeasuredOfThem) {
   EXPECT_GT(report.on_planes, 0.6);
   for (size_t i = 0; i < photos.views.size(); ++i) EXPECT_LT(photos.median_error(i), 0.01) << i;
   for (const float c : photos.depths[1].certainty.data) EXPECT_LE(c, 1.0f);
+}
+
+TEST(LabelledDepth, WhatIsNoLayoutButAPanelLiesOnAPlaneOfItsOwn) {
+  HalfMeasured photos;
+  const LabelledDepthReport report = photos.lay({std::vector<PlaneClass>(3), {true, false, false}});  // both walls are a mirror
+  EXPECT_TRUE(report.planes.empty());
+  EXPECT_FALSE(report.panels.empty());
+  EXPECT_LT(photos.median_error(1), 0.01);
 }
 
 TEST(LabelledDepth, WhatHasNoPlaneStays) {

@@ -102,7 +102,9 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   if (uses_planes(scene, options)) {
     LabelledDepthSettings settings = options.plane_settings;
     settings.spread = options.settings.stereo.spread;
-    report.planes = lay_on_planes(photos.match, photos.labels, plane_classes(scene.labels, options.surfaces), settings, pool, depths);
+    FlatClasses classes{plane_classes(scene.labels, options.surfaces), {}};
+    if (options.panels) classes.panels = panel_classes(scene.labels);
+    report.planes = lay_on_planes(photos.match, photos.labels, classes, settings, pool, depths);
   }
   if (options.exposure) report.log_gains = measure_exposure(photos, depths, options, pool);
   FolderReplacement replacement(output);

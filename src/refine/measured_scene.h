@@ -17,6 +17,7 @@ struct MeasureSceneOptions {
   LabelledDepthSettings plane_settings;
   bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
+  bool panels = true;    ///< and panes, mirrors, screens and pictures on planes of their own
   ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool overwrite = false;

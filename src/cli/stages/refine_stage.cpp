@@ -21,6 +21,7 @@ Options options_of(const TrainConfig& config, const CommandContext& context) {
   options.overwrite = true;
   options.exposure = config.data.refine_exposure;
   options.planes = config.data.refine_planes && config.data.semantics;
+  options.panels = config.data.refine_panels;
   if (config.data.refine_tables) options.surfaces = PlaneSurfaces::kLayoutAndTables;
   options.progress = context.progress();
   return options;
@@ -72,7 +73,6 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   options.stereo = config.data.refine_stereo;
   options.fuse_labels = config.data.refine_fused_labels;
   options.plane_settings.square = config.data.refine_square;
-  options.panels = config.data.refine_panels;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
