@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/disjoint_sets.h"
 
@@ -137,16 +138,18 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
     if (!has_maps(view) || view.certainty.empty()) continue;
     const Image<uint8_t> mask = eroded(mask_of(view, classes), settings.label_edge);
     DisjointSets sets = regions(mask);
+    std::map<uint32_t, uint32_t> numbers;  // of its regions, among those of all photos
     const Vec3d centre = view.camera.centre();
-    for (int y = 0; y < mask.height; ++y) {
-      for (int x = 0; x < mask.width; ++x) {
+    const int stride = std::max(1, mask.width / settings.sampled_width);
+    for (int y = stride / 2; y < mask.height; y += stride) {
+      for (int x = stride / 2; x < mask.width; x += stride) {
         const float z = view.depth.at(x, y), certainty = view.certainty.at(x, y);
         if (!mask.at(x, y) || !(z > 0) || !(certainty >= settings.least_certainty)) continue;
-        const uint32_t part = parts + sets.find(static_cast<uint32_t>(y * mask.width + x));
+        const uint32_t part = numbers.try_emplace(sets.find(static_cast<uint32_t>(y * mask.width + x)), parts + static_cast<uint32_t>(numbers.size())).first->second;
         points.push_back({view.camera.unproject(x + 0.5, y + 0.5, z), centre, z, certainty, static_cast<int>(v), part});
       }
     }
-    parts += static_cast<uint32_t>(mask.data.size());
+    parts += static_cast<uint32_t>(numbers.size());
   }
   return find_panels(points, planes, settings.panels, kSeed);
 }

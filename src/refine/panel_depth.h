@@ -11,6 +11,7 @@ namespace aligngs {
 struct PanelDepthSettings {
   PanelSettings panels;
   double least_certainty = 0.1;  ///< of the measured pixels that panels are found with
+  int sampled_width = 640;       ///< pixels: of a larger photo as many are taken as if it had this width
   int label_edge = 3;            ///< pixels from what is no panel: a teacher's outlines are wrong by so much
   double reach = 0.7;            ///< |log(panel / depth)|: what networks see in a mirror or through a pane is up to twice as far
   double strength = 3;           ///< weight of a pixel on a panel, where a sure stereo measurement weighs 1

@@ -15,7 +15,7 @@ struct PanelPoint {
   double depth = 0;     ///< from that camera, > 0; errors grow with it
   double certainty = 0; ///< in (0, 1], of the measurement
   int view = 0;
-  uint32_t part = 0;    ///< the connected region of one photo that it lies in; no two photos share one
+  uint32_t part = 0;    ///< number of the connected region of one photo that it lies in; no two photos share one
 };
 
 /// A rectangle in a plane.
