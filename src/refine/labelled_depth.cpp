@@ -52,7 +52,7 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
   const auto unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes.planes, settings.unsure, pool);
   std::vector<PlaneMeasurement> flat;
   for (size_t i = 0; i < views.size(); ++i) flat.push_back(merged(std::move(sure.views[i]), unsure[i]));
-  measure_on_panels(report.panels, with_depth(views, labels, depths, Keep::kAll), classes.panels, settings.panels, pool, flat);
+  measure_on_panels(report.panels, report.planes, with_depth(views, labels, depths, Keep::kAll), classes.panels, settings.panels, pool, flat);
   std::vector<size_t> on_planes(views.size(), 0);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

@@ -34,7 +34,7 @@ struct LabelledDepthReport {
 /// What labels say is flat.
 struct FlatClasses {
   std::vector<PlaneClass> planes;  ///< per class (plane_classes())
-  std::vector<bool> panels;        ///< per class (panel_classes()); empty: panels are not looked for
+  std::vector<PanelClass> panels;  ///< per class (panel_classes()); empty: panels are not looked for
 };
 
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo, kNoLabel = none.

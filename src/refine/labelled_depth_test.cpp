@@ -69,7 +69,7 @@ TEST(LabelledDepth, BareWallsLieOnThePlanesOfWhatWasMeasuredOfThem) {
 
 TEST(LabelledDepth, WhatIsNoLayoutButAPanelLiesOnAPlaneOfItsOwn) {
   HalfMeasured photos;
-  const LabelledDepthReport report = photos.lay({std::vector<PlaneClass>(3), {true, false, false}});  // both walls are a mirror
+  const LabelledDepthReport report = photos.lay({std::vector<PlaneClass>(3), {PanelClass::kFree, PanelClass::kNone, PanelClass::kNone}});  // both walls are a mirror
   EXPECT_TRUE(report.planes.empty());
   EXPECT_FALSE(report.panels.empty());
   EXPECT_LT(photos.median_error(1), 0.01);

@@ -10,14 +10,40 @@ namespace aligngs {
 namespace {
 
 constexpr uint64_t kSeed = 1;       // the same panels every time
+struct NamedClass {
+  const char* name;
+  PanelClass what;
+};
 // Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no panel.
-constexpr const char* kNames[] = {"windowpane", "mirror", "painting", "poster", "bulletin board", "blind", "television", "monitor", "crt screen", "screen"};
+constexpr NamedClass kNamedClasses[] = {
+    {"windowpane", PanelClass::kInWall}, {"painting", PanelClass::kInWall}, {"poster", PanelClass::kInWall}, {"bulletin board", PanelClass::kInWall},
+    {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},   {"mirror", PanelClass::kFree},   {"television", PanelClass::kFree},
+    {"monitor", PanelClass::kFree},      {"crt screen", PanelClass::kFree},
+};
 
-/// H x W, 1 where the label is one of the classes.
-Image<uint8_t> mask_of(const PlaneView& view, const std::vector<bool>& classes) {
+PanelClass class_at(const PlaneView& view, const std::vector<PanelClass>& classes, int x, int y) {
+  const uint16_t label = view.labels.at(x, y);
+  return label < classes.size() ? classes[label] : PanelClass::kNone;
+}
+
+/// H x W, 1 where something is called a panel.
+Image<uint8_t> mask_of(const PlaneView& view, const std::vector<PanelClass>& classes) {
   Image<uint8_t> mask(view.labels.width, view.labels.height, 1);
-  for (size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = view.labels.data[p] < classes.size() && classes[view.labels.data[p]];
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) mask.at(x, y) = class_at(view, classes, x, y) != PanelClass::kNone;
+  }
   return mask;
+}
+
+/// Not inside of the room. A room without walls may have them anywhere.
+bool in_wall(const Vec3d& position, double depth, const std::vector<ScenePlane>& planes, const PanelDepthSettings& s) {
+  bool any = false;
+  for (const ScenePlane& plane : planes) {
+    if (plane.kind != PlaneKind::kWall) continue;
+    any = true;
+    if (plane.distance(position) < s.before_wall * depth) return true;
+  }
+  return !any;
 }
 
 /// Without the pixels within `edge` of one that is not in it.
@@ -55,7 +81,8 @@ bool has_maps(const PlaneView& view) { return !view.labels.data.empty() && !view
 /// The panels as one camera sees them: how deep the ray of a pixel meets them.
 class PanelsInView {
  public:
-  PanelsInView(const std::vector<Panel>& panels, const Camera& camera) : panels_(panels), camera_(camera), centre_(camera.centre()) {}
+  PanelsInView(const std::vector<Panel>& panels, const std::vector<uint8_t>& in_wall, const Camera& camera)
+      : panels_(panels), in_wall_(in_wall), camera_(camera), centre_(camera.centre()) {}
 
   Vec3d ray(int x, int y) const { return transpose_times(camera_.world_to_camera.rotation, camera_.ray(x + 0.5, y + 0.5)); }
   /// Depth of a panel along a ray; 0 beside it and from behind.
@@ -65,9 +92,11 @@ class PanelsInView {
     return panels_[panel].contains(centre_ + ray * (distance / slope)) ? distance / slope : 0;
   }
   size_t count() const { return panels_.size(); }
+  bool can_be(size_t panel, PanelClass c) const { return c == PanelClass::kFree || (c == PanelClass::kInWall && in_wall_[panel]); }
 
  private:
   const std::vector<Panel>& panels_;
+  const std::vector<uint8_t>& in_wall_;
   const Camera& camera_;
   Vec3d centre_;
 };
@@ -75,7 +104,8 @@ class PanelsInView {
 constexpr int32_t kNobody = -1;
 
 /// Of which panel each pixel of the mask is, by the nearest measured pixel along the mask; kNobody where its region has none.
-Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const Image<uint8_t>& mask, const PanelDepthSettings& s) {
+Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes, const Image<uint8_t>& mask,
+                      const PanelDepthSettings& s) {
   Image<int32_t> owner(mask.width, mask.height, 1);
   std::fill(owner.data.begin(), owner.data.end(), kNobody);
   std::vector<std::pair<int, int>> queue;  // breadth first
@@ -86,6 +116,7 @@ Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const I
       double least = s.off;
       const Vec3d ray = panels.ray(x, y);
       for (size_t k = 0; k < panels.count(); ++k) {
+        if (!panels.can_be(k, class_at(view, classes, x, y))) continue;
         const double depth = panels.depth(k, ray), off = depth > 0 ? std::abs(std::log(depth / z)) : least;
         if (off >= least) continue;
         least = off;
@@ -100,6 +131,7 @@ Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const I
     for (const auto& step : kSteps) {
       const int nx = x + step[0], ny = y + step[1];
       if (nx < 0 || ny < 0 || nx >= mask.width || ny >= mask.height || !mask.at(nx, ny) || owner.at(nx, ny) != kNobody) continue;
+      if (!panels.can_be(static_cast<size_t>(owner.at(x, y)), class_at(view, classes, nx, ny))) continue;
       owner.at(nx, ny) = owner.at(x, y);
       queue.emplace_back(nx, ny);
     }
@@ -108,11 +140,11 @@ Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const I
 }
 
 /// Depth of the panel that a pixel is of; 0: of none.
-double panel_depth(const PanelsInView& panels, int32_t owner, const Vec3d& ray) {
+double panel_depth(const PanelsInView& panels, int32_t owner, PanelClass what, const Vec3d& ray) {
   if (owner != kNobody) return panels.depth(static_cast<size_t>(owner), ray);
   double nearest = 0;
   for (size_t k = 0; k < panels.count(); ++k) {
-    const double depth = panels.depth(k, ray);
+    const double depth = panels.can_be(k, what) ? panels.depth(k, ray) : 0;
     if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
   }
   return nearest;
@@ -120,16 +152,16 @@ double panel_depth(const PanelsInView& panels, int32_t owner, const Vec3d& ray) 
 
 }  // namespace
 
-std::vector<bool> panel_classes(const LabelSet& labels) {
-  std::vector<bool> out(labels.classes.size());
-  for (const char* name : kNames) {
-    const int index = labels.find(name);
-    if (index >= 0) out[static_cast<size_t>(index)] = true;
+std::vector<PanelClass> panel_classes(const LabelSet& labels) {
+  std::vector<PanelClass> out(labels.classes.size());
+  for (const NamedClass& named : kNamedClasses) {
+    const int index = labels.find(named.name);
+    if (index >= 0) out[static_cast<size_t>(index)] = named.what;
   }
   return out;
 }
 
-std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<bool>& classes, const std::vector<ScenePlane>& planes,
+std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
                                const PanelDepthSettings& settings) {
   std::vector<PanelPoint> points;
   uint32_t parts = 0;
@@ -145,8 +177,10 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
       for (int x = stride / 2; x < mask.width; x += stride) {
         const float z = view.depth.at(x, y), certainty = view.certainty.at(x, y);
         if (!mask.at(x, y) || !(z > 0) || !(certainty >= settings.least_certainty)) continue;
+        const Vec3d position = view.camera.unproject(x + 0.5, y + 0.5, z);
+        if (class_at(view, classes, x, y) == PanelClass::kInWall && !in_wall(position, z, planes, settings)) continue;
         const uint32_t part = numbers.try_emplace(sets.find(static_cast<uint32_t>(y * mask.width + x)), parts + static_cast<uint32_t>(numbers.size())).first->second;
-        points.push_back({view.camera.unproject(x + 0.5, y + 0.5, z), centre, z, certainty, static_cast<int>(v), part});
+        points.push_back({position, centre, z, certainty, static_cast<int>(v), part});
       }
     }
     parts += static_cast<uint32_t>(numbers.size());
@@ -154,21 +188,25 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
   return find_panels(points, planes, settings.panels, kSeed);
 }
 
-void measure_on_panels(const std::vector<Panel>& panels, const std::vector<PlaneView>& views, const std::vector<bool>& classes,
-                       const PanelDepthSettings& s, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements) {
+void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
+                       const std::vector<PanelClass>& classes, const PanelDepthSettings& s, ThreadPool& pool,
+                       std::vector<PlaneMeasurement>& measurements) {
   if (panels.empty()) return;
+  std::vector<uint8_t> walled;
+  for (const Panel& panel : panels) walled.push_back(in_wall(panel.centre(), panel.depth, planes, s));
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t v = begin; v < end; ++v) {
       const PlaneView& view = views[v];
       if (!has_maps(view)) continue;
       const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
-      const PanelsInView seen(panels, view.camera);
-      const Image<int32_t> owner = owners(seen, view, mask, s);
+      const PanelsInView seen(panels, walled, view.camera);
+      const Image<int32_t> owner = owners(seen, view, classes, mask, s);
       PlaneMeasurement& out = measurements[v];
       for (int y = 0; y < mask.height; ++y) {
         for (int x = 0; x < mask.width; ++x) {
           const double z = view.depth.at(x, y);
-          const double depth = mask.at(x, y) && z > 0 && std::isfinite(z) ? panel_depth(seen, owner.at(x, y), seen.ray(x, y)) : 0;
+          if (!mask.at(x, y) || !(z > 0) || !std::isfinite(z)) continue;
+          const double depth = panel_depth(seen, owner.at(x, y), class_at(view, classes, x, y), seen.ray(x, y));
           if (!(depth > 0)) continue;
           const double log_factor = std::log(depth / z);
           const bool elsewhere = !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;

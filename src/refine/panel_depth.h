@@ -8,10 +8,18 @@
 
 namespace aligngs {
 
+/// Where a thing that is called so can be.
+enum class PanelClass : uint8_t {
+  kNone,    ///< no panel
+  kInWall,  ///< panes and pictures: at most a little before a wall, so that the curtains that a teacher takes for the pane are none
+  kFree,    ///< mirrors and screens
+};
+
 struct PanelDepthSettings {
   PanelSettings panels;
   double least_certainty = 0.1;  ///< of the measured pixels that panels are found with
   int sampled_width = 640;       ///< pixels: of a larger photo as many are taken as if it had this width
+  double before_wall = 0.02;     ///< of the depth: how far before a wall a picture hangs
   int label_edge = 3;            ///< pixels from what is no panel: a teacher's outlines are wrong by so much
   double reach = 0.7;            ///< |log(panel / depth)|: what networks see in a mirror or through a pane is up to twice as far
   double strength = 3;           ///< weight of a pixel on a panel, where a sure stereo measurement weighs 1
@@ -19,17 +27,18 @@ struct PanelDepthSettings {
   double sure = 0.3;             ///< certainty from which a pixel that is measured elsewhere keeps its depth
 };
 
-/// Per class of a label set whether it is such a thing.
-std::vector<bool> panel_classes(const LabelSet& labels);
+/// For each class of a label set, by name.
+std::vector<PanelClass> panel_classes(const LabelSet& labels);
 
 /// Panels, from the certain depth of the views' pixels of these classes. Views without depth, labels or certainty say nothing.
-std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<bool>& classes, const std::vector<ScenePlane>& planes,
+std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
                                const PanelDepthSettings& settings);
 
-/// What panels say of a pixel that is called one, in place of what `measurements` (one per view) has; their `plane` becomes 0 there. A pixel is of
+/// What panels say of a pixel that is called one, in place of what `measurements` (one per view) has; their `plane` becomes 0 there. `planes` are
+/// those that the panels were found with. A pixel is of
 /// the panel that the nearest measured pixel of its region is of; where none is measured, of the first that its ray meets. Deterministic for any
 /// number of threads.
-void measure_on_panels(const std::vector<Panel>& panels, const std::vector<PlaneView>& views, const std::vector<bool>& classes,
-                       const PanelDepthSettings& settings, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements);
+void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
+                       const std::vector<PanelClass>& classes, const PanelDepthSettings& settings, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements);
 
 }  // namespace aligngs

@@ -11,7 +11,7 @@ namespace {
 constexpr int kWidth = 120, kHeight = 90;
 constexpr uint16_t kWall = 0, kPane = 1;
 constexpr double kWallDepth = 3, kPaneDepth = 3.1, kBehind = 3.9;  // metres; what a network sees of the garden
-const std::vector<bool> kClasses = {false, true};
+const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kInWall};
 
 ScenePlane wall() {
   ScenePlane p;
@@ -57,7 +57,7 @@ struct WindowPhotos {
   }
 
   std::vector<Panel> find() const { return find_panels(views, kClasses, {wall()}, {}); }
-  void measure() { measure_on_panels(find(), views, kClasses, {}, pool, measurements); }
+  void measure() { measure_on_panels(find(), {wall()}, views, kClasses, {}, pool, measurements); }
 };
 
 TEST(PanelDepth, GlassLiesInThePlaneOfItsFrame) {
@@ -86,6 +86,17 @@ TEST(PanelDepth, WhatIsMeasuredBeforeThePaneKeepsItsDepth) {
   photos.measure();
   EXPECT_EQ(photos.measurements[0].weight.at(x, y), 0);
   EXPECT_GT(photos.measurements[0].weight.at(x + 1, y), 0);
+}
+
+TEST(PanelDepth, CurtainsThatTheTeacherCallsAPaneAreNone) {
+  WindowPhotos photos;
+  for (PlaneView& view : photos.views) {
+    for (float& z : view.depth.data) {
+      if (z != static_cast<float>(kWallDepth)) z = z == static_cast<float>(kBehind) ? 2.9f : 2.7f;  // all of it hangs before the wall
+    }
+  }
+  EXPECT_TRUE(photos.find().empty());
+  EXPECT_FALSE(find_panels(photos.views, {PanelClass::kNone, PanelClass::kFree}, {wall()}, {}).empty());  // a mirror or screen may
 }
 
 TEST(PanelDepth, APhotoThatMeasuredNothingTakesThePaneOfTheOthers) {
@@ -121,9 +132,11 @@ TEST(PanelDepth, WithoutMeasurementsOrLabelsThereAreNoPanels) {
 
 TEST(PanelDepth, PanesMirrorsScreensAndPicturesAreTheClasses) {
   const LabelSet labels = ade20k_labels();
-  const std::vector<bool> classes = panel_classes(labels);
-  for (const char* name : {"windowpane", "mirror", "television", "painting"}) EXPECT_TRUE(classes[static_cast<size_t>(labels.find(name))]) << name;
-  for (const char* name : {"wall", "curtain", "door"}) EXPECT_FALSE(classes[static_cast<size_t>(labels.find(name))]) << name;
+  const std::vector<PanelClass> classes = panel_classes(labels);
+  const auto of = [&](const char* name) { return classes[static_cast<size_t>(labels.find(name))]; };
+  for (const char* name : {"windowpane", "painting", "blind"}) EXPECT_EQ(of(name), PanelClass::kInWall) << name;
+  for (const char* name : {"mirror", "television", "monitor"}) EXPECT_EQ(of(name), PanelClass::kFree) << name;
+  for (const char* name : {"wall", "curtain", "door"}) EXPECT_EQ(of(name), PanelClass::kNone) << name;
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std:
   panel.views = static_cast<int>(views.size());
   panel.points = near.size();
   set_directions(panel, planes);
-  const double depth = median_of(std::move(depths));
+  const double depth = panel.depth = median_of(std::move(depths));
   for (int k = 0; k < 2; ++k) {
     std::vector<double> along;
     for (const PanelPoint& p : near) along.push_back(dot(k == 0 ? panel.across : panel.up, p.position));

@@ -25,10 +25,12 @@ struct Panel {
   Vec3d across, up;     ///< unit, in the plane, at right angles
   double low[2] = {};   ///< least coordinates along across and up, world
   double high[2] = {};  ///< and greatest
+  double depth = 0;     ///< median of its points, from their cameras
   int views = 0;        ///< photos that measured it
   size_t points = 0;
 
   double distance(const Vec3d& x) const { return dot(normal, x) + offset; }
+  Vec3d centre() const { return across * ((low[0] + high[0]) / 2) + up * ((low[1] + high[1]) / 2) - normal * offset; }
   /// Whether a point of the plane lies in the rectangle.
   bool contains(const Vec3d& x) const {
     const double u = dot(across, x), v = dot(up, x);

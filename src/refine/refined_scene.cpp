@@ -145,9 +145,9 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
   }
   PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
   if (options.panels) {
-    const std::vector<bool> classes = panel_classes(scene.labels);
+    const std::vector<PanelClass> classes = panel_classes(scene.labels);
     report.panels = find_panels(views, classes, planes.planes, options.panel_settings);
-    measure_on_panels(report.panels, views, classes, options.panel_settings, pool, planes.views);
+    measure_on_panels(report.panels, planes.planes, views, classes, options.panel_settings, pool, planes.views);
   }
   report.planes = planes.planes;
   report.axes = planes.axes;
