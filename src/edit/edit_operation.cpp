@@ -153,7 +153,7 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
   return edits;
 }
 
-std::string edits_text(const std::vector<EditOperation>& edits) {
+Json edits_json(const std::vector<EditOperation>& edits) {
   Json list = Json::array();
   for (const EditOperation& edit : edits) {
     Json entry = {{"operation", edit_kind_name(edit.kind)},
@@ -163,8 +163,10 @@ std::string edits_text(const std::vector<EditOperation>& edits) {
     if (edit.kind == EditKind::kDelete) entry["fill"] = edit.fill;
     list.push_back(entry);
   }
-  return json_document(Json{{"schema", kSchema}, {"edits", list}});
+  return list;
 }
+
+std::string edits_text(const std::vector<EditOperation>& edits) { return json_document(Json{{"schema", kSchema}, {"edits", edits_json(edits)}}); }
 
 std::vector<EditOperation> read_edits(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return {};

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,7 @@ std::string describe(const EditOperation& edit);              ///< "recolor pill
 /// against a label set when they are applied.
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors);
 std::string edits_text(const std::vector<EditOperation>& edits);
+nlohmann::ordered_json edits_json(const std::vector<EditOperation>& edits);  ///< its entries, an array
 /// An absent file is an empty stack.
 std::vector<EditOperation> read_edits(const std::filesystem::path& path);
 

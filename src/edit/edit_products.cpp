@@ -44,7 +44,7 @@ void write_edited_record(const fs::path& path, RunRecord record, const std::stri
   // Fields that the record does not know are kept by its writer.
   Json extra = {{"edited_from", original.filename().empty() ? original.parent_path().filename().string()
                                                             : original.filename().string()},
-                {"edits", parse_ordered_json(edits_text(edits)).at("edits")}};
+                {"edits", edits_json(edits)}};
   write_json(path, extra);
   record.status = "done";
   record.stage = "edit";

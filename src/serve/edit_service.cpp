@@ -69,7 +69,7 @@ EditSession& EditService::session() {
   return *session_;
 }
 
-std::string EditService::list() {
+Json EditService::stack() {
   const EditSession& s = session();
   Json edits = Json::array(), redo = Json::array(), objects = Json::array();
   for (const EditOperation& edit : s.stack()) edits.push_back(describe(edit));
@@ -81,8 +81,10 @@ std::string EditService::list() {
                        {"gaussians", object.gaussians},
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
   }
-  return json_line(Json{{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}});
+  return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}};
 }
+
+std::string EditService::list() { return json_line(stack()); }
 
 std::string EditService::preview(const std::string& request) {
   const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
@@ -100,7 +102,7 @@ std::string EditService::preview(const std::string& request) {
 
 std::string EditService::listed(const char* what, const Json& value) {
   opened_ = files_of(options_.run);
-  Json answer = parse_json(list());
+  Json answer = stack();
   answer[what] = value;
   return json_line(answer);
 }

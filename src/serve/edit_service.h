@@ -44,6 +44,7 @@ class EditService {
 
  private:
   EditSession& session();
+  nlohmann::json stack();  ///< what list() writes
   /// list() after a change of the stack, with one more field.
   std::string listed(const char* what, const nlohmann::json& value);
 
