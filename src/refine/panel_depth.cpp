@@ -35,13 +35,14 @@ Image<uint8_t> mask_of(const PlaneView& view, const std::vector<PanelClass>& cla
   return mask;
 }
 
-/// Not inside of the room. A room without walls may have them anywhere.
+/// At a wall: neither inside of the room nor outside. A room without walls may have them anywhere.
 bool in_wall(const Vec3d& position, double depth, const std::vector<ScenePlane>& planes, const PanelDepthSettings& s) {
   bool any = false;
   for (const ScenePlane& plane : planes) {
     if (plane.kind != PlaneKind::kWall) continue;
     any = true;
-    if (plane.distance(position) < s.before_wall * depth) return true;
+    const double distance = plane.distance(position) / depth;
+    if (distance < s.before_wall && distance > -s.behind_wall) return true;
   }
   return !any;
 }
@@ -150,6 +151,16 @@ double panel_depth(const PanelsInView& panels, int32_t owner, PanelClass what, c
   return nearest;
 }
 
+/// Depth of the wall that a ray of the camera meets first; 0: none.
+double first_wall(const std::vector<CameraPlane>& planes, const Vec3d& camera_ray) {
+  double nearest = 0;
+  for (const CameraPlane& plane : planes) {
+    const double depth = plane.kind == PlaneKind::kWall ? plane.depth(camera_ray) : 0;
+    if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 std::vector<PanelClass> panel_classes(const LabelSet& labels) {
@@ -191,7 +202,6 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
 void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
                        const std::vector<PanelClass>& classes, const PanelDepthSettings& s, ThreadPool& pool,
                        std::vector<PlaneMeasurement>& measurements) {
-  if (panels.empty()) return;
   std::vector<uint8_t> walled;
   for (const Panel& panel : panels) walled.push_back(in_wall(panel.centre(), panel.depth, planes, s));
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
@@ -201,12 +211,18 @@ void measure_on_panels(const std::vector<Panel>& panels, const std::vector<Scene
       const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
       const PanelsInView seen(panels, walled, view.camera);
       const Image<int32_t> owner = owners(seen, view, classes, mask, s);
+      const std::vector<CameraPlane> local = in_frame_of(view.camera, planes);
       PlaneMeasurement& out = measurements[v];
       for (int y = 0; y < mask.height; ++y) {
         for (int x = 0; x < mask.width; ++x) {
           const double z = view.depth.at(x, y);
           if (!mask.at(x, y) || !(z > 0) || !std::isfinite(z)) continue;
-          const double depth = panel_depth(seen, owner.at(x, y), class_at(view, classes, x, y), seen.ray(x, y));
+          const PanelClass what = class_at(view, classes, x, y);
+          double depth = panel_depth(seen, owner.at(x, y), what, seen.ray(x, y));
+          if (depth == 0) {
+            const double wall = first_wall(local, view.camera.ray(x + 0.5, y + 0.5));
+            if (wall > 0 && std::log(z / wall) > s.off) depth = wall;
+          }
           if (!(depth > 0)) continue;
           const double log_factor = std::log(depth / z);
           const bool elsewhere = !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;

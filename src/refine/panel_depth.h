@@ -20,6 +20,7 @@ struct PanelDepthSettings {
   double least_certainty = 0.1;  ///< of the measured pixels that panels are found with
   int sampled_width = 640;       ///< pixels: of a larger photo as many are taken as if it had this width
   double before_wall = 0.02;     ///< of the depth: how far before a wall a picture hangs
+  double behind_wall = 0.1;      ///< and how deep a pane lies in its niche: what is measured farther behind is seen through it
   int label_edge = 3;            ///< pixels from what is no panel: a teacher's outlines are wrong by so much
   double reach = 0.7;            ///< |log(panel / depth)|: what networks see in a mirror or through a pane is up to twice as far
   double strength = 3;           ///< weight of a pixel on a panel, where a sure stereo measurement weighs 1
@@ -36,7 +37,8 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
 
 /// What panels say of a pixel that is called one, in place of what `measurements` (one per view) has; their `plane` becomes 0 there. `planes` are
 /// those that the panels were found with. A pixel is of
-/// the panel that the nearest measured pixel of its region is of; where none is measured, of the first that its ray meets. Deterministic for any
+/// the panel that the nearest measured pixel of its region is of; where none is measured, of the first that its ray meets. What would be
+/// behind the wall without one is in it (another pass of stereo then looks there). Deterministic for any
 /// number of threads.
 void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
                        const std::vector<PanelClass>& classes, const PanelDepthSettings& settings, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements);

@@ -106,6 +106,17 @@ TEST(PanelDepth, APhotoThatMeasuredNothingTakesThePaneOfTheOthers) {
   EXPECT_NEAR(photos.views[3].depth.at(60, 45) * std::exp(photos.measurements[3].log_factor.at(60, 45)), kPaneDepth, 0.01);
 }
 
+TEST(PanelDepth, APaneOfWhichNothingIsMeasuredIsInItsWallAtTheFarthest) {
+  WindowPhotos photos;
+  for (PlaneView& view : photos.views) {
+    for (size_t p = 0; p < view.certainty.data.size(); ++p) view.certainty.data[p] = 0;
+  }
+  photos.views[1].depth.at(60, 45) = 2.5f;
+  photos.measure();
+  EXPECT_NEAR(photos.views[0].depth.at(60, 45) * std::exp(photos.measurements[0].log_factor.at(60, 45)), kWallDepth, 0.01);
+  EXPECT_EQ(photos.measurements[1].weight.at(60, 45), 0);  // a picture may lean at something before the wall
+}
+
 TEST(PanelDepth, AMirageBeyondReachIsLeftAlone) {
   WindowPhotos photos;
   photos.views[0].depth.at(60, 45) = 30;
