@@ -9,7 +9,8 @@
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kSeed = 1;       // the same panels every time
+constexpr uint64_t kSeed = 1;  // the same panels every time
+
 struct NamedClass {
   const char* name;
   PanelClass what;
@@ -151,14 +152,32 @@ double panel_depth(const PanelsInView& panels, int32_t owner, PanelClass what, c
   return nearest;
 }
 
-/// Depth of the wall that a ray of the camera meets first; 0: none.
-double first_wall(const std::vector<CameraPlane>& planes, const Vec3d& camera_ray) {
-  double nearest = 0;
-  for (const CameraPlane& plane : planes) {
-    const double depth = plane.kind == PlaneKind::kWall ? plane.depth(camera_ray) : 0;
-    if (depth > 0 && (nearest == 0 || depth < nearest)) nearest = depth;
+/// Whether another photo confirms that the pixel is not of a panel so far off.
+bool is_elsewhere(const PlaneView& view, int x, int y, double log_factor, const PanelDepthSettings& s) {
+  return !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;
+}
+
+void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& planes, const PlaneView& view, const std::vector<PanelClass>& classes,
+                  const PanelDepthSettings& s, PlaneMeasurement& out) {
+  const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
+  const Image<int32_t> owner = owners(panels, view, classes, mask, s);
+  for (int y = 0; y < mask.height; ++y) {
+    for (int x = 0; x < mask.width; ++x) {
+      const double z = view.depth.at(x, y);
+      if (!mask.at(x, y) || !(z > 0) || !std::isfinite(z)) continue;
+      double depth = panel_depth(panels, owner.at(x, y), class_at(view, classes, x, y), panels.ray(x, y));
+      if (depth == 0) {
+        const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5);
+        const CameraPlane* wall = first_on_ray(planes, PlaneKind::kWall, ray);
+        if (wall && std::log(z / wall->depth(ray)) > s.off) depth = wall->depth(ray);
+      }
+      const double log_factor = depth > 0 ? std::log(depth / z) : 0;
+      if (depth == 0 || is_elsewhere(view, x, y, log_factor, s) || std::abs(log_factor) > s.reach) continue;
+      out.log_factor.at(x, y) = static_cast<float>(log_factor);
+      out.weight.at(x, y) = static_cast<float>(s.strength) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
+      out.plane.at(x, y) = 0;
+    }
   }
-  return nearest;
 }
 
 }  // namespace
@@ -190,7 +209,8 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
         if (!mask.at(x, y) || !(z > 0) || !(certainty >= settings.least_certainty)) continue;
         const Vec3d position = view.camera.unproject(x + 0.5, y + 0.5, z);
         if (class_at(view, classes, x, y) == PanelClass::kInWall && !in_wall(position, z, planes, settings)) continue;
-        const uint32_t part = numbers.try_emplace(sets.find(static_cast<uint32_t>(y * mask.width + x)), parts + static_cast<uint32_t>(numbers.size())).first->second;
+        const uint32_t region = sets.find(static_cast<uint32_t>(y * mask.width + x));
+        const uint32_t part = numbers.try_emplace(region, parts + static_cast<uint32_t>(numbers.size())).first->second;
         points.push_back({position, centre, z, certainty, static_cast<int>(v), part});
       }
     }
@@ -206,32 +226,8 @@ void measure_on_panels(const std::vector<Panel>& panels, const std::vector<Scene
   for (const Panel& panel : panels) walled.push_back(in_wall(panel.centre(), panel.depth, planes, s));
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t v = begin; v < end; ++v) {
-      const PlaneView& view = views[v];
-      if (!has_maps(view)) continue;
-      const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
-      const PanelsInView seen(panels, walled, view.camera);
-      const Image<int32_t> owner = owners(seen, view, classes, mask, s);
-      const std::vector<CameraPlane> local = in_frame_of(view.camera, planes);
-      PlaneMeasurement& out = measurements[v];
-      for (int y = 0; y < mask.height; ++y) {
-        for (int x = 0; x < mask.width; ++x) {
-          const double z = view.depth.at(x, y);
-          if (!mask.at(x, y) || !(z > 0) || !std::isfinite(z)) continue;
-          const PanelClass what = class_at(view, classes, x, y);
-          double depth = panel_depth(seen, owner.at(x, y), what, seen.ray(x, y));
-          if (depth == 0) {
-            const double wall = first_wall(local, view.camera.ray(x + 0.5, y + 0.5));
-            if (wall > 0 && std::log(z / wall) > s.off) depth = wall;
-          }
-          if (!(depth > 0)) continue;
-          const double log_factor = std::log(depth / z);
-          const bool elsewhere = !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;
-          if (elsewhere || std::abs(log_factor) > s.reach) continue;
-          out.log_factor.at(x, y) = static_cast<float>(log_factor);
-          out.weight.at(x, y) = static_cast<float>(s.strength) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
-          out.plane.at(x, y) = 0;
-        }
-      }
+      if (!has_maps(views[v])) continue;
+      measure_view({panels, walled, views[v].camera}, in_frame_of(views[v].camera, planes), views[v], classes, s, measurements[v]);
     }
   });
 }

@@ -36,11 +36,11 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
                                const PanelDepthSettings& settings);
 
 /// What panels say of a pixel that is called one, in place of what `measurements` (one per view) has; their `plane` becomes 0 there. `planes` are
-/// those that the panels were found with. A pixel is of
-/// the panel that the nearest measured pixel of its region is of; where none is measured, of the first that its ray meets. What would be
-/// behind the wall without one is in it (another pass of stereo then looks there). Deterministic for any
-/// number of threads.
+/// those that the panels were found with. A pixel is of the panel that the nearest measured pixel of its region is of; where none is measured, of
+/// the first that its ray meets. What would be behind the wall without one is in it (another pass of stereo then looks there). Deterministic for
+/// any number of threads.
 void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
-                       const std::vector<PanelClass>& classes, const PanelDepthSettings& settings, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements);
+                       const std::vector<PanelClass>& classes, const PanelDepthSettings& settings, ThreadPool& pool,
+                       std::vector<PlaneMeasurement>& measurements);
 
 }  // namespace aligngs

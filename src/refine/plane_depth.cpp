@@ -99,18 +99,11 @@ struct PixelMeasurement {
 
 /// Glass is in the wall that the ray meets first, whatever its depth looks like.
 PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, double z, const PlaneDepthSettings& s) {
-  double nearest = 0;
-  uint8_t number = 0;
-  for (const CameraPlane& plane : planes) {
-    const double depth = plane.kind == kind ? plane.depth(ray) : 0;
-    if (depth > 0 && (nearest == 0 || depth < nearest)) {
-      nearest = depth;
-      number = plane.number;
-    }
-  }
-  const double factor = nearest > 0 ? std::log(nearest / z) : 0;
-  if (nearest == 0 || std::abs(factor) > s.glass_reach) return {};
-  return {factor, s.strength, number};
+  const CameraPlane* nearest = first_on_ray(planes, kind, ray);
+  if (!nearest) return {};
+  const double factor = std::log(nearest->depth(ray) / z);
+  if (std::abs(factor) > s.glass_reach) return {};
+  return {factor, s.strength, nearest->number};
 }
 
 /// Everything else is on the plane that is nearest to its depth, if that is near and turned alike.
@@ -193,6 +186,18 @@ std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<Sce
     out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind, static_cast<uint8_t>(i + 1)});
   }
   return out;
+}
+
+const CameraPlane* first_on_ray(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray) {
+  const CameraPlane* first = nullptr;
+  double nearest = 0;
+  for (const CameraPlane& plane : planes) {
+    const double depth = plane.kind == kind ? plane.depth(ray) : 0;
+    if (!(depth > 0) || (first && depth >= nearest)) continue;
+    first = &plane;
+    nearest = depth;
+  }
+  return first;
 }
 
 std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surfaces) {

@@ -55,6 +55,9 @@ struct CameraPlane {
 /// The planes that a camera sees from their front; of the first 255, which are more than find_planes() finds.
 std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes);
 
+/// The plane of a kind that a ray with z = 1 meets first; null without one.
+const CameraPlane* first_on_ray(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray);
+
 struct PlaneDepthResult {
   std::vector<ScenePlane> planes;
   std::vector<PlaneMeasurement> views;
