@@ -48,22 +48,7 @@ bool in_wall(const Vec3d& position, double depth, const std::vector<ScenePlane>&
   return !any;
 }
 
-/// Without the pixels within `edge` of one that is not in it.
-Image<uint8_t> eroded(const Image<uint8_t>& mask, int edge) {
-  Image<uint8_t> out = mask;
-  for (int y = 0; y < mask.height; ++y) {
-    for (int x = 0; x < mask.width; ++x) {
-      for (int dy = -edge; out.at(x, y) && dy <= edge; ++dy) {
-        for (int dx = -edge; out.at(x, y) && dx <= edge; ++dx) {
-          out.at(x, y) = mask.at(std::clamp(x + dx, 0, mask.width - 1), std::clamp(y + dy, 0, mask.height - 1));
-        }
-      }
-    }
-  }
-  return out;
-}
-
-/// Its 4-connected regions.
+/// 4-connected regions of a mask.
 DisjointSets regions(const Image<uint8_t>& mask) {
   DisjointSets sets(mask.data.size());
   for (int y = 0; y < mask.height; ++y) {
@@ -159,7 +144,7 @@ bool is_elsewhere(const PlaneView& view, int x, int y, double log_factor, const 
 
 void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& planes, const PlaneView& view, const std::vector<PanelClass>& classes,
                   const PanelDepthSettings& s, PlaneMeasurement& out) {
-  const Image<uint8_t> mask = eroded(mask_of(view, classes), s.label_edge);
+  const Image<uint8_t> mask = interior(mask_of(view, classes), s.label_edge);
   const Image<int32_t> owner = owners(panels, view, classes, mask, s);
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x) {
@@ -198,7 +183,7 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
   for (size_t v = 0; v < views.size(); ++v) {
     const PlaneView& view = views[v];
     if (!has_maps(view) || view.certainty.empty()) continue;
-    const Image<uint8_t> mask = eroded(mask_of(view, classes), settings.label_edge);
+    const Image<uint8_t> mask = interior(mask_of(view, classes), settings.label_edge);
     DisjointSets sets = regions(mask);
     std::map<uint32_t, uint32_t> numbers;  // of its regions, among those of all photos
     const Vec3d centre = view.camera.centre();

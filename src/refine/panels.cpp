@@ -163,10 +163,11 @@ void set_directions(Panel& panel, const std::vector<ScenePlane>& planes) {
   panel.up = cross(panel.normal, panel.across);
 }
 
-double spread(std::vector<double>& sorted) {
+/// Standard deviation.
+double spread(const std::vector<double>& values) {
   double mean = 0, square = 0;
-  for (const double x : sorted) mean += x / static_cast<double>(sorted.size());
-  for (const double x : sorted) square += (x - mean) * (x - mean) / static_cast<double>(sorted.size());
+  for (const double x : values) mean += x / static_cast<double>(values.size());
+  for (const double x : values) square += (x - mean) * (x - mean) / static_cast<double>(values.size());
   return std::sqrt(square);
 }
 

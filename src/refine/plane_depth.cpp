@@ -33,20 +33,18 @@ constexpr NamedClass kNamedClasses[] = {
 Image<uint16_t> class_map(const PlaneView& view, const std::vector<PlaneClass>& classes, int edge) {
   const int width = view.camera.width, height = view.camera.height;
   const auto place = [&](int x, int y) {
-    const uint16_t label = view.labels.at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1));
+    const uint16_t label = view.labels.at(x, y);
     const PlaneClass what = label < classes.size() ? classes[label] : PlaneClass{};
-    return 2 * static_cast<int>(what.kind) + (what.glass ? 1 : 0);
+    return static_cast<uint8_t>(2 * static_cast<int>(what.kind) + (what.glass ? 1 : 0));
   };
+  Image<uint8_t> kinds(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) kinds.at(x, y) = place(x, y);
+  }
+  const Image<uint8_t> inside = interior(kinds, edge);
   Image<uint16_t> out(width, height, 1);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int own = place(x, y);
-      bool inside = own != 0;
-      for (int dy = -edge; inside && dy <= edge; ++dy) {
-        for (int dx = -edge; inside && dx <= edge; ++dx) inside = place(x + dx, y + dy) == own;
-      }
-      out.at(x, y) = inside ? view.labels.at(x, y) : kNoLabel;
-    }
+    for (int x = 0; x < width; ++x) out.at(x, y) = inside.at(x, y) ? view.labels.at(x, y) : kNoLabel;
   }
   return out;
 }
@@ -175,6 +173,23 @@ FoundPlanes planes_in(const std::vector<PlaneView>& views, const std::vector<Pre
 }
 
 }  // namespace
+
+Image<uint8_t> interior(const Image<uint8_t>& kinds, int edge) {
+  Image<uint8_t> out(kinds.width, kinds.height, 1);
+  for (int y = 0; y < kinds.height; ++y) {
+    for (int x = 0; x < kinds.width; ++x) {
+      const uint8_t own = kinds.at(x, y);
+      bool inside = own != 0;
+      for (int dy = -edge; inside && dy <= edge; ++dy) {
+        for (int dx = -edge; inside && dx <= edge; ++dx) {
+          inside = kinds.at(std::clamp(x + dx, 0, kinds.width - 1), std::clamp(y + dy, 0, kinds.height - 1)) == own;
+        }
+      }
+      out.at(x, y) = inside;
+    }
+  }
+  return out;
+}
 
 std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes) {
   std::vector<CameraPlane> out;

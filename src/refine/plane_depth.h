@@ -52,6 +52,9 @@ struct CameraPlane {
   }
 };
 
+/// 1 where a pixel's kind is not 0 and all pixels within `edge` (at the border, those that there are) are of the same; 0 elsewhere.
+Image<uint8_t> interior(const Image<uint8_t>& kinds, int edge);
+
 /// The planes that a camera sees from their front; of the first 255, which are more than find_planes() finds.
 std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<ScenePlane>& planes);
 
