@@ -3,6 +3,7 @@ export interface Splats {
   count: number; centres: Float32Array; scales: Float32Array; rotations: Float32Array; // rotations w x y z, scales in scene units
   opacities: Float32Array; labels: Uint16Array | null; instances: Uint16Array | null; confidences: Uint8Array | null;
 }
+export const kLeastAlpha = 1 / 255; // fainter Gaussians are not drawn, alpha_min of the rasteriser
 // Less than this of a ray is stopped: no click means such a haze. A seam between two surfaces stops more, if not half.
 const kLeastOpacity = 0.1;
 export interface Hit { label: number; share: number; instance: number; confidence: number; distance: number }
@@ -35,7 +36,7 @@ export function pickSplat(s: Splats, origin: number[], direction: number[], hidd
     const distance2 = Math.max(0, gg - (ge * ge) / ee);
     if (distance2 > 9) continue;
     const alpha = s.opacities[i] * Math.exp(-0.5 * distance2);
-    if (alpha > 1 / 255) hits.push({ t: ge / ee, alpha, index: i });
+    if (alpha > kLeastAlpha) hits.push({ t: ge / ee, alpha, index: i });
   }
   hits.sort((a, b) => a.t - b.t);
   const votes = new Map<number, { weight: number; index: number; best: number }>();

@@ -7,7 +7,7 @@ import {
 } from 'playcanvas';
 import { type CameraInfo } from './api';
 import { parseMeshPly, type PlyMesh } from './mesh_ply';
-import { pickSplat, type Hit, type Splats } from './pick';
+import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
 
 export interface ClassStyle { color: [number, number, number]; visible: boolean }
 
@@ -251,16 +251,13 @@ export class Viewer {
     return hit && { hit, point: eye.clone().add(direction.mulScalar(hit.distance)) };
   }
 
-  /// Median position of the splats: the middle of the room.
+  /// Median position of the splats that can be seen: the middle of the room. An exported page has no others.
   middle(): Vec3 {
     const s = this.splats;
-    if (!s || s.count === 0) return new Vec3();
-    const step = Math.max(1, Math.floor(s.count / 5000));
-    const median = [0, 1, 2].map((k) => {
-      const values: number[] = [];
-      for (let i = 0; i < s.count; i += step) values.push(s.centres[3 * i + k]);
-      return values.sort((a, b) => a - b)[values.length >> 1];
-    });
+    if (!s) return new Vec3();
+    const seen = Array.from(s.opacities.keys()).filter((i) => s.opacities[i] >= kLeastAlpha);
+    if (seen.length === 0) return new Vec3();
+    const median = [0, 1, 2].map((k) => Float32Array.from(seen, (i) => s.centres[3 * i + k]).sort()[seen.length >> 1]);
     return this.toWorld(median);
   }
 }

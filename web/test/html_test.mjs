@@ -23,7 +23,7 @@ await withBrowser(async (browser) => {
   await shot('start');
   console.log(`${(statSync(file).size / 1e6).toFixed(2)} MB; the labelled PLY has ${(statSync(join(folder, 'room.ply')).size / 1e6).toFixed(2)} MB`);
   check(spread(here) > 25, 'the file shows a scene');
-  check(difference(here, there) < 3, `the same as the server shows (${difference(here, there).toFixed(2)} levels)`);
+  check(difference(here, there) < 1, `the same as the server shows (${difference(here, there).toFixed(2)} levels)`);
   check(await page.locator('#classes li').count() > 2, 'its classes are listed');
   await slide('#overlay', 80);
   check(difference(here, await picture()) > 5, 'labels can be laid over it');
