@@ -93,7 +93,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("default, refined cameras", "default", refine=CAMERAS_ONLY, compare_with="default"),
     Row(LABEL_CONTROLS[0], "default", [NO_SEMANTICS], refine=NO_LABELS_YET),
     Row(UNCOUPLED, "default", refine=NO_LABELS_YET, compare_with=LABEL_CONTROLS[0]),
-    Row(COUPLED, "default", COUPLING, refine=NO_LABELS_YET, compare_with=[UNCOUPLED, *PLACEBOS]),
+    Row(COUPLED, "default", COUPLING, refine=NO_LABELS_YET, compare_with=[LABEL_CONTROLS[0], UNCOUPLED, *PLACEBOS]),
     Row(PLACEBOS[0], "default", COUPLING, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
     Row(PLACEBOS[1], "default", COUPLING, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
     Row(PLACEBOS[2], "default", COUPLING + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
