@@ -46,7 +46,7 @@ class PageServer {
 };
 
 /// For `--view` of demo, run and train: nothing without it. The folder is made so that it can be served before the run
-/// begins in it.
+/// begins in it. `scene`: empty where run.json will say it.
 std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const std::filesystem::path& run,
                                                 const std::filesystem::path& scene, int threads);
 /// After the work: tells the address again and serves until Ctrl-C. Nothing without a server.

@@ -87,12 +87,13 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   const TrainConfig config = resolve_run(train).config;
   if (!begun) require_weights(store, options, photos);
   const bool has_own = photos || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
+  fs::path scene = has_own ? own : source;
   // Served before all that takes long. Which scene a new run gets follows from that; its run.json says it once training begins.
-  const auto page = serve_while_working(options.train.view, options.train.view_port, run, !begun ? fs::path() : has_own ? own : source, train.threads);
+  const auto page = serve_while_working(options.train.view, options.train.view_port, run, begun ? scene : fs::path(), train.threads);
   if (!begun && !photos) fill_priors(source, store, options, context);
   bool refine = !begun && !photos && should_refine(source, config);
   const bool measured = !begun && !photos && should_measure(source, config) && measure_into_run(source, run, config, context);
-  const fs::path scene = has_own || refine || measured ? own : source;
+  if (refine || measured) scene = own;
   if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
     ScenePhotosOptions poses = photo_options(options.photos, context);

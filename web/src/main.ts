@@ -36,7 +36,7 @@ class Page {
 
   async start(): Promise<void> {
     await this.refresh();
-    this.startPose();
+    if (!this.loadedSplats) this.startPose(); // otherwise loading them has done it
     listen({
       reset: () => this.training.reset(),
       events: (events) => this.training.events(events),
