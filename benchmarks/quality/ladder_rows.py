@@ -33,6 +33,8 @@ WITHOUT = {
 WITH = {
     "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
     "opacity dropout": ["train.opacity_dropout=0.2"], "minimum splat size": ["optimizer.scale_min_pixels=0.7"],
+    "opacity dropout and minimum splat size": ["train.opacity_dropout=0.2", "optimizer.scale_min_pixels=0.7"],
+    "stronger opacity dropout and minimum splat size": ["train.opacity_dropout=0.4", "optimizer.scale_min_pixels=0.7"],
     "stronger normal consistency": ["loss.normal_consistency=0.05"],
     "Pearson in place of log depth": ["loss.log_depth=0"],
     "weaker log depth": ["loss.log_depth=0.1", "loss.log_depth_end=0.004"],

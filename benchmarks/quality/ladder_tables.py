@@ -125,6 +125,23 @@ def difference_lines(results):
     return lines
 
 
+def room_lines(results, base):
+    """What every other row adds to one row, its head included: with intervals, and room by room, as a mean hides a room that is hurt."""
+    rooms = sorted({room for room, *_ in results.get(base, {})})
+    lines = [f"| against `{base}` | pairs | PSNR (dB) | F | mIoU | PSNR: {', '.join(rooms)} | F |", "|---" * 7 + "|"]
+    for row in (name for name in results if name != base):
+        common = [k for k in results[row] if k in results.get(base, {})]
+        columns = (("psnr", 2), ("fscore", 3), ("miou", 3))
+        if not any(math.isfinite(results[row][k]["psnr"] - results[base][k]["psnr"]) for k in common):
+            continue  # a mesh alone
+        cells = [difference_cell(results, row, base, *column) for column in columns]
+        for key, digits in columns[:2]:
+            each = [mean([results[row][k][key] - results[base][k][key] for k in common if k[0] == room]) for room in rooms]
+            cells.append(", ".join(f"{d:+.{digits}f}" if math.isfinite(d) else "–" for d in each))
+        lines.append(f"| {row} | {len(common)} | " + " | ".join(cells) + " |")
+    return lines
+
+
 def summary_line(title, by_pair, digits):
     """Mean, interval, smallest pair and the mean of every room."""
     middle, low, high, count = interval(by_pair)

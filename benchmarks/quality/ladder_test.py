@@ -106,6 +106,17 @@ class LadderTest(unittest.TestCase):
         line = ladder_tables.summary_line("gain", {("office", 104, 1): 0.02, ("office", 104, 2): 0.04, ("bedroom", 101, 1): -0.01}, 3)
         self.assertIn("smallest -0.010, over 3 pairs (bedroom -0.010, office 0.030).", line)
 
+    def test_differences_stand_room_by_room(self):
+        def room(name, psnr, f):
+            return {(name, 1, 1): scores(psnr=psnr, fscore=f)}
+        results = {"base": {**room("bedroom", 20, 0.5), **room("office", 21, 0.6)}, "better": {**room("bedroom", 21, 0.6), **room("office", 20.5, 0.6)},
+                   "a mesh": {("bedroom", 1, 1): scores(fscore=0.9)}}
+        head, _, *lines = ladder_tables.room_lines(results, "base")
+        self.assertIn("PSNR: bedroom, office", head)
+        self.assertEqual(len(lines), 1)  # the base is not compared with itself, nor a mesh with a picture
+        self.assertTrue(lines[0].startswith("| better | 2 |"))
+        self.assertTrue(lines[0].endswith("| +1.00, -0.50 | +0.100, +0.000 |"))
+
     def test_coupling_is_compared_with_the_best_placebo_of_each_pair(self):
         keys = [("bedroom", 101, s) for s in (1, 2, 3)]
         results = {ladder_rows.COUPLED: {k: scores(fscore=0.8, psnr=25) for k in keys}}

@@ -6,7 +6,8 @@
 OUTPUT and every PART are folders of one of the two. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it,
 pair by pair of room and seed, or seed by seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/
 and settings.json of OUTPUT, whose "row programs" say which programs made a row. With --docs the tables of that file between the lines
-<!-- OUTPUT: means --> or <!-- OUTPUT: differences --> and <!-- OUTPUT: end --> are made anew, where OUTPUT is the folder's name."""
+<!-- OUTPUT: means -->, <!-- OUTPUT: differences --> or <!-- OUTPUT: rooms --> (differences to the whole default, room by room) and
+<!-- OUTPUT: end --> are made anew, where OUTPUT is the folder's name."""
 import argparse
 import json
 import re
@@ -18,7 +19,7 @@ from types import SimpleNamespace
 import capture
 import ladder_tables
 from ladder_rows import COLUMNS, PAIR
-from ladder_tables import difference_lines, in_order, mean_lines, read_csv
+from ladder_tables import difference_lines, in_order, mean_lines, read_csv, room_lines
 
 CONDITIONS = ("rooms", "iterations", "size", "teacher_seed", "scale")  # a ladder has no scale, a capture that and the iterations alone
 LEFT_TO_TABLE_MD = ("area", "aligned", "mesh_miou")
@@ -63,7 +64,8 @@ def write_tables(output, whole):
 def with_tables(text, folder_name, results):
     """The document with that folder's tables made anew; means without the columns that only table.md has."""
     columns = [c for c in COLUMNS if c[0] not in LEFT_TO_TABLE_MD]
-    for name, lines in (("means", mean_lines(results, columns)), ("differences", difference_lines(results))):
+    for name, lines in (("means", mean_lines(results, columns)), ("differences", difference_lines(results)),
+                        ("rooms", room_lines(results, "default, refined"))):
         pattern = re.compile(rf"(<!-- {folder_name}: {name} -->\n).*?(<!-- {folder_name}: end -->)", re.S)
         text = pattern.sub(lambda m: m[1] + "\n".join(lines) + "\n" + m[2], text)
     return text
