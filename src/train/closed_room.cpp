@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/log.h"
 #include "gaussians/initialise.h"
 #include "gaussians/soft_labels.h"
 #include "refine/unseen_layout.h"
@@ -112,8 +113,11 @@ size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& 
   settings.cell = kCell * request.extent;
   UnseenLayout unseen = unseen_layout(views, plane_classes(request.labels), settings, pool);
   unseen = without_covered(unseen, model, settings.cell);
-  const size_t room = request.most_gaussians - model.size();
-  if (unseen.cloud.size() == 0 || unseen.cloud.size() > room) return 0;
+  if (unseen.cloud.size() == 0) return 0;
+  if (const size_t allowed = request.most_gaussians - model.size(); unseen.cloud.size() > allowed) {
+    log_info("closed room: left open, as it would take {} more Gaussians and {} are allowed", unseen.cloud.size(), allowed);
+    return 0;
+  }
   append(engine, gaussians_of(unseen, settings.cell, model.semantic_channels));
   return unseen.cloud.size();
 }

@@ -1,6 +1,7 @@
 // The last touch to a trained room: walls, floor and ceiling where no photo shows them (refine/unseen_layout.h).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -10,6 +11,10 @@
 #include "train/training_set.h"
 
 namespace aligngs {
+
+/// What close_room() may add beyond the cap of growth, which has usually filled that up. Unseen walls, floor and ceiling of an ordinary
+/// room are 5 000 to 20 000 squares; a small model is not more than doubled.
+constexpr size_t closed_room_allowance(size_t cap) { return std::min<size_t>(cap, 50000); }
 
 struct ClosedRoomRequest {
   const std::vector<GuideView>& views;  ///< what they show is rendered and not made up
@@ -21,7 +26,8 @@ struct ClosedRoomRequest {
 
 /// Adds Gaussians for the unseen parts of the planes that the training views' rendered labels call wall, floor or ceiling, in the colour of
 /// the seen parts and with their label. Where a Gaussian lies already nothing is added, so that a second call changes little. Nothing
-/// that a training view shows is covered. The number added; 0 for a model without semantics or a room without planes.
+/// that a training view shows is covered. The number added; 0 for a model without semantics or a room without planes, and where it would
+/// take more Gaussians than there may be, which the log says.
 size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -78,7 +78,7 @@ std::vector<ConfigKey> densify_optimizer_keys() {
        "hard limit on smallest / middle scale; 0 = off"},
       {"optimizer.aspect_max", field<&C::optimizer, &O::aspect_max>, 0, 1e6, "", ours_paper(6.0, 0.0),
        "hard limit on largest / middle scale; 0 = off"},
-      {"optimizer.scale_min_pixels", field<&C::optimizer, &O::scale_min_pixels>, 0, 100, "", all(0.0),
+      {"optimizer.scale_min_pixels", field<&C::optimizer, &O::scale_min_pixels>, 0, 100, "", ours_paper(0.7, 0.0),
        "hard limit on the two larger scales from below, every hundredth of 7000 iterations: pixels of the training view that sees the "
        "Gaussian sharpest; 0 = off"},
       {"optimizer.pose_rotation", field<&C::optimizer, &O::pose_rotation>, 0, 1, "", all(0.0),

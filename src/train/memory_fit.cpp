@@ -7,6 +7,7 @@
 
 #include "core/log.h"
 #include "core/progress.h"
+#include "train/closed_room.h"
 
 namespace aligngs {
 namespace {
@@ -66,8 +67,13 @@ GaussianCap fit_gaussian_cap(const CapInputs& in, const std::vector<MemoryToFit>
 
 GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudget& host) {
   const Engine& engine = fit.engine;
+  const auto in_the_end = [closes = in.config.train.closed_room && fit.channels > 0](uint64_t n) {
+    return closes ? n + closed_room_allowance(n) : n;
+  };
   const auto engine_bytes = [&](int channels) {
-    return [&engine, channels, pixels = fit.pixels_per_view](uint64_t n) { return engine.predicted_bytes(n, channels, pixels); };
+    return [&engine, in_the_end, channels, pixels = fit.pixels_per_view](uint64_t n) {
+      return engine.predicted_bytes(in_the_end(n), channels, pixels);
+    };
   };
   const auto say = [](const MemoryBudget& budget, const std::string& where) {
     log_info("memory{}: {} predicted, {} allowed", where, format_bytes(budget.total()), format_bytes(budget.limit()));
@@ -82,7 +88,7 @@ GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudge
   device.add("training views", own->views);
   const int channels = own->channels > 0 ? std::min(own->channels, fit.channels) : fit.channels;
   GaussianCap cap = fit_gaussian_cap(
-      in, {{host, "copies for checkpoints", [&](uint64_t n) { return engine.predicted_host_bytes(n, fit.channels); }},
+      in, {{host, "copies for checkpoints", [&](uint64_t n) { return engine.predicted_host_bytes(in_the_end(n), fit.channels); }},
            {device, "optimiser, workspace", engine_bytes(channels), engine.device_name()}});
   say(host, "");
   say(device, " of " + engine.device_name());

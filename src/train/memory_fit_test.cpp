@@ -112,6 +112,14 @@ TEST_F(EngineMemoryFit, TheHostStillLimitsWhatItCopies) {
   EXPECT_THAT(cap.warning, testing::StartsWith("memory holds"));
 }
 
+TEST_F(EngineMemoryFit, ARoomThatIsClosedInTheEndHasRoomKeptForThat) {
+  TrainConfig config = config_;
+  config.train.closed_room = true;
+  MemoryBudget host(FakeEngine::bytes(8000, 3)), unlabelled(FakeEngine::bytes(8000, 0));
+  EXPECT_EQ(fit_to_engine({config, 1000, false, 250000, 20000000}, {engine_, views_, 3, 1200}, host).gaussians, 4000u);
+  EXPECT_EQ(fit_to_engine({config, 1000, false, 250000, 20000000}, {engine_, views_, 0, 1200}, unlabelled).gaussians, 8000u);
+}
+
 TEST_F(EngineMemoryFit, AStartThatOwnMemoryDoesNotHoldNamesItAndTheRemedy) {
   for (const uint64_t limit : {uint64_t(0), 1000 + FakeEngine::bytes(999, 3)}) {
     MemoryBudget host(uint64_t(1) << 40);
