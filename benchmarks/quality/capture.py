@@ -40,8 +40,6 @@ ROWS = [
     Row("rgb", "default, multi-view terms", "default", ladder_rows.MULTI_VIEW, refine=REFINED, compare_with=["default"]),
     Row("rgb", "default, from the points", "default", compare_with=["3dgs", "pgsr"]),
     Row("rgb", "default, from the points, MCMC growth", "default", ["densify.strategy=mcmc"], compare_with=["default, from the points"]),
-    Row("rgb", "default, from the points, no splat below 0.7 pixels", "default", ["optimizer.scale_min_pixels=0.7"],
-        compare_with=["default, from the points"]),
     Row("simulated", "3dgs", "paper", ladder_rows.THREE_DGS),
     Row("simulated", "pgsr + prior depth", "pgsr", ladder_rows.PGSR_PRIOR, compare_with=["3dgs"]),
     Row("simulated", "pgsr + prior depth, refined cameras", "pgsr", ladder_rows.PGSR_PRIOR, ladder_rows.CAMERAS_ONLY),
