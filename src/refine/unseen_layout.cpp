@@ -121,6 +121,8 @@ Square look_at(const Vec3d& x, const ScenePlane& plane, const std::vector<Layout
       ++own;
     } else if (z > p.z * (1 + s.beyond)) {
       ++through;
+    } else if (z > p.z) {
+      ++surface;  // a little behind, as a pane in its niche: nothing stands before the square, so that the photo shows what is there
     }
   }
   if (own > 0) square.color *= 1.0f / static_cast<float>(own);
