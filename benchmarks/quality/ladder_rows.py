@@ -26,14 +26,14 @@ CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 # What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, uncoupled".
 WITHOUT = {
     "log depth": ["loss.log_depth=0", "loss.pearson=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
-    "free space": ["densify.free_space_every=0"], "closed room": ["train.closed_room=false"], "dense start": ["init.start=cloud"],
+    "free space": ["densify.free_space_every=0"], "dense start": ["init.start=cloud"],
     "sharpened labels": ["semantic.drawn_sharpness=0"], "opacity dropout": ["train.opacity_dropout=0"],
     "minimum splat size": ["optimizer.scale_min_pixels=0"],
 }
 # And what it leaves off, each switched on alone: settings, or options of `aligngs refine`.
 WITH = {
     "coupling": COUPLING, "creases": ["loss.crease=0.02"], "multi-view terms": MULTI_VIEW, "MCMC growth": ["densify.strategy=mcmc"],
-    "stronger opacity dropout": ["train.opacity_dropout=0.4"],
+    "closed room": ["train.closed_room=true"], "stronger opacity dropout": ["train.opacity_dropout=0.4"],
     "stronger normal consistency": ["loss.normal_consistency=0.05"],
     "Pearson in place of log depth": ["loss.log_depth=0"],
     "weaker log depth": ["loss.log_depth=0.1", "loss.log_depth_end=0.004"],

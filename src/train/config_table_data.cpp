@@ -89,7 +89,7 @@ std::vector<ConfigKey> data_init_train_keys() {
        "share of the Gaussians that a step leaves out, the others made as much more opaque; rises evenly from 0 to this"},
       {"train.random_background", field<&C::train, &RunConfig::random_background>, 0, 0, "", ours_paper(true, false),
        "another colour behind the scene every step, so that black surfaces are not explained by holes"},
-      {"train.closed_room", field<&C::train, &RunConfig::closed_room>, 0, 0, "", ours_paper(true, false),
+      {"train.closed_room", field<&C::train, &RunConfig::closed_room>, 0, 0, "", all(false),
        "after the last step, close walls, floor and ceiling where no photo shows them, beyond the cap on Gaussians; needs semantics"},
       {"train.log_every", field<&C::train, &RunConfig::log_every>, 1, kIterationsMax, "", all(10),
        "iterations between lines of events.ndjson"},
