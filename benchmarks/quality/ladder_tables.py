@@ -113,15 +113,22 @@ def mean_lines(results, columns=COLUMNS):
             [mean_line(name, by_pair, columns) for name, by_pair in results.items()] + common_lines(results, columns))
 
 
+DIFFERENCES = (("psnr", 2), ("fscore", 3))  # and mIoU, where labels mean something
+
+
+def difference_cells(results, row, base):
+    """PSNR, F and mIoU."""
+    meaningless = {r.name for r in ROWS if r.labels in ("constant", "shuffled")}  # labels that nobody asks to be right
+    cells = [difference_cell(results, row, base, *column) for column in DIFFERENCES]
+    return cells + ["–" if {row, base} & meaningless else difference_cell(results, row, base, "miou", 3)]
+
+
 def difference_lines(results):
     """The table of paired differences, its head included."""
     lines = ["| row | against | PSNR (dB) | F | mIoU |", "|---|---|---|---|---|"]
-    meaningless = {r.name for r in ROWS if r.labels in ("constant", "shuffled")}  # labels that nobody asks to be right
     for row, base in [(r.name, b) for r in ROWS for b in r.compare_with]:
         if base in results and row in results:
-            cells = [difference_cell(results, row, base, *column) for column in (("psnr", 2), ("fscore", 3))]
-            cells.append("–" if {row, base} & meaningless else difference_cell(results, row, base, "miou", 3))
-            lines.append(f"| {row} | {base} | " + " | ".join(cells) + " |")
+            lines.append(f"| {row} | {base} | " + " | ".join(difference_cells(results, row, base)) + " |")
     return lines
 
 
@@ -131,11 +138,10 @@ def room_lines(results, base):
     lines = [f"| against `{base}` | pairs | PSNR (dB) | F | mIoU | PSNR: {', '.join(rooms)} | F |", "|---" * 7 + "|"]
     for row in (name for name in results if name != base):
         common = [k for k in results[row] if k in results.get(base, {})]
-        columns = (("psnr", 2), ("fscore", 3), ("miou", 3))
         if not any(math.isfinite(results[row][k]["psnr"] - results[base][k]["psnr"]) for k in common):
             continue  # a mesh alone
-        cells = [difference_cell(results, row, base, *column) for column in columns]
-        for key, digits in columns[:2]:
+        cells = difference_cells(results, row, base)
+        for key, digits in DIFFERENCES:
             each = [mean([results[row][k][key] - results[base][k][key] for k in common if k[0] == room]) for room in rooms]
             cells.append(", ".join(f"{d:+.{digits}f}" if math.isfinite(d) else "–" for d in each))
         lines.append(f"| {row} | {len(common)} | " + " | ".join(cells) + " |")

@@ -64,10 +64,10 @@ def write_tables(output, whole):
 def with_tables(text, folder_name, results):
     """The document with that folder's tables made anew; means without the columns that only table.md has."""
     columns = [c for c in COLUMNS if c[0] not in LEFT_TO_TABLE_MD]
-    for name, lines in (("means", mean_lines(results, columns)), ("differences", difference_lines(results)),
-                        ("rooms", room_lines(results, "default, refined"))):
+    for name, lines in (("means", lambda: mean_lines(results, columns)), ("differences", lambda: difference_lines(results)),
+                        ("rooms", lambda: room_lines(results, "default, refined"))):
         pattern = re.compile(rf"(<!-- {folder_name}: {name} -->\n).*?(<!-- {folder_name}: end -->)", re.S)
-        text = pattern.sub(lambda m: m[1] + "\n".join(lines) + "\n" + m[2], text)
+        text = pattern.sub(lambda m: m[1] + "\n".join(lines()) + "\n" + m[2], text)
     return text
 
 

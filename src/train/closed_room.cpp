@@ -106,7 +106,7 @@ void append(Engine& engine, const GaussianModel& added) {
 size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& pool) {
   GaussianModel model;
   engine.store(model);
-  if (model.semantic_channels == 0 || model.size() == 0 || model.size() >= request.most_gaussians) return 0;
+  if (model.semantic_channels == 0 || model.size() == 0) return 0;
   std::vector<LayoutView> views;
   for (const GuideView& view : request.views) views.push_back(look(engine, view, request.render));
   LayoutSettings settings;
@@ -114,7 +114,8 @@ size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& 
   UnseenLayout unseen = unseen_layout(views, plane_classes(request.labels), settings, pool);
   unseen = without_covered(unseen, model, settings.cell);
   if (unseen.cloud.size() == 0) return 0;
-  if (const size_t allowed = request.most_gaussians - model.size(); unseen.cloud.size() > allowed) {
+  const size_t allowed = request.most_gaussians - std::min(request.most_gaussians, model.size());
+  if (unseen.cloud.size() > allowed) {
     log_info("closed room: left open, as it would take {} more Gaussians and {} are allowed", unseen.cloud.size(), allowed);
     return 0;
   }

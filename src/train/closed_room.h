@@ -12,9 +12,9 @@
 
 namespace aligngs {
 
-/// What close_room() may add beyond the cap of growth, which has usually filled that up. Unseen walls, floor and ceiling of an ordinary
-/// room are 5 000 to 20 000 squares; a small model is not more than doubled.
-constexpr size_t closed_room_allowance(size_t cap) { return std::min<size_t>(cap, 50000); }
+/// The most Gaussians that a model may have once its room is closed: more than the cap on growth, which has usually filled that up. Unseen
+/// walls, floor and ceiling of an ordinary room are 5 000 to 20 000 squares; a small model is not more than doubled.
+constexpr size_t most_in_closed_room(size_t cap) { return cap + std::min<size_t>(cap, 50000); }
 
 struct ClosedRoomRequest {
   const std::vector<GuideView>& views;  ///< what they show is rendered and not made up

@@ -1,36 +1,20 @@
 // Runs that close the room after their last step.
 #include <gtest/gtest.h>
 
-#include "core/log.h"
-#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "train/room_scene_for_tests.h"
 #include "train/run_folder.h"
-#include "train/train_run.h"
 
 namespace aligngs {
 namespace {
 
-namespace fs = std::filesystem;
-
-class ClosedRoomTraining : public testing::Test {
+class ClosedRoomTraining : public box_room::RoomTraining {
  protected:
-  void SetUp() override {
-    set_log_level(LogLevel::kSilent);
-    clear_stop_request();
-  }
-  void TearDown() override { set_log_level(LogLevel::kInfo); }
-
-  /// What the run says of its last step.
-  static std::string events_of_run(const std::string& closed) {
-    TrainOptions o;
-    o.scene = box_room::write_room();
-    o.run = test_scene::fresh_folder("runs") / "run";
-    o.config.iterations = 2;
+  /// What a run says of its steps.
+  std::string events_of_run(const std::string& closed) const {
+    TrainOptions o = run_of("run", 2);
     o.config.sets = {"train.closed_room=" + closed, "densify.enabled=false",  // without growth the start is the cap
                      "init.voxel_footprints=0.3", "init.gaussians_per_pixel=0", "init.depth_opacity=0.9", "init.single_view_opacity=0.9"};
-    o.progress.enabled = false;
-    o.threads = 2;
     train_run(o);
     return read_file(RunFolder(o.run).events());
   }

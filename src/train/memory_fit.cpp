@@ -68,7 +68,7 @@ GaussianCap fit_gaussian_cap(const CapInputs& in, const std::vector<MemoryToFit>
 GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudget& host) {
   const Engine& engine = fit.engine;
   const auto in_the_end = [closes = in.config.train.closed_room && fit.channels > 0](uint64_t n) {
-    return closes ? n + closed_room_allowance(n) : n;
+    return closes ? most_in_closed_room(n) : n;
   };
   const auto engine_bytes = [&](int channels) {
     return [&engine, in_the_end, channels, pixels = fit.pixels_per_view](uint64_t n) {

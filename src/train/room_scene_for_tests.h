@@ -1,10 +1,16 @@
-// For tests: the box room of refine/box_room_for_tests.h as a scene folder.
+// For tests: the box room of refine/box_room_for_tests.h as a scene folder, and runs on it.
 #pragma once
 
-#include <filesystem>
+#include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
+#include "core/log.h"
+#include "core/stop_signal.h"
 #include "refine/box_room_for_tests.h"
 #include "scene/test_scene_folder.h"
+#include "train/train_run.h"
 #include "train/trained_room_for_tests.h"
 
 namespace aligngs::box_room {
@@ -32,15 +38,7 @@ inline std::filesystem::path write_room() {
   parts.split.train = {std::vector<std::string>()};
   parts.split.test = {{"v5"}};
   parts.labels = room_labels();
-  parts.cloud = {};
-  for (const LayoutView& view : photos()) {
-    for (int y = 4; y < view.plane.camera.height; y += 8) {
-      for (int x = 4; x < view.plane.camera.width; x += 8) {
-        parts.cloud.positions.push_back(view.plane.camera.unproject(x + 0.5, y + 0.5, view.plane.depth.at(x, y)).cast<float>());
-        parts.cloud.colors.push_back(kColors[view.plane.labels.at(x, y)]);
-      }
-    }
-  }
+  parts.cloud = shown_points(8);
   int index = 0;
   for (const Camera& camera : cameras()) {
     writer.add_view(scene_view(index, camera.resized(camera.width / 2, camera.height / 2)));
@@ -50,5 +48,31 @@ inline std::filesystem::path write_room() {
   writer.finish(parts);
   return folder;
 }
+
+/// Quiet runs on one such scene, each in a folder of its own.
+class RoomTraining : public testing::Test {
+ protected:
+  void SetUp() override {
+    set_log_level(LogLevel::kSilent);
+    clear_stop_request();
+    static const std::filesystem::path scene = write_room();
+    scene_ = scene;
+    base_ = test_scene::fresh_folder("runs");
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  TrainOptions run_of(const std::string& name, int64_t iterations) const {
+    TrainOptions o;
+    o.scene = scene_;
+    o.run = base_ / name;
+    o.config.iterations = iterations;
+    o.progress.enabled = false;
+    o.threads = 2;
+    return o;
+  }
+
+ private:
+  std::filesystem::path scene_, base_;
+};
 
 }  // namespace aligngs::box_room

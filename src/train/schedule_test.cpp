@@ -275,6 +275,7 @@ TEST(Schedule, TheRoomIsClosedAfterTheLastStepWhereThereAreLabels) {
   unlabelled.semantics = false;
   EXPECT_FALSE(Schedule(c, unlabelled).closes_room(c.train.iterations));
   EXPECT_FALSE(Schedule(standard(), room()).closes_room(c.train.iterations)) << "off";
+  EXPECT_FALSE(Schedule(paper(), room()).closes_room(paper().train.iterations));
 }
 
 TEST(Schedule, PlanesAreFittedWhereDepthIsMetricAndThereAreLabels) {

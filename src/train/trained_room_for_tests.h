@@ -21,21 +21,26 @@ inline uint16_t label_at(const Vec3f& p) {
   return p.y > kFloor - 0.03 ? kFloorLabel : p.y < kCeiling + 0.03 ? kCeilingLabel : kWallLabel;
 }
 
-/// Gaussians on all that the photos show, as training leaves them; `logit` is that of their class.
-inline GaussianModel trained_room(int channels = 4, float logit = 6) {
+/// What the photos show, a point for each pixel of every `stride` rows and columns.
+inline PointCloud shown_points(int stride) {
   PointCloud cloud;
   for (const LayoutView& view : photos()) {
-    for (int y = 0; y < view.plane.camera.height; ++y) {
-      for (int x = 0; x < view.plane.camera.width; ++x) {
+    for (int y = stride / 2; y < view.plane.camera.height; y += stride) {
+      for (int x = stride / 2; x < view.plane.camera.width; x += stride) {
         cloud.positions.push_back(view.plane.camera.unproject(x + 0.5, y + 0.5, view.plane.depth.at(x, y)).cast<float>());
         cloud.colors.push_back(kColors[view.plane.labels.at(x, y)]);
       }
     }
   }
+  return cloud;
+}
+
+/// Gaussians on all that the photos show, as training leaves them; `logit` is that of their class.
+inline GaussianModel trained_room(int channels = 4, float logit = 6) {
   InitialiseOptions options;
   options.semantic_channels = channels;
   options.opacity = 0.9f;
-  GaussianModel model = initialise_gaussians(voxel_thin(cloud, 0.03), options);
+  GaussianModel model = initialise_gaussians(voxel_thin(shown_points(1), 0.03), options);
   for (size_t i = 0; channels > 0 && i < model.size(); ++i) {
     const float* p = &model.positions[3 * i];
     model.semantics[i * static_cast<size_t>(channels) + label_at({p[0], p[1], p[2]})] = logit;

@@ -231,7 +231,7 @@ void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
 
 void Trainer::close_room_now(int64_t iteration, EventLog& events) {
   const size_t cap = in_.facts.max_gaussians;
-  const size_t most = cap > 0 ? cap + closed_room_allowance(cap) : std::numeric_limits<size_t>::max();
+  const size_t most = cap > 0 ? most_in_closed_room(cap) : std::numeric_limits<size_t>::max();
   const size_t added = close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
   if (added == 0) return;
   events.message(iteration, "closed_room", fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
