@@ -46,6 +46,17 @@ def merge(into, part):
     into["settings"]["programs"] = sorted({program for programs in made_by.values() for program in programs})
 
 
+def put_together(folders):
+    """All folders as one, later ones over earlier ones."""
+    whole = {"settings": {}, "results": {}}
+    for folder in folders:
+        try:
+            merge(whole, folder if isinstance(folder, dict) else read_folder(folder))
+        except (OSError, KeyError, ValueError) as problem:
+            sys.exit(f"{folder}: {problem}")
+    return whole
+
+
 def is_capture(settings):
     return "scale" in settings
 
@@ -78,12 +89,9 @@ def main():
     parser.add_argument("--docs", type=Path)
     arguments = parser.parse_args()
     output = arguments.output
-    whole = {"settings": {}, "results": {}}
-    for folder in [f for f in [output] if (f / "settings.json").exists()] + arguments.parts:
-        try:
-            merge(whole, read_folder(folder))
-        except (OSError, KeyError, ValueError) as problem:
-            sys.exit(f"{folder}: {problem}")
+    before = [output] if (output / "settings.json").exists() else []
+    # Parts first: only together may they replace a whole row, whose earlier programs are then forgotten.
+    whole = put_together(before + ([put_together(arguments.parts)] if arguments.parts else []))
     output.mkdir(parents=True, exist_ok=True)
     for file in (f for part in arguments.parts for f in sorted((part / "acceptance").glob("*.txt"))):
         (output / "acceptance").mkdir(exist_ok=True)

@@ -37,6 +37,12 @@ class MergeTest(unittest.TestCase):
         self.assertEqual(self.whole["settings"]["programs"], ["new", "old"])
         self.assertEqual(self.whole["settings"]["rows"]["default"], {"preset": "new"})
 
+    def test_parts_that_replace_a_row_only_together_are_merged_first(self):
+        old = folder("old", {"default": {ONE: scores(), TWO: scores()}})
+        parts = [folder("new", {"default": {pair: scores()}}) for pair in (ONE, TWO)]
+        whole = merge_results.put_together([old, merge_results.put_together(parts)])
+        self.assertEqual(whole["settings"]["row programs"], {"default": ["new"]})
+
     def test_other_conditions_do_not_mix(self):
         merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}}))
         with self.assertRaisesRegex(ValueError, "iterations is 1000"):
