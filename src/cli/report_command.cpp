@@ -5,8 +5,8 @@
 
 #include "cli/command.h"
 #include "cli/report/html_report.h"
-#include "core/error.h"
 #include "io/json_text.h"
+#include "train/trained_run.h"
 
 namespace aligngs {
 
@@ -18,9 +18,7 @@ void add_report_command(CLI::App& program, CommandContext& context) {
   command->add_option("run", *run, "run folder")->required();
   command->callback([&context, run] {
     const std::filesystem::path folder = *run;
-    if (!std::filesystem::exists(folder / "run.json")) {
-      throw_bad_input(folder, "run.json", "this is no run folder", "give a folder that `aligngs train` or `aligngs run` made");
-    }
+    require_run_folder(folder);
     write_report(folder);
     const std::string page = (folder / "report.html").string();
     if (context.global.json) std::printf("%s\n", json_line(nlohmann::json({{"report", page}})).c_str());

@@ -13,8 +13,8 @@
 #include "io/folder_replacement.h"
 #include "scene/mesh_ply.h"
 #include "train/camera_outputs.h"
-#include "train/config_file.h"
 #include "train/run_folder.h"
+#include "train/trained_run.h"
 
 namespace aligngs {
 
@@ -22,26 +22,12 @@ namespace fs = std::filesystem;
 
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
     : run_(run), threads_(options.threads) {
-  const RunFolder paths(run);
-  if (!fs::exists(paths.record())) {
-    throw_bad_input(run, "run.json", "this is no run folder",
-                    "give a folder that `aligngs train` or `aligngs run` made");
-  }
-  record_ = read_run_record(paths.record());
-  apply_config_file(paths.config(), config_);
-  const fs::path scene_folder = scene_of_run(run, record_, options.scene);
-  if (!fs::exists(scene_folder)) {
-    throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says",
-                    "say where it is now: --scene DIR");
-  }
+  TrainedRun trained = read_trained_run(run, options.scene, CheckpointParts::kAll);
+  record_ = std::move(trained.record);
+  config_ = std::move(trained.config);
+  scene_ = std::move(trained.scene);
+  state_ = std::move(trained.state);
   stack_ = read_edits(run / "edits.json");
-  scene_ = open_scene(scene_folder);
-  std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), record_.fingerprint);
-  if (!state)
-    throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet",
-                    "run `aligngs train ... --resume` first");
-  state_ = std::move(*state);
-  apply_motions(state_.motions, scene_);
   pool_ = std::make_unique<ThreadPool>(options.threads);
 
   original_.labels = scene_.labels;

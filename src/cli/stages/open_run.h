@@ -38,7 +38,7 @@ struct OpenRun {
   void expose_as(int view, ImageF& color) const;
 };
 
-/// Error{kBadInput} when the folder is no run, its scene cannot be found, or nothing has been trained yet.
+/// Error{kBadInput} as read_trained_run() (train/trained_run.h) has it.
 OpenRun open_run(const std::filesystem::path& folder, const OpenRunOptions& options);
 
 }  // namespace aligngs
