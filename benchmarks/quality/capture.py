@@ -47,8 +47,10 @@ ROWS = [
     Row("simulated", "default", "default", refine=REFINED,
         compare_with=["3dgs", "pgsr + prior depth", "pgsr + prior depth, refined cameras", "default, not refined"]),
     Row("rgbd", "default", "default"),
-    *[Row(source, f"default, without {what}", "default", ladder_rows.WITHOUT[what], refine=refine, compare_with=["default"])
-      for source, refine in (("rgb", REFINED), ("simulated", REFINED), ("rgbd", None)) for what in ("opacity dropout", "minimum splat size")],
+    *[Row(source, f"default, {word} {what}", "default", changes[what], refine=refine, compare_with=["default"])
+      for source, refine in (("rgb", REFINED), ("simulated", REFINED), ("rgbd", None))
+      for word, changes, whats in (("without", ladder_rows.WITHOUT, ["opacity dropout", "minimum splat size"]),
+                                   ("with", ladder_rows.WITH, ["weaker opacity dropout", "shorter opacity dropout"])) for what in whats],
 ]
 # What the ladder of the rooms has beside these rows, and a capture without labels cannot have.
 NEED_LABELS = ["+ L_sem, uncoupled", "+ L_sem, coupled", "+ L_ng + L_nb (paper)", "default, planes of walls, floor and ceiling"]

@@ -56,6 +56,7 @@ struct RunConfig {
   int64_t coarse_stop = 0;   ///< [ref] steps at that resolution
   double near_plane = 0;  ///< / E
   double opacity_dropout = 0;  ///< share of the Gaussians left out of a step at the end of the schedule
+  int64_t opacity_dropout_stop = 0;  ///< [ref] the last step that leaves any out
   bool closed_room = false;  ///< finish with the unseen parts of walls, floor and ceiling
   bool random_background = false;  ///< a new colour behind the scene every step; false: black
   double near_share = 0;  ///< / smallest metric prior depth of the view; 0 = off

@@ -87,6 +87,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "in a training view also below this share of its nearest metric prior depth (1 % quantile); 0 = off"},
       {"train.opacity_dropout", field<&C::train, &RunConfig::opacity_dropout>, 0, 0.9, "", ours_paper(0.2, 0.0),
        "share of the Gaussians that a step leaves out, the others made as much more opaque; rises evenly from 0 to this"},
+      {"train.opacity_dropout_stop", field<&C::train, &RunConfig::opacity_dropout_stop>, 0, kIterationsMax, "", all(7000),
+       "[ref] and none is left out after this step"},
       {"train.random_background", field<&C::train, &RunConfig::random_background>, 0, 0, "", ours_paper(true, false),
        "another colour behind the scene every step, so that black surfaces are not explained by holes"},
       {"train.closed_room", field<&C::train, &RunConfig::closed_room>, 0, 0, "", all(false),

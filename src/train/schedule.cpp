@@ -165,7 +165,9 @@ bool Schedule::lifts_semantics(int64_t iteration) const {
   return facts_.semantics && config_.semantic.lift && iteration == scaled(config_.semantic.lift_at) + 1;
 }
 
-double Schedule::opacity_dropout(int64_t iteration) const { return config_.train.opacity_dropout * share(iteration); }
+double Schedule::opacity_dropout(int64_t iteration) const {
+  return iteration <= scaled_stop(config_.train.opacity_dropout_stop) ? config_.train.opacity_dropout * share(iteration) : 0;
+}
 
 double Schedule::view_scale(int64_t iteration) const {
   return iteration <= scaled(config_.train.coarse_stop) ? config_.train.coarse_scale : 1.0;

@@ -132,6 +132,15 @@ TEST(Schedule, DropoutRisesEvenly) {
   EXPECT_EQ(s.request(7000).raster.dropout.rate, 0) << "what is drawn between the steps is whole";
 }
 
+TEST(Schedule, DropoutMayEndBeforeTheRun) {
+  TrainConfig c = standard();
+  c.train.opacity_dropout = 0.2;
+  c.train.opacity_dropout_stop = 3500;
+  const Schedule s(c, room());
+  EXPECT_NEAR(s.opacity_dropout(3500), 0.1, 1e-9);
+  EXPECT_EQ(s.opacity_dropout(3501), 0);
+}
+
 TEST(Schedule, CoarseViewsScaleWithTheRunAndEnd) {
   TrainConfig c = standard();
   EXPECT_EQ(Schedule(c, room()).view_scale(1), 1);  // off unless asked for
