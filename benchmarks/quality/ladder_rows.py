@@ -99,7 +99,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row(PLACEBOS[0], "default", COUPLING, refine=NO_LABELS_YET, labels="constant", compare_with=UNCOUPLED),
     Row(PLACEBOS[1], "default", COUPLING, refine=NO_LABELS_YET, labels="shuffled", compare_with=UNCOUPLED),
     Row(PLACEBOS[2], "default", COUPLING + ["semantic.coupling=opacity"], refine=NO_LABELS_YET, compare_with=UNCOUPLED),
-    Row("stereo, true labels", "default", COUPLING, refine=NO_LABELS_YET, labels="true", compare_with=UNCOUPLED),
+    Row("stereo, true labels", "default", COUPLING, refine=NO_LABELS_YET, labels="true", compare_with=[LABEL_CONTROLS[0], UNCOUPLED, COUPLED]),
     Row("default, refined", "default", refine=[],
         compare_with=[*LABEL_CONTROLS, UNCOUPLED, "default, refined cameras", "pgsr + prior depth, refined cameras",
                       "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
