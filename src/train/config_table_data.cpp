@@ -66,7 +66,7 @@ std::vector<ConfigKey> data_init_train_keys() {
 
       {"train.preset", field<&C::train, &RunConfig::preset>, 0, 0, "preview|default|paper|high|pgsr",
        with_pgsr(each("preview", "default", "paper", "high"), "pgsr"), "the preset these settings began as"},
-      {"train.iterations", field<&C::train, &RunConfig::iterations>, 1, kIterationsMax, "", each(1000, 2000, 7000, 15000),
+      {"train.iterations", field<&C::train, &RunConfig::iterations>, 1, kIterationsMax, "", each(1000, 2000, 7000, 4000),
        "training steps, one view each; few photos are learned by heart when shown too often"},
       {"train.reference_iterations", field<&C::train, &RunConfig::reference_iterations>, 1, kIterationsMax, "", all(7000),
        "run length in which all keys marked [ref] are counted; they scale with the schedule's length"},
