@@ -46,14 +46,14 @@ def merge(into, part):
     into["settings"]["programs"] = sorted({program for programs in made_by.values() for program in programs})
 
 
-def put_together(folders):
-    """All folders as one, later ones over earlier ones."""
+def put_together(parts):
+    """Parts as one, later ones over earlier ones. Each is a name, for messages, and what merge() takes."""
     whole = {"settings": {}, "results": {}}
-    for folder in folders:
+    for name, part in parts:
         try:
-            merge(whole, folder if isinstance(folder, dict) else read_folder(folder))
-        except (OSError, KeyError, ValueError) as problem:
-            sys.exit(f"{folder}: {problem}")
+            merge(whole, part)
+        except (KeyError, ValueError) as problem:
+            sys.exit(f"{name}: {problem}")
     return whole
 
 
@@ -64,6 +64,14 @@ def is_capture(settings):
 def read_folder(folder):
     settings = json.loads((folder / "settings.json").read_text())
     return {"settings": settings, "results": read_csv(folder / "results.csv", ("seed",) if is_capture(settings) else PAIR)}
+
+
+def named(folder):
+    """A folder as put_together() takes it; ends this script when it cannot be read."""
+    try:
+        return folder, read_folder(folder)
+    except (OSError, KeyError, ValueError) as problem:
+        sys.exit(f"{folder}: {problem}")
 
 
 def write_tables(output, whole):
@@ -89,9 +97,10 @@ def main():
     parser.add_argument("--docs", type=Path)
     arguments = parser.parse_args()
     output = arguments.output
-    before = [output] if (output / "settings.json").exists() else []
+    before = [named(output)] if (output / "settings.json").exists() else []
     # Parts first: only together may they replace a whole row, whose earlier programs are then forgotten.
-    whole = put_together(before + ([put_together(arguments.parts)] if arguments.parts else []))
+    parts = [(", ".join(map(str, arguments.parts)), put_together(map(named, arguments.parts)))] if arguments.parts else []
+    whole = put_together(before + parts)
     output.mkdir(parents=True, exist_ok=True)
     for file in (f for part in arguments.parts for f in sorted((part / "acceptance").glob("*.txt"))):
         (output / "acceptance").mkdir(exist_ok=True)

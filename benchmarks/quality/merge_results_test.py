@@ -39,9 +39,14 @@ class MergeTest(unittest.TestCase):
 
     def test_parts_that_replace_a_row_only_together_are_merged_first(self):
         old = folder("old", {"default": {ONE: scores(), TWO: scores()}})
-        parts = [folder("new", {"default": {pair: scores()}}) for pair in (ONE, TWO)]
-        whole = merge_results.put_together([old, merge_results.put_together(parts)])
+        parts = [(str(pair), folder("new", {"default": {pair: scores()}})) for pair in (ONE, TWO)]
+        whole = merge_results.put_together([("old", old), ("parts", merge_results.put_together(parts))])
         self.assertEqual(whole["settings"]["row programs"], {"default": ["new"]})
+
+    def test_a_part_that_does_not_fit_is_named(self):
+        parts = [("one", folder("old", {"default": {ONE: scores()}})), ("two", folder("old", {"default": {TWO: scores()}}, iterations=1000))]
+        with self.assertRaisesRegex(SystemExit, "^two: iterations is 1000"):
+            merge_results.put_together(parts)
 
     def test_other_conditions_do_not_mix(self):
         merge_results.merge(self.whole, folder("old", {"default": {ONE: scores()}}))

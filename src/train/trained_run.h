@@ -21,8 +21,8 @@ struct TrainedRun {
 void require_run_folder(const std::filesystem::path& folder);
 
 /// `scene` says where the scene went when it is not where run.json says; may be empty. A scene that has changed since it was trained is
-/// a warning. Error{kBadInput} when the folder is no run, its scene cannot be found or read, nothing has been trained yet, or the
-/// checkpoints are gone.
+/// a warning. Error{kBadInput} when the folder is no run, its scene cannot be found or read, nothing has been trained yet, or no good
+/// checkpoint is left.
 TrainedRun read_trained_run(const std::filesystem::path& folder, const std::filesystem::path& scene, CheckpointParts parts);
 
 }  // namespace aligngs

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <memory>
 
 #include "core/error.h"
 #include "core/log.h"
-#include "io/atomic_file.h"
 #include "scene/test_scene_folder.h"
 #include "train/fake_engine.h"
 #include "train/run_folder.h"
@@ -32,7 +31,6 @@ class TrainedRunTest : public testing::Test {
     options.command_line = "aligngs train";
     options.progress.enabled = false;
     options.threads = 1;
-
     fs::remove_all(run_);
     train_run(options, [](int) { return std::make_unique<test_train::FakeEngine>(); });
   }
