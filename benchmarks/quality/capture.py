@@ -33,7 +33,7 @@ class Row(ladder_rows.Row):
 
 # Chosen on synthetic rooms, whose surfaces have no gloss: what of them holds on real photos.
 CHANGES = {**{f"without {what}": ladder_rows.WITHOUT[what] for what in ("opacity dropout", "minimum splat size")},
-           **{f"with {what}": ladder_rows.WITH[what] for what in ("weaker opacity dropout", "shorter opacity dropout")}}
+           **{f"with {what}": ladder_rows.WITH[what] for what in ("opacity dropout of 0.2", "shorter opacity dropout")}}
 ROWS = [
     Row("rgb", "3dgs", "paper", ladder_rows.THREE_DGS),
     Row("rgb", "pgsr", "pgsr", compare_with=["3dgs"]),

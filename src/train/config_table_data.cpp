@@ -85,7 +85,7 @@ std::vector<ConfigKey> data_init_train_keys() {
        "camera depth / extent below which a Gaussian is not drawn"},
       {"train.near_share", field<&C::train, &RunConfig::near_share>, 0, 1, "", ours_paper(0.5, 0.0),
        "in a training view also below this share of its nearest metric prior depth (1 % quantile); 0 = off"},
-      {"train.opacity_dropout", field<&C::train, &RunConfig::opacity_dropout>, 0, 0.9, "", ours_paper(0.2, 0.0),
+      {"train.opacity_dropout", field<&C::train, &RunConfig::opacity_dropout>, 0, 0.9, "", ours_paper(0.1, 0.0),
        "share of the Gaussians that a step leaves out, the others made as much more opaque; rises evenly from 0 to this"},
       {"train.opacity_dropout_stop", field<&C::train, &RunConfig::opacity_dropout_stop>, 0, kIterationsMax, "", all(7000),
        "[ref] and none is left out after this step"},
