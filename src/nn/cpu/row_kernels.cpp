@@ -67,7 +67,7 @@ HWY_INLINE FloatVec gelu_of(FloatVec x) {
 }
 HWY_INLINE FloatVec silu_of(FloatVec x) {
   const FloatTag d;
-  return hn::Div(x, hn::Add(hn::Set(d, 1.0f), exp_of(hn::Min(hn::Neg(x), hn::Set(d, 87.0f)))));
+  return hn::Div(x, hn::Add(hn::Set(d, 1.0f), fast_exp(d, hn::Min(hn::Neg(x), hn::Set(d, 87.0f)))));
 }
 
 template <class Function>
@@ -191,9 +191,9 @@ void SoftmaxRows(float* x, int64_t rows, int64_t columns) {
     float total = 0;
     over_lanes(
         columns,
-        [&](int64_t i) { hn::StoreU(exp_of(hn::Sub(hn::LoadU(d, x + i), top)), d, x + i); },
+        [&](int64_t i) { hn::StoreU(fast_exp(d, hn::Sub(hn::LoadU(d, x + i), top)), d, x + i); },
         [&](int64_t i, size_t n) {
-          store_some(exp_of(hn::Sub(load_some(x + i, n), top)), n, x + i);
+          store_some(fast_exp(d, hn::Sub(load_some(x + i, n), top)), n, x + i);
         });
     for (int64_t i = 0; i < columns; ++i) total += x[i];
     const float scale = 1.0f / total;

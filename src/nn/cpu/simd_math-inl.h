@@ -8,6 +8,8 @@
 
 #include <hwy/highway.h>
 
+#include "core/simd_exp-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace aligngs::nn {
 namespace HWY_NAMESPACE {
@@ -36,23 +38,7 @@ HWY_INLINE FloatVec exp2_of(FloatVec x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
 }
 
-/// exp(x) within 2 ulp for x in [-87, 88]; smaller x give exp(-87). Polynomial of Cephes' expf.
-HWY_INLINE FloatVec exp_of(FloatVec x) {
-  const FloatTag d;
-  const hn::RebindToSigned<FloatTag> di;
-  x = hn::Max(x, hn::Set(d, -87.0f));
-  const FloatVec n = hn::Round(hn::Mul(x, hn::Set(d, 1.44269504f)));
-  FloatVec r = hn::NegMulAdd(n, hn::Set(d, 0.693359375f), x);
-  r = hn::NegMulAdd(n, hn::Set(d, -2.12194440e-4f), r);
-  FloatVec p = hn::MulAdd(hn::Set(d, 1.9875691500e-4f), r, hn::Set(d, 1.3981999507e-3f));
-  p = hn::MulAdd(p, r, hn::Set(d, 8.3334519073e-3f));
-  p = hn::MulAdd(p, r, hn::Set(d, 4.1665795894e-2f));
-  p = hn::MulAdd(p, r, hn::Set(d, 1.6666665459e-1f));
-  p = hn::MulAdd(p, r, hn::Set(d, 5.0000001201e-1f));
-  p = hn::MulAdd(p, hn::Mul(r, r), hn::Add(r, hn::Set(d, 1.0f)));
-  const auto exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
-  return hn::Mul(p, hn::BitCast(d, exponent));
-}
+using aligngs::HWY_NAMESPACE::fast_exp;
 
 /// erf(x) within 4e-7: quotient of polynomials of degrees 13 and 8 on [-4, 4], where erf is 1 to
 /// float accuracy at the ends (the approximation that Eigen and XLA use).
