@@ -35,6 +35,7 @@ class Row(ladder_rows.Row):
 DROPOUT = ladder_rows.WITH["opacity dropout of 0.2"]
 CHANGES = {
     "without opacity dropout": ladder_rows.WITHOUT["opacity dropout"],
+    "without prior normals": ladder_rows.WITHOUT["prior normals"],
     "with opacity dropout of 0.2": DROPOUT,
     "with opacity dropout of 0.2 that ends early": DROPOUT + ladder_rows.WITH["shorter opacity dropout"],
     "with opacity dropout of 0.2, without minimum splat size": DROPOUT + ladder_rows.WITHOUT["minimum splat size"],
