@@ -31,8 +31,8 @@ class Row(ladder_rows.Row):
         self.source = source
 
 
-# Chosen on synthetic rooms, whose surfaces have no gloss: what of them holds on real photos.
 DROPOUT = ladder_rows.WITH["opacity dropout of 0.2"]
+# Chosen on synthetic rooms, whose surfaces have no gloss: what of it holds on real photos.
 CHANGES = {
     "without opacity dropout": ladder_rows.WITHOUT["opacity dropout"],
     "without prior normals": ladder_rows.WITHOUT["prior normals"],
