@@ -12,6 +12,12 @@ namespace aligngs {
 struct DistanceOptions {
   double threshold = 0.05;  ///< metres (units of the points); the field's 5 cm
   bool strict = true;       ///< distance < threshold counts (NeuRIS); false: <= (GO-Surf)
+  std::vector<double> finer = {};  ///< metres: further thresholds, whose scores stand in MeshScores::finer in this order
+};
+
+/// Precision, recall and F-score at one threshold (units of the points).
+struct ThresholdScores {
+  double threshold = 0, precision = 0, recall = 0, fscore = 0;
 };
 
 /// A number is NaN (JSON null) when there is nothing to measure it on; with no predicted point at all, recall and
@@ -25,6 +31,7 @@ struct MeshScores {
   double fscore = 0;        ///< 2 P R / (P + R), 0 when both are 0
   double normal_consistency = 0;  ///< mean |n . n'| over both directions; NaN when normals were not given
   double threshold = 0;
+  std::vector<ThresholdScores> finer;
   size_t predicted_points = 0, truth_points = 0;
 };
 

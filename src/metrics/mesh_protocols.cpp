@@ -265,7 +265,7 @@ class Evaluator {
     result.truth_area = area_of(truth.culled);
     result.scores = compare_points({thin_to_voxels(vertices, options_.voxel), {}},
                                    {thin_to_voxels(truth.culled.vertices, options_.voxel), {}}, pool_,
-                                   {options_.threshold, true});
+                                   {options_.threshold, true, options_.finer_thresholds});
     return result;
   }
 
@@ -278,8 +278,22 @@ class Evaluator {
                                                result.predicted_area);
     const PointSet expected =
         visible_samples(truth().sampled(options_), truth().rays, cameras, nullptr, pool_, options_, result.capped, result.truth_area);
-    result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false});
+    result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false, options_.finer_thresholds});
     return result;
+  }
+
+  SurfaceQuality surface(MeshAlignment alignment) {
+    AlignmentReport report;
+    const Surface& predicted = prediction(truth_seen_by(CullingViews::kAll), alignment, report);
+    SurfaceQualityInput input;
+    input.predicted = &predicted.mesh;
+    input.truth = &truth().mesh;
+    input.predicted_rays = &predicted.rays;
+    input.truth_rays = &truth().rays;
+    input.cameras = culling_cameras(input_, CullingViews::kAll, options_.max_cameras);
+    input.training = culling_cameras(input_, CullingViews::kTraining, options_.max_cameras);
+    input.structural = input_.structural;
+    return measure_surface(input, pool_);
   }
 
  private:
@@ -373,6 +387,7 @@ MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene
   evaluator.prepare(alignment);
   MeshEvaluation evaluation;
   evaluation.headline = evaluator.neuris_vertices(CullingViews::kAll, alignment);
+  evaluation.surface = evaluator.surface(alignment);
   auto& variants = evaluation.variants;
   variants.push_back(evaluator.area_samples(CullingViews::kAll, alignment));
   variants.push_back(evaluator.neuris_vertices(CullingViews::kTraining, alignment));

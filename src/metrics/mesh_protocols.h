@@ -10,6 +10,7 @@
 #include "core/thread_pool.h"
 #include "metrics/icp.h"
 #include "metrics/mesh_distance.h"
+#include "metrics/surface_quality.h"
 #include "scene/camera.h"
 #include "scene/triangle_mesh.h"
 
@@ -31,10 +32,12 @@ struct MeshEvaluationInput {
   std::vector<Camera> run_cameras;          ///< every view as the run knows it
   std::vector<Camera> truth_cameras;        ///< the same views, true poses
   std::vector<int> train;                   ///< indices of the training views
+  std::vector<uint8_t> structural;          ///< per class of the truth's labels: 1 for walls, floor and ceiling; may be empty
 };
 
 struct MeshProtocolOptions {
   double threshold = 0.05;        ///< metres
+  std::vector<double> finer_thresholds = {0.01, 0.02};  ///< metres: scores beside those at `threshold`
   double voxel = 0.02;            ///< metres, thinning of vertices
   int ray_columns = 320;          ///< width of the images through which surfaces are looked at: NeuRIS halves 640
   double points_per_area = 1e4;   ///< per m^2: 1 per cm^2
@@ -87,6 +90,7 @@ MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, Culli
 struct MeshEvaluation {
   MeshProtocolResult headline;  ///< NeuRIS vertices, all poses; aligned on cameras unless the scene is metric: then that is a variant
   std::vector<MeshProtocolResult> variants;
+  SurfaceQuality surface;       ///< with the alignment of the headline
 };
 MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,
                              const MeshProtocolOptions& options = {});

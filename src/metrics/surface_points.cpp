@@ -88,6 +88,7 @@ SurfaceSamples sample_surface(const TriangleMesh& mesh, const SamplingOptions& o
   const size_t count = samples.capped ? options.max_points : static_cast<size_t>(wanted);
   samples.positions.reserve(count);
   samples.normals.reserve(count);
+  samples.triangles.reserve(count);
 
   Random random(options.seed);
   const double step = samples.area / static_cast<double>(count);
@@ -107,6 +108,7 @@ SurfaceSamples sample_surface(const TriangleMesh& mesh, const SamplingOptions& o
       const double s = std::sqrt(random.uniform()), u = random.uniform();
       samples.positions.push_back((a * (1 - s) + b * (s * (1 - u)) + c * (s * u)).cast<float>());
       samples.normals.push_back(normal);
+      samples.triangles.push_back(static_cast<uint32_t>(t));
       ++next;
       position = (static_cast<double>(next) + random.uniform()) * step;
     }

@@ -13,6 +13,7 @@ namespace aligngs {
 struct SurfaceSamples {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
+  std::vector<uint32_t> triangles;  ///< on which each lies
   double area = 0;    ///< of the whole mesh, squared units
   bool capped = false;  ///< fewer points than the density asks for, because of the cap
 };

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "metrics/triangle_distance.h"
 
 namespace aligngs {
 namespace {
@@ -32,6 +33,8 @@ RTCRay make_ray(const Vec3d& origin, const Vec3d& direction, float end) {
 struct RayScene::Handle {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
+  const float* vertices = nullptr;     // Embree's own buffers: three numbers a row
+  const uint32_t* indices = nullptr;
 
   Handle() {
     // One thread builds: the tree, and so the winner among coincident triangles, is always the same.
@@ -65,6 +68,8 @@ RayScene::RayScene(const TriangleMesh& mesh) : handle_(std::make_unique<Handle>(
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       for (int a = 0; a < 3; ++a) indices[3 * i + a] = mesh.triangles[i][a];
     }
+    handle_->vertices = vertices;
+    handle_->indices = indices;
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(handle_->scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -116,6 +121,42 @@ bool RayScene::sees(const Vec3d& eye, const Vec3d& point, double tolerance) cons
   RTCRay ray = make_ray(eye, direction * (1 / length), static_cast<float>(length - tolerance));
   rtcOccluded1(handle_->scene, &context, &ray);
   return ray.tfar >= 0;  // Embree sets -infinity when something was met
+}
+
+std::optional<SurfacePoint> RayScene::nearest(const Vec3d& point, double reach) const {
+  struct Search {
+    const Handle* handle;
+    Vec3d from;
+    SurfacePoint best;
+  } search{handle_.get(), point, {}};
+  search.best.distance = reach;
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query;
+  query.x = static_cast<float>(point.x);
+  query.y = static_cast<float>(point.y);
+  query.z = static_cast<float>(point.z);
+  query.time = 0;
+  query.radius = static_cast<float>(reach);
+  if (!(reach > 0) || !std::isfinite(query.x + query.y + query.z)) return std::nullopt;
+  const auto look = [](RTCPointQueryFunctionArguments* arguments) {
+    auto& s = *static_cast<Search*>(arguments->userPtr);
+    Vec3d corner[3];
+    for (int i = 0; i < 3; ++i) {
+      const float* v = s.handle->vertices + 3 * size_t(s.handle->indices[3 * size_t(arguments->primID) + size_t(i)]);
+      corner[i] = {v[0], v[1], v[2]};
+    }
+    const Vec3d found = nearest_on_triangle(s.from, corner[0], corner[1], corner[2]);
+    const double distance = norm(found - s.from);
+    // Of equally near triangles the first in the list, so that the answer does not depend on the tree.
+    if (distance > s.best.distance || (distance == s.best.distance && arguments->primID >= s.best.triangle)) return false;
+    s.best = {found, arguments->primID, distance};
+    arguments->query->radius = std::nextafter(static_cast<float>(distance), kInfinity);
+    return true;
+  };
+  rtcPointQuery(handle_->scene, &query, &context, look, &search);
+  if (search.best.triangle == kNoTriangle) return std::nullopt;
+  return search.best;
 }
 
 std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point) {

@@ -22,7 +22,14 @@ struct FirstHits {
   ImageF depth;              ///< H x W, camera z of the hit; 0 where nothing is hit
 };
 
-/// A mesh prepared for ray casting. Both sides of a triangle are hit. Keeps its own copy of the geometry.
+/// A point of a surface.
+struct SurfacePoint {
+  Vec3d position;
+  uint32_t triangle = kNoTriangle;
+  double distance = 0;  ///< from the point that was asked for, units
+};
+
+/// A mesh prepared for rays and for searches of the nearest point. Both sides of a triangle are hit. Keeps its own copy of the geometry.
 class RayScene {
  public:
   explicit RayScene(const TriangleMesh& mesh);
@@ -34,6 +41,9 @@ class RayScene {
   FirstHits cast(const Camera& camera, ThreadPool& pool, const std::vector<uint8_t>* there = nullptr) const;
   /// Whether the segment from `eye` to `point`, shortened by `tolerance` (units) at the point, meets no surface.
   bool sees(const Vec3d& eye, const Vec3d& point, double tolerance) const;
+  /// The surface point that is nearest to `point`, if one lies within `reach` (units, > 0). Degenerate triangles count as
+  /// the segments or points that they are.
+  std::optional<SurfacePoint> nearest(const Vec3d& point, double reach) const;
 
  private:
   struct Handle;

@@ -195,8 +195,36 @@ Json geometry_json(const MeshProtocolResult& result) {
                {"recall", number(s.recall)}, {"fscore", number(s.fscore)}, {"threshold_m", s.threshold},
                {"camera_rmse_m", number(result.alignment_report.camera_rmse)},
                {"truth_area_m2", number(result.truth_area)}};
+  for (const ThresholdScores& finer : s.finer) {
+    const std::string suffix = fmt::format("_{:.0f}cm", 100 * finer.threshold);
+    json["precision" + suffix] = number(finer.precision);
+    json["recall" + suffix] = number(finer.recall);
+    json["fscore" + suffix] = number(finer.fscore);
+  }
   if (result.alignment_report.icp) json["icp_rmse_m"] = number(result.alignment_report.icp->rmse_after);
   return json;
+}
+
+/// Angles in degrees, pinholes as shares (metrics/surface_quality.h).
+Json surface_json(const SurfaceQuality& s) {
+  return {{"normal_error_mean_deg", number(s.normal_error.mean)},
+          {"normal_error_median_deg", number(s.normal_error.median)},
+          {"structure_normal_error_mean_deg", number(s.structure_normal_error.mean)},
+          {"structure_normal_error_median_deg", number(s.structure_normal_error.median)},
+          {"roughness_mean_deg", number(s.roughness.mean)},
+          {"roughness_median_deg", number(s.roughness.median)},
+          {"pinholes", number(s.pinholes)},
+          {"structure_pinholes", number(s.structure_pinholes)},
+          {"truth_seen_m2", number(s.truth_seen)}};
+}
+
+/// Per class 1 for those that bound a room.
+std::vector<uint8_t> structural_classes(const LabelSet& labels) {
+  std::vector<uint8_t> structural(static_cast<size_t>(labels.size()), 0);
+  for (const char* name : {"wall", "floor", "ceiling"}) {
+    if (const int c = labels.find(name); c >= 0) structural[static_cast<size_t>(c)] = 1;
+  }
+  return structural;
 }
 
 /// Geometry and mesh labels against the true mesh; nulls when either mesh is missing.
@@ -212,8 +240,10 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
   MeshEvaluationInput input = evaluation_cameras_of(run.scene);
   input.predicted = &predicted;
   input.truth = &truth;
+  input.structural = structural_classes(run.scene.labels);
   const MeshEvaluation evaluation = evaluate_mesh(input, run.scene.metric, options.icp, *run.pool);
   geometry = geometry_json(evaluation.headline);
+  geometry["surface"] = surface_json(evaluation.surface);
   geometry["variants"] = Json::array();
   for (const MeshProtocolResult& variant : evaluation.variants) geometry["variants"].push_back(geometry_json(variant));
   if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() && !truth.vertices.empty() &&
