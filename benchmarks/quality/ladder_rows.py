@@ -157,11 +157,16 @@ COLUMNS = [
     ("beyond", "beyond", 2, "nvs.extrapolating.psnr"), ("ssim", "SSIM", 3, "nvs.ssim"),
     ("accuracy", "Acc (m)", 4, "geometry.accuracy"), ("completeness", "Comp (m)", 4, "geometry.completeness"),
     ("precision", "Prec", 3, "geometry.precision"), ("recall", "Recall", 3, "geometry.recall"),
-    ("fscore", "F", 3, "geometry.fscore"), ("area", "F (area)", 3, "geometry.variants.area_samples, all poses.fscore"),
+    ("fscore", "F", 3, "geometry.fscore"), ("fscore_2cm", "F at 2 cm", 3, "geometry.fscore_2cm"), ("fscore_1cm", "F at 1 cm", 3, "geometry.fscore_1cm"),
+    ("normals", "normals (deg)", 2, "geometry.surface.normal_error_median_deg"),
+    ("structure", "on structure", 2, "geometry.surface.structure_normal_error_median_deg"),
+    ("roughness", "roughness (deg)", 2, "geometry.surface.roughness_median_deg"),
+    ("pinholes", "pinholes", 4, "geometry.surface.pinholes"), ("area", "F (area)", 3, "geometry.variants.area_samples, all poses.fscore"),
     ("aligned", "F, aligned", 3, "geometry.variants.neuris_vertices, all poses, alignment: cameras.fscore"),
     ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
     ("mesh_miou", "mesh mIoU", 3, "semantics.mesh.miou"),
     ("seconds", "processor s", 0, None),
 ]
 PAIR = ("room", "room_seed", "seed")  # what runs are compared by
-GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore", "area", "aligned")
+GEOMETRY = ("accuracy", "completeness", "precision", "recall", "fscore", "fscore_2cm", "fscore_1cm", "normals", "structure", "roughness",
+            "pinholes", "area", "aligned")

@@ -10,6 +10,7 @@
 #include "cli/print_json.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/summary.h"
+#include "core/error.h"
 
 namespace aligngs {
 
@@ -19,7 +20,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   command->footer("Example: aligngs eval demo_run --fail-under psnr=20");
   struct Options {
     std::string run, scene, truth, mesh, device = "auto";
-    bool icp = false, no_pose_fit = false;
+    bool icp = false, no_pose_fit = false, no_views = false;
     std::vector<std::string> fail_under;
   };
   auto options = std::make_shared<Options>();
@@ -29,6 +30,7 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
   command->add_option("--mesh", options->mesh, "measure this mesh instead of mesh/mesh.ply; prints, writes no metrics.json");
   command->add_flag("--icp", options->icp, "add variants aligned by ICP (a diagnostic: hides scale and bend)");
   command->add_flag("--no-pose-fit", options->no_pose_fit, "leave out the scores once each test photo's pose is fitted to it");
+  command->add_flag("--no-views", options->no_views, "measure the mesh alone (with --mesh)");
   command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
   add_device_option(*command, options->device);
   command->callback([&context, options] {
@@ -37,6 +39,8 @@ void add_eval_command(CLI::App& program, CommandContext& context) {
     stage.truth_mesh = options->truth;
     stage.mesh = options->mesh;
     stage.icp = options->icp;
+    if (options->no_views && options->mesh.empty()) throw_usage("--no-views would leave metrics.json without its views", "give --mesh as well");
+    stage.views = !options->no_views;
     stage.refine_test_poses = !options->no_pose_fit;
     stage.progress = context.progress();
     const nlohmann::json metrics = evaluate_run(run, stage);

@@ -14,12 +14,19 @@ std::string value(const Json& object, const char* key, const char* format) {
   return fmt::format(fmt::runtime(format), object[key].get<double>());
 }
 
+std::string percent(const Json& object, const char* key) {
+  if (!object.is_object() || !object.contains(key) || !object[key].is_number()) return "–";
+  return fmt::format("{:.2f}", 100 * object[key].get<double>());
+}
+
 }  // namespace
 
 std::string metrics_summary(const Json& metrics) {
   std::string text;
   const Json& nvs = metrics["nvs"];
-  if (nvs.value("views", 0) == 0) {
+  if (nvs.is_null()) {
+    text += "novel views  left out\n";
+  } else if (nvs.value("views", 0) == 0) {
     text += "novel views  no test views\n";
   } else {
     const bool lpips = nvs.contains("lpips") && nvs["lpips"].is_number();
@@ -36,6 +43,10 @@ std::string metrics_summary(const Json& metrics) {
                         value(geometry, "fscore", "{:.3f}"), value(geometry, "threshold_m", "{:g}"), value(geometry, "precision", "{:.3f}"),
                         value(geometry, "recall", "{:.3f}"), value(geometry, "accuracy", "{:.4f}"), value(geometry, "completeness", "{:.4f}"),
                         geometry.value("protocol", std::string()));
+    const Json surface = geometry.value("surface", Json());
+    text += fmt::format("surface      normals {} degrees off (median; walls, floor and ceiling {}), F {} at 2 cm, {} at 1 cm, pinholes {} %\n",
+                        value(surface, "normal_error_median_deg", "{:.1f}"), value(surface, "structure_normal_error_median_deg", "{:.1f}"),
+                        value(geometry, "fscore_2cm", "{:.3f}"), value(geometry, "fscore_1cm", "{:.3f}"), percent(surface, "pinholes"));
   }
   const Json& semantics = metrics["semantics"];
   if (semantics.is_null()) {

@@ -156,8 +156,12 @@ class Fusion {
     report_.single_view = static_cast<double>(counts[static_cast<int>(PixelSupport::kSingleView)]) / total;
     report_.contradicted = static_cast<double>(counts[static_cast<int>(PixelSupport::kContradicted)]) / total;
     weights_.resize(frames_.size());
+    if (options_.tangent_distance) slopes_.resize(frames_.size());
     pool_.parallel_for(frames_.size(), 1, [&](size_t begin, size_t end, int) {
-      for (size_t i = begin; i < end; ++i) weights_[i] = weights_of(i, supports[i]);
+      for (size_t i = begin; i < end; ++i) {
+        weights_[i] = weights_of(i, supports[i]);
+        if (options_.tangent_distance) slopes_[i] = slopes_of(frames_[i]);
+      }
     });
   }
 
@@ -181,6 +185,21 @@ class Fusion {
     return weight;
   }
 
+  /// -n . r per pixel, at least the flattest look that counts; 1 without a normal.
+  ImageF slopes_of(const FusionFrame& frame) const {
+    if (frame.normal.empty()) return {};
+    ImageF slope(frame.camera.width, frame.camera.height, 1, 1.0f);
+    for (int y = 0; y < slope.height; ++y) {
+      for (int x = 0; x < slope.width; ++x) {
+        const float* n = frame.normal.pixel(x, y);
+        const Vec3d normal{n[0], n[1], n[2]}, ray = frame.camera.ray(x + 0.5, y + 0.5);
+        const double length = norm(normal);
+        if (length > 0) slope.at(x, y) = static_cast<float>(std::max(-dot(normal, ray) / length, options_.min_cosine * norm(ray)));
+      }
+    }
+    return slope;
+  }
+
   double factor_of(uint8_t support) const {
     switch (static_cast<PixelSupport>(support)) {
       case PixelSupport::kConfirmed: return 1;
@@ -202,7 +221,14 @@ class Fusion {
 
   TsdfView view(size_t i) const {
     const FusionFrame& frame = frames_[i];
-    return {&frame.camera, &depths_[i], frame.color.empty() ? nullptr : &frame.color, &weights_[i], frame.interpolated};
+    TsdfView view;
+    view.camera = &frame.camera;
+    view.depth = &depths_[i];
+    view.color = frame.color.empty() ? nullptr : &frame.color;
+    view.weight = &weights_[i];
+    view.slope = slopes_.empty() || slopes_[i].empty() ? nullptr : &slopes_[i];
+    view.observed_only = frame.interpolated;
+    return view;
   }
 
   TriangleMesh fuse() {
@@ -249,7 +275,7 @@ class Fusion {
   const FusionOptions& options_;
   ThreadPool& pool_;
   FusionReport report_;
-  std::vector<ImageF> depths_, weights_;
+  std::vector<ImageF> depths_, weights_, slopes_;
 };
 
 }  // namespace

@@ -33,6 +33,7 @@ struct FusionOptions {
   double interpolated_weight = 0.3;   ///< of interpolated views, at most 0.3
   ConsistencyOptions consistency;
   bool carve = true;        ///< see TsdfOptions
+  bool tangent_distance = false;  ///< distances from tangent planes, where frames have normals, instead of along rays
   double min_weight = 1e-4; ///< of a voxel; 1 is a frontal look from the median depth
   double min_component_area = 0;    ///< 0: 25 cm^2; negative: keep all
   double min_component_extent = 0;  ///< 0: 10 cm; negative: keep all

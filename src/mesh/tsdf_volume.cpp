@@ -154,6 +154,7 @@ VoxelView TsdfVolume::voxel_view(const TsdfView& view) const {
   out.depth = view.depth->data.data();
   out.color = view.color ? view.color->data.data() : nullptr;
   out.weight = view.weight->data.data();
+  out.slope = view.slope ? view.slope->data.data() : nullptr;
   out.width = camera.width;
   out.height = camera.height;
   out.fx = static_cast<float>(camera.fx);

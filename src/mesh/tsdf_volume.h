@@ -29,6 +29,7 @@ struct TsdfView {
   const ImageF* depth = nullptr;   ///< H x W, scene units, <= 0 or non-finite: no value
   const ImageF* color = nullptr;   ///< H x W x 3 or nullptr
   const ImageF* weight = nullptr;  ///< H x W, >= 0; 0: the pixel is not used at all; never null
+  const ImageF* slope = nullptr;   ///< H x W, > 0: -n . r of the surface's unit normal and the ray with z = 1; nullptr: 1
   bool observed_only = false;      ///< touch only voxels that have been observed before (interpolated views)
 };
 

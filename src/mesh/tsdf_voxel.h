@@ -32,6 +32,7 @@ struct VoxelView {
   const float* depth = nullptr;   ///< <= 0 or non-finite: no value
   const float* color = nullptr;   ///< three per pixel, or null
   const float* weight = nullptr;  ///< 0: the pixel is not used at all
+  const float* slope = nullptr;   ///< -n . r of the surface's unit normal and the ray with z = 1, or null: 1
   int width = 0, height = 0;
   float fx = 0, fy = 0, cx = 0, cy = 0;
   float truncation = 0;
@@ -108,7 +109,8 @@ ALIGNGS_HD inline void fuse_voxel(const VoxelView& view, const Vec3f& p, Voxel& 
   const float weight = view.weight[pixel];
   if (!(weight > 0) || (view.observed_only && voxel.weight == 0)) return;
   const float depth = view.sample_depth(u, v, x, y);
-  const float distance = depth - p.z;
+  // With a normal, the distance from the surface's tangent plane: along the ray, surface seen at an angle would seem farther away.
+  const float distance = view.slope != nullptr ? (depth - p.z) * view.slope[pixel] : depth - p.z;
   if (depth == 0 || distance < -view.truncation) return;
   const bool near = distance <= view.truncation;
   if (!near && !view.carve) return;

@@ -131,7 +131,11 @@ struct CheckpointConfig {
 
 /// Used by `aligngs mesh`, not by training; 0 = automatic (mesh/fusion.h).
 struct MeshConfig {
-  std::string depth;  ///< median, plane, expected
+  std::string depth;  ///< agreeing, median, plane, expected
+  double depth_agreement = 0;      ///< agreeing: relative difference up to which plane depth is taken, not median depth
+  double plane_reach = 0;          ///< |log| of depth within which walls, floor and ceiling are drawn to their planes; 0 = off
+  double smoothing = 0;            ///< pixels over which depth follows the rendered normals; 0 = off
+  bool tangent_distance = false;   ///< distances from tangent planes
   double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units
   double alpha_min = 0, min_cosine = 0;
   double consistency = 0;  ///< relative depth difference within which two views agree

@@ -52,6 +52,8 @@ std::string card(const std::string& name, const std::string& value) {
 std::string summary(const Json& metrics) {
   return "<div class=\"cards\">" + card("PSNR (dB)", number(metrics, "nvs.psnr", "{:.2f}")) +
          card("SSIM", number(metrics, "nvs.ssim", "{:.3f}")) + card("F-score at 5 cm", number(metrics, "geometry.fscore", "{:.3f}")) +
+         card("F-score at 2 cm", number(metrics, "geometry.fscore_2cm", "{:.3f}")) +
+         card("normal error (degrees)", number(metrics, "geometry.surface.normal_error_median_deg", "{:.1f}")) +
          card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
          card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
          card("mIoU", number(metrics, "semantics.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
@@ -125,15 +127,31 @@ std::string per_view_table(const Json& metrics) {
   return html + "</table>";
 }
 
+/// Smoothness and closedness of the mesh (metrics/surface_quality.h).
+std::string surface_table(const Json& metrics) {
+  if (!metrics["geometry"].contains("surface")) return "";
+  const auto row = [&](const char* what, const char* all, const char* structure, const char* format) {
+    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", what, number(metrics, std::string("geometry.surface.") + all, format),
+                       *structure ? number(metrics, std::string("geometry.surface.") + structure, format) : "–");
+  };
+  return "<h2>Surface</h2><table><tr><th></th><th>everywhere</th><th>walls, floor, ceiling</th></tr>" +
+         row("normal error, median (degrees)", "normal_error_median_deg", "structure_normal_error_median_deg", "{:.2f}") +
+         row("normal error, mean (degrees)", "normal_error_mean_deg", "structure_normal_error_mean_deg", "{:.2f}") +
+         row("roughness on planes, median (degrees)", "roughness_median_deg", "", "{:.2f}") +
+         row("roughness on planes, mean (degrees)", "roughness_mean_deg", "", "{:.2f}") +
+         row("pinholes (share of the seen surface)", "pinholes", "structure_pinholes", "{:.4f}") + "</table>";
+}
+
 std::string geometry_table(const Json& metrics) {
   if (!metrics.contains("geometry") || !metrics["geometry"].is_object() || !metrics["geometry"].contains("variants")) return "";
-  std::string html = "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp (m)</th><th>Prec</th><th>Recall</th><th>F</th></tr>";
+  std::string html = "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp (m)</th><th>Prec</th><th>Recall</th><th>F</th><th>F at 2 cm</th><th>F at 1 cm</th></tr>";
   for (const Json& v : metrics["geometry"]["variants"]) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", escape_html(v.value("protocol", std::string())),
+    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", escape_html(v.value("protocol", std::string())),
                         number(v, "accuracy", "{:.4f}"), number(v, "completeness", "{:.4f}"), number(v, "precision", "{:.3f}"),
-                        number(v, "recall", "{:.3f}"), number(v, "fscore", "{:.3f}"));
+                        number(v, "recall", "{:.3f}"), number(v, "fscore", "{:.3f}"), number(v, "fscore_2cm", "{:.3f}"),
+                        number(v, "fscore_1cm", "{:.3f}"));
   }
-  return html + "</table>";
+  return html + "</table>" + surface_table(metrics);
 }
 
 std::string notes(const Json& run, const Json& metrics) {

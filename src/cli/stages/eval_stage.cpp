@@ -271,7 +271,8 @@ Json training_json(const OpenRun& run) {
 }  // namespace
 
 Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
-  ViewMetrics views = measure_views(run, options);
+  ViewMetrics views;
+  if (options.views) views = measure_views(run, options);
   Json geometry = nullptr, mesh_semantics = nullptr;
   measure_mesh(run, options, geometry, mesh_semantics);
   Json semantics = views.semantics;

@@ -15,6 +15,7 @@ struct EvalStageOptions {
   std::filesystem::path truth_mesh;  ///< empty: truth/mesh.ply of the scene
   std::filesystem::path mesh;        ///< empty: mesh/mesh.ply of the run; otherwise metrics.json is not written
   bool refine_test_poses = true;     ///< adds nvs.pose_refined: the scores once each test photo's pose is fitted to it
+  bool views = true;                 ///< false: the mesh alone, with `mesh`; what views say is null
   bool icp = false;                  ///< adds the ICP-aligned variants (a diagnostic)
   ProgressStyle progress;
 };

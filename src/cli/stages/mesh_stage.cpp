@@ -2,12 +2,15 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "mesh/surface_depth.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
 #include "train/training_set.h"
 
 namespace aligngs {
 namespace {
+
+constexpr float kPlaneCertainty = 100;  // of a depth on a plane of the room beside a rendered one, when surfaces are smoothed
 
 FusionOptions fusion_options(const OpenRun& run) {
   const MeshConfig& mesh = run.config.mesh;
@@ -24,11 +27,13 @@ FusionOptions fusion_options(const OpenRun& run) {
   options.contradicted_weight = mesh.contradicted_weight;
   options.min_component_area = mesh.component_area;
   options.min_component_extent = mesh.component_extent;
+  options.tangent_distance = mesh.tangent_distance;
   return options;
 }
 
-const ImageF& chosen_depth(const Rendering& rendering, const std::string& kind) {
-  return kind == "plane" ? rendering.depth_plane : kind == "expected" ? rendering.depth_expected : rendering.depth_median;
+ImageF chosen_depth(const Rendering& rendering, const MeshConfig& mesh) {
+  if (mesh.depth == "agreeing") return agreeing_depth(rendering.depth_plane, rendering.depth_median, mesh.depth_agreement);
+  return mesh.depth == "plane" ? rendering.depth_plane : mesh.depth == "expected" ? rendering.depth_expected : rendering.depth_median;
 }
 
 FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name, const RenderOptions& options) {
@@ -36,7 +41,7 @@ FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string
   FusionFrame frame;
   frame.name = name;
   frame.camera = camera;
-  frame.depth = chosen_depth(rendering, run.config.mesh.depth);
+  frame.depth = chosen_depth(rendering, run.config.mesh);
   frame.color = rendering.color;
   frame.normal = rendering.normal;
   frame.alpha = rendering.alpha;
@@ -97,6 +102,27 @@ void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
   }
 }
 
+/// Walls, floor and ceiling to their planes, then every surface along its normals.
+void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
+  const MeshConfig& mesh = run.config.mesh;
+  std::vector<ImageF> drawn(frames.size());
+  if (mesh.plane_reach > 0 && run.has_labels()) {
+    StructuralPlanes planes;
+    planes.reach = mesh.plane_reach;
+    drawn = draw_to_structure(frames, run.scene.labels, planes, *run.pool);
+  }
+  if (!(mesh.smoothing > 0)) return;
+  NormalSmoothingOptions smoothing;
+  smoothing.length = mesh.smoothing;
+  run.pool->parallel_for(frames.size(), 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) {
+      ImageF weight = drawn[i];
+      for (float& w : weight.data) w = 1 + kPlaneCertainty * w;
+      frames[i].depth = smooth_along_normals(frames[i].depth, frames[i].normal, weight, frames[i].camera, smoothing);
+    }
+  });
+}
+
 }  // namespace
 
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
@@ -114,6 +140,7 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   const bool rendered = options.source == DepthSource::kRendered;
   if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
 
+  if (rendered) improve_depth(run, frames);
   FusionOptions fusion = fusion_options(run);
   if (options.make_device) fusion.device = options.make_device();
   FusionResult fused = fuse_depth(frames, fusion, *run.pool);

@@ -35,7 +35,7 @@ class CudaTsdfDevice : public TsdfDevice {
   }
 
  private:
-  static constexpr size_t kFloatsPerPixel = 5;  ///< depth, weight, colour
+  static constexpr size_t kFloatsPerPixel = 6;  ///< depth, weight, colour, slope
 
   void fuse_part(const std::vector<VoxelView>& views, const std::vector<BlockCoordinate>& coordinates,
                  const std::vector<Voxel*>& blocks, size_t first, size_t count, DeviceSpan<float> maps) {
@@ -78,6 +78,10 @@ class CudaTsdfDevice : public TsdfDevice {
     if (view.color != nullptr) {
       upload(context_, maps.part(2 * pixels, 3 * pixels), view.color);
       there.color = maps.data + 2 * pixels;
+    }
+    if (view.slope != nullptr) {
+      upload(context_, maps.part(5 * pixels, pixels), view.slope);
+      there.slope = maps.data + 5 * pixels;
     }
     return there;
   }

@@ -17,10 +17,10 @@ ThreadPool& pool() {
   return instance;
 }
 
-/// Views of a ball with colours and weights that differ from pixel to pixel; the last one only refines.
+/// Views of a ball with colours, weights and slopes that differ from pixel to pixel; the last one only refines.
 struct Views {
   std::vector<FusionFrame> frames = test::ball_views(0.5);
-  std::vector<ImageF> colors, weights;
+  std::vector<ImageF> colors, weights, slopes;
   std::vector<TsdfView> views;
 
   Views() {
@@ -29,11 +29,15 @@ struct Views {
       ImageF color(f.camera.width, f.camera.height, 3), weight(f.camera.width, f.camera.height, 1);
       for (size_t i = 0; i < color.data.size(); ++i) color.data[i] = float(i * 37 % 101) / 100;
       for (size_t i = 0; i < weight.data.size(); ++i) weight.data[i] = float(i * 17 % 13) / 7;
+      ImageF slope(f.camera.width, f.camera.height, 1);
+      for (size_t i = 0; i < slope.data.size(); ++i) slope.data[i] = 0.2f + float(i * 11 % 7) / 8;
+      slopes.push_back(slope);
       colors.push_back(color);
       weights.push_back(weight);
     }
     for (size_t i = 0; i < frames.size(); ++i) {
-      views.push_back({&frames[i].camera, &frames[i].depth, i == 1 ? nullptr : &colors[i], &weights[i], i + 1 == frames.size()});
+      views.push_back({&frames[i].camera, &frames[i].depth, i == 1 ? nullptr : &colors[i], &weights[i], i == 1 ? nullptr : &slopes[i],
+                       i + 1 == frames.size()});
     }
   }
   TsdfVolume volume() const {
@@ -76,7 +80,7 @@ TEST_F(CudaFusion, AVolumeLargerThanTheDeviceIsFusedInParts) {
   const Views views;
   TsdfVolume expected = views.volume(), found = views.volume();
   for (const TsdfView& v : views.views) expected.integrate(v, pool());
-  const uint64_t maps = 5 * sizeof(float) * views.weights[0].data.size();
+  const uint64_t maps = 6 * sizeof(float) * views.weights[0].data.size();
   const auto device = make_cuda_tsdf_device(context().device(), maps + (found.blocks() / 3) * (sizeof(Voxel) * kBlockVoxels + 64));
   found.integrate(views.views, *device);
   expect_same(expected, found);

@@ -1,0 +1,30 @@
+// The depth that is fused: of what a view renders, what tells most about the surface at each pixel.
+#pragma once
+
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "engine/engine.h"
+#include "mesh/fusion_frame.h"
+#include "mesh/normal_smoothing.h"
+#include "refine/plane_depth.h"
+
+namespace aligngs {
+
+/// Plane depth is the smooth one, for it averages planes; where planes of two surfaces are averaged, it lies on neither. Median depth
+/// is always on a surface, but on that of a single Gaussian. So plane depth where both agree to `agreement` (relative), else median
+/// depth. H x W, 0 where there is none.
+ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreement);
+
+struct StructuralPlanes {
+  double reach = 0.03;         ///< |log(plane / depth)| at which a pixel is off the plane; it lies on it at up to half of that
+  double normal_angle = 20;    ///< degrees between the depth's own normal and the plane's
+};
+
+/// Draws depth, and normals where a frame has them, of pixels whose label is wall, floor or ceiling to the planes that such pixels of all
+/// frames lie on. Pixels near the edge of a label, off every plane, or without a label stay. Returns per frame how much each pixel was
+/// drawn, H x W in [0, 1]; empty maps for frames without labels. Planes are fitted to training views alone.
+std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels, const StructuralPlanes& options,
+                                      ThreadPool& pool);
+
+}  // namespace aligngs
