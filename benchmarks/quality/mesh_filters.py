@@ -18,7 +18,8 @@ import ladder_rows
 import ladder_tables
 
 DEFAULT = "default"
-PAPER = ["mesh.depth=plane", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.single_view_weight=1", "mesh.contradicted_weight=1"]
+PAPER = ["mesh.depth=plane", "mesh.plane_reach=0", "mesh.smoothing=0", "mesh.tangent_distance=false", "mesh.alpha_min=0.5", "mesh.min_cosine=0", "mesh.single_view_weight=1", "mesh.contradicted_weight=1"]
+BEFORE = ["mesh.depth=median", "mesh.plane_reach=0", "mesh.smoothing=0", "mesh.tangent_distance=false", "mesh.alpha_min=0.9", "mesh.min_cosine=0.17"]
 # Name, settings of `aligngs mesh` and where its depth comes from.
 VARIANTS = [
     (DEFAULT, [], None),
@@ -28,10 +29,20 @@ VARIANTS = [
     ("surface that others look through kept", ["mesh.contradicted_weight=1"], None),
     ("views agree within 2 % instead of 1 %", ["mesh.consistency=0.02"], None),
     ("half-transparent pixels kept (0.5)", ["mesh.alpha_min=0.5"], None),
+    ("pixels below an alpha of 0.9 dropped", ["mesh.alpha_min=0.9"], None),
     ("grazing pixels kept", ["mesh.min_cosine=0"], None),
+    ("pixels flatter than 80 degrees dropped", ["mesh.min_cosine=0.17"], None),
+    ("walls, floor and ceiling as rendered", ["mesh.plane_reach=0"], None),
+    ("not smoothed", ["mesh.smoothing=0"], None),
+    ("smoothed over 6 pixels", ["mesh.smoothing=6"], None),
+    ("distances along rays", ["mesh.tangent_distance=false"], None),
+    ("holes up to 20 cm closed", ["mesh.max_hole=0.2"], None),
     ("small pieces kept", ["mesh.component_area=-1", "mesh.component_extent=-1"], None),
     ("pieces of 5 cm kept", ["mesh.component_area=0.0005", "mesh.component_extent=0.05"], None),
+    ("median depth", ["mesh.depth=median"], None),
     ("plane depth", ["mesh.depth=plane"], None),
+    ("plane depth within 2 %", ["mesh.depth_agreement=0.02"], None),
+    ("as before: median depth as rendered, along rays", BEFORE, None),
     ("expected depth", ["mesh.depth=expected"], None),
     ("40 views between the training views", ["mesh.interpolated_views=40"], None),
     ("voxels of 5 mm", ["mesh.voxel=0.005"], None),
@@ -40,6 +51,7 @@ VARIANTS = [
     ("true depth, true cameras", [], "--from-truth"),
 ]
 COLUMNS = [("accuracy", "Acc (m)", 4), ("completeness", "Comp (m)", 4), ("precision", "Prec", 3), ("recall", "Recall", 3), ("fscore", "F", 3),
+           ("fscore_2cm", "F at 2 cm", 3), ("normals", "normals (deg)", 2), ("structure", "on structure", 2), ("pinholes", "pinholes", 4),
            ("coverage", "classes' surface", 3), ("miou", "mesh mIoU", 3)]
 
 
@@ -47,7 +59,9 @@ def scores(metrics):
     """`coverage`: the share of a class's true surface that the mesh comes near, mean over classes, so that thin ones count as walls do."""
     labels = (metrics.get("semantics") or {}).get("mesh") or {}
     parts = [v for v in (labels.get("class_coverage") or {}).values() if v is not None]
-    return {**{key: ladder.value_at(metrics, f"geometry.{key}") for key in ("accuracy", "completeness", "precision", "recall", "fscore")},
+    keys = ("accuracy", "completeness", "precision", "recall", "fscore", "fscore_2cm", "normals", "structure", "pinholes")
+    found = ladder.scores(metrics, keys)
+    return {**{key: found[key] for key in keys},
             "coverage": sum(parts) / len(parts) if parts else math.nan, "miou": ladder.value_at(labels, "miou")}
 
 

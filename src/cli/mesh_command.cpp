@@ -16,7 +16,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->group("Measure");
   command->footer("Example: aligngs mesh demo_run --set mesh.voxel=0.01");
   struct Options {
-    std::string run, scene, output, device = "auto";
+    std::string run, scene, output, pictures, device = "auto";
     bool from_prior = false, from_truth = false;
     std::vector<std::string> sets;
   };
@@ -24,6 +24,8 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
   command->add_option("-o,--output", options->output, "PLY file to write (default: mesh/mesh.ply in the run)");
+  command->add_option("--pictures", options->pictures, "folder for pictures of the mesh by its face normals, from the test views (default: "
+                                                       "renders/test/surface in the run)");
   CLI::Option* prior = command->add_flag("--from-prior", options->from_prior,
                                          "fuse the prior depth instead of rendered depth: the yardstick");
   command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras: the ceiling")
@@ -38,6 +40,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
                    : options->from_truth ? DepthSource::kTruth
                                          : DepthSource::kRendered;
     stage.output = options->output;
+    stage.pictures = options->pictures;
     stage.make_device = fusion_of_device(options->device);
     const MeshStageResult result = mesh_run(run, stage);
     const FusionReport& f = result.fusion;

@@ -26,6 +26,7 @@ constexpr double kResidualsPerTruncation = 3;
 constexpr double kMinVoxelsPerTruncation = 2;  // below, the field has no slope left to interpolate
 constexpr double kMinComponentArea = 0.0025;   // m^2: 5 x 5 cm
 constexpr double kMinComponentExtent = 0.10;   // m
+constexpr double kHoleTolerance = 0.02;        // m: between a view's depth and the surface that closes a hole
 constexpr double kMaxInterpolatedWeight = 0.3; // of a photo's: it saw nothing itself
 constexpr double kMaxNearness = 4;             // (median depth / depth)^2 is capped at its square
 constexpr int kStatisticsStride = 4;           // pixels between the samples of medians
@@ -63,6 +64,7 @@ class Fusion {
       weigh_pixels();
       result.mesh = fuse();
       report_.cleaning = clean_mesh(result.mesh, component_limits());
+      close_holes(result.mesh);
     }
     report_.vertices = result.mesh.vertices.size();
     report_.triangles = result.mesh.triangles.size();
@@ -263,6 +265,17 @@ class Fusion {
     return extract_surface(volume, pool_, {options_.min_weight});
   }
 
+  void close_holes(TriangleMesh& mesh) {
+    std::vector<HoleWitness> witnesses;
+    for (size_t i = 0; i < frames_.size(); ++i) {
+      if (!frames_[i].interpolated) witnesses.push_back({&frames_[i].camera, &depths_[i]});
+    }
+    HoleFillingOptions options;
+    options.max_size = options_.max_hole;
+    options.tolerance = kHoleTolerance * report_.metre;
+    report_.holes = fill_holes(mesh, witnesses, options);
+  }
+
   ComponentLimits component_limits() const {
     ComponentLimits limits;
     const double metre = report_.metre;
@@ -284,10 +297,10 @@ std::string FusionReport::text() const {
   return fmt::format(
       "{} views{}, voxel {:.4g}, truncation {:.4g}, depth up to {:.4g}, two-view residual {:.4g}, pixels {:.0f} % "
       "confirmed {:.0f} % single {:.0f} % contradicted, {} blocks, {} vertices, {} triangles, {} of {} components "
-      "removed, {:.1f} s",
+      "removed, {} of {} holes closed, {:.1f} s",
       training_views, interpolated_views ? fmt::format(" + {} interpolated", interpolated_views) : "", voxel, truncation,
       max_depth, two_view_residual, 100 * confirmed, 100 * single_view, 100 * contradicted, blocks, vertices, triangles,
-      cleaning.removed_components, cleaning.components, seconds);
+      cleaning.removed_components, cleaning.components, holes.filled, holes.borders, seconds);
 }
 
 FusionResult fuse_depth(const std::vector<FusionFrame>& frames, const FusionOptions& options, ThreadPool& pool) {

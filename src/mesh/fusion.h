@@ -8,6 +8,7 @@
 
 #include "core/thread_pool.h"
 #include "mesh/fusion_frame.h"
+#include "mesh/hole_filling.h"
 #include "mesh/mesh_cleaning.h"
 #include "mesh/tsdf_device.h"
 #include "mesh/view_consistency.h"
@@ -36,6 +37,7 @@ struct FusionOptions {
   bool tangent_distance = false;  ///< distances from tangent planes, where frames have normals, instead of along rays
   double min_weight = 1e-4; ///< of a voxel; 1 is a frontal look from the median depth
   double min_component_area = 0;    ///< 0: 25 cm^2; negative: keep all
+  double max_hole = 0;      ///< scene units: holes up to this size are closed where views have seen surface; 0: none
   double min_component_extent = 0;  ///< 0: 10 cm; negative: keep all
   uint64_t max_bytes = 0;   ///< of the volume and its surface; 0: 80 % of the memory that is free now
   std::shared_ptr<TsdfDevice> device;  ///< where views are fused; none: on the CPU. The result is the same
@@ -54,6 +56,7 @@ struct FusionReport {
   size_t blocks = 0;
   uint64_t predicted_bytes = 0, budget_bytes = 0;
   CleaningReport cleaning;
+  HoleFillingReport holes;
   size_t vertices = 0, triangles = 0;
   double seconds = 0;
   std::string text() const;  ///< one line for the log

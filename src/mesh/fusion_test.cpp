@@ -7,7 +7,9 @@
 #include "core/error.h"
 #include "core/quaternion.h"
 #include "mesh/analytic_scenes_for_tests.h"
+#include "mesh/tsdf_voxel.h"
 #include "metrics/surface_points.h"
+#include "scene/depth_normals.h"
 
 namespace aligngs {
 namespace {
@@ -49,6 +51,38 @@ TEST(FuseDepth, ABallIsFoundWithinAFractionOfAVoxel) {
   EXPECT_LT(std::sqrt(squared / static_cast<double>(result.mesh.vertices.size())), 0.2 * 0.02);
   EXPECT_LT(worst, 1.0 * 0.02);
   EXPECT_NEAR(sample_surface(result.mesh).area, 3.14159, 0.05);  // 4 pi r^2: closed, no second layer
+}
+
+TEST(FuseDepth, TangentDistanceIsTheDistanceFromThePlaneHoweverItIsSeen) {
+  // A floor 1 m below the camera, seen at 60 degrees: along the ray a voxel 1 cm above it is 2 cm before it.
+  const ImageF depth(64, 64, 1, 2.0f), weight(64, 64, 1, 1.0f), slope(64, 64, 1, 0.5f);
+  VoxelView view;
+  view.depth = depth.data.data();
+  view.weight = weight.data.data();
+  view.width = view.height = 64;
+  view.fx = view.fy = 64;
+  view.cx = view.cy = 32;
+  view.truncation = 0.04f;
+  Voxel along_ray, from_plane;
+  fuse_voxel(view, {0, 0, 1.98f}, along_ray);
+  view.slope = slope.data.data();
+  fuse_voxel(view, {0, 0, 1.98f}, from_plane);
+  EXPECT_NEAR(along_ray.tsdf * view.truncation, 0.02, 1e-6);
+  EXPECT_NEAR(from_plane.tsdf * view.truncation, 0.01, 1e-6);
+}
+
+TEST(FuseDepth, TangentDistanceFindsTheSameRoom) {
+  std::vector<FusionFrame> frames = test::room_views({2, 1.3, 2.5}, 12);
+  for (FusionFrame& frame : frames) frame.normal = camera_normals(frame.depth, frame.camera);
+  FusionOptions options = with_voxel(0.03);
+  options.tangent_distance = true;
+  const FusionResult result = fuse_depth(frames, options, pool());
+  ASSERT_GT(result.mesh.vertices.size(), 1000u);
+  double sum = 0;
+  for (const Vec3f& v : result.mesh.vertices) {
+    sum += std::min({std::abs(std::abs(v.x) - 2.0), std::abs(std::abs(v.y) - 1.3), std::abs(std::abs(v.z) - 2.5)});
+  }
+  EXPECT_LT(sum / static_cast<double>(result.mesh.vertices.size()), 0.1 * 0.03);
 }
 
 TEST(FuseDepth, TrianglesAndNormalsFaceTheCameras) {

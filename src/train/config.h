@@ -136,6 +136,7 @@ struct MeshConfig {
   double plane_reach = 0;          ///< |log| of depth within which walls, floor and ceiling are drawn to their planes; 0 = off
   double smoothing = 0;            ///< pixels over which depth follows the rendered normals; 0 = off
   bool tangent_distance = false;   ///< distances from tangent planes
+  double max_hole = 0;             ///< scene units
   double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units
   double alpha_min = 0, min_cosine = 0;
   double consistency = 0;  ///< relative depth difference within which two views agree

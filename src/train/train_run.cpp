@@ -11,6 +11,7 @@
 #include "gaussians/morton_order.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
+#include "refine/refined_scene.h"
 #include "train/camera_outputs.h"
 #include "train/live_snapshot.h"
 #include "train/memory_fit.h"
@@ -142,7 +143,11 @@ void Run::prepare_folder() {
 }
 
 TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh) {
-  const std::vector<float> scales = align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit, inputs.from_points);
+  const PriorScales aligned = is_refined_scene(scene_.folder)
+                                  ? scales_of_agreeing_depth(inputs.guides.size())
+                                  : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
+  inputs.known_scales = aligned.known;
+  const std::vector<float>& scales = aligned.scale;
   std::optional<TrainingState> saved;
   if (resolved_.exists) saved = read_latest_checkpoint(folder_.checkpoints(), fingerprint_);
   remove_checkpoints_beyond(folder_.checkpoints(), saved ? saved->iteration : -1);

@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <fstream>
 #include <thread>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/colmap.h"
 #include "io/atomic_file.h"
 #include "scene/test_scene_folder.h"
 #include "train/checkpoint.h"
@@ -446,6 +448,28 @@ TEST_F(TrainRun, MissingPriorsAreSaidOrRefused) {
   TrainOptions strict = options("b");
   strict.require_priors = true;
   EXPECT_EQ(kind_of([&] { train_run(strict, plain_engine()); }), ErrorKind::kWeights);
+}
+
+/// The 200 points of the test scene, 2 % farther away than its prior depth has them, from cameras that are 0 to 0.2 units apart.
+void move_points_away(const fs::path& scene) {
+  ColmapModel model = read_colmap_model(scene / "sparse");
+  for (ColmapPoint& point : model.points) point.position = point.position * 1.02;
+  write_colmap_binary(scene / "sparse", model);
+}
+
+TEST_F(TrainRun, DepthThatWasRefinedWithItsCamerasKeepsItsScaleWhateverThePointsSay) {
+  move_points_away(scene_);
+  TrainOptions by_points = options("by_points", 1), refined = options("refined", 1);
+  train_run(by_points, plain_engine());
+  nlohmann::json description = nlohmann::json::parse(read_file(scene_ / "scene.json"));
+  description["cameras_refined"] = nlohmann::json::object();  // the mark of `aligngs refine`
+  write_file_atomically(scene_ / "scene.json", description.dump());
+  train_run(refined, plain_engine());
+  const auto scales = [](const TrainOptions& o) {
+    return read_latest_checkpoint(RunFolder(o.run).checkpoints(), record(o).fingerprint)->depth_scales;
+  };
+  for (const float scale : scales(by_points)) EXPECT_NEAR(scale, 1.02, 0.003);
+  for (const float scale : scales(refined)) EXPECT_EQ(scale, 1);
 }
 
 TEST_F(TrainRun, EveryStartWorks) {

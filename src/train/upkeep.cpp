@@ -79,29 +79,29 @@ void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, dou
   engine.raise_scales(smallest_log_scales(model, views, pixels, pool));
 }
 
-std::vector<float> align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit,
-                                   std::vector<uint8_t>& from_points) {
+PriorScales align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit) {
   PriorAlignmentRule rule;
   rule.limit = limit;
-  std::vector<float> scales(views.size(), 1.0f);
-  from_points.assign(views.size(), 0);
+  PriorScales out{std::vector<float>(views.size(), 1.0f), std::vector<uint8_t>(views.size(), 0)};
   for (size_t v = 0; v < views.size(); ++v) {
     if (views[v].prior_depth.empty()) continue;
     const std::optional<float> scale =
         align_prior_to_points(views[v].prior_depth, views[v].depth_weight, views[v].camera, cloud, rule);
     if (!scale) continue;
-    scales[v] = *scale;
-    from_points[v] = 1;
+    out.scale[v] = *scale;
+    out.known[v] = 1;
   }
-  return scales;
+  return out;
 }
 
-void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& from_points,
+PriorScales scales_of_agreeing_depth(size_t views) { return {std::vector<float>(views, 1.0f), std::vector<uint8_t>(views, 1)}; }
+
+void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& known,
                          double limit, const RasterSettings& raster, std::vector<float>& depth_scales) {
   PriorAlignmentRule rule;
   rule.limit = limit;
   for (size_t v = 0; v < views.size(); ++v) {
-    if (from_points[v] || views[v].prior_depth.empty()) continue;
+    if (known[v] || views[v].prior_depth.empty()) continue;
     const ImageF rendered = median_depth(engine, views[v], raster);
     const std::optional<float> scale = align_prior_to_depth(views[v].prior_depth, views[v].depth_weight, rendered, rule);
     if (scale) depth_scales[v] = *scale;

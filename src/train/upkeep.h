@@ -28,13 +28,21 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
 /// Raises scales to `pixels` of the view that sees each Gaussian sharpest (smallest_scale.h).
 void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, double pixels, ThreadPool& pool);
 
-/// Scales a_v from the scene's points where a view sees enough of them, else 1 (prior_alignment.h).
-/// `from_points[v]` tells which.
-std::vector<float> align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit,
-                                   std::vector<uint8_t>& from_points);
+/// The scale a_v of every view's prior depth (prior_alignment.h).
+struct PriorScales {
+  std::vector<float> scale;    ///< 1 where nothing tells
+  std::vector<uint8_t> known;  ///< 1: it stays; 0: renderings may change it
+};
 
-/// Updates the scales of the views that have too few points, from the rendered median depth.
-void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& from_points,
+/// From the scene's points where a view sees enough of them.
+PriorScales align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit);
+
+/// 1 for every view, to stay: of depth that was corrected or measured together with the cameras. The points of such a scene may be
+/// those that came with the cameras as they were: by them a development bedroom's walls moved outwards by 2 cm.
+PriorScales scales_of_agreeing_depth(size_t views);
+
+/// Updates the scales that are not known, from the rendered median depth.
+void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& known,
                          double limit, const RasterSettings& raster, std::vector<float>& depth_scales);
 
 }  // namespace aligngs

@@ -8,7 +8,7 @@
 namespace aligngs {
 
 /// Subfolders of renders/<split>/, in the order in which people compare them.
-inline constexpr const char* kRenderKinds[] = {"gt", "rgb", "error", "depth", "normal", "label"};
+inline constexpr const char* kRenderKinds[] = {"gt", "rgb", "error", "depth", "normal", "surface", "label"};
 
 /// Names (without extension) of the views under renders/<split>/rgb, in order.
 std::vector<std::string> rendered_views(const std::filesystem::path& run, const std::string& split);

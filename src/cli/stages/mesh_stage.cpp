@@ -1,5 +1,6 @@
 #include "cli/stages/mesh_stage.h"
 
+#include "cli/stages/surface_pictures.h"
 #include "core/error.h"
 #include "core/log.h"
 #include "mesh/surface_depth.h"
@@ -28,6 +29,7 @@ FusionOptions fusion_options(const OpenRun& run) {
   options.min_component_area = mesh.component_area;
   options.min_component_extent = mesh.component_extent;
   options.tangent_distance = mesh.tangent_distance;
+  options.max_hole = mesh.max_hole;
   return options;
 }
 
@@ -152,6 +154,9 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   if (run.has_labels() && rendered) result.labels = label_mesh(fused.mesh, frames, *run.pool);
   result.file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
   write_mesh_ply(result.file, fused.mesh);
+  const std::filesystem::path pictures =
+      options.output.empty() && options.pictures.empty() ? run.folder / "renders" / "test" / "surface" : options.pictures;
+  if (!pictures.empty()) write_surface_pictures(run, fused.mesh, pictures);
   log_info("{}", fused.report.text());
   return result;
 }

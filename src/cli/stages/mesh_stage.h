@@ -25,6 +25,7 @@ using TsdfDeviceFactory = std::function<std::shared_ptr<TsdfDevice>()>;
 struct MeshStageOptions {
   DepthSource source = DepthSource::kRendered;
   std::filesystem::path output;  ///< empty: mesh/mesh.ply of the run
+  std::filesystem::path pictures;  ///< folder for pictures of the mesh from the test views; empty: renders/test/surface for the run's mesh
   TsdfDeviceFactory make_device = {};
 };
 

@@ -1,0 +1,18 @@
+// Pictures of a mesh without its colours: what the surface itself looks like.
+#pragma once
+
+#include <filesystem>
+
+#include "cli/stages/open_run.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+
+/// Unit normals of the faces that the rays through the pixel centres meet first, H x W x 3, camera frame, turned to the camera; zero
+/// where nothing is met.
+ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& pool);
+
+/// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals are.
+void write_surface_pictures(const OpenRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder);
+
+}  // namespace aligngs
