@@ -24,9 +24,10 @@ import resource
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
-from ladder_rows import CAMERAS_ONLY, COLUMNS, GEOMETRY, PAIR, ROWS, YARDSTICKS, Row
+from ladder_rows import CAMERAS_ONLY, COLUMNS, FUSED_AS_DEFAULT, GEOMETRY, PAIR, ROWS, YARDSTICKS, Row
 from ladder_tables import read_csv, write_tables
 
 PROGRAM = os.environ.get("ALIGNGS", str(Path(__file__).resolve().parents[2] / "build" / "aligngs"))
@@ -156,7 +157,7 @@ def measure_mesh(folder, result, *options):
     mesh = result.with_suffix(".ply")
     run("mesh", folder, "-o", mesh, *options)
     partial = result.with_suffix(".partial")
-    partial.write_text(run("eval", folder, "--mesh", mesh, "--no-pose-fit", "--json"))
+    partial.write_text(run("eval", folder, "--mesh", mesh, "--no-views", "--json"))
     partial.rename(result)
     mesh.unlink()
 
@@ -176,6 +177,20 @@ def measure_yardstick(arguments, room, room_seed, seed, row, yard):
     scene = yardstick_scene(arguments, room, room_seed, seed, row, yard)
     folder = arguments.output / "runs" / f"{room}_{room_seed}_{seed}" / ("yardstick_" + scene.name)
     return mesh_scores(folder, scene, yard.option, row.preset, seed)
+
+
+def fusion_settings(preset):
+    """The settings of `aligngs mesh` in a preset, as --set takes them."""
+    table = tomllib.loads(run("train", "--print-config", "--preset", preset))["mesh"]
+    return [f"mesh.{key}={str(value).lower() if isinstance(value, bool) else value}" for key, value in table.items()]
+
+
+def fused_as_default(folder):
+    """Scores of a trained run's mesh when it is fused with the settings of preset default. Needs the run's checkpoints."""
+    result = folder / "fused_as_default.json"
+    if not result.exists():
+        measure_mesh(folder, result, *set_options(fusion_settings("default")))
+    return scores(json.loads(result.read_text()), GEOMETRY)
 
 
 def program_version():
@@ -243,6 +258,9 @@ def main():
                 for yard in YARDSTICKS.get(row.name, []):
                     if key not in results.setdefault(yard.name, {}):
                         results[yard.name][key] = measure_yardstick(arguments, room, room_seed, seed, row, yard)
+                again = FUSED_AS_DEFAULT.get(row.name)
+                if again and key not in results.setdefault(again, {}):
+                    results[again][key] = fused_as_default(output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder)
             folders = [output / "runs" / f"{room}_{room_seed}_{seed}" / r.folder for r in ROWS]
             for folder in (f for f in folders if (f / "metrics.json").exists()):  # the largest part of a run, and done with
                 shutil.rmtree(folder / "checkpoints", ignore_errors=True)

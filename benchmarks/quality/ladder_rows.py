@@ -102,7 +102,7 @@ ROWS = paper_ladder() + paper_ladder(", refined cameras", CAMERAS_ONLY, UNPROJEC
     Row("stereo, true labels", "default", COUPLING, refine=NO_LABELS_YET, labels="true", compare_with=[LABEL_CONTROLS[0], UNCOUPLED, COUPLED]),
     Row("default, refined", "default", refine=[],
         compare_with=[*LABEL_CONTROLS, UNCOUPLED, "default, refined cameras", "pgsr + prior depth, refined cameras",
-                      "pgsr + prior depth, refined cameras and start", "pgsr, the same scene",
+                      "pgsr + prior depth, refined cameras and start", "pgsr, the same scene", "pgsr, the same scene, default's fusion",
                       "+ L_ng + L_nb (paper)"]),
     Row("high, refined", "high", refine=[], compare_with="default, refined"),
     Row(LABEL_CONTROLS[1], "default", refine=[], labels="constant", compare_with=LABEL_CONTROLS[0]),
@@ -150,6 +150,8 @@ YARDSTICKS = {
                          Yardstick(REFINED_PRIOR, "--from-prior", []),
                          Yardstick(CEILING + ", refined cameras", "--from-truth", [])],
 }
+# Rows whose mesh is fused once more, with the settings of preset default: what fusion does is then told apart from what training does.
+FUSED_AS_DEFAULT = {"pgsr, the same scene": "pgsr, the same scene, default's fusion"}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("fitted", "colour-fitted", 2, "nvs.exposure_fitted.psnr"),
     ("posed", "pose-fitted", 2, "nvs.pose_refined.psnr"),

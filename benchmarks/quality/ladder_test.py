@@ -127,6 +127,7 @@ class LadderTest(unittest.TestCase):
     def test_every_row_that_is_compared_with_exists(self):
         names = {row.name for row in ladder_rows.ROWS}
         self.assertEqual(len(names), len(ladder_rows.ROWS))
+        names |= set(ladder_rows.FUSED_AS_DEFAULT.values())
         for row in ladder_rows.ROWS:
             self.assertTrue(set(row.compare_with) <= names, row.name)
         self.assertTrue({*ladder_rows.CONTROLS, *sum(ladder_rows.CONTROLS.values(), []), *ladder_rows.YARDSTICKS} <= names)

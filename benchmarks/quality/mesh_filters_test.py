@@ -26,7 +26,7 @@ class MeshFiltersTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             mesh_filters.write_tables(Path(folder), results)
             text = (Path(folder) / "mesh.md").read_text()
-            self.assertIn("| 0.800 | 0.500 | 0.500 | -0.1000 [-0.1000, -0.1000] |", text)
+            self.assertIn("| 0.800 | 0.500 | 0.50 | 0.50 | 0.5000 | 0.500 | 0.500 | -0.1000 [-0.1000, -0.1000] |", text)
             self.assertEqual(len((Path(folder) / "mesh.csv").read_text().splitlines()), 7)
 
     def test_names_of_variants_differ(self):
