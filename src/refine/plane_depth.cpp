@@ -20,9 +20,9 @@ struct NamedClass {
 };
 constexpr NamedClass kNamedClasses[] = {
     {"wall", {PlaneKind::kWall, false}},      {"floor", {PlaneKind::kFloor, false}},
-    {"rug", {PlaneKind::kFloor, false}},      {"ceiling", {PlaneKind::kCeiling, false}},
-    {"door", {PlaneKind::kWall, false}},      {"painting", {PlaneKind::kWall, false}},
-    {"poster", {PlaneKind::kWall, false}},    {"bulletin board", {PlaneKind::kWall, false}},
+    {"rug", {PlaneKind::kFloor, false, true}},      {"ceiling", {PlaneKind::kCeiling, false}},
+    {"door", {PlaneKind::kWall, false, true}},      {"painting", {PlaneKind::kWall, false, true}},
+    {"poster", {PlaneKind::kWall, false, true}},    {"bulletin board", {PlaneKind::kWall, false, true}},
     {"windowpane", {PlaneKind::kWall, true}}, {"mirror", {PlaneKind::kWall, true}},
     {"table", {PlaneKind::kTable, false}},    {"coffee table", {PlaneKind::kTable, false}},
     {"desk", {PlaneKind::kTable, false}},     {"counter", {PlaneKind::kTable, false}},
@@ -82,6 +82,7 @@ void collect_points(const PlaneView& view, const PreparedView& prepared, const s
       p.certainty = view.certainty.empty() ? 0 : view.certainty.at(x, y);
       p.view = index;
       p.kind = classes[label].kind;
+      p.proud = classes[label].proud;
       points.push_back(p);
     }
   }
@@ -105,13 +106,13 @@ PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind
 }
 
 /// Everything else is on the plane that is nearest to its depth, if that is near and turned alike.
-PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, const Vec3d& normal, double z,
+PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, const PlaneClass& what, const Vec3d& ray, const Vec3d& normal, double z,
                                  const PlaneDepthSettings& s) {
   const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
   PixelMeasurement best;
   for (const CameraPlane& plane : planes) {
-    if (plane.kind != kind || dot(plane.normal, normal) < least_cosine) continue;
-    const double depth = plane.depth(ray);
+    if (plane.kind != what.kind || dot(plane.normal, normal) < least_cosine) continue;
+    const double depth = plane.depth(ray, what.proud);
     if (!(depth > 0)) continue;
     const double factor = std::log(depth / z), weight = s.strength * biweight(factor / s.reach);
     if (weight > best.weight) best = {factor, weight, plane.number};
@@ -133,7 +134,7 @@ PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, co
       const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5);
       const PixelMeasurement m = classes[label].glass
                                      ? measure_glass(local, classes[label].kind, ray, z, s)
-                                     : measure_surface(local, classes[label].kind, ray, normal_at(prepared.normals, x, y), z, s);
+                                     : measure_surface(local, classes[label], ray, normal_at(prepared.normals, x, y), z, s);
       out.log_factor.at(x, y) = static_cast<float>(m.log_factor);
       out.weight.at(x, y) = static_cast<float>(m.weight) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
       out.plane.at(x, y) = m.plane;
@@ -198,7 +199,7 @@ std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<Sce
   for (size_t i = 0; i < planes.size() && i < kMost; ++i) {
     const double distance = planes[i].distance(centre);
     if (!(distance > 0)) continue;  // seen from behind
-    out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind, static_cast<uint8_t>(i + 1)});
+    out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind, static_cast<uint8_t>(i + 1), planes[i].proud});
   }
   return out;
 }

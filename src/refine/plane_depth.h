@@ -44,11 +44,12 @@ struct CameraPlane {
   double distance;   ///< of the camera's centre, scene units, > 0
   PlaneKind kind;
   uint8_t number;    ///< 1 + index among the planes of the scene
+  double proud = 0;  ///< how far before it doors, pictures and rugs lie (ScenePlane), scene units
 
-  /// Depth along a ray with z = 1; 0: not in front.
-  double depth(const Vec3d& ray) const {
-    const double slope = -dot(normal, ray);
-    return slope > 0 ? distance / slope : 0;
+  /// Depth along a ray with z = 1, of the plane or of what stands proud of it; 0: not in front.
+  double depth(const Vec3d& ray, bool of_proud = false) const {
+    const double slope = -dot(normal, ray), away = distance - (of_proud ? proud : 0);
+    return slope > 0 && away > 0 ? away / slope : 0;
   }
 };
 
@@ -72,6 +73,7 @@ struct PlaneDepthResult {
 struct PlaneClass {
   PlaneKind kind = PlaneKind::kNone;
   bool glass = false;  ///< its depth says nothing of the plane
+  bool proud = false;  ///< it stands a little before the plane
 };
 
 /// Which named surfaces are planes.

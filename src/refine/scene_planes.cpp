@@ -48,13 +48,32 @@ std::vector<double> fit_weights(const std::vector<PlanePoint>& points, const Ind
   return out;
 }
 
-/// Robust (Cauchy) total least squares from a first guess, with the points that are near it.
+/// Mean distance of the proud points from the plane, given `weights` (inverse variances) and what is expected of such things.
+double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, const std::vector<double>& weights, const ScenePlane& plane,
+                  const PlaneSettings& s) {
+  double sum = 0, total = 0, depth = 0, count = 0;
+  for (size_t k = 0; k < near.size(); ++k) {
+    const PlanePoint& p = points[near[k]];
+    if (!p.proud) continue;
+    sum += weights[k] * plane.distance(p.position);
+    total += weights[k];
+    depth += p.depth;
+    ++count;
+  }
+  if (count == 0) return 0;
+  const double expected = s.proud_mean * depth / count, sigma = s.proud_sigma * depth / count;
+  return (sum + expected / (sigma * sigma)) / (total + 1 / (sigma * sigma));
+}
+
+/// Robust (Cauchy) total least squares from a first guess, with the points that are near it. Proud points count for the plane
+/// behind them.
 ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane, const PlaneSettings& s) {
   const std::vector<double> base = fit_weights(points, near, s);
   std::vector<Vec3d> positions;
-  for (const size_t i : near) positions.push_back(points[i].position);
   std::vector<double> weights(near.size());
   for (int round = 0; round < kRefinements && !near.empty(); ++round) {
+    positions.clear();
+    for (const size_t i : near) positions.push_back(points[i].position - plane.normal * (points[i].proud ? plane.proud : 0));
     for (size_t k = 0; k < near.size(); ++k) {
       const double residual = plane.distance(positions[k]) / (s.prior_sigma * points[near[k]].depth);
       weights[k] = base[k] / (1 + residual * residual);
@@ -63,6 +82,7 @@ ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, Sc
     plane.normal = fit.normal;
     plane.centre = fit.centre;
     plane.offset = -dot(fit.normal, fit.centre);
+    plane.proud = mean_proud(points, near, weights, plane, s);
   }
   return plane;
 }
