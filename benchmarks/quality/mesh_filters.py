@@ -34,7 +34,7 @@ VARIANTS = [
     ("pixels flatter than 80 degrees dropped", ["mesh.min_cosine=0.17"], None),
     ("walls, floor and ceiling as rendered", ["mesh.plane_reach=0"], None),
     ("not smoothed", ["mesh.smoothing=0"], None),
-    ("smoothed over 6 pixels", ["mesh.smoothing=6"], None),
+    ("smoothed over 8 pixels", ["mesh.smoothing=8"], None),
     ("distances along rays", ["mesh.tangent_distance=false"], None),
     ("holes up to 20 cm closed", ["mesh.max_hole=0.2"], None),
     ("small pieces kept", ["mesh.component_area=-1", "mesh.component_extent=-1"], None),

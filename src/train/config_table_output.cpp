@@ -17,7 +17,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "relative difference up to which plane depth agrees with median depth"},
       {"mesh.plane_reach", field<&C::mesh, &M::plane_reach>, 0, 0.5, "", ours_paper(0.03, 0.0),
        "relative distance up to which walls, floor and ceiling, by their labels, are drawn to their planes; 0 = off"},
-      {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, "", ours_paper(3.0, 0.0),
+      {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, "", ours_paper(5.0, 0.0),
        "pixels over which depth follows the rendered normals; 0 = off"},
       {"mesh.tangent_distance", field<&C::mesh, &M::tangent_distance>, 0, 0, "", ours_paper(true, false),
        "fuse distances from tangent planes instead of distances along rays"},
