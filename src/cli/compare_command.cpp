@@ -9,6 +9,8 @@
 #include "cli/report/comparison.h"
 #include "core/log.h"
 #include "io/atomic_file.h"
+#include "io/output_place.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 namespace {
@@ -42,6 +44,13 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   for (const std::string& folder : options.runs) runs.push_back(read_run_scores(folder));
   name_apart(runs);
   for (const std::string& warning : comparison_warnings(runs)) log_warning("{}", warning);
+  require_extension(options.csv, "csv");
+  require_extension(options.html, "html");
+  for (const std::string& file : {options.csv, options.html}) {
+    for (const std::string& run : options.runs) {
+      if (!file.empty()) RunFolder(run).require_not_of_run(file);
+    }
+  }
   if (!options.csv.empty()) write_file_atomically(options.csv, comparison_csv(runs));
   if (!options.html.empty()) write_file_atomically(options.html, comparison_page(runs));
   if (context.global.json) {

@@ -13,7 +13,9 @@
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
 #include "io/image_file.h"
+#include "io/output_place.h"
 #include "scene/mesh_ply.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 
@@ -134,7 +136,10 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   const bool edits = !looks && !options.measure;
   const EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
-  if (edits && !options.dry_run && !options.output.empty()) require_new_folder(options.output);
+  if (edits && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
+  const std::string picture_file = options.picture.empty() ? "edit_preview.png" : options.picture;
+  if (options.dry_run) require_extension(picture_file, "png");
+  if (options.dry_run) RunFolder(options.run).require_not_of_run(picture_file, options.scene);
   EditSession session(options.run, {options.scene, context.global.threads});
   if (options.list) return list_run(context, session);
   if (options.measure) return measure(context, session, options);
@@ -146,13 +151,13 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   if (options.dry_run) {
     BeforeAfter picture;
     const EditReport report = session.preview(edit, &picture);
-    const std::string file = options.picture.empty() ? "edit_preview.png" : options.picture;
-    write_before_after(file, picture);
+    RunFolder(options.run).require_not_of_run(picture_file, session.scene().folder);
+    write_before_after(picture_file, picture);
     Json json = report_json(report, labels);
-    json["picture"] = file;
+    json["picture"] = picture_file;
     json["view"] = picture.view;
     return print(context, json,
-                 report_text(report, labels) + "picture      " + file + " (view " + picture.view +
+                 report_text(report, labels) + "picture      " + picture_file + " (view " + picture.view +
                      "); nothing else was written\n");
   }
   if (!options.output.empty()) {

@@ -50,6 +50,7 @@ void run_import(const CommandContext& context, Options& options) {
   import.depth_prior = !options.no_depth_prior;
   import.sfm = options.sfm;
   import.progress = context.progress();
+  import.sources = {options.source};
   ThreadPool pool(context.global.threads);
   const ImportReport report = import_capture(capture, options.output, import, pool);
   if (context.global.json) {

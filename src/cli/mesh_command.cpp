@@ -7,7 +7,9 @@
 #include "cli/device_option.h"
 #include "cli/print_json.h"
 #include "cli/stages/mesh_stage.h"
+#include "io/output_place.h"
 #include "train/config_file.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 
@@ -33,8 +35,10 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
   add_device_option(*command, options->device);
   command->callback([&context, options] {
+    if (!options->output.empty()) require_extension(options->output, "ply");
     OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);
+    if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, run.scene.folder);
     MeshStageOptions stage;
     stage.source = options->from_prior   ? DepthSource::kPrior
                    : options->from_truth ? DepthSource::kTruth

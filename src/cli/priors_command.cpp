@@ -10,12 +10,16 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "refine/scene_copy.h"
+#include "scene/scene_place.h"
 
 namespace aligngs {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
-  std::string scene, depth = "auto", semantics = "auto", precision = "auto", device = "auto";
+  std::string scene, output, depth = "auto", semantics = "auto", precision = "auto", device = "auto";
   double memory_gigabytes = 0;
   ScenePriorsOptions fill;
 };
@@ -29,7 +33,16 @@ std::string line_of(const ScenePriorsReport& report) {
   return fmt::format("{}, {} views, maps of {} x {}", report.model, report.written, report.width, report.height);
 }
 
+/// Priors are filled in a scene that this program wrote, or in a copy of it.
+void require_place(const Options& options) {
+  if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
+  if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // what is no folder is told when it is opened
+  throw Error({ErrorKind::kUsage, "its scene.json does not say that aligngs wrote this folder, which is therefore not changed", options.scene, "scene",
+               "name a folder for a copy with the priors: -o OUT"});
+}
+
 void run_priors(const CommandContext& context, Options& options) {
+  require_place(options);
   options.fill.precision = precision_of(options.precision);
   put_networks_on(options.device, options.precision, true, options.fill);
   const ModelStore store = model_store(context);
@@ -57,6 +70,10 @@ void run_priors(const CommandContext& context, Options& options) {
   if (nothing_asked && !depth && !semantics && !(scene.has_prior_depth() && scene.has_semantics())) {
     const PublishedModel& light = published_model("ade20k-linear-b");
     throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "", how_to_get(store, light)});
+  }
+  if (!options.output.empty()) {
+    write_scene_copy(options.scene, options.output, false);
+    options.scene = options.output;
   }
   options.fill.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
   options.fill.threads = context.global.threads;
@@ -86,6 +103,7 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
   command->footer("Example: aligngs priors scene --semantics linear-b --depth vggt\n         aligngs priors scene --semantics m2f --depth none");
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene folder")->required();
+  command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, where aligngs wrote it)");
   command->add_option("--depth", options->depth, "vggt, vggt-commercial, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: what is installed")
       ->capture_default_str();
   command->add_option("--semantics", options->semantics,

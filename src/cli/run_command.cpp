@@ -14,6 +14,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "io/colmap.h"
+#include "io/output_place.h"
+#include "refine/scene_copy.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 
@@ -45,9 +47,30 @@ void require_weights(const ModelStore& store, const RunCommandOptions& options, 
   }
 }
 
-/// Fills what the scene lacks where the weights are here; says what stays empty and how to change that.
-void fill_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options, const CommandContext& context) {
+/// The networks that fill what a scene lacks; null where nothing is to be filled.
+struct MissingPriors {
+  const PublishedModel* depth = nullptr;
+  const PublishedModel* semantics = nullptr;
+  bool any() const { return depth || semantics; }
+};
+
+/// What the scene lacks and the weights here can fill; says what stays empty and how to change that.
+MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options) {
   const Scene scene = open_scene(folder);
+  MissingPriors missing;
+  if (options.depth != "none" && !scene.has_prior_depth()) {
+    if (options.depth != "auto") missing.depth = &depth_model(options.depth);
+    else if (store.installed(published_model(options.photos.model))) missing.depth = &published_model(options.photos.model);
+  }
+  if (options.semantics != "none" && !scene.has_semantics()) {
+    missing.semantics = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
+    if (!missing.semantics) log_info("no class labels: no weights for them are here (aligngs models download ade20k-linear-b, or ade20k-m2f)");
+  }
+  return missing;
+}
+
+void fill_priors(const fs::path& folder, const MissingPriors& missing, const ModelStore& store, const RunCommandOptions& options,
+                 const CommandContext& context) {
   ScenePriorsOptions fill;
   fill.precision = precision_of(options.photos.precision);
   put_networks_on(options.train.device, options.photos.precision, false, fill);
@@ -55,17 +78,16 @@ void fill_priors(const fs::path& folder, const ModelStore& store, const RunComma
   fill.memory_limit = static_cast<uint64_t>(options.train.memory_gigabytes * 1e9);
   fill.threads = context.global.threads;
   fill.progress = context.progress();
-  if (options.depth != "none" && !scene.has_prior_depth()) {
-    const PublishedModel* model = nullptr;
-    if (options.depth != "auto") model = &depth_model(options.depth);
-    else if (store.installed(published_model(options.photos.model))) model = &published_model(options.photos.model);
-    if (model) fill_depth(folder, store, *model, fill);
-  }
-  if (options.semantics != "none" && !scene.has_semantics()) {
-    const PublishedModel* model = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
-    if (model) fill_semantics(folder, store, *model, fill);
-    else log_info("no class labels: no weights for them are here (aligngs models download ade20k-linear-b, or ade20k-m2f)");
-  }
+  if (missing.depth) fill_depth(folder, store, *missing.depth, fill);
+  if (missing.semantics) fill_semantics(folder, store, *missing.semantics, fill);
+}
+
+/// A scene is never changed: what this run makes of it goes to RUN/scene, which is therefore no source.
+void require_source_apart(const fs::path& source, const RunFolder& run, bool begun) {
+  run.require_apart_from(source);
+  if (begun || !lies_within(source, run.path() / "scene")) return;
+  throw Error({ErrorKind::kUsage, "the source is where the run keeps a scene of its own", source, "source",
+               "name another run folder, or train on it as it is: aligngs train " + source.string() + " -o " + run.path().string()});
 }
 
 nlohmann::json run_everything(const RunCommandOptions& given, const CommandContext& context) {
@@ -75,6 +97,11 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
   if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
   const bool photos = options.photos.method == "given" || !may_hold_colmap_model(source);
+  if (photos && options.photos.method != "given" && fs::exists(source / "transforms.json")) {
+    throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
+                    fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
+                                options.source, options.train.output));
+  }
   if (photos && !has_photos(source)) {
     throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG or PNG) are here",
                     "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
@@ -83,16 +110,24 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   RunFolder(run).check(mode);
   const ModelStore store = model_store(context);
   const fs::path own = run / "scene";
+  fs::path basis = source;  // the scene that is refined or measured
   const bool begun = options.train.resume && fs::exists(RunFolder(run).record());
+  require_source_apart(source, RunFolder(run), begun);
   const TrainConfig config = resolve_run(train).config;
   if (!begun) require_weights(store, options, photos);
   const bool has_own = photos || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
   fs::path scene = has_own ? own : source;
   // Served before all that takes long. Which scene a new run gets follows from that; its run.json says it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, begun ? scene : fs::path(), train.threads);
-  if (!begun && !photos) fill_priors(source, store, options, context);
-  bool refine = !begun && !photos && should_refine(source, config);
-  const bool measured = !begun && !photos && should_measure(source, config) && measure_into_run(source, run, config, context);
+  if (!begun && !photos) {
+    if (const MissingPriors missing = missing_priors(source, store, options); missing.any()) {
+      write_scene_copy(source, own, true);
+      basis = scene = own;
+      fill_priors(own, missing, store, options, context);
+    }
+  }
+  bool refine = !begun && !photos && should_refine(basis, config);
+  const bool measured = !begun && !photos && should_measure(basis, config) && measure_into_run(basis, run, config, context);
   if (refine || measured) scene = own;
   if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
@@ -102,11 +137,11 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     fs::create_directories(run);
     const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
     log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
-    fill_priors(scene, store, options, context);
+    fill_priors(scene, missing_priors(scene, store, options), store, options, context);
     if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
     refine = should_refine(scene, config);
   }
-  if (refine) refine_into_run(photos ? scene : source, run, config, context);
+  if (refine) refine_into_run(photos ? scene : basis, run, config, context);
   train.scene = scene;
   const nlohmann::json metrics = run_pipeline(train, context, fusion_of_device(options.train.device));
   go_on_serving(page);

@@ -24,6 +24,7 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
   train.scene = scene;
   const RunMode mode = options.overwrite ? RunMode::kOverwrite : options.resume ? RunMode::kResume : RunMode::kNew;
   RunFolder(options.output).check(mode);  // before the page shows a folder that is somebody else's
+  if (!scene.empty()) RunFolder(options.output).require_apart_from(scene);
   const auto page = serve_while_working(options.view, options.view_port, options.output, scene, train.threads);
   const TrainResult result = train_run(train);
   if (context.global.json) {

@@ -8,6 +8,7 @@
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
+#include "io/output_place.h"
 #include "scene/mesh_ply.h"
 #include "train/run_outputs.h"
 
@@ -25,7 +26,7 @@ void write_json(const fs::path& path, const Json& json) {
 }  // namespace
 
 void write_room(const fs::path& folder, const EditableRoom& room) {
-  write_scene_files(folder, room.gaussians.model, room.labels, room.gaussians.labels);
+  write_scene_files(folder, room.gaussians.model, room.labels, room.gaussians.has_labels() ? room.gaussians.labels : GaussianLabels());
   if (!room.mesh.vertices.empty()) write_mesh_ply(folder / "mesh" / "mesh.ply", room.mesh);
 }
 
@@ -56,7 +57,8 @@ void write_edited_record(const fs::path& path, RunRecord record, const std::stri
   write_run_record(path, record);
 }
 
-void require_new_folder(const fs::path& folder) {
+void require_new_folder(const fs::path& folder, const std::vector<fs::path>& sources) {
+  require_apart(folder, sources);
   std::error_code error;
   if (!fs::exists(folder, error)) return;
   if (!fs::is_directory(folder, error) || !fs::is_empty(folder, error)) {

@@ -19,7 +19,7 @@ void write_before_after(const std::filesystem::path& path, const BeforeAfter& pi
 void write_edited_record(const std::filesystem::path& path, RunRecord record, const std::string& command_line,
                          const std::string& scene, const std::filesystem::path& original,
                          const std::vector<EditOperation>& edits, size_t gaussians);
-/// Error{kUsage} unless `folder` is absent or empty.
-void require_new_folder(const std::filesystem::path& folder);
+/// Error{kUsage} unless `folder` is absent or empty, and neither a source nor in one.
+void require_new_folder(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& sources);
 
 }  // namespace aligngs

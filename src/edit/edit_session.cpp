@@ -123,7 +123,7 @@ TrainingState EditSession::edited_state(const EditableRoom& room) const {
 }
 
 EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit, const std::string& command_line) {
-  require_new_folder(out);
+  require_new_folder(out, {run_, scene_.folder});
   EditableRoom after = room_;
   const EditReport report = apply_edit(after, edit, *pool_);
   std::vector<EditOperation> done = stack_;

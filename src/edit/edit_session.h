@@ -30,8 +30,7 @@ struct BeforeAfter {
 
 class EditSession {
  public:
-  /// Opens a run and applies its stack. Error{kBadInput} when the folder is no run, nothing has been trained, it has no
-  /// semantics, or edits.json is damaged.
+  /// Opens a run and applies its stack. Error{kBadInput} when the folder is no run, nothing has been trained, or edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
 
   const std::vector<EditOperation>& stack() const { return stack_; }

@@ -9,13 +9,13 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/temporary_paths.h"
 #include "io/image_file.h"
 #include "io/resample.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
 #include "priors/given_poses.h"
 #include "priors/vggt_prediction.h"
-#include "scene/confidence_file.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
 #include "scene/scene_writer.h"
@@ -35,14 +35,18 @@ class WorkFolder {
   explicit WorkFolder(const fs::path& scene) {
     fs::path beside = fs::absolute(scene).lexically_normal();
     if (!beside.has_filename()) beside = beside.parent_path();  // "scene/"
-    path_ = beside.string() + ".work-" + std::to_string(getpid());
+    path_ = temporary_beside(beside, ".work-" + std::to_string(getpid()));
+    note_temporary_path(path_);
     std::error_code error;
     fs::create_directories(path_, error);
-    if (error) throw_resources(path_, error.message(), "choose a folder that you may write to");
+    if (!error) return;
+    forget_temporary_path(path_);
+    throw_resources(path_, error.message(), "choose a folder that you may write to");
   }
   ~WorkFolder() {
     std::error_code ignored;
     if (!keep) fs::remove_all(path_, ignored);
+    forget_temporary_path(path_);
   }
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
@@ -73,11 +77,12 @@ void require_enough(const fs::path& folder, const std::vector<Photo>& photos, co
 }
 
 /// Undistorts and writes photos with cameras.
-void import_photos(const Capture& capture, const fs::path& scene, const ScenePhotosOptions& options,
+void import_photos(const Capture& capture, const fs::path& source, const fs::path& scene, const ScenePhotosOptions& options,
                    bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
   ImportOptions import;
   import.depth_prior = depth_prior;
   import.overwrite = options.overwrite;
+  import.sources = {source, options.cameras};
   import.progress = options.progress;
   import.test_views = 0;
   if (options.test_every > 0 || (capture.train.empty() && capture.test.empty())) {
@@ -116,7 +121,7 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
   capture.cloud = reliable_points(poses.model);
-  import_photos(capture, scene, options, false, pool, report);
+  import_photos(capture, source, scene, options, false, pool, report);
 }
 
 void scene_by_given_poses(const fs::path& source, const fs::path& cameras,
@@ -129,10 +134,10 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras,
   require_enough(source, photos, poses.unplaced,
                  "give the photos that the cameras were found for, or another --method");
   poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
-  import_photos(poses.capture, scene, options, true, pool, report);
+  import_photos(poses.capture, source, scene, options, true, pool, report);
   if (report.points == 0) {
-    log_warning("the given cameras come without points, which training starts from: a COLMAP model with points3D, or "
-                "ply_file_path in transforms.json, brings them");
+    log_warning("there are no points, which training starts from: a COLMAP model with points3D, or ply_file_path in "
+                "transforms.json, brings them");
   }
 }
 
@@ -202,6 +207,7 @@ void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, cons
     view.camera = views[i].camera;
     view.image_file = photos[i].file;
     view.prior_depth = views[i].depth;
+    view.prior_confidence = views[i].confidence;
     view.half_depth = true;
     writer.add_view(view);
     (is_test(i, options.test_every) ? *parts.split.test : *parts.split.train).push_back(view.name);
@@ -219,8 +225,6 @@ void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, cons
                  {"shared_focal", options.shared_focal ? "yes" : "no"},
                  {"confidence", "pred_confidence/"}}};
   writer.finish(parts);
-  for (size_t i = 0; i < views.size(); ++i)
-    write_confidence(scene, photos[i].name, views[i].confidence);
   report.placed = views.size();
   report.points = parts.cloud.size();
   report.train = parts.split.train->size();
@@ -233,8 +237,8 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
                                          const ModelStore& store,
                                          const ScenePhotosOptions& options) {
   const auto start = std::chrono::steady_clock::now();
+  require_scene_place(scene, options.overwrite, {source, options.cameras});
   const std::vector<Photo> listed = list_photos(source);
-  require_scene_place(scene, options.overwrite);
   fs::path cameras;
   if (options.method == PosesMethod::kGiven)
     cameras = find_given_cameras(listed.front().file.parent_path(), options.cameras);

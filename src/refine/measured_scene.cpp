@@ -11,7 +11,7 @@
 #include "scene/confidence_file.h"
 #include "scene/corners.h"
 #include "scene/scene_json.h"
-#include "scene/scene_writer.h"
+#include "scene/scene_place.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -89,8 +89,8 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
     throw_bad_input(scene.folder / "sparse", "points3D", "there are no points, which say how near and far the photos see",
                     "take cameras and points from structure from motion (`aligngs poses --method colmap`)");
   }
-  require_outside(scene.folder, output);
-  require_scene_place(output, options.overwrite);
+  const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
+  require_scene_place(output, options.overwrite, sources);
   TrainingPhotos photos = load_photos(scene, options, pool);
   std::vector<PhotoDepth> depths = measure(scene, photos, options, pool);
   MeasureSceneReport report;
@@ -114,6 +114,8 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   for (size_t i = 0; i < depths.size(); ++i) write_depth(photos.names[i], photos.match[i].camera, depths[i], folder);
   note_depth(folder, report.measured);
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
+  mark_as_own(folder);
+  require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
   replacement.commit();
   return report;
 }

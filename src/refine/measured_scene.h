@@ -21,6 +21,7 @@ struct MeasureSceneOptions {
   ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool overwrite = false;
+  bool in_place = false;  ///< with overwrite: the output may be the scene itself, as where a run works on its own copy
   ProgressStyle progress;
 };
 
@@ -34,7 +35,7 @@ struct MeasureSceneReport {
   std::vector<Vec3f> log_gains;  ///< of the training views; empty without
 };
 
-/// Reads the scene, measures, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all.
+/// Reads the scene, measures, writes the new folder complete or not at all.
 /// Cameras and points stay as they are; test photos are not read. pred_depths/ holds depth where it is certain or lies between
 /// places where it is (none at all for photos that share nothing with others), pred_confidence/ how certain. Error{kBadInput} for a scene
 /// without points.

@@ -15,7 +15,7 @@
 #include "refine/scene_copy.h"
 #include "scene/colmap_model.h"
 #include "scene/prior_maps.h"
-#include "scene/scene_writer.h"
+#include "scene/scene_place.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -253,8 +253,8 @@ std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const
 
 RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
   require_depth(scene);
-  require_outside(scene.folder, output);
-  require_scene_place(output, options.overwrite);
+  const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
+  require_scene_place(output, options.overwrite, sources);
   Photos photos = load_photos(scene, options, pool);
   const std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
@@ -279,6 +279,8 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   }
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);
+  mark_as_own(folder);
+  require_scene_place(output, options.overwrite, sources);  // filled meanwhile?
   replacement.commit();
   return report;
 }

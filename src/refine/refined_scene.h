@@ -30,6 +30,7 @@ struct RefineSceneOptions {
   bool exposure = true;          ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
+  bool in_place = false;  ///< with overwrite: the output may be the scene itself, as where a run works on its own copy
   ProgressStyle progress;
 };
 
@@ -43,7 +44,7 @@ struct RefineSceneReport {
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 
-/// Reads the scene, refines, writes the new folder (with `overwrite` also that of the scene itself), complete or not at all. Needs metric prior depth of all training views
+/// Reads the scene, refines, writes the new folder complete or not at all. Needs metric prior depth of all training views
 /// (Error{kBadInput} otherwise: without it nothing says where to look for a match). The points of the
 /// scene stay as they came: training scales each photo's depth to them (docs/defaults.md says what that does).
 RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,

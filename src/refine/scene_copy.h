@@ -9,11 +9,11 @@
 
 namespace aligngs {
 
-/// Error{kUsage} when `output` lies inside of the scene that is to be copied to it.
-void require_outside(const std::filesystem::path& scene, const std::filesystem::path& output);
-
 /// All files of a scene folder. Error{kResources} when the disk is full.
 void copy_scene(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// A copy of a whole scene as a folder of this program's own, complete or not at all. Errors of require_scene_place().
+void write_scene_copy(const std::filesystem::path& from, const std::filesystem::path& to, bool overwrite);
 
 /// exposure.json of the training views, in the order of Scene::train.
 void write_training_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const std::filesystem::path& folder);

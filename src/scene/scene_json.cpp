@@ -170,7 +170,7 @@ ExposureJson read_exposure_json(const std::filesystem::path& path) {
 }
 
 void write_scene_json(const std::filesystem::path& path, const SceneJson& scene) {
-  json object = {{"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
+  json object = {{kWrittenBy, kThisProgram}, {"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
   if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
   write_object(path, object);
 }

@@ -11,7 +11,11 @@
 
 namespace aligngs {
 
-/// scene.json: {"units": "metres" | "arbitrary", "up": [x, y, z] | null, "source": "..."}.
+/// What scene.json says of folders that this program wrote, which it may replace when asked to (scene_place.h).
+inline constexpr const char* kWrittenBy = "written_by";
+inline constexpr const char* kThisProgram = "aligngs";
+
+/// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "source": "..."}.
 struct SceneJson {
   bool metric = false;
   std::optional<Vec3d> up;  ///< unit

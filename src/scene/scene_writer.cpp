@@ -12,6 +12,7 @@
 #include "io/npy.h"
 #include "io/ply.h"
 #include "scene/colmap_model.h"
+#include "scene/confidence_file.h"
 #include "scene/mesh_ply.h"
 #include "scene/prior_maps.h"
 
@@ -42,8 +43,9 @@ void copy_into_place(const fs::path& from, const fs::path& to) {
   on_disk(to, "the file cannot be copied", [&](std::error_code& error) { fs::copy_file(from, to, error); });
 }
 
-bool looks_like_a_scene(const fs::path& folder) {
-  return fs::is_regular_file(folder / "scene.json") || fs::is_directory(folder / "sparse");
+fs::path free_place(fs::path folder, bool overwrite, const std::vector<fs::path>& sources) {
+  require_scene_place(folder, overwrite, sources);
+  return folder;
 }
 
 std::vector<uint16_t> to_half(const std::vector<float>& values) {
@@ -121,29 +123,8 @@ void write_cloud_ply(const fs::path& path, const PointCloud& cloud) {
   write_ply(path, file);
 }
 
-void require_scene_place(const fs::path& folder, bool overwrite) {
-  if (!fs::exists(folder) || (fs::is_directory(folder) && fs::is_empty(folder))) return;
-  if (!fs::is_directory(folder) || !looks_like_a_scene(folder)) {
-    throw Error({ErrorKind::kUsage, "this is not empty and no scene folder: it is not replaced", folder, "output",
-                 "choose another folder"});
-  }
-  if (!overwrite) {
-    throw Error({ErrorKind::kUsage, "there is a scene already", folder, "output",
-                 "choose another folder, or add --overwrite to replace the scene in it"});
-  }
-}
-
-namespace {
-
-fs::path free_place(fs::path folder, bool overwrite) {
-  require_scene_place(folder, overwrite);
-  return folder;
-}
-
-}  // namespace
-
-SceneWriter::SceneWriter(fs::path folder, bool overwrite)
-    : overwrite_(overwrite), replacement_(free_place(std::move(folder), overwrite)) {
+SceneWriter::SceneWriter(fs::path folder, bool overwrite, std::vector<fs::path> sources)
+    : overwrite_(overwrite), sources_(std::move(sources)), replacement_(free_place(std::move(folder), overwrite, sources_)) {
   make_folder(replacement_.path() / "images");
 }
 
@@ -159,7 +140,10 @@ fs::path SceneWriter::write_image(const SceneViewParts& view) const {
     height = info.height;
   }
   if (width != view.camera.width || height != view.camera.height) {
-    fail("the image has not the size of its camera", copy ? view.image_file : path, "size");
+    const std::string sizes = std::to_string(width) + " x " + std::to_string(height) + " pixels, its camera is for " +
+                              std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height);
+    if (!copy) fail("the image has " + sizes, path, "size");
+    throw_bad_input(view.image_file, "size", "the image has " + sizes, "give the images that the cameras were found for");
   }
   if (copy) {
     copy_into_place(view.image_file, path);
@@ -175,10 +159,10 @@ void SceneWriter::add_view(const SceneViewParts& view) {
   const fs::path name(view.name);
   const bool inside = !view.name.empty() && name.is_relative() && !name.filename().empty() &&
                       std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-  if (!inside) fail("the name '" + view.name + "' cannot name a view", replacement_.target(), "name");
+  if (!inside) throw_bad_input(replacement_.target(), "name", "the name '" + view.name + "' cannot name a view", "rename the image");
   const bool repeated =
       std::any_of(views_.begin(), views_.end(), [&](const Written& w) { return w.name == view.name; });
-  if (repeated) fail("two views have the name '" + view.name + "'", replacement_.target(), "name");
+  if (repeated) throw_bad_input(replacement_.target(), "name", "two views have the name '" + view.name + "'", "rename one of the images");
 
   const fs::path image = write_image(view);
   const auto require_aspect = [&](int width, int height, const char* field) {
@@ -188,6 +172,7 @@ void SceneWriter::add_view(const SceneViewParts& view) {
     require_aspect(view.prior_depth.width, view.prior_depth.height, "prior_depth");
     write_depth(replacement_.path() / "pred_depths" / (view.name + ".npy"), view);
   }
+  if (!view.prior_confidence.empty()) write_confidence(replacement_.path(), view.name, view.prior_confidence);
   const SemanticMap& semantics = view.semantics;
   if (!semantics.values.empty()) {
     require_aspect(semantics.width, semantics.height, "semantics");
@@ -247,7 +232,7 @@ void SceneWriter::finish(const SceneParts& parts) {
     make_folder(folder / "truth");
     write_mesh_ply(folder / "truth" / "mesh.ply", parts.truth_mesh);
   }
-  if (!overwrite_) require_scene_place(replacement_.target(), false);  // filled meanwhile?
+  require_scene_place(replacement_.target(), overwrite_, sources_);  // filled meanwhile?
   replacement_.commit();
 }
 

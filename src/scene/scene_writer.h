@@ -13,6 +13,7 @@
 #include "scene/label_set.h"
 #include "scene/point_cloud.h"
 #include "scene/scene_json.h"
+#include "scene/scene_place.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -31,6 +32,7 @@ struct SceneViewParts {
   Image<uint8_t> image;              ///< used when image_file is empty: 3 or 4 channels
   int jpeg_quality = 0;              ///< of `image`; 0: PNG (always for 4 channels)
   ImageF prior_depth;                ///< scene units, 0 = none; any size of the image's aspect
+  ImageF prior_confidence;           ///< of prior_depth, see confidence_file.h
   bool half_depth = false;           ///< float16 instead of float32 (0.05 % steps; values within 6e-5 .. 65504)
   SemanticMap semantics;             ///< written as float16
   ImageF truth_depth;                ///< metres, 0 = none; written as uint16 millimetres
@@ -49,18 +51,15 @@ struct SceneParts {
   TriangleMesh truth_mesh;                ///< used when truth_mesh_file is empty
 };
 
-/// Error{kUsage} when `folder` is taken: it exists and is not empty, unless `overwrite` is set; even then only a folder
-/// that holds a scene (scene.json or sparse/) may be replaced.
-void require_scene_place(const std::filesystem::path& folder, bool overwrite);
-
 /// Collects a scene beside its place and puts it there on finish(): the folder appears complete or not at all.
 class SceneWriter {
  public:
-  /// Errors of require_scene_place().
-  SceneWriter(std::filesystem::path folder, bool overwrite);
+  /// Errors of require_scene_place(). `sources`: what the scene is made from.
+  SceneWriter(std::filesystem::path folder, bool overwrite, std::vector<std::filesystem::path> sources = {});
 
-  /// Writes the view's files at once, so that only one view need be in memory. Sizes that contradict each other,
-  /// a name that was used before or that leaves the folder, labels above 254: Error{kFailed}.
+  /// Writes the view's files at once, so that only one view need be in memory. A name that was used before
+  /// or that leaves the folder, a file of another size than its camera: Error{kBadInput}. Maps that contradict each other, labels above
+  /// 254: Error{kFailed}.
   void add_view(const SceneViewParts& view);
   /// Writes the rest and puts the folder in its place. Nothing may be called afterwards.
   void finish(const SceneParts& parts);
@@ -76,6 +75,7 @@ class SceneWriter {
   void write_models(const SceneParts& parts) const;
 
   bool overwrite_;
+  std::vector<std::filesystem::path> sources_;
   FolderReplacement replacement_;
   std::vector<Written> views_;
 };

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
-#include "scene/confidence_file.h"
 #include "scene/mesh_ply.h"
 #include "scene/scene_writer.h"
 #include "synth/raytracer.h"
@@ -84,8 +83,10 @@ PriorsJson priors_of(const SimulatedPriorOptions& options) {
 }  // namespace
 
 void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder, const SimulatedPriorOptions& options, ThreadPool& pool) {
+  const std::vector<std::filesystem::path> sources = {scene.folder};
+  require_scene_place(folder, options.overwrite, sources);
   const TriangleMesh mesh = truth_of(scene);
-  SceneWriter writer(folder, options.overwrite);
+  SceneWriter writer(folder, options.overwrite, sources);
   const RoomModel room = room_of(mesh);
   const RoomRays rays(room);
   std::vector<RenderedView> seen;
@@ -105,6 +106,7 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
     view.camera = teacher.views[i].camera;
     view.image_file = scene.views[i].image;
     view.prior_depth = teacher.views[i].depth;
+    view.prior_confidence = teacher.views[i].confidence;
     view.truth_depth = seen[i].depth;
     view.truth_camera = scene.evaluation_cameras[i];
     writer.add_view(view);
@@ -120,7 +122,6 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
   parts.priors = priors_of(options);
   parts.truth_mesh_file = scene.truth_mesh;
   writer.finish(parts);
-  for (size_t i = 0; i < scene.views.size(); ++i) write_confidence(folder, scene.views[i].name, teacher.views[i].confidence);
 }
 
 }  // namespace aligngs

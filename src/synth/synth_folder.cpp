@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "core/half.h"
-#include "scene/confidence_file.h"
 #include "scene/scene_writer.h"
 #include "synth/synth_scene.h"
 
@@ -64,6 +63,7 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
     v.camera = view.teacher.camera;
     v.image = view.image;  // already coded as JPEG once; PNG keeps exactly those pixels
     v.prior_depth = scene.prior_depth(view);
+    v.prior_confidence = view.teacher.confidence;
     v.semantics = map_of(view.scores);
     v.truth_depth = view.truth.depth;
     v.truth_labels = view.truth.labels;
@@ -82,7 +82,6 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.cloud = scene.cloud;
   parts.truth_mesh = scene.mesh;
   writer.finish(parts);
-  for (const SynthView& view : scene.views) write_confidence(folder, view.name, view.teacher.confidence);
 }
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {

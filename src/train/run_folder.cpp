@@ -1,11 +1,14 @@
 #include "train/run_folder.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/error.h"
+#include "io/output_place.h"
+#include "train/run_record.h"
 
 namespace aligngs {
 namespace {
@@ -18,6 +21,7 @@ constexpr std::array<std::string_view, 21> kProducts = {
     "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",
     "report.html",   "overview.jpg", "edits.json",  "edits",         "log.txt",
     "control",       "live"};
+constexpr std::array<std::string_view, 2> kReplaceable = {"scene.glb", "mesh"};  // written by commands that are asked to
 constexpr std::string_view kSceneFolder = "scene";
 constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
 
@@ -34,7 +38,7 @@ void remove_temporaries(const fs::path& folder) {
 
 }  // namespace
 
-bool RunFolder::has_run() const { return fs::exists(record()) || fs::exists(config()); }
+bool RunFolder::has_run() const { return is_run_record(record()); }
 
 void RunFolder::check(RunMode mode) const {
   std::error_code error;
@@ -50,9 +54,27 @@ void RunFolder::check(RunMode mode) const {
     const std::string name = entry.path().filename().string();
     // In a run folder people may keep notes of their own.
     if (has_run() || name == kSceneFolder || is_temporary(name)) continue;
-    throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run", folder_ / name, "-o",
+    throw Error({ErrorKind::kUsage, "the folder is not empty and holds no run of aligngs", folder_ / name, "-o",
                  "name a new or empty folder"});
   }
+}
+
+void RunFolder::require_apart_from(const fs::path& source) const {
+  bool apart = !lies_within(folder_, source);
+  for (const std::string_view product : kProducts) apart = apart && !lies_within(source, folder_ / product);
+  if (apart) return;
+  throw Error({ErrorKind::kUsage, "a run here would write into its source (" + source.string() + "), which is never changed", folder_, "-o",
+               "name a folder outside of the source"});
+}
+
+void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) const {
+  bool own = lies_within(file, folder_ / kSceneFolder) || (!scene.empty() && lies_within(file, scene));
+  for (const std::string_view product : kProducts) {
+    if (std::find(kReplaceable.begin(), kReplaceable.end(), product) != kReplaceable.end()) continue;
+    own = own || lies_within(file, folder_ / product);
+  }
+  if (!own) return;
+  throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output", "name another file"});
 }
 
 void RunFolder::prepare(RunMode mode) const {

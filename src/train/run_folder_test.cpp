@@ -28,7 +28,10 @@ class RunFolderTest : public testing::Test {
     const fs::path run = base_ / "run";
     fs::create_directories(run / "checkpoints");
     fs::create_directories(run / "scene" / "images");
-    for (const char* name : {"config.toml", "run.json", "scene.ply", "my notes.txt", "checkpoints/step_000001.safetensors"}) {
+    RunRecord record;
+    record.status = "running";
+    write_run_record(run / "run.json", record);
+    for (const char* name : {"config.toml", "scene.ply", "my notes.txt", "checkpoints/step_000001.safetensors"}) {
       std::ofstream(run / name) << "x";
     }
     return run;
@@ -62,6 +65,46 @@ TEST_F(RunFolderTest, ForeignFilesAreNeverTouched) {
     EXPECT_EQ(kind_of([&] { RunFolder(base_).prepare(mode); }), ErrorKind::kUsage);
   }
   EXPECT_TRUE(fs::exists(base_ / "thesis.tex"));
+}
+
+TEST_F(RunFolderTest, FilesThatAreNamedLikeARunsAreNoRun) {
+  for (const char* name : {"config.toml", "run.json", "transforms.json"}) std::ofstream(base_ / name) << "{\"schema\": 1}";
+  for (const RunMode mode : {RunMode::kNew, RunMode::kResume, RunMode::kOverwrite}) {
+    EXPECT_EQ(kind_of([&] { RunFolder(base_).prepare(mode); }), ErrorKind::kUsage);
+  }
+  EXPECT_TRUE(fs::exists(base_ / "transforms.json"));
+}
+
+TEST_F(RunFolderTest, ARunNeverLiesInItsSourceNorItsSourceInWhatARunWrites) {
+  const auto apart = [&](const fs::path& run, const fs::path& source) {
+    return kind_of([&] { RunFolder(base_ / run).require_apart_from(base_ / source); }) != ErrorKind::kUsage;
+  };
+  fs::create_directories(base_ / "data" / "images");
+  fs::create_directories(base_ / "run" / "scene");
+  fs::create_directories(base_ / "run" / "sparse");
+  fs::create_directory_symlink(base_ / "data", base_ / "link");
+  EXPECT_TRUE(apart("run", "data"));
+  EXPECT_TRUE(apart("run", "run/scene"));
+  EXPECT_FALSE(apart("data", "data"));
+  EXPECT_FALSE(apart("data/run", "data"));
+  EXPECT_FALSE(apart("link/run", "data"));
+  EXPECT_FALSE(apart("run/../data", "data"));
+  EXPECT_FALSE(apart("run", "run/sparse"));
+}
+
+TEST_F(RunFolderTest, WhatTheRunWroteIsNoPlaceForOtherFiles) {
+  const fs::path run = make_run();
+  std::ofstream(run / "scene.glb") << "x";
+  fs::create_directories(base_ / "scene");
+  fs::create_directory_symlink(run, base_ / "link");
+  const auto free = [&](const fs::path& file) {
+    return kind_of([&] { RunFolder(run).require_not_of_run(file, base_ / "scene"); }) != ErrorKind::kUsage;
+  };
+  for (const fs::path& file : {run / "scene.glb", run / "scene.edited.ply", run / "mesh" / "mesh.ply", base_ / "out.ply"}) EXPECT_TRUE(free(file)) << file;
+  for (const fs::path& file : {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", run / "scene" / "images" / "a.png", base_ / "scene" / "a.ply",
+                               base_ / "link" / "scene.ply", base_ / "scene" / ".." / "run" / "scene.ply"}) {
+    EXPECT_FALSE(free(file)) << file;
+  }
 }
 
 TEST_F(RunFolderTest, AFileIsNoRunFolder) {

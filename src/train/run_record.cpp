@@ -71,6 +71,18 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
   write_file_atomically(path, json_document(json));
 }
 
+bool is_run_record(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return false;
+  const Json json = parse_json(read_file(path, kLargestRecord));
+  if (!json.is_object()) return false;
+  const auto is_text = [&](const char* name) {
+    const auto it = json.find(name);
+    return it != json.end() && it->is_string();
+  };
+  const auto schema = json.find("schema");
+  return schema != json.end() && schema->is_number_integer() && is_text("status") && is_text("version") && is_text("fingerprint");
+}
+
 RunRecord read_run_record(const fs::path& path) {
   const Json json = parse_json(read_file(path, kLargestRecord));
   if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start anew with --overwrite");

@@ -32,6 +32,9 @@ struct RunRecord {
 
 /// Atomic; fields of the file that are not in the record (written by later stages) are kept.
 void write_run_record(const std::filesystem::path& path, const RunRecord& record);
+/// Whether a file is a record that this program wrote: false when it is absent, damaged or somebody else's run.json.
+bool is_run_record(const std::filesystem::path& path);
+
 /// Error{kBadInput} when it cannot be read.
 RunRecord read_run_record(const std::filesystem::path& path);
 

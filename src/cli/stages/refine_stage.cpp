@@ -18,7 +18,7 @@ namespace {
 template <class Options>
 Options options_of(const TrainConfig& config, const CommandContext& context) {
   Options options;
-  options.overwrite = true;
+  options.overwrite = options.in_place = true;  // RUN/scene may be what is read
   options.exposure = config.data.refine_exposure;
   options.planes = config.data.refine_planes && config.data.semantics;
   options.panels = config.data.refine_panels;

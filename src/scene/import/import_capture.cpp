@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "io/image_file.h"
+#include "io/output_place.h"
 #include "io/resample.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/view_selection.h"
@@ -180,11 +182,27 @@ struct CloudInputs {
   }
 };
 
+/// Everything that is read: what was given, and the folders of the files that it refers to elsewhere.
+std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& options) {
+  std::set<fs::path> folders;
+  for (const CapturedFrame& frame : capture.frames) {
+    for (const fs::path& file : {frame.image, frame.depth}) {
+      if (!file.empty()) folders.insert(real_place(file).parent_path());
+    }
+  }
+  std::vector<fs::path> sources = options.sources.empty() ? std::vector<fs::path>{capture.folder} : options.sources;
+  sources.insert(sources.end(), {options.sfm, capture.mesh});
+  sources.insert(sources.end(), folders.begin(), folders.end());
+  return sources;
+}
+
 }  // namespace
 
 ImportReport import_capture(const Capture& capture, const fs::path& output, const ImportOptions& options, ThreadPool& pool) {
+  const std::vector<fs::path> sources = sources_of(capture, options);
+  require_scene_place(output, options.overwrite, sources);  // before views are chosen, which takes long
   const Selection selection = select(capture, options, pool);
-  SceneWriter writer(output, options.overwrite);
+  SceneWriter writer(output, options.overwrite, sources);
   ImportReport report;
   report.train = selection.train.size();
   report.test = selection.test.size();

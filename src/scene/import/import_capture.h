@@ -24,7 +24,8 @@ struct ImportOptions {
   std::filesystem::path sfm;        ///< COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
   bool neuris_crop = false;         ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
   double voxel = 0;                 ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
-  bool overwrite = false;
+  bool overwrite = false;           ///< replace a scene that this program wrote there
+  std::vector<std::filesystem::path> sources;  ///< what was given to read; empty: the capture's folder
   ProgressStyle progress;
 };
 

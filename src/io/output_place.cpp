@@ -1,0 +1,65 @@
+#include "io/output_place.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include "core/error.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Of scenes, meshes, splats, pictures, tables and pages.
+constexpr std::array<std::string_view, 22> kKnownExtensions = {".ply",  ".glb",   ".gltf",  ".obj",  ".sog", ".spz",  ".splat", ".ksplat", ".usd", ".usda", ".usdc",
+                                                               ".usdz", ".stl",   ".fbx",   ".html", ".htm", ".csv",  ".json",  ".png",    ".jpg", ".jpeg", ".zip"};
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+}  // namespace
+
+fs::path real_place(const fs::path& path) {
+  std::error_code error;
+  fs::path place = fs::weakly_canonical(fs::absolute(path), error);
+  if (error) place = fs::absolute(path).lexically_normal();
+  if (place.filename().empty() && place.has_relative_path()) place = place.parent_path();  // "out/" means "out"
+  return place;
+}
+
+bool lies_within(const fs::path& path, const fs::path& folder) {
+  const fs::path around = real_place(folder);
+  for (fs::path place = real_place(path);; place = place.parent_path()) {
+    std::error_code error;
+    if (place == around || fs::equivalent(place, around, error)) return true;  // of what is not there: an error, and false
+    if (place == place.parent_path()) return false;
+  }
+}
+
+void require_apart(const fs::path& output, const std::vector<fs::path>& sources) {
+  for (const fs::path& source : sources) {
+    if (source.empty()) continue;
+    const bool inside = lies_within(output, source);
+    if (!inside && !lies_within(source, output)) continue;
+    const std::string what = inside ? "this is the source, or lies in it" : "the source lies in it";
+    throw Error({ErrorKind::kUsage, what + " (" + source.string() + "): a source is never changed", output, "output",
+                 "choose a folder outside of the source"});
+  }
+}
+
+void require_extension(const fs::path& file, const std::string& extension) {
+  const std::string has = lower_case(file.extension().string());
+  const std::string wanted = "." + extension.substr(extension.rfind('.') + 1);
+  if (has == wanted || (wanted == ".html" && has == ".htm")) return;
+  if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), has) == kKnownExtensions.end()) return;
+  throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written", file, "output",
+               "name a file that ends in " + wanted + ", or ask for the other format"});
+}
+
+}  // namespace aligngs

@@ -1,0 +1,25 @@
+// Where output may go: never into or over what a command reads.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+/// Absolute, with symbolic links and ".." resolved as far as the path exists, without a trailing slash.
+std::filesystem::path real_place(const std::filesystem::path& path);
+
+/// Whether `path` is `folder` or lies in it, by what the file system says: links, "..", folders that are mounted twice. A path that is
+/// not there yet lies where its nearest parent that is there lies. `folder` may be a file, in which only the file itself lies.
+bool lies_within(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+/// Error{kUsage} when writing `output` would write into one of the sources or over it: it is one, lies in one, or holds one. Empty
+/// paths among the sources are left out.
+void require_apart(const std::filesystem::path& output, const std::vector<std::filesystem::path>& sources);
+
+/// Error{kUsage} when the name of `file` promises another format than `extension` ("glb", "labels.ply"), whatever its case: a name
+/// that ends in an extension that people know must end in this one. A name without such an ending promises nothing.
+void require_extension(const std::filesystem::path& file, const std::string& extension);
+
+}  // namespace aligngs

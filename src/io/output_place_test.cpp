@@ -1,0 +1,85 @@
+#include "io/output_place.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputPlace : public testing::Test {
+ protected:
+  void SetUp() override {
+    base_ = fs::path(testing::TempDir()) / "output_place" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(base_);
+    fs::create_directories(base_ / "capture" / "images");
+    fs::create_directories(base_ / "other");
+  }
+  bool apart(const fs::path& output, const fs::path& source) const {
+    try {
+      require_apart(base_ / output, {base_ / source});
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+      return false;
+    }
+    return true;
+  }
+  fs::path base_;
+};
+
+TEST_F(OutputPlace, AFolderBesideTheSourceIsApart) {
+  EXPECT_TRUE(apart("scene", "capture"));
+  EXPECT_TRUE(apart("capture2", "capture")) << "a common beginning of the name is no common folder";
+  EXPECT_TRUE(apart("other/deep/down", "capture"));
+}
+
+TEST_F(OutputPlace, TheSourceWhatLiesInItAndWhatHoldsItAreNot) {
+  for (const char* output : {"capture", "capture/", "capture/scene", "capture/images/new/deep", "."}) EXPECT_FALSE(apart(output, "capture")) << output;
+}
+
+TEST_F(OutputPlace, DotsDoNotHideTheSource) {
+  for (const char* output : {"other/../capture", "./capture/.", "other/../capture/images/../scene"}) EXPECT_FALSE(apart(output, "capture")) << output;
+  EXPECT_TRUE(apart("capture/../scene", "capture"));
+}
+
+TEST_F(OutputPlace, LinksDoNotHideTheSource) {
+  fs::create_directory_symlink(base_ / "capture", base_ / "link");
+  fs::create_directory_symlink(base_ / "capture" / "images", base_ / "other" / "photos");
+  EXPECT_FALSE(apart("link", "capture"));
+  EXPECT_FALSE(apart("link/scene", "capture"));
+  EXPECT_FALSE(apart("capture", "link"));
+  EXPECT_FALSE(apart("other/photos/../scene", "capture")) << "beside what the link points to, which is in the capture";
+}
+
+TEST_F(OutputPlace, ALinkInTheOutputToTheSourceIsNoDanger) {
+  fs::create_directory_symlink(base_ / "capture", base_ / "other" / "data");
+  EXPECT_TRUE(apart("other", "capture")) << "replacing the folder removes the link, not what it points to";
+}
+
+TEST_F(OutputPlace, ASourceMayBeAbsent) { EXPECT_NO_THROW(require_apart(base_ / "capture", {fs::path()})); }
+
+TEST_F(OutputPlace, RealPlaceKeepsWhatIsNotThereYet) {
+  EXPECT_EQ(real_place(base_ / "new" / "deep" / ""), fs::canonical(base_) / "new" / "deep");
+  EXPECT_EQ(real_place("/"), "/");
+}
+
+TEST(OutputExtension, ANameThatPromisesAnotherFormatIsAUsageError) {
+  using Names = std::vector<std::pair<const char*, const char*>>;
+  for (const auto& [file, format] : Names{{"a.glb", "glb"}, {"a.GLB", "glb"}, {"a.labels.ply", "labels.ply"}, {"a.ply", "labels.ply"},
+                                          {"a", "spz"}, {"room.v2", "obj"}, {"page.htm", "html"}, {"folder.obj/a", "spz"}}) {
+    EXPECT_NO_THROW(require_extension(file, format)) << file;
+  }
+  for (const auto& [file, format] : Names{{"a.spz", "glb"}, {"a.gltf", "glb"}, {"a.OBJ", "ply"}, {"a.ply", "splat"}, {"a.html", "sog"}}) {
+    try {
+      require_extension(file, format);
+      ADD_FAILURE() << file;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,132 @@
+// What a user has is never lost: no command writes into its source or over a folder that aligngs did not write.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+
+#include "io/atomic_file.h"
+#include "support/process.h"
+#include "support/small_scene.h"
+
+namespace aligngs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::ProcessResult;
+using testing_support::run_aligngs;
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+/// Every file below a folder with its content.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = read_file(entry.path());
+  }
+  return files;
+}
+
+class DataLoss : public testing::Test {
+ protected:
+  /// A data set as other programs leave it: photos, a COLMAP model, a database, notes, and a run of somebody else.
+  void SetUp() override {
+    root_ = fs::path(testing::TempDir()) / "data_loss" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(root_);
+    testing_support::write_small_scene(root_ / "made");
+    fs::create_directories(data());
+    for (const char* part : {"images", "sparse"}) fs::copy(root_ / "made" / part, data() / part, fs::copy_options::recursive);
+    for (const char* file : {"database.db", "notes.txt", "config.toml", "run.json"}) write_file_atomically(data() / file, "{}");
+    fs::create_directory_symlink(data(), root_ / "link");
+    before_ = contents(data());
+  }
+  fs::path data() const { return root_ / "data"; }
+  ProcessResult aligngs(const std::string& arguments) const { return run_aligngs(arguments + " -q", root_ / "scratch"); }
+  /// The command ends with a usage error, and the data set is what it was.
+  void expect_refused(const std::string& arguments, const char* words = "source") const {
+    const ProcessResult result = aligngs(arguments);
+    EXPECT_EQ(result.status, 2) << arguments << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr(words)) << arguments;
+    EXPECT_THAT(result.err, HasSubstr("remedy")) << arguments;
+    EXPECT_TRUE(contents(data()) == before_) << arguments;
+  }
+  fs::path root_;
+  std::map<std::string, std::string> before_;
+};
+
+TEST_F(DataLoss, NoCommandWritesOverItsSource) {
+  for (const fs::path& output : {data(), root_ / "link", data() / "images" / "..", data() / ""}) {
+    expect_refused("import " + quoted(data()) + " --overwrite -o " + quoted(output));
+    expect_refused("poses " + quoted(data() / "images") + " --method given --overwrite -o " + quoted(output));
+    expect_refused("refine " + quoted(data()) + " --overwrite -o " + quoted(output));
+    expect_refused("data simulate " + quoted(data()) + " --overwrite -o " + quoted(output));
+    expect_refused("train " + quoted(data()) + " -n 1 --overwrite -o " + quoted(output), "");
+    expect_refused("run " + quoted(data()) + " -n 1 --overwrite -o " + quoted(output), "");
+  }
+}
+
+TEST_F(DataLoss, NoCommandWritesIntoItsSource) {
+  for (const fs::path& output : {data() / "new", root_ / "link" / "images" / "new"}) {
+    expect_refused("import " + quoted(data()) + " -o " + quoted(output));
+    expect_refused("refine " + quoted(data()) + " -o " + quoted(output));
+    expect_refused("train " + quoted(data()) + " -n 1 -o " + quoted(output));
+    expect_refused("run " + quoted(data()) + " -n 1 -o " + quoted(output));
+  }
+  expect_refused("poses " + quoted(data() / "images") + " --method given -o " + quoted(data() / "images" / "new"));
+  expect_refused("priors " + quoted(data()), "-o OUT");
+}
+
+TEST_F(DataLoss, NoCommandReplacesAFolderThatIsNotItsOwn) {
+  for (const fs::path& output : {data(), root_ / "link"}) {
+    expect_refused("import " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
+    expect_refused("poses " + quoted(root_ / "made" / "images") + " --method given --overwrite -o " + quoted(output), "never replaced");
+    expect_refused("refine " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
+    expect_refused("data simulate " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
+    expect_refused("synth --size 32x24 --views 4 --test-views 1 --overwrite " + quoted(output), "never replaced");
+    expect_refused("train " + quoted(root_ / "made") + " -n 1 --overwrite -o " + quoted(output), "holds no run");
+    expect_refused("run " + quoted(root_ / "made") + " -n 1 --overwrite -o " + quoted(output), "holds no run");
+    expect_refused("demo --overwrite -n 1 -o " + quoted(output), "holds no run");
+  }
+}
+
+TEST_F(DataLoss, APhotoThatALinkBringsIsPartOfTheSource) {
+  fs::create_directories(root_ / "linked");
+  fs::copy(data() / "sparse", root_ / "linked" / "sparse", fs::copy_options::recursive);
+  fs::create_directory_symlink(root_ / "made" / "images", root_ / "linked" / "images");
+  const auto made = contents(root_ / "made");
+  const ProcessResult result = aligngs("import " + quoted(root_ / "linked") + " --overwrite -o " + quoted(root_ / "made"));
+  EXPECT_EQ(result.status, 2) << result.err;
+  EXPECT_TRUE(contents(root_ / "made") == made);
+}
+
+TEST_F(DataLoss, AnOwnSceneIsReplacedWhenAsked) {
+  const std::string command = "import " + quoted(data()) + " -o " + quoted(root_ / "made");
+  EXPECT_EQ(aligngs(command).status, 2);
+  const ProcessResult result = aligngs(command + " --overwrite");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(contents(data()) == before_);
+}
+
+TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
+  const fs::path run = root_ / "run";
+  ASSERT_EQ(aligngs("train " + quoted(root_ / "made") + " -n 2 -o " + quoted(run)).status, 0);
+  fs::create_directory_symlink(run, root_ / "run_link");
+  const auto trained = contents(run), made = contents(root_ / "made");
+  for (const fs::path& file : {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", root_ / "run_link" / "scene.ply",
+                               root_ / "data" / ".." / "run" / "scene.labels.ply", root_ / "made" / "sparse" / "points3D.ply"}) {
+    for (const std::string command : {"export " + quoted(run) + " -f ply -o ", "mesh " + quoted(run) + " -o "}) {
+      const ProcessResult result = aligngs(command + quoted(file));
+      EXPECT_EQ(result.status, 2) << command << file << result.err;
+    }
+  }
+  EXPECT_EQ(aligngs("edit " + quoted(run) + " --select wall --delete -o " + quoted(run / "edited")).status, 2);
+  EXPECT_TRUE(contents(run) == trained);
+  EXPECT_TRUE(contents(root_ / "made") == made);
+  const ProcessResult result = aligngs("export " + quoted(run) + " -f ply");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(read_file(run / "scene.ply") == trained.at("scene.ply"));
+  EXPECT_TRUE(fs::exists(run / "scene.export.ply"));
+}
+
+}  // namespace
+}  // namespace aligngs
