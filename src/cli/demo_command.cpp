@@ -12,6 +12,7 @@
 #include "cli/train_options.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "scene/scene_place.h"
 #include "train/run_folder.h"
 
 namespace aligngs {
@@ -33,7 +34,9 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   const auto page = serve_while_working(options.view, options.view_port, run, scene, train.threads);
   if (!options.resume || !fs::exists(scene)) {
     log_info("making a synthetic {} with simulated priors", synth.synth.room);
-    make_and_write_scene(synth_options(synth), scene, fs::exists(scene), context);
+    const bool overwrite = fs::exists(scene);
+    require_scene_place(scene, overwrite);
+    write_synth_scene(make_scene(synth_options(synth), context), scene, overwrite);
   }
   const bool begun = options.resume && fs::exists(RunFolder(run).record());
   const TrainConfig config = resolve_run(train).config;

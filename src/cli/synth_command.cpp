@@ -11,6 +11,7 @@
 #include "core/log.h"
 #include "mesh/fusion.h"
 #include "metrics/mesh_protocols.h"
+#include "scene/scene_place.h"
 #include "synth/acceptance.h"
 
 namespace aligngs {
@@ -73,10 +74,12 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
   add_synth_options(*command, options);
   command->add_option("--seed", options->synth.seed, "the same as --room-seed");
   command->callback([&context, options, output, overwrite] {
-    const SynthScene scene = make_and_write_scene(synth_options(*options), *output, *overwrite, context);
+    require_scene_place(*output, *overwrite);
+    const SynthScene scene = make_scene(synth_options(*options), context);
     ThreadPool pool(context.global.threads);
     AcceptanceReport report = measure_acceptance(scene, pool);
     report.figures.push_back(tsdf_figure(scene, pool));
+    write_synth_scene(scene, *output, *overwrite);  // last: who stops the command has what was there before
     if (context.global.json) {
       const nlohmann::json document = {{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
                                        {"acceptance", to_json(report)}};

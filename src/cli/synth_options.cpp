@@ -1,6 +1,7 @@
 #include "cli/synth_options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
@@ -11,7 +12,7 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
   SynthOptions& synth = options->synth;
   command.add_option("--room", synth.room, "kind of room")->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))->capture_default_str();
   command.add_option("--views", synth.views, "views in all, test views included")->check(CLI::Range(2, 10000))->capture_default_str();
-  command.add_option("--test-views", synth.test_views, "test views among them")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command.add_option("--test-views", options->test_views, "test views among them (default: 8, or a third of fewer than 24 views)")->check(CLI::NonNegativeNumber);
   command.add_option("--size", options->size, "image size WxH (default 320x240)");
   command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, walk and teachers")->capture_default_str();
   command.add_option("--teacher-seed", synth.teacher_seed, "another simulated teacher for the same room");
@@ -31,6 +32,11 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
       throw_usage("--size must be WxH, got \"" + options.size + "\"", "for example --size 640x480");
     }
   }
+  synth.test_views = options.test_views.value_or(std::min(synth.test_views, synth.views / 3));
+  if (synth.views - synth.test_views < 2) {
+    throw_usage("of " + std::to_string(synth.views) + " views " + std::to_string(synth.test_views) + " are test views: two must be left for training",
+                "raise --views or lower --test-views");
+  }
   synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
   synth.level = parse_teacher_level(options.level);
   synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
@@ -41,19 +47,13 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
   return synth;
 }
 
-SynthScene make_and_write_scene(const SynthOptions& options, const std::filesystem::path& folder, bool overwrite,
-                                const CommandContext& context) {
+SynthScene make_scene(const SynthOptions& options, const CommandContext& context) {
   ThreadPool pool(context.global.threads);
-  SynthScene scene;
-  {
-    constexpr uint64_t kSteps = 1000;
-    Progress progress(context.progress(), "synth", kSteps);
-    scene = make_synth_scene(options, pool, [&](double share, const std::string& what) {
-      progress.update(static_cast<uint64_t>(share * kSteps), what);
-    });
-  }
-  write_synth_scene(scene, folder, overwrite);
-  return scene;
+  constexpr uint64_t kSteps = 1000;
+  Progress progress(context.progress(), "synth", kSteps);
+  return make_synth_scene(options, pool, [&](double share, const std::string& what) {
+    progress.update(static_cast<uint64_t>(share * kSteps), what);
+  });
 }
 
 }  // namespace aligngs

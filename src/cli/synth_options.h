@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "cli/command.h"
@@ -11,14 +12,14 @@ namespace aligngs {
 
 struct SynthCommandOptions {
   SynthOptions synth;
+  std::optional<int> test_views;
   std::string size, teacher = "simulated", level = "medium", depth = "feedforward", cloud = "feedforward", labels = "teacher";
 };
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options);
 /// The options with the words resolved; Error{kUsage} for a size that is not WxH.
 SynthOptions synth_options(const SynthCommandOptions& options);
-/// Makes the scene with a progress line and writes it.
-SynthScene make_and_write_scene(const SynthOptions& options, const std::filesystem::path& folder, bool overwrite,
-                                const CommandContext& context);
+/// Makes the scene with a progress line.
+SynthScene make_scene(const SynthOptions& options, const CommandContext& context);
 
 }  // namespace aligngs

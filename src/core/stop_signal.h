@@ -1,14 +1,40 @@
-// Ctrl-C and SIGTERM as a question a long loop can ask.
+// How a command is stopped. There is one mechanism for all of them:
+//
+//   1. A signal (Ctrl-C, SIGTERM, SIGHUP, SIGUSR1) is answered on standard error at once, and asks the program to stop.
+//   2. Stop points look at that request and throw Error{kInterrupted}, whose way out removes what is half-written. They stand where
+//      every command comes by: in the loops of ThreadPool, and before a file or folder takes its place (io/atomic_file.h,
+//      io/folder_replacement.h).
+//   3. Work that comes to no stop point within kGraceSeconds is ended from outside: what is half-written (core/temporary_paths.h) is
+//      removed, and the process ends with status 75. A second Ctrl-C does the same at once, with status 130.
+//
+// Work that stops itself at a better place, as training does, holds a StopDeferral.
 #pragma once
 
 namespace aligngs {
 
-/// Installs handlers for SIGINT, SIGTERM and SIGUSR1. The first signal asks the program to stop at the
-/// next safe point; a second SIGINT, half a second later or more, ends the process at once with status 130.
+inline constexpr double kGraceSeconds = 2;  // a command that was asked to stop has ended within 3
+
+/// Installs the handlers, and starts the thread that ends what does not end itself. SIGHUP stays ignored where it is (nohup).
 void install_stop_handlers();
 
 /// True once a signal asked the program to stop.
 bool stop_requested();
+
+/// A stop point: Error{kInterrupted} once a signal asked the program to stop, unless this thread defers it.
+void stop_if_requested();
+
+/// While one lives, stop points in its thread do nothing, and nothing ends the process from outside but a second Ctrl-C: the work
+/// looks at stop_requested() itself.
+class StopDeferral {
+ public:
+  StopDeferral();
+  ~StopDeferral();
+  StopDeferral(const StopDeferral&) = delete;
+  StopDeferral& operator=(const StopDeferral&) = delete;
+};
+
+/// Whether this thread holds a StopDeferral.
+bool stop_deferred();
 
 /// For tests, and for programs that stop from inside.
 void request_stop();

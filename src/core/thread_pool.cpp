@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <atomic>
 
+#include "core/stop_signal.h"
+
 namespace aligngs {
 
 struct ThreadPool::Job {
   size_t count, grain;
+  bool stoppable;  // by a signal: the caller does not defer it
   const std::function<void(size_t, size_t, int)>* body;
   std::atomic<size_t> next{0};
   std::mutex error_mutex;
@@ -32,6 +35,7 @@ void ThreadPool::run_chunks(Job& job, int worker) {
     const size_t begin = job.next.fetch_add(job.grain, std::memory_order_relaxed);
     if (begin >= job.count) return;
     try {
+      if (job.stoppable) stop_if_requested();
       (*job.body)(begin, std::min(job.count, begin + job.grain), worker);
     } catch (...) {
       const std::lock_guard<std::mutex> lock(job.error_mutex);
@@ -43,7 +47,7 @@ void ThreadPool::run_chunks(Job& job, int worker) {
 
 void ThreadPool::parallel_for(size_t count, size_t grain, const std::function<void(size_t, size_t, int)>& body) {
   if (count == 0) return;
-  Job job{count, std::max<size_t>(grain, 1), &body, {}, {}, {}};
+  Job job{count, std::max<size_t>(grain, 1), !stop_deferred(), &body, {}, {}, {}};
   if (workers_.empty() || count <= job.grain) {
     run_chunks(job, 0);
   } else {

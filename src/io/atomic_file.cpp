@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/stop_signal.h"
+#include "core/temporary_paths.h"
 
 namespace aligngs {
 namespace {
@@ -26,6 +28,8 @@ const char* remedy_for(int code) {
     case EDQUOT:
     case EFBIG:
       return "free disk space or write elsewhere";
+    case ENAMETOOLONG:
+      return "use a shorter name";
     case EACCES:
     case EPERM:
     case EROFS:
@@ -59,18 +63,21 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
         path_, "cannot create the folder " + folder_of(path_).string() + ": " + error.message(),
         remedy_for(error.value()));
   }
-  temporary_ = path_;
-  temporary_ += ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+  temporary_ = temporary_beside(path_, ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
+  note_temporary_path(temporary_);
   descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
     const int code = errno;
+    forget_temporary_path(temporary_);
     throw_resources(path_, "cannot create the file: " + system_message(code), remedy_for(code));
   }
 }
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  forget_temporary_path(temporary_);
 }
 
 void AtomicFile::flush() {
@@ -99,10 +106,15 @@ void AtomicFile::write(const void* data, size_t bytes) {
 }
 
 void AtomicFile::commit() {
+  stop_if_requested();
   flush();
   int code = ::fsync(descriptor_) != 0 ? errno : 0;
   if (::close(std::exchange(descriptor_, -1)) != 0 && code == 0) code = errno;
-  if (code == 0 && ::rename(temporary_.c_str(), path_.c_str()) != 0) code = errno;
+  if (code == 0) {
+    const auto lock = hold_temporary_paths();
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) code = errno;
+    else forget_temporary_path(temporary_);
+  }
   if (code != 0)
     throw_resources(path_, "cannot finish the file: " + system_message(code), remedy_for(code));
   temporary_.clear();

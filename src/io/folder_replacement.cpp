@@ -1,12 +1,17 @@
 #include "io/folder_replacement.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "core/error.h"
+#include "core/stop_signal.h"
+#include "core/temporary_paths.h"
+#include "io/output_place.h"
 
 namespace aligngs {
 
@@ -15,42 +20,63 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path beside(const fs::path& target, const char* suffix) {
-  fs::path path = target;
-  path += suffix + std::to_string(::getpid());
-  return path;
+  return temporary_beside(target, suffix + std::to_string(::getpid()));
+}
+
+/// Two folders change places, or the first takes the free place of the second. False where the system or the disk cannot do that at once.
+bool exchange(const fs::path& a, const fs::path& b, bool replaced) {
+  return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), replaced ? RENAME_EXCHANGE : RENAME_NOREPLACE) == 0;
 }
 
 }  // namespace
 
-FolderReplacement::FolderReplacement(fs::path target) : target_(fs::absolute(target).lexically_normal()) {
-  if (target_.filename().empty()) target_ = target_.parent_path();  // "out/" means "out"
+FolderReplacement::FolderReplacement(fs::path target) : target_(real_place(target)) {
   temporary_ = beside(target_, ".tmp-");
+  note_temporary_path(temporary_);
   std::error_code error;
   fs::remove_all(temporary_, error);
   if (!error) fs::create_directories(temporary_, error);
-  if (error) throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (!error) return;
+  forget_temporary_path(temporary_);
+  throw_resources(target_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
 }
 
 FolderReplacement::~FolderReplacement() {
+  if (temporary_.empty()) return;
   std::error_code ignored;  // nothing to be done about a left-over while another error may be on its way
-  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+  fs::remove_all(temporary_, ignored);
+  forget_temporary_path(temporary_);
 }
 
 void FolderReplacement::commit() {
-  // The old folder moves aside first: rename() does not replace a folder that is not empty.
-  const fs::path old = beside(target_, ".old.tmp-");
+  stop_if_requested();
   std::error_code error;
-  const bool replaced = fs::exists(target_, error);
+  {
+    const auto lock = hold_temporary_paths();
+    const bool replaced = fs::exists(target_, error);
+    if (exchange(temporary_, target_, replaced)) {
+      // What stood there before now has the temporary name, under which it is removed.
+      if (!replaced) forget_temporary_path(temporary_);
+    } else {
+      move_in_two_steps(replaced, error);
+    }
+  }
+  if (error) throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
+  std::error_code ignored;
+  fs::remove_all(temporary_, ignored);
+  forget_temporary_path(temporary_);
+  temporary_.clear();
+}
+
+/// The old folder moves aside first: rename() does not replace a folder that is not empty.
+void FolderReplacement::move_in_two_steps(bool replaced, std::error_code& error) {
+  const fs::path old = beside(target_, ".old.tmp-");
+  error.clear();
   if (replaced) fs::rename(target_, old, error);
   if (!error) fs::rename(temporary_, target_, error);
-  if (error) {
-    std::error_code ignored;
-    if (replaced && !fs::exists(target_, ignored)) fs::rename(old, target_, ignored);
-    throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
-  }
-  temporary_.clear();
   std::error_code ignored;
-  fs::remove_all(old, ignored);
+  if (error && replaced && !fs::exists(target_, ignored)) fs::rename(old, target_, ignored);
+  if (!error && replaced) fs::rename(old, temporary_, ignored);
 }
 
 }  // namespace aligngs

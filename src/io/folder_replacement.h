@@ -2,12 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <system_error>
 
 namespace aligngs {
 
-/// A folder that is filled under a temporary name beside its place (`<target>.tmp-<pid>`) and takes it on commit(); what
-/// stood there before goes only then, and is put back when the new one cannot take its place. Without commit the
-/// temporary folder is removed. Errors of the file system: Error{kResources} naming the target.
+/// A folder that is filled under a temporary name beside its place (`<target>.tmp-<pid>`) and takes it on commit(), at once where the
+/// file system can exchange two names; what stood there before goes only then. Without commit the temporary folder is removed.
+/// Errors of the file system: Error{kResources} naming the target. commit() is a stop point (core/stop_signal.h).
 class FolderReplacement {
  public:
   explicit FolderReplacement(std::filesystem::path target);
@@ -15,11 +16,13 @@ class FolderReplacement {
   FolderReplacement(const FolderReplacement&) = delete;
   FolderReplacement& operator=(const FolderReplacement&) = delete;
 
-  const std::filesystem::path& target() const { return target_; }  ///< absolute, without a trailing slash
+  const std::filesystem::path& target() const { return target_; }  ///< real_place() of what was given
   const std::filesystem::path& path() const { return temporary_; }
   void commit();
 
  private:
+  void move_in_two_steps(bool replaced, std::error_code& error);
+
   std::filesystem::path target_, temporary_;
 };
 

@@ -36,6 +36,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
                       const std::function<void(const std::string&)>& on_line) {
   constexpr size_t kLastCharacters = 2000;
   constexpr int kPollMilliseconds = 200;  // how soon a stop request is seen
+  constexpr int kPollsToEnd = 4;  // 0.8 s to end after SIGTERM, well within kGraceSeconds (core/stop_signal.h)
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw_resources({}, std::strerror(errno));
   posix_spawn_file_actions_t actions;
@@ -59,6 +60,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
   ChildResult result;
   std::string line;
   bool stopped = false;
+  int polls_since = 0;
   const auto take = [&] {
     out << line << '\n';
     result.last_lines += line + "\n";
@@ -71,6 +73,10 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
     if (!stopped && stop_requested()) {
       stopped = true;
       kill(child, SIGTERM);
+    }
+    if (stopped && ++polls_since > kPollsToEnd) {
+      kill(child, SIGKILL);
+      break;  // its own children may hold the pipe open
     }
     pollfd waiting{ends[0], POLLIN, 0};
     if (poll(&waiting, 1, kPollMilliseconds) <= 0) continue;

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/temporary_paths.h"
 #include "io/weight_file.h"
 #include "priors/http_download.h"
 
@@ -189,13 +190,16 @@ fs::path import_model_file(const ModelStore& store, const PublishedModel& model,
   std::error_code error;
   const fs::path temporary = target.string() + ".importing";
   if (!fs::equivalent(source, target, error)) {
+    note_temporary_path(temporary);  // gigabytes, which take longer to copy than a signal waits
     fs::remove(temporary, error);
     fs::create_hard_link(source, temporary, error);
     if (error) {
       require_space(target.parent_path(), temporary, fs::file_size(source));
       fs::copy_file(source, temporary, fs::copy_options::overwrite_existing);
     }
+    const auto lock_names = hold_temporary_paths();
     fs::rename(temporary, target);
+    forget_temporary_path(temporary);
   }
   record.path = fs::absolute(target).string();
   record.source = fs::absolute(source).string();

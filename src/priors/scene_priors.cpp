@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/half.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "io/folder_replacement.h"
 #include "io/image_file.h"
 #include "io/npy.h"
 #include "nn/depther.h"
@@ -53,12 +55,6 @@ std::string digest_of(const ModelStore& store, const PublishedModel& model) {
   return all;
 }
 
-void stop_if_asked() {
-  if (!stop_requested()) return;
-  throw Error({ErrorKind::kInterrupted, "stopped between two views", {}, "",
-               "run the same command again; what was written before is replaced"});
-}
-
 /// What a prior that stands in the folder means for filling it.
 enum class Standing { kAbsent, kKeep, kReplace };
 
@@ -75,28 +71,48 @@ Standing standing(const Scene& scene, const std::string& what, fs::path View::*m
               "--overwrite replaces it");
 }
 
-/// Old maps go first, and the note of the new ones comes before them: a fill that is interrupted
-/// leaves a prior that is seen to be incomplete, never a mixture.
-void begin_fill(const Scene& scene, fs::path View::*map, const PriorsJson& notes) {
-  for (const View& view : scene.views) {
-    if (!(view.*map).empty()) fs::remove(view.*map);
+/// The maps of one prior while they are made. They take the place of the old ones together, when all are there.
+class PriorFill {
+ public:
+  /// `maps`: their folder in the scene; `confidence`: whether pred_confidence/ comes with them.
+  PriorFill(const Scene& scene, const char* maps, bool confidence) : scene_(scene), maps_(scene.folder / maps) {
+    if (confidence) confidence_.emplace(scene.folder / "pred_confidence");
   }
-  if (map == &View::prior_depth) fs::remove_all(scene.folder / "pred_confidence");  // of the depth that goes
-  write_priors_json(scene.folder / "priors.json", notes);
-}
 
-void write_half_map(const fs::path& file, const std::vector<int64_t>& shape,
-                    const std::vector<uint16_t>& half) {
-  fs::create_directories(file.parent_path());
-  write_npy_float16(file, shape, half.data());
-}
+  void add(const std::string& view, const std::vector<int64_t>& shape, const std::vector<uint16_t>& half) {
+    const fs::path file = maps_.path() / (view + ".npy");
+    fs::create_directories(file.parent_path());
+    write_npy_float16(file, shape, half.data());
+  }
+  void add_depth(const std::string& view, const ImageF& depth) {
+    std::vector<uint16_t> half(depth.data.size());
+    std::transform(depth.data.begin(), depth.data.end(), half.begin(), float_to_half);
+    add(view, {depth.height, depth.width}, half);
+  }
+  void add_confidence(const std::string& view, const ImageF& map) {
+    const fs::path file = confidence_->path() / (view + ".npy");
+    fs::create_directories(file.parent_path());
+    write_confidence_map(file, map);
+  }
 
-void write_depth(const Scene& scene, const View& view, const ImageF& depth) {
-  std::vector<uint16_t> half(depth.data.size());
-  std::transform(depth.data.begin(), depth.data.end(), half.begin(), float_to_half);
-  write_half_map(scene.folder / "pred_depths" / (view.name + ".npy"), {depth.height, depth.width},
-                 half);
-}
+  /// Until the last step priors.json does not say what made the maps, so that those of an end in between are of unknown origin.
+  void finish(std::optional<PriorJson> PriorsJson::*entry, const PriorsJson& notes) {
+    PriorsJson unknown = notes;
+    unknown.*entry = std::nullopt;
+    stop_if_requested();
+    const StopDeferral until_done;
+    write_priors_json(scene_.folder / "priors.json", unknown);
+    maps_.commit();
+    if (confidence_) confidence_->commit();
+    else if (entry == &PriorsJson::depth) fs::remove_all(scene_.folder / "pred_confidence");  // of the depth that went
+    write_priors_json(scene_.folder / "priors.json", notes);
+  }
+
+ private:
+  const Scene& scene_;
+  FolderReplacement maps_;
+  std::optional<FolderReplacement> confidence_;
+};
 
 Image<uint8_t> rgb_of(const View& view) {
   return nn::pillow_rgb_on_white(read_image(view.image));
@@ -127,18 +143,19 @@ void fill_with_vggt(const Scene& scene, const ModelStore& store, const Published
   const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
                                                          std::move(inputs), {false, options.progress});
   const float least = options.drop_percent > 0 ? confidence_at(views, options.drop_percent) : 0;
-  begin_fill(scene, &View::prior_depth, notes);
+  PriorFill fill(scene, "pred_depths", true);
   for (size_t i = 0; i < views.size(); ++i) {
     ImageF depth = views[i].depth;
     for (size_t k = 0; k < depth.data.size(); ++k) {
       if (!(views[i].confidence.data[k] >= least)) depth.data[k] = 0;
     }
-    write_depth(scene, scene.views[size_t(scene.train[i])], depth);
-    write_confidence(scene.folder, photos[i].name, views[i].confidence);
+    fill.add_depth(scene.views[size_t(scene.train[i])].name, depth);
+    fill.add_confidence(photos[i].name, views[i].confidence);
     report.width = depth.width;
     report.height = depth.height;
     ++report.written;
   }
+  fill.finish(&PriorsJson::depth, notes);
 }
 
 struct DepthWeights {
@@ -199,17 +216,18 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const std::unique_ptr<nn::DepthNetwork> network =
       nn::make_depth_network(compute, weights.backbone, weights.head);
-  begin_fill(scene, &View::prior_depth, notes);
+  PriorFill fill(scene, "pred_depths", false);
   Progress progress(options.progress, "depth", scene.train.size());
   for (const int i : scene.train) {
-    stop_if_asked();
+    stop_if_requested();
     const View& view = scene.views[size_t(i)];
     const ImageF depth = halved((*network)(compute, nn::normalised_image(rgb_of(view))));
-    write_depth(scene, view, depth);
+    fill.add_depth(view.name, depth);
     report.width = depth.width;
     report.height = depth.height;
     progress.update(++report.written);
   }
+  fill.finish(&PriorsJson::depth, notes);
 }
 
 }  // namespace
@@ -289,10 +307,10 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
   notes.semantics = PriorJson{model.name, digest_of(store, model), {}};
   if (options.augment) notes.semantics->settings["augmented"] = "yes";
   notes.kind = teacher.kind;
-  begin_fill(scene, &View::semantics, notes);
+  PriorFill fill(scene, "segmentation_logits", false);
   Progress progress(options.progress, "semantics", scene.train.size());
   for (const int i : scene.train) {
-    stop_if_asked();
+    stop_if_requested();
     const View& view = scene.views[size_t(i)];
     const TeacherMapSize size = teacher_map_size(teacher, view.camera.width, view.camera.height);
     const nn::FeatureMap map = teacher_map(compute, teacher, rgb_of(view), size.width, size.height);
@@ -302,12 +320,12 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
       for (int64_t c = 0; c < classes; ++c)
         half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
     }
-    write_half_map(folder / "segmentation_logits" / (view.name + ".npy"),
-                   {classes, map.height, map.width}, half);
+    fill.add(view.name, {classes, map.height, map.width}, half);
     report.width = size.width;
     report.height = size.height;
     progress.update(++report.written);
   }
+  fill.finish(&PriorsJson::semantics, notes);
   return report;
 }
 

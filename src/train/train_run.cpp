@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
+#include "core/stop_signal.h"
 #include "gaussians/morton_order.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
@@ -29,6 +30,11 @@ constexpr uint64_t kRandomStart = 3;                // purposes 1 and 2: trainer
 
 RunMode mode_of(const TrainOptions& options) {
   return options.overwrite ? RunMode::kOverwrite : options.resume ? RunMode::kResume : RunMode::kNew;
+}
+
+std::string resume_command_of(const TrainOptions& options) {
+  if (!options.resume_command.empty()) return options.resume_command;
+  return fmt::format("aligngs train {}-o {} --resume", options.scene.empty() ? "" : options.scene.string() + " ", options.run.string());
 }
 
 TrainResult result_of_finished(const RunRecord& record) {
@@ -90,6 +96,7 @@ void Run::warn(const std::string& message) {
 
 void Run::open_scene_and_check() {
   const std::filesystem::path folder = scene_folder();
+  folder_.require_apart_from(folder);
   scene_ = open_scene(folder);
   if (scene_.train.empty()) throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
   log_info("checking {} views", scene_.train.size() + scene_.test.size());
@@ -137,7 +144,9 @@ void Run::prepare_folder() {
   record_.warnings.clear();
   record_.trained.clear();
   for (const std::string& message : use_.warnings) warn(message);
-  // A run that exists keeps its file unless its end moves: every byte of it is the user's.
+  // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes first: it is what
+  // says whose folder this is.
+  if (!resolved_.exists) write_run_record(folder_.record(), record_);
   if (!resolved_.exists || resolved_.extended) write_file_atomically(folder_.config(), config_to_toml(config_));
   write_run_record(folder_.record(), record_);
 }
@@ -211,9 +220,7 @@ TrainResult Run::train() {
   inputs.facts.extent = static_cast<float>(extent_);
   inputs.fingerprint = fingerprint_;
   inputs.labels = scene_.labels;
-  inputs.resume_command = options_.resume_command.empty()
-                              ? fmt::format("aligngs train {} -o {} --resume", scene_.folder.string(), folder_.path().string())
-                              : options_.resume_command;
+  inputs.resume_command = resume_command_of(options_);
   inputs.progress = options_.progress;
   std::vector<TrainingView> views = load_training_views(scene_, config_, use_, *pool_);
   for (const TrainingView& view : views) {
@@ -269,6 +276,7 @@ TrainResult Run::train() {
 
 /// The reason for which a run ends must reach the caller even when it cannot be written down.
 void Run::record_failure(const std::string& status, const std::string& reason) noexcept {
+  const StopDeferral until_written;
   try {
     record_end(status, reason);
   } catch (const std::exception& error) {
@@ -313,7 +321,10 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
     return run.train();
   } catch (const Error& error) {
     run.record_failure(error.kind() == ErrorKind::kInterrupted ? "stopped" : "failed", error.details().message);
-    throw;
+    if (error.kind() != ErrorKind::kInterrupted) throw;
+    Error::Details details = error.details();
+    details.remedy = "go on with: " + resume_command_of(options);
+    throw Error(details);
   } catch (const std::bad_alloc&) {
     run.record_failure("failed", "memory ran out");
     throw_resources(options.run, "memory ran out although it was budgeted", kMemoryRemedy);

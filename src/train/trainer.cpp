@@ -75,6 +75,7 @@ TrainingState Trainer::initial_state(const std::vector<float>& depth_scales) con
 }
 
 TrainingState Trainer::run(TrainingState state) {
+  const StopDeferral until_checkpoint;  // stop_here() writes one first
   state_ = std::move(state);
   if (state_.depth_scales.size() != in_.guides.size()) {
     throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start anew with --overwrite");

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "cli/print_json.h"
 #include "cli/report/html_report.h"
@@ -26,18 +25,24 @@ void enter_stage(const std::filesystem::path& run, const char* stage) {
   write_run_record(run / "run.json", record);
 }
 
-/// Between stages: everything so far stands on disk, so stopping here loses nothing.
-void stop_here_if_asked(const std::filesystem::path& run, const std::string& resume) {
-  if (stop_requested() || RunControl(run).take(RunControl::Flag::kStop)) throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + resume});
+/// For those who look on and for the report.
+void warn(const std::filesystem::path& run, const std::string& message) {
+  log_warning("{}", message);
+  RunRecord record = read_run_record(run / "run.json");
+  std::erase(record.warnings, message);  // of an earlier time
+  record.warnings.push_back(message);
+  write_run_record(run / "run.json", record);
 }
 
-}  // namespace
+/// Between stages: everything so far stands on disk, so stopping here loses nothing.
+void stop_here_if_asked(const std::filesystem::path& run) {
+  if (RunControl(run).take(RunControl::Flag::kStop)) request_stop();
+  stop_if_requested();
+}
 
-nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context,
-                            const TsdfDeviceFactory& make_tsdf_device) {
-  const TrainResult trained = train_run(options);
-  if (trained.already_finished) log_info("the training was finished already");
-  std::optional<RunLock> lock(std::in_place, options.run);
+/// What comes after training; metrics.json as JSON.
+nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
+  const RunLock lock(options.run);
   enter_stage(options.run, "render");
   OpenRun run = open_run(options.run, {options.scene, options.threads, options.make_engine});
 
@@ -45,12 +50,15 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   render.progress = options.progress;
   render.test = true;
   render_views(run, render);
-  stop_here_if_asked(options.run, options.resume_command);
+  stop_here_if_asked(options.run);
   enter_stage(options.run, "mesh");
   MeshStageOptions mesh;
   mesh.make_device = make_tsdf_device;
-  mesh_run(run, mesh);
-  stop_here_if_asked(options.run, options.resume_command);
+  mesh.may_be_empty = true;
+  if (mesh_run(run, mesh).file.empty()) {
+    warn(options.run, "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at the renders");
+  }
+  stop_here_if_asked(options.run);
   enter_stage(options.run, "measure");
   EvalStageOptions eval;
   eval.progress = options.progress;
@@ -62,7 +70,22 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
   record.stage = "done";
   record.updated = record.finished = utc_now();
   write_run_record(options.run / "run.json", record);
-  lock.reset();
+  return metrics;
+}
+
+}  // namespace
+
+nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& context,
+                            const TsdfDeviceFactory& make_tsdf_device) {
+  const TrainResult trained = train_run(options);
+  if (trained.already_finished) log_info("the training was finished already");
+  nlohmann::json metrics;
+  try {
+    metrics = make_products(options, make_tsdf_device);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kInterrupted) throw;
+    throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + options.resume_command});
+  }
   if (context.global.json) {
     print_json(metrics);
   } else {
