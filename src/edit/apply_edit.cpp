@@ -47,7 +47,7 @@ void append_patch(EditableRoom& room, const SupportPatch& patch) {
     l.label.push_back(l.label[source]);
     l.instance.push_back(l.instance[source]);
     l.confidence.push_back(l.confidence[source]);
-    for (size_t k = 0; k < SoftLabels::kTop; ++k) {
+    for (size_t k = 0; room.gaussians.has_labels() && k < SoftLabels::kTop; ++k) {
       room.gaussians.soft.label.push_back(room.gaussians.soft.label[SoftLabels::kTop * source + k]);
       room.gaussians.soft.probability.push_back(room.gaussians.soft.probability[SoftLabels::kTop * source + k]);
     }
@@ -101,8 +101,10 @@ LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uin
   out.extent = room.extent;
   out.model = room.model;
   restructure_model(plan_keep(keep), out.model);
-  out.soft.label = kept(room.soft.label, keep, SoftLabels::kTop);
-  out.soft.probability = kept(room.soft.probability, keep, SoftLabels::kTop);
+  if (room.has_labels()) {
+    out.soft.label = kept(room.soft.label, keep, SoftLabels::kTop);
+    out.soft.probability = kept(room.soft.probability, keep, SoftLabels::kTop);
+  }
   out.labels.label_set = room.labels.label_set;
   out.labels.label = kept(room.labels.label, keep, 1);
   out.labels.instance = kept(room.labels.instance, keep, 1);

@@ -123,14 +123,27 @@ void clean(const LabelledGaussians& room, const SelectionOptions& options, Threa
   }
 }
 
+GaussianLabels no_labels(const GaussianModel& model, const LabelSet& labels) {
+  GaussianLabels out;
+  out.label_set = labels.name;
+  out.label.assign(model.size(), kNoLabel);
+  out.instance.assign(model.size(), 0);
+  out.confidence.assign(model.size(), 0);
+  return out;
+}
+
 }  // namespace
 
 LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, double extent, ThreadPool& pool) {
   LabelledGaussians room;
   room.extent = extent > 0 ? extent : extent_of(model);
-  ObjectLabels objects = object_labels(model, labels, room.extent, pool);
-  room.soft = std::move(objects.soft);
-  room.labels = std::move(objects.labels);
+  if (model.semantic_channels > 0) {
+    ObjectLabels objects = object_labels(model, labels, room.extent, pool);
+    room.soft = std::move(objects.soft);
+    room.labels = std::move(objects.labels);
+  } else {
+    room.labels = no_labels(model, labels);
+  }
   room.model = std::move(model);
   return room;
 }
@@ -162,6 +175,10 @@ double otsu_threshold(const std::vector<float>& values) {
 GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query,
                                    const ThresholdRule& rule, const LabelSet& labels, const SelectionOptions& options,
                                    ThreadPool& pool) {
+  if (!room.has_labels() && !(query.include.empty() && query.exclude.empty())) {
+    throw_bad_input({}, "--select", "this run was trained without semantics, so that no object has a name",
+                    "select everything, or train a scene that has segmentation_logits/");
+  }
   GaussianSelection selection;
   selection.mask.assign(room.model.size(), query.everything ? 1 : 0);
   mark(room, query.include, rule, options, 1, selection);

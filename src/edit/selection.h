@@ -15,12 +15,15 @@ namespace aligngs {
 /// The Gaussians of a room with all that selecting needs; rows of the parts correspond.
 struct LabelledGaussians {
   GaussianModel model;
-  SoftLabels soft;        ///< smoothed
-  GaussianLabels labels;  ///< with instances
+  SoftLabels soft;        ///< smoothed; empty without labels
+  GaussianLabels labels;  ///< with instances; without labels kNoLabel everywhere
   double extent = 1;      ///< robust extent of the scene, scene units
+
+  bool has_labels() const { return model.semantic_channels > 0; }
 };
 
-/// Smooths, labels and numbers the objects. The model must have semantic channels (Error{kBadInput} otherwise).
+/// Smooths, labels and numbers the objects. A model that was trained without semantics has none: it can be exported and edited as a
+/// whole, but nothing of it is selected by name.
 LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, double extent, ThreadPool& pool);
 
 struct SelectionOptions {
@@ -45,7 +48,7 @@ struct GaussianSelection {
   double threshold = 0;                 ///< that was used; of the first class where it is automatic; 0 for argmax
 };
 
-/// Error{kBadInput} when nothing is selected, naming what the room holds.
+/// Error{kBadInput} when nothing is selected, naming what the room holds, and for names where the room has no labels.
 GaussianSelection select_gaussians(const LabelledGaussians& room, const SelectionQuery& query,
                                    const ThresholdRule& rule, const LabelSet& labels, const SelectionOptions& options,
                                    ThreadPool& pool);

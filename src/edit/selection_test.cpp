@@ -101,11 +101,26 @@ TEST_F(SelectionTest, AnyNumberOfThreadsGivesTheSame) {
   EXPECT_EQ(a.soft.probability, b.soft.probability);
 }
 
-TEST_F(SelectionTest, ARoomWithoutSemanticsIsRefused) {
+TEST_F(SelectionTest, WithoutSemanticsOnlyNamesAreRefused) {
   GaussianModel model = room_.gaussians.model;
   model.semantic_channels = 0;
   model.semantics.clear();
-  EXPECT_THROW(label_objects(model, room_.labels, 0, pool_), Error);
+  const LabelledGaussians room = label_objects(model, room_.labels, 0, pool_);
+  EXPECT_FALSE(room.has_labels());
+  EXPECT_TRUE(list_instances(room.model, room.labels).empty());
+  const auto select = [&](const std::string& text) {
+    return select_gaussians(room, parse_selection(text, Vocabulary(room_.labels)), {}, room_.labels, {}, pool_);
+  };
+  EXPECT_EQ(select("everything").count, model.size());
+  for (const char* named : {"pillow", "everything but floor"}) {
+    try {
+      select(named);
+      ADD_FAILURE() << named;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_NE(std::string(error.what()).find("trained without semantics"), std::string::npos);
+    }
+  }
 }
 
 TEST_F(SelectionTest, DegenerateRoomsHaveADefinedAnswer) {

@@ -81,7 +81,9 @@ Json EditService::stack() {
                        {"gaussians", object.gaussians},
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
   }
-  return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", run_export_formats()}};
+  Json formats = run_export_formats();
+  if (!s.room().gaussians.has_labels()) formats.erase(std::find(formats.begin(), formats.end(), "labels.ply"));
+  return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", formats}};
 }
 
 std::string EditService::list() { return json_line(stack()); }

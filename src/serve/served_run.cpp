@@ -135,19 +135,20 @@ std::string ServedRun::state() const {
     if (trained.empty() && fs::exists(root_ / name)) trained = name;
   }
   const bool live = active && fs::exists(root_ / "live" / "scene.ply");
-  const bool edited = !live && fs::exists(root_ / "edits" / "scene.labels.ply");
+  const bool labelled_edit = fs::exists(root_ / "edits" / "scene.labels.ply");  // a run without labels has edits without them
+  const bool edited = !live && (labelled_edit || fs::exists(root_ / "edits" / "scene.ply"));
   const fs::path shown = edited ? root_ / "edits" : root_;
   if (live) {
     state["splats"] = "live/scene.ply";
   } else if (edited) {
-    state["splats"] = "edits/scene.labels.ply";
+    state["splats"] = labelled_edit ? "edits/scene.labels.ply" : "edits/scene.ply";
     if (!trained.empty()) state["original"] = trained;
   } else if (!trained.empty()) {
     state["splats"] = trained;
   }
   if (fs::exists(shown / "mesh" / "mesh.ply")) state["mesh"] = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
   state["edited"] = edited;
-  state["editable"] = !active && fs::exists(root_ / "scene.labels.ply") && fs::exists(root_ / "checkpoints");
+  state["editable"] = !active && fs::exists(root_ / "scene.ply") && fs::exists(root_ / "checkpoints");
   state["version"] = (live ? file_version(root_ / "live" / "scene.ply") : file_version(shown / "scene.ply")) + file_version(shown / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
   state["classes"] = field(read_json(shown / "classes.json"), "classes");

@@ -177,6 +177,15 @@ TEST_F(ViewServerTest, AnEditedRunShowsItsEditsAndKnowsTheOriginal) {
   EXPECT_EQ(state["edited"], true);
 }
 
+TEST_F(ViewServerTest, ATrainedRunWithoutLabelsIsEditableToo) {
+  fs::create_directories(base_ / "run" / "checkpoints");
+  fs::create_directories(base_ / "run" / "edits");
+  write("run/edits/scene.ply", "edited");
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["editable"], true);
+  EXPECT_EQ(state["splats"], "edits/scene.ply");
+}
+
 TEST_F(ViewServerTest, DescribesTheRun) {
   const auto state = parse_json(body(get("/api/state")));
   EXPECT_EQ(state["status"], "running");
