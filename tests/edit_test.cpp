@@ -149,8 +149,9 @@ TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
     EXPECT_GT(fs::file_size(file), 100u) << format;
   }
   EXPECT_EQ(read_gaussian_ply(root() / "export.ply").size(), read_gaussian_ply(run_ / "edits" / "scene.ply").size());
-  const ProcessResult unknown = aligngs("export " + quoted(run_) + " -f gbl");
-  EXPECT_EQ(unknown.status, 2);
+  for (const char* wrong : {" -f gbl", " -f glb -o '/tmp/room.spz'", " -f spz --only mesh", " -f glb --only doors"}) {
+    EXPECT_EQ(aligngs("export " + quoted(run_) + wrong).status, 2) << wrong;
+  }
 }
 
 }  // namespace

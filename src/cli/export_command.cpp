@@ -7,7 +7,9 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "edit/edit_session.h"
+#include "io/output_place.h"
 #include "serve/export_file.h"
+#include "train/run_folder.h"
 
 namespace aligngs {
 
@@ -16,22 +18,29 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->group("Use");
   command->footer(
       "Example: aligngs export demo_run -f glb\n"
+      "         aligngs export demo_run -f glb --only mesh -o room.glb\n"
       "Formats: ply, labels.ply (with class, object and confidence), glb (a node per object and the splats),\n"
       "obj (groups per object), sog and spz (compressed splats), splat, html (one page that opens without a server).");
   struct Options {
-    std::string run, scene, format, output;
+    std::string run, scene, format, output, only;
     bool original = false;
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
   command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz, splat or html")->required();
-  command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run)");
+  command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run; scene.export.ply, which does not replace scene.ply)");
+  command->add_option("--only", options->only, "glb: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
   command->add_flag("--original", options->original, "leave out the edits of the run");
   command->callback([&context, options] {
-    require_export_format(options->format, run_export_formats());  // before the run is opened, which takes seconds
+    // Before the run is opened, which takes seconds.
+    require_export_format(options->format, run_export_formats());
+    if (!options->only.empty() && options->format != "glb") throw_usage("--only is for -f glb", "leave it out: " + options->format + " holds one kind of thing");
+    const RoomParts parts = options->only == "mesh" ? RoomParts::kMesh : options->only == "splats" ? RoomParts::kSplats : RoomParts::kAll;
+    if (!options->output.empty()) require_extension(options->output, options->format);
+    if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
     EditSession session(options->run, {options->scene, context.global.threads});
-    const RunExport made = export_run(session, options->format, options->original, options->output);
+    const RunExport made = export_run(session, options->format, options->original, options->output, parts);
     const ExportReport& report = made.report;
     const std::filesystem::path& file = made.file;
     const uint64_t bytes = std::filesystem::file_size(report.files.front());

@@ -19,9 +19,10 @@ struct RunExport {
   size_t edits = 0;  ///< of the run's stack that the file has
 };
 
-/// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run, or
-/// scene.edited.<format> for an edited room: what was trained is never replaced by what was edited. Errors as
-/// export_room's.
-RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file);
+/// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run
+/// (scene.export.ply and scene.export.labels.ply: those without "export" are the run's own), or scene.edited.<format> for an
+/// edited room. Error{kUsage} for a file of the run or its scene, and errors as export_room's.
+RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file,
+                     RoomParts parts = RoomParts::kAll);
 
 }  // namespace aligngs

@@ -23,8 +23,9 @@ using Json = nlohmann::ordered_json;
 constexpr float kInvisible = 1.0f / 255;              // alpha_min of the rasteriser
 constexpr uint64_t kPageLimit = uint64_t(64) << 20;   // bytes of one file of the page
 constexpr uint64_t kMaxCameras = uint64_t(16) << 20;  // bytes of cameras.json
-// Steps: 8-bit colours have 1/255, which is f_dc / 0.282: 1/256 of f_dc is a quarter of that. Harmonics matter less.
-constexpr float kColorStep = 1.0f / 256, kHarmonicStep = 1.0f / 64;
+// Steps: 8-bit colours have 1/255, which is f_dc / 0.282: 1/256 of f_dc is a quarter of that. Most
+// harmonics of a room are below 0.05: in steps of 1/128 their bytes reach to 1.
+constexpr float kColorStep = 1.0f / 256, kHarmonicStep = 1.0f / 128;
 constexpr float kOpacityStep = 1.0f / 16;  // of a logit: at most 0.016 in opacity
 constexpr float kScaleStep = 1.0f / 256;   // of a natural logarithm: 0.4 % in size
 constexpr float kRotationStep = 1.0f / 127;
@@ -140,7 +141,7 @@ std::string packed_scene(const EditableRoom& room, const HtmlSceneInfo& info) {
   columns.add<uint16_t>("instance", "u16", 1, [&](uint32_t i) { return static_cast<float>(labels.instance[i]); });
   columns.add<uint8_t>("confidence", "u8", 1, [&](uint32_t i) { return static_cast<float>(labels.confidence[i]); });
   Json state = {{"name", info.name}, {"status", "exported"}, {"version", "1"}, {"splats", "scene.ply"},
-                {"units", info.metric ? "metres" : "arbitrary"}, {"classes", classes_of(room.labels)}};
+                {"units", info.metric ? "metres" : "arbitrary"}, {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : Json()}};
   state["up"] = room.up ? Json{room.up->x, room.up->y, room.up->z} : Json();
   state["cameras"] = cameras_of(info.cameras);
   const Json head = {{"state", state}, {"count", rows.size()}, {"columns", columns.description()}};

@@ -76,6 +76,11 @@ int GlbContainer::add_indices(const std::vector<uint32_t>& indices) {
   return add_accessor(indices.data(), 4 * indices.size(), indices.size(), kUnsignedInt, "SCALAR", false, kIndices);
 }
 
+void GlbContainer::use_extension(const std::string& name) {
+  nlohmann::ordered_json& used = json_["extensionsUsed"];
+  if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+}
+
 void GlbContainer::write(const std::filesystem::path& path) {
   pad(buffer_, '\0');
   json_["buffers"] = nlohmann::ordered_json::array({{{"byteLength", buffer_.size()}}});

@@ -26,6 +26,9 @@ class GlbContainer {
   /// Appends to json()[array] and returns the index.
   int add(const char* array, nlohmann::ordered_json value);
 
+  /// Names an extension in extensionsUsed, once.
+  void use_extension(const std::string& name);
+
   /// Atomic. Error{kFailed} above 4 GiB, which the container cannot hold.
   void write(const std::filesystem::path& path);
 

@@ -24,17 +24,21 @@ void require_export_format(const std::string& format, const std::vector<std::str
 }
 
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
-                         ThreadPool& pool) {
+                         ThreadPool& pool, RoomParts parts) {
   const LabelledGaussians& g = room.gaussians;
   if (format == "ply") {
     write_gaussian_ply(path, g.model);
     return {{path}, g.model.size(), 0};
   }
   if (format == "labels.ply") {
+    if (!g.has_labels()) {
+      throw_bad_input({}, "-f labels.ply", "this run was trained without semantics: there are no labels",
+                      "export another format, or train a scene that has segmentation_logits/");
+    }
     write_labelled_gaussian_ply(path, g.model, g.labels);
     return {{path}, g.model.size(), list_instances(g.model, g.labels).size()};
   }
-  if (format == "glb") return write_glb(path, room, pool);
+  if (format == "glb") return write_glb(path, room, pool, parts);
   if (format == "obj") return write_obj(path, room, pool);
   if (format == "sog") return write_sog(path, g.model, pool);
   if (format == "spz") return write_spz(path, g.model);

@@ -20,15 +20,20 @@ struct ExportReport {
   size_t gaussians = 0, objects = 0;  ///< objects: nodes or groups, where the format has them
 };
 
+/// What of the room a GLB holds.
+enum class RoomParts { kAll, kMesh, kSplats };
+
 /// Writes one format, atomically file by file. Error{kUsage} for an unknown format (with a suggestion) or a mesh format
-/// without a mesh.
+/// without a mesh; Error{kBadInput} for "labels.ply" of a room without labels. All other formats need none. `parts`: of a GLB; other
+/// formats hold what they hold.
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
-                         ThreadPool& pool);
+                         ThreadPool& pool, RoomParts parts = RoomParts::kAll);
 
 /// scene.glb: under the node "room" one node per object (extras: class, class_id, instance; linear COLOR_0, a material
 /// that uses it, _FEATURE_ID_0 = object number) and the node "splats" with KHR_gaussian_splatting. y up, metres as the
-/// scene.
-ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool);
+/// scene. The material is unlit (KHR_materials_unlit): the photos' light is in the colours. Viewers that do not know splats draw
+/// points in their COLOR_0.
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts parts = RoomParts::kAll);
 /// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up.
 ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool);
 /// SPZ version 3 (Niantic): gzip; right-up-back axes; 24-bit fixed-point positions, 8-bit everything else.

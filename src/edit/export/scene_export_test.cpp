@@ -2,9 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "core/error.h"
+#include "core/random.h"
 #include "edit/export/codebook.h"
 #include "edit/export/glb_container.h"
 #include "edit/export/object_meshes.h"
@@ -12,6 +15,7 @@
 #include "edit/small_room_for_tests.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
+#include "io/gzip.h"
 #include "io/json_text.h"
 #include "io/zip_archive.h"
 
@@ -57,7 +61,40 @@ TEST_F(SceneExport, GlbHasANodePerObjectAndTheSplats) {
     EXPECT_NEAR(positions["max"][1].get<double>(), 0.12, 1e-3);
     EXPECT_NEAR(positions["min"][0].get<double>(), 0.4, 1e-3) << "x stays";
   }
-  EXPECT_EQ(glb["extensionsUsed"][0], "KHR_gaussian_splatting");
+  EXPECT_EQ(glb["extensionsUsed"], (nlohmann::json{"KHR_gaussian_splatting", "KHR_materials_unlit"}));
+  EXPECT_TRUE(glb["materials"][0]["extensions"].contains("KHR_materials_unlit"));
+}
+
+TEST_F(SceneExport, GlbOfTheMeshOrTheSplatsAlone) {
+  const ExportReport mesh = write_glb(file("mesh.glb"), room_, pool_, RoomParts::kMesh);
+  EXPECT_EQ(mesh.objects, 4u);
+  EXPECT_EQ(mesh.gaussians, 0u);
+  EXPECT_EQ(json_of_glb(file("mesh.glb"))["extensionsUsed"], nlohmann::json{"KHR_materials_unlit"});
+  const ExportReport splats = write_glb(file("splats.glb"), room_, pool_, RoomParts::kSplats);
+  EXPECT_EQ(splats.objects, 0u);
+  EXPECT_EQ(splats.gaussians, room_.gaussians.model.size());
+  const nlohmann::json glb = json_of_glb(file("splats.glb"));
+  EXPECT_EQ(glb["extensionsUsed"], nlohmann::json{"KHR_gaussian_splatting"});
+  EXPECT_EQ(glb["meshes"].size(), 1u);
+  room_.mesh = {};
+  EXPECT_THROW(write_glb(file("none.glb"), room_, pool_, RoomParts::kMesh), Error);
+  EXPECT_FALSE(fs::exists(file("none.glb")));
+}
+
+TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {
+  write_glb(file("splats.glb"), room_, pool_, RoomParts::kSplats);
+  const nlohmann::json glb = json_of_glb(file("splats.glb"));
+  const nlohmann::json& primitive = glb["meshes"][0]["primitives"][0];
+  EXPECT_EQ(primitive["mode"], 0);
+  const nlohmann::json& accessor = glb["accessors"][primitive["attributes"]["COLOR_0"].get<size_t>()];
+  EXPECT_EQ(accessor["type"], "VEC4");
+  EXPECT_TRUE(accessor["normalized"]);
+  // The first Gaussian is one of a pillow: sRGB (0.2, 0.4, 0.8), opacity logistic(3); COLOR_0 is linear.
+  const std::string bytes = read_file(file("splats.glb"));
+  const size_t binary = 20 + load_number<uint32_t>(bytes.data() + 12, false) + 8;
+  const size_t at = binary + glb["bufferViews"][accessor["bufferView"].get<size_t>()]["byteOffset"].get<size_t>();
+  const double expected[] = {srgb_to_linear(0.2f), srgb_to_linear(0.4f), srgb_to_linear(0.8f), 1 / (1 + std::exp(-3.0))};
+  for (size_t c = 0; c < 4; ++c) EXPECT_NEAR(load_number<uint16_t>(bytes.data() + at + 2 * c, false) / 65535.0, expected[c], 1e-3) << c;
 }
 
 TEST_F(SceneExport, GlbColoursAreLinear) {
@@ -106,6 +143,31 @@ TEST_F(SceneExport, SpzAndSplatAreSmall) {
   EXPECT_EQ(read_file(file("scene.spz")).substr(0, 2), "\x1f\x8b") << "gzip";
 }
 
+/// Harmonics of rooms are small: a standard deviation of 0.02 in the first degree, less in the others.
+TEST_F(SceneExport, SpzKeepsWhatDependsOnTheDirection) {
+  GaussianModel& model = room_.gaussians.model;
+  model.sh_degree = 3;
+  Random random(1);
+  for (size_t i = 0; i < model.size(); ++i) {
+    for (size_t k = 3; k < 3 * kShCoefficients; ++k) model.sh[3 * kShCoefficients * i + k] = static_cast<float>((k < 12 ? 0.02 : 0.01) * random.normal());
+  }
+  export_room(room_, "spz", file("scene.spz"), pool_);
+  const std::string body = gzip_expanded(read_file(file("scene.spz")), "scene.spz", uint64_t(1) << 30);
+  const size_t n = model.size(), before = 16 + n * (9 + 1 + 3 + 3 + 4);
+  ASSERT_EQ(body.size(), before + n * 45);
+  const GaussianModel turned = rotated(model, Mat3d{{1, 0, 0, 0, -1, 0, 0, 0, -1}});
+  for (const auto& [first, last, least] : {std::tuple{3u, 12u, 0.98}, std::tuple{12u, 48u, 0.95}}) {
+    double xy = 0, xx = 0, yy = 0;
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t k = first; k < last; ++k) {
+        const double x = turned.sh[48 * i + k], y = (static_cast<uint8_t>(body[before + 45 * i + k - 3]) - 128) / 128.0;
+        xy += x * y, xx += x * x, yy += y * y;
+      }
+    }
+    EXPECT_GT(xy / std::sqrt(xx * yy), least) << "coefficients from " << first;
+  }
+}
+
 TEST_F(SceneExport, TheSameRoomGivesTheSameBytes) {
   ThreadPool one(1);
   for (const std::string& format : export_formats()) {
@@ -113,6 +175,22 @@ TEST_F(SceneExport, TheSameRoomGivesTheSameBytes) {
     export_room(room_, format, file("b." + format), one);
     EXPECT_EQ(read_file(file("a." + format)), read_file(file("b." + format))) << format;
   }
+}
+
+TEST_F(SceneExport, WithoutLabelsEveryFormatButTheLabelsIsWritten) {
+  GaussianModel model = room_.gaussians.model;
+  model.semantic_channels = 0;
+  model.semantics.clear();
+  room_.gaussians = label_objects(model, room_.labels, small_room::kExtent, pool_);
+  room_.mesh.labels.clear();
+  for (const std::string& format : export_formats()) {
+    if (format == "labels.ply") continue;
+    const ExportReport report = export_room(room_, format, file("unlabelled." + format), pool_);
+    EXPECT_GT(fs::file_size(report.files.front()), 100u) << format;
+    EXPECT_EQ(report.objects, format == "glb" || format == "obj" ? 1u : 0u) << format;
+  }
+  EXPECT_THROW(export_room(room_, "labels.ply", file("unlabelled.labels.ply"), pool_), Error);
+  EXPECT_FALSE(fs::exists(file("unlabelled.labels.ply")));
 }
 
 TEST_F(SceneExport, MistakesAreUsageErrors) {

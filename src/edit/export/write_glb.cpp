@@ -15,6 +15,8 @@ using Json = nlohmann::ordered_json;
 /// Splats fainter than this are invisible and only cost space (alpha_min of the rasteriser).
 constexpr float kInvisible = 1.0f / 255;
 
+uint16_t linear16(float srgb) { return static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(srgb))); }
+
 int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotation, int material) {
   const TriangleMesh& mesh = object.mesh;
   std::vector<float> positions, normals, feature(mesh.vertices.size(), static_cast<float>(object.instance));
@@ -28,7 +30,7 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
   for (const Vec3f& n : mesh.normals) push(normals, dot(n, n) > 0 ? normalized(n) : Vec3f{0, 0, 1});
   for (const auto& c : mesh.colors) {
     for (size_t k = 0; k < 3; ++k)
-      colors.push_back(static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(c[k] / 255.f))));
+      colors.push_back(linear16(c[k] / 255.f));
     colors.push_back(65535);
   }
   for (const auto& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
@@ -55,6 +57,7 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
   written = rows.size();
   if (rows.empty()) return -1;
   std::vector<float> positions, rotations, scales, opacities, feature;
+  std::vector<uint16_t> colors;  // linear, with opacity: for those who draw points
   for (const uint32_t i : rows) {
     const float* r = &model.rotations[4 * size_t(i)];
     const Quaternionf q = normalized(Quaternionf{r[0], r[1], r[2], r[3]});
@@ -64,9 +67,13 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
     }
     rotations.insert(rotations.end(), {q.x, q.y, q.z, q.w});
     opacities.push_back(opacity_of(model, i));
+    const Vec3f color = base_color_of(model, i);
+    for (int c = 0; c < 3; ++c) colors.push_back(linear16(std::clamp(color[c], 0.f, 1.f)));
+    colors.push_back(static_cast<uint16_t>(std::lround(65535 * opacities.back())));
     feature.push_back(static_cast<float>(room.gaussians.labels.instance[i]));
   }
   Json attributes = {{"POSITION", glb.add_floats(positions, 3, true)},
+                     {"COLOR_0", glb.add_colors16(colors)},
                      {"KHR_gaussian_splatting:ROTATION", glb.add_floats(rotations, 4)},
                      {"KHR_gaussian_splatting:SCALE", glb.add_floats(scales, 3)},
                      {"KHR_gaussian_splatting:OPACITY", glb.add_floats(opacities, 1)}};
@@ -92,13 +99,15 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
                               {"sortingMethod", "cameraDistance"},
                               {"projection", "perspective"}}}}}};
   const int mesh = glb.add("meshes", {{"name", "splats"}, {"primitives", Json::array({primitive})}});
-  glb.json()["extensionsUsed"] = Json::array({"KHR_gaussian_splatting"});
+  glb.use_extension("KHR_gaussian_splatting");
   return glb.add("nodes", {{"name", "splats"}, {"mesh", mesh}});
 }
 
 }  // namespace
 
-ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool) {
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts parts) {
+  if (parts == RoomParts::kMesh && room.mesh.empty())
+    throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--only", "make it first: aligngs mesh RUN"});
   const Mat3d rotation = rotation_to_y_up(room.up);
   GlbContainer glb;
   // The material uses the vertex colours; without one Blender drops them.
@@ -106,18 +115,21 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
       "materials",
       {{"name", "vertex_color"},
        {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-       {"doubleSided", true}});
+       {"doubleSided", true},
+       {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
   ExportReport report;
   Json children = Json::array();
   const int root = glb.add("nodes", {{"name", "room"}});
-  for (const ObjectMesh& object : object_meshes(room, pool)) {
+  const std::vector<ObjectMesh> objects = parts == RoomParts::kSplats ? std::vector<ObjectMesh>() : object_meshes(room, pool);
+  for (const ObjectMesh& object : objects) {
     children.push_back(add_object(glb, object, rotation, material));
     ++report.objects;
   }
-  const int splats = add_splats(glb, room, rotation, report.gaussians);
+  const int splats = parts == RoomParts::kMesh ? -1 : add_splats(glb, room, rotation, report.gaussians);
   if (splats >= 0) children.push_back(splats);
   if (!children.empty()) glb.json()["nodes"][static_cast<size_t>(root)]["children"] = children;
-  if (report.objects == 0) glb.json()["materials"] = Json::array();
+  if (report.objects > 0) glb.use_extension("KHR_materials_unlit");
+  else glb.json()["materials"] = Json::array();
   glb.add("scenes", {{"name", "room"}, {"nodes", Json::array({root})}});
   glb.write(path);
   report.files.push_back(path);

@@ -47,12 +47,9 @@ uint32_t packed_rotation(const Quaternionf& q) {
   return packed;
 }
 
-/// Harmonics have 5 bits (degree 1) or 4 bits: equal bytes compress.
-uint8_t packed_harmonic(float v, int bits) {
-  const int bucket = 1 << (8 - bits);
-  const int q = static_cast<int>(std::lround(v * 128)) + 128;
-  return static_cast<uint8_t>(std::clamp((q + bucket / 2) / bucket * bucket, 0, 255));
-}
+/// All 8 bits of the byte, steps of 1/128. The format's own encoder keeps 5 bits (degree 1) or 4, whose steps of 1/16 and 1/8 are larger
+/// than most harmonics of a room: hardly anything of what depends on the direction would be left.
+uint8_t packed_harmonic(float v) { return quantized(v * 128 + 128); }
 
 std::string body_of(const GaussianModel& model) {
   const size_t n = model.size();
@@ -82,8 +79,7 @@ std::string body_of(const GaussianModel& model) {
   for (size_t i = 0; i < n; ++i) {
     for (int k = 1; k < sh_coefficient_count(model.sh_degree); ++k) {
       for (size_t c = 0; c < 3; ++c) {
-        out += static_cast<char>(
-            packed_harmonic(model.sh[3 * (kShCoefficients * i + static_cast<size_t>(k)) + c], k < 4 ? 5 : 4));
+        out += static_cast<char>(packed_harmonic(model.sh[3 * (kShCoefficients * i + static_cast<size_t>(k)) + c]));
       }
     }
   }
