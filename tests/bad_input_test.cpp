@@ -188,5 +188,18 @@ TEST_F(BadInput, DataCheckListsEveryProblem) {
   EXPECT_THAT(result.out, HasSubstr(depth.filename().string()));
 }
 
+TEST_F(BadInput, ANerfstudioFolderIsToldFromAScene) {
+  const fs::path folder = scene_.parent_path() / "nerfstudio";
+  fs::create_directories(folder / "images");
+  overwrite(folder / "transforms.json", R"({"frames": []})");
+  fs::copy(scene_ / "images", folder / "images", fs::copy_options::overwrite_existing);
+  for (const std::string command : {"train ", "run "}) {
+    const ProcessResult result = run_aligngs(command + "'" + folder.string() + "' -o '" + (folder.parent_path() / "nerfstudio_run").string() + "'", folder.parent_path());
+    EXPECT_EQ(result.status, 3) << command << result.err;
+    EXPECT_THAT(result.err, HasSubstr("nerfstudio")) << command;
+    EXPECT_THAT(result.err, HasSubstr("aligngs import")) << command;
+  }
+}
+
 }  // namespace
 }  // namespace aligngs

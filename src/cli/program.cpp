@@ -129,6 +129,8 @@ int run_program(int argc, char** argv) {
                         context.global.json);
   } catch (const std::filesystem::filesystem_error& error) {
     return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}), context.global.json);
+  } catch (const nlohmann::json::exception& error) {
+    return report_error(Error({ErrorKind::kBadInput, std::string("a JSON file does not have the form that is expected: ") + error.what(), {}, {}, {}}), context.global.json);
   } catch (const std::exception& error) {
     return report_error(Error({ErrorKind::kFailed, error.what(), {}, {}, {}}), context.global.json);
   }

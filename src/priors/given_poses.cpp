@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "scene/undistort.h"
 
 namespace aligngs {
@@ -22,6 +23,9 @@ Capture capture_of_model(const fs::path& folder) {
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
   capture.frames = frames_of_model(model);
   capture.cloud = reliable_points(model);
+  if (capture.cloud.size() == 0 && !model.points.empty()) {
+    log_warning("{}: all {} points are left out, as their reprojection errors are above 2 pixels", folder.string(), model.points.size());
+  }
   return capture;
 }
 

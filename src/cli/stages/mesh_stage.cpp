@@ -146,13 +146,18 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   FusionOptions fusion = fusion_options(run);
   if (options.make_device) fusion.device = options.make_device();
   FusionResult fused = fuse_depth(frames, fusion, *run.pool);
+  const std::filesystem::path file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
+  if (fused.mesh.empty() && options.may_be_empty) {
+    std::filesystem::remove(file);
+    return {};
+  }
   if (fused.mesh.empty()) {
     throw Error({ErrorKind::kFailed, "fusion found no surface", run.folder, {}, "look at the renders: is there anything in them?"});
   }
   MeshStageResult result;
   result.fusion = fused.report;
   if (run.has_labels() && rendered) result.labels = label_mesh(fused.mesh, frames, *run.pool);
-  result.file = options.output.empty() ? run.folder / "mesh" / "mesh.ply" : options.output;
+  result.file = file;
   write_mesh_ply(result.file, fused.mesh);
   const std::filesystem::path pictures =
       options.output.empty() && options.pictures.empty() ? run.folder / "renders" / "test" / "surface" : options.pictures;

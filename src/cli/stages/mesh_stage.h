@@ -27,15 +27,16 @@ struct MeshStageOptions {
   std::filesystem::path output;  ///< empty: mesh/mesh.ply of the run
   std::filesystem::path pictures;  ///< folder for pictures of the mesh from the test views; empty: renders/test/surface for the run's mesh
   TsdfDeviceFactory make_device = {};
+  bool may_be_empty = false;  ///< no surface is no error: nothing is written, and a mesh of an earlier time is removed
 };
 
 struct MeshStageResult {
-  std::filesystem::path file;
+  std::filesystem::path file;  ///< empty: no surface came out
   FusionReport fusion;
   MeshLabelingReport labels;
 };
 
-/// Settings come from the run's config.toml (group mesh). Error{kFailed} when no surface came out.
+/// Settings come from the run's config.toml (group mesh). Error{kFailed} when no surface came out, unless may_be_empty.
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options);
 
 }  // namespace aligngs
