@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <map>
+
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "support/process.h"

@@ -97,7 +97,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
   if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
   const bool photos = options.photos.method == "given" || !may_hold_colmap_model(source);
-  if (photos && options.photos.method != "given" && fs::exists(source / "transforms.json")) {
+  if (photos && options.photos.method == "vggt" && fs::exists(source / "transforms.json")) {
     throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                 options.source, options.train.output));

@@ -88,7 +88,7 @@ TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {
   EXPECT_EQ(primitive["mode"], 0);
   const nlohmann::json& accessor = glb["accessors"][primitive["attributes"]["COLOR_0"].get<size_t>()];
   EXPECT_EQ(accessor["type"], "VEC4");
-  EXPECT_TRUE(accessor["normalized"]);
+  EXPECT_EQ(accessor["normalized"], true);
   // The first Gaussian is one of a pillow: sRGB (0.2, 0.4, 0.8), opacity logistic(3); COLOR_0 is linear.
   const std::string bytes = read_file(file("splats.glb"));
   const size_t binary = 20 + load_number<uint32_t>(bytes.data() + 12, false) + 8;
