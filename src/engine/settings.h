@@ -67,7 +67,7 @@ struct LossSettings {
   /// PGSR's terms against the neighbour of the step (StepRequest::neighbour); without one they do not act.
   float multi_view_geometric_weight = 0.0f;    ///< mean forward-backward reprojection error, pixels
   float multi_view_photometric_weight = 0.0f;  ///< mean 1 - NCC^2 of patches across the rendered planes
-  bool paper_normals = false;        ///< L_ng and L_nb exactly as printed, without discontinuity guards
+  bool paper_normals = false;        ///< L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
 
   float opacity_l1_weight = 0.0f;    ///< mean opacity (MCMC regulariser)
   float scale_l1_weight = 0.0f;      ///< mean scale / extent (MCMC regulariser)

@@ -50,7 +50,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.multi_view_every", field<&C::loss, &L::multi_view_every>, 1, kIterationsMax, "", all(1),
        "they act in iterations divisible by this; 1 = every iteration"},
       {"loss.paper_normals", field<&C::loss, &L::paper_normals>, 0, 0, "", with_pgsr(ours_paper(false, true), false),
-       "L_ng and L_nb exactly as printed, without discontinuity guards"},
+       "L_ng and L_nb in the printed form, without guards at discontinuities, over pixels that have a normal: alpha above 0.5, "
+       "normals that do not cancel, not the border (docs/method.md)"},
       {"loss.opacity_l1", field<&C::loss, &L::opacity_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),
        "weight of the mean opacity (takes the place of opacity resets)"},
       {"loss.scale_l1", field<&C::loss, &L::scale_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),

@@ -26,7 +26,7 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
       {"mesh.truncation", field<&C::mesh, &M::truncation>, 0, kAny, "", all(0.0),
        "truncation distance, scene units; 0: from the voxel and the depth residual"},
       {"mesh.max_depth", field<&C::mesh, &M::max_depth>, 0, kAny, "", all(0.0),
-       "depth beyond which nothing is fused, scene units; 0: 95th percentile"},
+       "depth beyond which nothing is fused, scene units; 0: 1.5 times the 95th percentile"},
       {"mesh.alpha_min", field<&C::mesh, &M::alpha_min>, 0, 1, "", ours_paper(0.7, 0.5),
        "accumulated opacity below which a pixel is not fused"},
       {"mesh.min_cosine", field<&C::mesh, &M::min_cosine>, 0, 1, "", ours_paper(0.1, 0.0),
