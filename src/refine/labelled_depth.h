@@ -4,6 +4,7 @@
 #include "refine/panel_depth.h"
 #include "refine/photo_depth.h"
 #include "refine/plane_depth.h"
+#include "refine/screens.h"
 
 namespace aligngs {
 
@@ -20,6 +21,7 @@ struct LabelledDepthSettings {
   PlaneDepthSettings sure;                      ///< finds the planes, from confirmed pixels alone; and what lies on them of those
   PlaneDepthSettings unsure = loose_planes();   ///< what lies on them of the others
   PanelDepthSettings panels;                    ///< panes, mirrors, screens and pictures, by what is confirmed of them
+  ScreenSettings screens;                       ///< and screens by their edges
   LogCorrectionSettings spread;                 ///< of the depth between
   double certainty = 0.5;                       ///< of a pixel on a plane that was not measured itself
 };

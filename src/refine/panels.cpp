@@ -148,21 +148,6 @@ Plane refine(const Points& near, Plane plane, const std::vector<ScenePlane>& wal
 
 bool is_level(const ScenePlane& p) { return p.kind == PlaneKind::kFloor || p.kind == PlaneKind::kCeiling; }
 
-/// The panel's own directions: level and upright where the room has a floor or ceiling.
-void set_directions(Panel& panel, const std::vector<ScenePlane>& planes) {
-  Vec3d vertical{};
-  for (const ScenePlane& p : planes) {
-    if (is_level(p)) vertical = p.normal;
-  }
-  for (int k = 0; norm(vertical) == 0 && k < 3; ++k) {
-    Vec3d axis{};
-    axis[k] = 1;
-    if (std::abs(dot(axis, panel.normal)) < 0.7) vertical = axis;  // of three axes, at least two are
-  }
-  panel.across = normalized(cross(vertical, panel.normal));
-  panel.up = cross(panel.normal, panel.across);
-}
-
 /// Standard deviation.
 double spread(const std::vector<double>& values) {
   double mean = 0, square = 0;
@@ -190,7 +175,7 @@ std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std:
   panel.offset = facing >= 0 ? plane.offset : -plane.offset;
   panel.views = static_cast<int>(views.size());
   panel.points = near.size();
-  set_directions(panel, planes);
+  set_upright(panel, planes);
   const double depth = panel.depth = median_of(std::move(depths));
   for (int k = 0; k < 2; ++k) {
     std::vector<double> along;
@@ -225,6 +210,27 @@ void add_panels_of(Points points, const std::vector<ScenePlane>& planes, const s
 }
 
 }  // namespace
+
+std::optional<Vec3d> vertical_of(const std::vector<ScenePlane>& planes) {
+  for (const ScenePlane& plane : planes) {
+    if (plane.kind == PlaneKind::kFloor) return plane.normal;
+  }
+  for (const ScenePlane& plane : planes) {
+    if (plane.kind == PlaneKind::kCeiling) return -plane.normal;
+  }
+  return std::nullopt;
+}
+
+void set_upright(Panel& panel, const std::vector<ScenePlane>& planes) {
+  Vec3d vertical = vertical_of(planes).value_or(Vec3d{});
+  for (int k = 0; norm(vertical) == 0 && k < 3; ++k) {
+    Vec3d axis{};
+    axis[k] = 1;
+    if (std::abs(dot(axis, panel.normal)) < 0.7) vertical = axis;  // of three axes, at least two are
+  }
+  panel.across = normalized(cross(vertical, panel.normal));
+  panel.up = cross(panel.normal, panel.across);
+}
 
 std::vector<Panel> find_panels(const std::vector<PanelPoint>& points, const std::vector<ScenePlane>& planes, const PanelSettings& settings,
                                uint64_t seed) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "refine/scene_planes.h"
@@ -53,6 +54,12 @@ struct PanelSettings {
   int least_views = 2;
   double rim = 0.01;             ///< that a rectangle goes beyond its points
 };
+
+/// The unit vector that the floor faces along and the ceiling against; nothing without either.
+std::optional<Vec3d> vertical_of(const std::vector<ScenePlane>& planes);
+
+/// Sets a panel's own directions from its normal: level and upright where the planes have a floor or ceiling, else along an axis of the world.
+void set_upright(Panel& panel, const std::vector<ScenePlane>& planes);
 
 /// The largest planes that each thing's measured points lie in. `planes` are those of the room: panels nearly parallel to
 /// a wall are made parallel to it, level ones are none, and rectangles are upright as the floor says. Deterministic for a seed; points that are not finite are ignored.

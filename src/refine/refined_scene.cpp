@@ -146,7 +146,10 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
   PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
   if (options.panels) {
     const std::vector<PanelClass> classes = panel_classes(scene.labels);
+    std::vector<const ImageF*> lumas;
+    for (const MatchView& photo : photos) lumas.push_back(&photo.luma);
     report.panels = find_panels(views, classes, planes.planes, options.panel_settings);
+    report.panels = place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
     measure_on_panels(report.panels, planes.planes, views, classes, options.panel_settings, pool, planes.views);
   }
   report.planes = planes.planes;

@@ -9,6 +9,7 @@
 #include "refine/panel_depth.h"
 #include "refine/plane_depth.h"
 #include "refine/refine_cameras.h"
+#include "refine/screens.h"
 #include "scene/scene.h"
 
 namespace aligngs {
@@ -24,6 +25,7 @@ struct RefineSceneOptions {
   bool fuse_labels = false;      ///< planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
   PanelDepthSettings panel_settings;
   bool panels = true;            ///< where planes are looked for: panes, mirrors, screens and pictures are drawn to planes of their own
+  ScreenSettings screen_settings;  ///< of those of screens, which edges in several photos tell
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
   ExposureSettings exposure_settings;

@@ -1,0 +1,321 @@
+#include "refine/screens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <optional>
+
+#include "core/angles.h"
+#include "core/median.h"
+
+namespace aligngs {
+namespace {
+
+constexpr double kSameDirection = 5;  // degrees: normals nearer to each other are tried once
+constexpr size_t kPeaks = 3;          // of a photo's agreement that the other photos are asked about, for each normal
+constexpr int kFine = 4;              // parts of a step that the best plane is looked for in
+constexpr double kTail = 0.03;        // of an outline's points on each side that a rectangle does not follow
+constexpr int kShownStride = 2;       // pixels between those that a region and a rectangle are compared at
+
+using Regions = std::vector<ScreenRegion>;
+
+/// What all steps look at.
+struct Photos {
+  const std::vector<PlaneView>& views;
+  const std::vector<ScenePlane>& planes;
+  const ScreenSettings& settings;
+  std::vector<ImageF> gradients;
+
+  const Camera& camera(const ScreenRegion& region) const { return views[region.view].camera; }
+};
+
+Vec3d ray_in_world(const Camera& camera, double u, double v) { return transpose_times(camera.world_to_camera.rotation, camera.ray(u, v)); }
+
+/// Of the middle of a region, z = 1.
+Vec3d middle_ray(const Photos& photos, const ScreenRegion& region) { return ray_in_world(photos.camera(region), region.centre.x, region.centre.y); }
+
+Vec3d middle_at(const Photos& photos, const ScreenRegion& region, double depth) {
+  return photos.camera(region).centre() + middle_ray(photos, region) * depth;
+}
+
+WorldPlane plane_at(const Photos& photos, const ScreenRegion& region, const Vec3d& normal, double depth) {
+  return {normal, -dot(normal, middle_at(photos, region, depth))};
+}
+
+/// Depth of the middle of a region on a plane; 0: not before the camera, or the plane is seen from behind.
+double depth_on(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
+  const double distance = dot(plane.normal, photos.camera(region).centre()) + plane.offset, slope = -dot(plane.normal, middle_ray(photos, region));
+  return distance > 0 && slope > 0 ? distance / slope : 0;
+}
+
+/// Directions that the screen may face.
+std::vector<Vec3d> normals_for(const Photos& photos, const ScreenRegion& region) {
+  const Vec3d to_camera = -normalized(middle_ray(photos, region));
+  const double same = std::cos(kSameDirection * kRadiansPerDegree);
+  std::vector<Vec3d> out;
+  const auto add = [&](const Vec3d& normal) {
+    if (dot(normal, to_camera) < photos.settings.least_cosine) return;
+    if (std::none_of(out.begin(), out.end(), [&](const Vec3d& known) { return dot(known, normal) > same; })) out.push_back(normal);
+  };
+  for (const ScenePlane& plane : photos.planes) {
+    if (plane.kind == PlaneKind::kWall) add(plane.normal);
+  }
+  const std::optional<Vec3d> vertical = vertical_of(photos.planes);
+  add(vertical ? normalized(region.normal - *vertical * dot(region.normal, *vertical)) : region.normal);
+  return out;
+}
+
+bool is_in_room(const Photos& photos, const ScreenRegion& region, double depth) {
+  const Vec3d centre = photos.camera(region).centre(), place = middle_at(photos, region, depth);
+  return std::none_of(photos.planes.begin(), photos.planes.end(), [&](const ScenePlane& plane) {
+    return plane.kind == PlaneKind::kWall && plane.distance(centre) > 0 && plane.distance(place) < -photos.settings.behind * depth;
+  });
+}
+
+/// How well the other photos agree with a region's outline on a plane, in [0, 1], each weighed by the angle that it looks from.
+double agreement_of(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
+  const double depth = depth_on(photos, region, plane);
+  if (!(depth > 0)) return 0;
+  const ScreenSettings& s = photos.settings;
+  const Camera& camera = photos.camera(region);
+  const Vec3d place = middle_at(photos, region, depth), from = normalized(place - camera.centre());
+  double sum = 0, whole = 0;
+  int count = 0;
+  for (size_t v = 0; v < photos.views.size(); ++v) {
+    const Camera& other = photos.views[v].camera;
+    const double cosine = dot(from, normalized(place - other.centre()));
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegreesPerRadian;
+    if (v == region.view || angle < s.least_angle) continue;
+    const OutlineAgreement a = agreement(region.outline, camera, plane, other, photos.gradients[v], s.regions.outline);
+    if (a.inside < s.least_inside) continue;
+    const double weight = std::min(1.0, angle / s.good_angle);
+    sum += weight * a.share;
+    whole += weight;
+    ++count;
+  }
+  return count >= s.least_photos ? sum / whole : 0;
+}
+
+double mean_agreement(const Photos& photos, const Regions& regions, const std::vector<size_t>& of, const WorldPlane& plane) {
+  double sum = 0;
+  for (const size_t i : of) sum += agreement_of(photos, regions[i], plane);
+  return of.empty() ? 0 : sum / static_cast<double>(of.size());
+}
+
+double log_step(const ScreenSettings& s) { return 2 * s.range / std::max(1, s.hypotheses - 1); }
+
+/// The planes that the other photos agree with best, as one photo's outline asks them.
+std::vector<WorldPlane> candidates(const Photos& photos, const ScreenRegion& region) {
+  const ScreenSettings& s = photos.settings;
+  std::vector<WorldPlane> out;
+  for (const Vec3d& normal : normals_for(photos, region)) {
+    std::vector<WorldPlane> planes;
+    std::vector<double> curve;
+    for (int k = 0; k < s.hypotheses; ++k) {
+      const double depth = region.depth * std::exp(k * log_step(s) - s.range);
+      planes.push_back(plane_at(photos, region, normal, depth));
+      curve.push_back(is_in_room(photos, region, depth) ? agreement_of(photos, region, planes.back()) : 0);
+    }
+    std::vector<std::pair<double, size_t>> peaks;
+    for (size_t k = 0; k < curve.size(); ++k) {
+      const double before = k > 0 ? curve[k - 1] : 0, after = k + 1 < curve.size() ? curve[k + 1] : 0;
+      if (curve[k] > 0 && curve[k] >= before && curve[k] > after) peaks.emplace_back(-curve[k], k);
+    }
+    std::sort(peaks.begin(), peaks.end());
+    for (size_t p = 0; p < std::min(peaks.size(), kPeaks); ++p) out.push_back(planes[peaks[p].second]);
+  }
+  return out;
+}
+
+/// The rectangle of outlines on a plane: each side where half of the photos have it farther out.
+Panel rectangle(const Photos& photos, const Regions& regions, const std::vector<size_t>& of, const WorldPlane& plane) {
+  Panel panel;
+  panel.normal = plane.normal;
+  panel.offset = plane.offset;
+  set_upright(panel, photos.planes);
+  std::vector<double> low[2], high[2], depths;
+  for (const size_t i : of) {
+    const std::vector<Vec3d> points = on_plane(regions[i].outline, photos.camera(regions[i]), plane);
+    if (points.empty()) continue;
+    panel.points += points.size();
+    ++panel.views;
+    depths.push_back(depth_on(photos, regions[i], plane));
+    for (int k = 0; k < 2; ++k) {
+      std::vector<double> along;
+      for (const Vec3d& p : points) along.push_back(dot(k == 0 ? panel.across : panel.up, p));
+      std::sort(along.begin(), along.end());
+      const size_t tail = static_cast<size_t>(kTail * static_cast<double>(along.size()));
+      low[k].push_back(along[tail]);
+      high[k].push_back(along[along.size() - 1 - tail]);
+    }
+  }
+  for (int k = 0; k < 2; ++k) {
+    panel.low[k] = median_of(std::move(low[k]));
+    panel.high[k] = median_of(std::move(high[k]));
+  }
+  panel.depth = median_of(std::move(depths));
+  return panel;
+}
+
+/// Whether a region is the panel as its photo shows it.
+bool shows(const Photos& photos, const ScreenRegion& region, const Panel& panel) {
+  const Camera& camera = photos.camera(region);
+  const Vec3d centre = camera.centre();
+  const double distance = panel.distance(centre);
+  if (!(distance > 0)) return false;
+  size_t both = 0, either = 0;
+  for (int y = 0; y < region.inside.height; y += kShownStride) {
+    for (int x = 0; x < region.inside.width; x += kShownStride) {
+      const Vec3d ray = ray_in_world(camera, x + 0.5, y + 0.5);
+      const double slope = -dot(panel.normal, ray);
+      const bool hit = slope > 0 && panel.contains(centre + ray * (distance / slope)), inside = region.inside.at(x, y) != 0;
+      both += hit && inside;
+      either += hit || inside;
+    }
+  }
+  return static_cast<double>(both) > photos.settings.same * static_cast<double>(either);
+}
+
+/// A plane for a screen, judged in all photos of it.
+struct Placement {
+  Panel panel;
+  std::vector<size_t> regions;  ///< of the photos that show it
+  double agreement = 0;         ///< mean over them
+  double supported = 0;
+  double score() const { return agreement + supported; }
+  double total() const { return agreement * static_cast<double>(regions.size()) + supported; }
+};
+
+/// Places screens one after the other.
+class Placer {
+ public:
+  Placer(const Photos& photos, const Regions& regions, const ScreenSupport& support) : photos_(photos), regions_(regions), support_(support) {}
+
+  /// A plane that came from one region, for it and those of `left` that show the same rectangle.
+  Placement judge(const std::vector<size_t>& left, size_t first, const WorldPlane& plane) const {
+    const Panel panel = rectangle(photos_, regions_, {first}, plane);
+    Placement out;
+    for (const size_t i : left) {
+      if (i == first || shows(photos_, regions_[i], panel)) out.regions.push_back(i);
+    }
+    out.agreement = mean_agreement(photos_, regions_, out.regions, plane);
+    complete(plane, out);
+    return out;
+  }
+
+  /// The same with the plane moved to where all its photos agree best.
+  Placement refine(Placement placement) const {
+    const ScreenRegion& first = regions_[placement.regions.front()];
+    const WorldPlane start{placement.panel.normal, placement.panel.offset};
+    const double depth = depth_on(photos_, first, start), step = log_step(photos_.settings) / kFine;
+    WorldPlane best = start;
+    for (int k = -2 * kFine; k <= 2 * kFine; ++k) {
+      const WorldPlane plane = plane_at(photos_, first, start.normal, depth * std::exp(k * step));
+      const double agreement = mean_agreement(photos_, regions_, placement.regions, plane);
+      if (agreement <= placement.agreement) continue;
+      placement.agreement = agreement;
+      best = plane;
+    }
+    complete(best, placement);
+    return placement;
+  }
+
+  /// The score of where its photos have the screen today, each at its best: on its own depth or on a panel.
+  double today(const Placement& placement, const std::vector<Panel>& panels) const {
+    double sum = 0;
+    for (const size_t i : placement.regions) {
+      double best = 0;
+      const auto take = [&](const WorldPlane& plane) {
+        best = std::max(best, agreement_of(photos_, regions_[i], plane) + supported(rectangle(photos_, regions_, {i}, plane)));
+      };
+      for (const Vec3d& normal : normals_for(photos_, regions_[i])) take(plane_at(photos_, regions_[i], normal, regions_[i].depth));
+      for (const size_t k : panels_of(regions_[i], panels)) take({panels[k].normal, panels[k].offset});
+      sum += best;
+    }
+    return sum / static_cast<double>(placement.regions.size());
+  }
+
+  /// The panel takes the place of those that half of its photos had it on.
+  void replace(const Placement& placement, std::vector<Panel>& panels) const {
+    std::map<size_t, size_t> times;
+    for (const size_t i : placement.regions) {
+      for (const size_t k : panels_of(regions_[i], panels)) ++times[k];
+    }
+    for (auto it = times.rbegin(); it != times.rend(); ++it) {
+      if (2 * it->second >= placement.regions.size()) panels.erase(panels.begin() + static_cast<std::ptrdiff_t>(it->first));
+    }
+    panels.push_back(placement.panel);
+  }
+
+ private:
+  double supported(const Panel& panel) const { return support_.hangs(panel) || support_.stands(panel) ? photos_.settings.supported : 0; }
+
+  void complete(const WorldPlane& plane, Placement& placement) const {
+    placement.panel = rectangle(photos_, regions_, placement.regions, plane);
+    placement.supported = supported(placement.panel);
+  }
+
+  /// Panels that the middle of a region lies on.
+  std::vector<size_t> panels_of(const ScreenRegion& region, const std::vector<Panel>& panels) const {
+    std::vector<size_t> out;
+    for (size_t k = 0; k < panels.size(); ++k) {
+      const double depth = depth_on(photos_, region, {panels[k].normal, panels[k].offset});
+      if (depth > 0 && panels[k].contains(middle_at(photos_, region, depth))) out.push_back(k);
+    }
+    return out;
+  }
+
+  const Photos& photos_;
+  const Regions& regions_;
+  const ScreenSupport& support_;
+};
+
+template <class Work>
+void for_each(size_t count, ThreadPool& pool, const Work& work) {
+  pool.parallel_for(count, 1, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end; ++i) work(i);
+  });
+}
+
+}  // namespace
+
+std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas, const std::vector<PanelClass>& classes,
+                                 const std::vector<ScenePlane>& planes, std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool) {
+  Photos photos{views, planes, settings, std::vector<ImageF>(views.size())};
+  std::vector<Regions> per_view(views.size());
+  for_each(views.size(), pool, [&](size_t v) {
+    photos.gradients[v] = luma_gradient(*lumas[v]);
+    per_view[v] = screen_regions(views[v], v, photos.gradients[v], classes, settings.regions);
+  });
+  Regions regions;
+  for (Regions& list : per_view) std::move(list.begin(), list.end(), std::back_inserter(regions));
+  if (regions.empty()) return panels;
+
+  const ScreenSupport support(views, classes, planes, settings.support, pool);
+  const Placer placer(photos, regions, support);
+  std::vector<std::vector<WorldPlane>> tried(regions.size());
+  for_each(regions.size(), pool, [&](size_t i) { tried[i] = candidates(photos, regions[i]); });
+  std::vector<size_t> left(regions.size());
+  std::iota(left.begin(), left.end(), size_t(0));
+  while (!left.empty()) {
+    std::vector<Placement> best(left.size());
+    for_each(left.size(), pool, [&](size_t k) {
+      for (const WorldPlane& plane : tried[left[k]]) {
+        Placement placement = placer.judge(left, left[k], plane);
+        if (placement.total() > best[k].total()) best[k] = std::move(placement);
+      }
+    });
+    const auto most = std::max_element(best.begin(), best.end(), [](const Placement& a, const Placement& b) { return a.total() < b.total(); });
+    if (most->regions.empty()) break;  // no plane has anybody's agreement
+    const Placement placement = placer.refine(std::move(*most));
+    if (placement.agreement >= settings.least_agreement && placement.score() > placer.today(placement, panels) + settings.margin) {
+      placer.replace(placement, panels);
+    }
+    std::erase_if(left, [&](size_t i) { return std::find(placement.regions.begin(), placement.regions.end(), i) != placement.regions.end(); });
+  }
+  return panels;
+}
+
+}  // namespace aligngs
