@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "core/angles.h"
 #include "core/median.h"
@@ -222,35 +222,44 @@ class Placer {
     return placement;
   }
 
-  /// The score of where its photos have the screen today, each at its best: on its own depth or on a panel.
-  double today(const Placement& placement, const std::vector<Panel>& panels) const {
-    double sum = 0;
+  /// Whether the plane beats where the screen is today by a margin: in the mean over its photos, or over those of them that have it on a panel.
+  bool beats_today(const Placement& placement, const std::vector<Panel>& panels) const {
+    double all = 0, on_panels = 0;
+    size_t count = 0;
     for (const size_t i : placement.regions) {
-      double best = 0;
-      const auto take = [&](const WorldPlane& plane) {
-        best = std::max(best, agreement_of(photos_, regions_[i], plane) + supported(rectangle(photos_, regions_, {i}, plane)));
-      };
-      for (const Vec3d& normal : normals_for(photos_, regions_[i])) take(plane_at(photos_, regions_[i], normal, regions_[i].depth));
-      for (const size_t k : panels_of(regions_[i], panels)) take({panels[k].normal, panels[k].offset});
-      sum += best;
+      const std::vector<size_t> known = panels_of(regions_[i], panels);
+      double today = 0;
+      for (const size_t k : known) today = std::max(today, score(i, {panels[k].normal, panels[k].offset}));
+      for (const Vec3d& normal : known.empty() ? normals_for(photos_, regions_[i]) : std::vector<Vec3d>{}) {
+        today = std::max(today, score(i, plane_at(photos_, regions_[i], normal, regions_[i].depth)));
+      }
+      all += today;
+      on_panels += known.empty() ? 0 : today;
+      count += known.empty() ? 0 : 1;
     }
-    return sum / static_cast<double>(placement.regions.size());
+    const double least = placement.score() - photos_.settings.margin;
+    return all < least * static_cast<double>(placement.regions.size()) || (count > 0 && on_panels < least * static_cast<double>(count));
   }
 
-  /// The panel takes the place of those that half of its photos had it on.
+  /// The panel takes the place of those that a photo had the screen on and that are worse by the margin.
   void replace(const Placement& placement, std::vector<Panel>& panels) const {
-    std::map<size_t, size_t> times;
+    std::set<size_t> worse;
     for (const size_t i : placement.regions) {
-      for (const size_t k : panels_of(regions_[i], panels)) ++times[k];
+      for (const size_t k : panels_of(regions_[i], panels)) {
+        if (score(i, {panels[k].normal, panels[k].offset}) < placement.score() - photos_.settings.margin) worse.insert(k);
+      }
     }
-    for (auto it = times.rbegin(); it != times.rend(); ++it) {
-      if (2 * it->second >= placement.regions.size()) panels.erase(panels.begin() + static_cast<std::ptrdiff_t>(it->first));
-    }
+    for (auto k = worse.rbegin(); k != worse.rend(); ++k) panels.erase(panels.begin() + static_cast<std::ptrdiff_t>(*k));
     panels.push_back(placement.panel);
   }
 
  private:
   double supported(const Panel& panel) const { return support_.hangs(panel) || support_.stands(panel) ? photos_.settings.supported : 0; }
+
+  /// Of one region alone.
+  double score(size_t region, const WorldPlane& plane) const {
+    return agreement_of(photos_, regions_[region], plane) + supported(rectangle(photos_, regions_, {region}, plane));
+  }
 
   void complete(const WorldPlane& plane, Placement& placement) const {
     placement.panel = rectangle(photos_, regions_, placement.regions, plane);
@@ -310,9 +319,7 @@ std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std:
     const auto most = std::max_element(best.begin(), best.end(), [](const Placement& a, const Placement& b) { return a.total() < b.total(); });
     if (most->regions.empty()) break;  // no plane has anybody's agreement
     const Placement placement = placer.refine(std::move(*most));
-    if (placement.agreement >= settings.least_agreement && placement.score() > placer.today(placement, panels) + settings.margin) {
-      placer.replace(placement, panels);
-    }
+    if (placement.agreement >= settings.least_agreement && placer.beats_today(placement, panels)) placer.replace(placement, panels);
     std::erase_if(left, [&](size_t i) { return std::find(placement.regions.begin(), placement.regions.end(), i) != placement.regions.end(); });
   }
   return panels;

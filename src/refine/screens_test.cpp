@@ -94,6 +94,12 @@ TEST(Screens, AWrongPanelIsReplaced) {
   EXPECT_NEAR(panels[0].offset, kStanding, 0.02);
 }
 
+TEST(Screens, AWrongPanelIsReplacedThoughTheDepthIsRight) {
+  const std::vector<Panel> panels = place(Photos{Screen{}}, {frontal(kStanding - 0.4)});  // the panel would draw it away
+  ASSERT_EQ(panels.size(), 1u);
+  EXPECT_NEAR(panels[0].offset, kStanding, 0.02);
+}
+
 TEST(Screens, OneWithoutEdgesStays) {
   Screen grey;
   Photos photos(grey);
