@@ -63,8 +63,8 @@ ROWS = [
 NEED_LABELS = ["+ L_sem, uncoupled", "+ L_sem, coupled", "+ L_ng + L_nb (paper)", "default, planes of walls, floor and ceiling"]
 WHY_EMPTY = ("Empty rows need labels. The capture has none, and networks that would make them need their published weights; "
              "a simulated teacher needs true labels, which the capture does not have either.")
-NO_COLUMNS = ("miou", "teacher", "mesh_miou",   # no labels
-              "between", "beyond", "posed")     # no test photo looks beyond the training photos
+NO_COLUMNS = ("miou", "teacher", "miou_present", "teacher_present", "mesh_miou",  # no labels
+              "between", "beyond", "posed")  # no test photo looks beyond the training photos
 # Meshes that no training has touched, with the cameras of the row that they stand beside.
 YARDSTICKS = {
     "rgb: default": [("rgb: TSDF of the measured depth", "--from-prior", REFINED)],

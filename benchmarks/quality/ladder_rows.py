@@ -166,6 +166,8 @@ COLUMNS = [
     ("pinholes", "pinholes", 4, "geometry.surface.pinholes"), ("area", "F (area)", 3, "geometry.variants.area_samples, all poses.fscore"),
     ("aligned", "F, aligned", 3, "geometry.variants.neuris_vertices, all poses, alignment: cameras.fscore"),
     ("miou", "mIoU", 3, "semantics.miou"), ("teacher", "teacher's", 3, "semantics.teacher.miou"),
+    ("miou_present", "mIoU, all present", 3, "semantics.present.miou"),
+    ("teacher_present", "teacher's, all present", 3, "semantics.teacher.present.miou"),
     ("mesh_miou", "mesh mIoU", 3, "semantics.mesh.miou"),
     ("seconds", "processor s", 0, None),
 ]

@@ -22,7 +22,7 @@ from ladder_rows import COLUMNS, PAIR
 from ladder_tables import difference_lines, in_order, mean_lines, read_csv, room_lines
 
 CONDITIONS = ("rooms", "iterations", "size", "teacher_seed", "scale")  # a ladder has no scale, a capture that and the iterations alone
-LEFT_TO_TABLE_MD = ("area", "aligned", "mesh_miou")
+LEFT_TO_TABLE_MD = ("area", "aligned", "miou_present", "teacher_present", "mesh_miou")
 
 
 def merge(into, part):

@@ -52,8 +52,12 @@ std::string metrics_summary(const Json& metrics) {
   if (semantics.is_null()) {
     text += "labels       not measured: no semantics or no true labels\n";
   } else {
-    text += fmt::format("labels       mIoU {}, accuracy {} (rendered test views)", value(semantics, "miou", "{:.3f}"), value(semantics, "accuracy", "{:.3f}"));
-    if (semantics.contains("teacher")) text += fmt::format("; the teacher's own {}", value(semantics["teacher"], "miou", "{:.3f}"));
+    const auto both_rules = [](const Json& scores) {
+      const std::string counted = value(scores, "miou", "{:.3f}");
+      return scores.contains("present") ? fmt::format("{} ({} over all classes present)", counted, value(scores["present"], "miou", "{:.3f}")) : counted;
+    };
+    text += fmt::format("labels       mIoU {}, accuracy {} (rendered test views)", both_rules(semantics), value(semantics, "accuracy", "{:.3f}"));
+    if (semantics.contains("teacher")) text += fmt::format("; the teacher's own {}", both_rules(semantics["teacher"]));
     if (semantics.contains("mesh")) text += fmt::format("; mesh mIoU {}", value(semantics["mesh"], "miou", "{:.3f}"));
     text += "\n";
   }

@@ -145,7 +145,7 @@ ImageF semantic_weight_map(const ViewData& data, const PrepareOptions& options) 
       if (!taps.valid) continue;
       float sum = 0;
       for (int k = 0; k < 4; ++k) sum += taps.weight[k] * source[static_cast<size_t>(taps.pixel[k])];
-      weight.at(x, y) = sum;
+      weight.at(x, y) = std::min(sum, 1.0f);  // the taps carry the scale of the probabilities
     }
   }
   if (data.labels.empty()) return weight;

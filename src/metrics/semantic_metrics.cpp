@@ -42,6 +42,7 @@ SemanticScores ConfusionMatrix::scores(double min_share) const {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   SemanticScores scores;
   scores.iou.assign(classes_, kNan);
+  scores.present_iou.assign(classes_, kNan);
   std::vector<uint64_t> in_truth(classes_, 0), in_prediction(classes_, 0);
   uint64_t right = 0;
   for (int t = 0; t < classes_; ++t) {
@@ -50,15 +51,21 @@ SemanticScores ConfusionMatrix::scores(double min_share) const {
     right += count(t, t);
     scores.samples += in_truth[t];
   }
-  double sum = 0;
+  double sum = 0, present_sum = 0;
   for (int c = 0; c < classes_; ++c) {
-    if (in_truth[c] == 0 || static_cast<double>(in_truth[c]) < min_share * static_cast<double>(scores.samples)) continue;
+    if (in_truth[c] == 0) continue;
     const uint64_t both = count(c, c);
-    scores.iou[c] = static_cast<double>(both) / static_cast<double>(in_truth[c] + in_prediction[c] - both);
-    sum += scores.iou[c];
+    const double iou = static_cast<double>(both) / static_cast<double>(in_truth[c] + in_prediction[c] - both);
+    scores.present_iou[c] = iou;
+    present_sum += iou;
+    ++scores.present_classes;
+    if (static_cast<double>(in_truth[c]) < min_share * static_cast<double>(scores.samples)) continue;
+    scores.iou[c] = iou;
+    sum += iou;
     ++scores.classes;
   }
   scores.miou = scores.classes ? sum / scores.classes : kNan;
+  scores.present_miou = scores.present_classes ? present_sum / scores.present_classes : kNan;
   scores.accuracy = scores.samples ? static_cast<double>(right) / static_cast<double>(scores.samples) : kNan;
   return scores;
 }

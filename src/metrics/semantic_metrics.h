@@ -11,14 +11,21 @@
 
 namespace aligngs {
 
-/// NaN (JSON null) where nothing was labelled.
+/// NaN (JSON null) where nothing was labelled. Two rules say which classes are in the mean: those that hold a least share of the
+/// labelled pixels ("count"), and all that the truth has at all ("present"). The second asks for small things as much as for the wall.
 struct SemanticScores {
   double miou = 0;           ///< mean over the classes that count
+  double present_miou = 0;   ///< mean over the classes present in the truth
   double accuracy = 0;       ///< share of labelled pixels (points) with the right class
   int classes = 0;           ///< number of classes that count in miou
+  int present_classes = 0;   ///< number of classes that present_miou is the mean over
   uint64_t samples = 0;      ///< labelled pixels (points)
   std::vector<double> iou;   ///< per class; NaN where the class does not count
+  std::vector<double> present_iou;  ///< per class; NaN where the truth has none of it
 };
+
+/// Share of the labelled pixels (points) from which a class counts.
+inline constexpr double kLeastClassShare = 0.001;
 
 /// Counts true class x predicted class, pooled over views. A prediction of kNoLabel (or of no class that exists) is
 /// wrong wherever the truth has a label; pixels whose truth is kNoLabel are ignored.
@@ -37,8 +44,8 @@ class ConfusionMatrix {
   uint64_t of_class(int truth) const;
 
   /// IoU = TP / (TP + FP + FN) over labelled pixels; a class counts when it holds at least `min_share` of them
-  /// (0.1 %), so that a few stray pixels do not weigh as much as the wall.
-  SemanticScores scores(double min_share = 0.001) const;
+  /// (0.1 %), so that a few stray pixels do not weigh as much as the wall, and is present when it holds any.
+  SemanticScores scores(double min_share = kLeastClassShare) const;
 
  private:
   int classes_;
@@ -48,7 +55,7 @@ class ConfusionMatrix {
 struct MeshLabelOptions {
   double threshold = 0.05;  ///< metres (units of the truth): how far the nearest predicted vertex may be
   double voxel = 0.02;      ///< truth vertices are thinned to one per voxel: the majority label stands
-  double min_share = 0.001;
+  double min_share = kLeastClassShare;
 };
 
 struct MeshLabelScores {

@@ -44,9 +44,30 @@ TEST(ConfusionMatrix, RareClassesDoNotCount) {
   EXPECT_EQ(matrix.scores(0).classes, 2);
 }
 
+/// 2000 pixels: class 0 has 1997 of them, 3 taken for class 1; class 1 has 2, one of them taken for class 0 and both too few to count;
+/// class 2 has 1, found; class 3 is not in the truth.
+TEST(ConfusionMatrix, TwoRulesForWhichClassesAreInTheMean) {
+  ConfusionMatrix matrix(4);
+  for (int i = 0; i < 1994; ++i) matrix.add(0, 0);
+  for (int i = 0; i < 3; ++i) matrix.add(0, 1);
+  matrix.add(1, 1);
+  matrix.add(1, 0);
+  matrix.add(2, 2);
+  const SemanticScores scores = matrix.scores(0.0011);
+  EXPECT_EQ(scores.classes, 1);
+  EXPECT_NEAR(scores.miou, 1994.0 / 1998, 1e-12);
+  EXPECT_EQ(scores.present_classes, 3);
+  EXPECT_NEAR(scores.present_miou, (1994.0 / 1998 + 1.0 / 5 + 1) / 3, 1e-12);
+  EXPECT_TRUE(std::isnan(scores.iou[1]));
+  EXPECT_NEAR(scores.present_iou[1], 1.0 / 5, 1e-12);
+  EXPECT_EQ(scores.present_iou[2], 1);
+  EXPECT_TRUE(std::isnan(scores.present_iou[3]));
+}
+
 TEST(ConfusionMatrix, NothingLabelledGivesNoNumber) {
   const SemanticScores scores = ConfusionMatrix(2).scores();
   EXPECT_TRUE(std::isnan(scores.miou));
+  EXPECT_TRUE(std::isnan(scores.present_miou));
   EXPECT_TRUE(std::isnan(scores.accuracy));
 }
 

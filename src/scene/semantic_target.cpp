@@ -73,7 +73,8 @@ class RowCache {
     slot.values.resize(width * channels);
     const uint16_t* source = &target_.probabilities[y * width * channels];
     for (size_t x = 0; x < width; ++x) {
-      const float confidence = target_.confidence[y * width + x];
+      const size_t pixel = y * width + x;
+      const float confidence = target_.confidence[pixel] * (target_.scale.empty() ? 1.0f : target_.scale[pixel]);
       for (size_t c = 0; c < channels; ++c) {
         slot.values[x * channels + c] = confidence * half_to_float(source[x * channels + c]);
       }
@@ -115,7 +116,18 @@ SemanticTarget semantic_target(const float* values, int channels, int width, int
       for (int c = 0; c < channels; ++c) half[c] = float_to_half(v[c]);
     }
   }
+  normalise_target(out);
   return out;
+}
+
+void normalise_target(SemanticTarget& target) {
+  const size_t pixels = static_cast<size_t>(target.width) * target.height, channels = static_cast<size_t>(target.channels);
+  target.scale.resize(pixels);
+  for (size_t i = 0; i < pixels; ++i) {
+    double sum = 0;
+    for (size_t c = 0; c < channels; ++c) sum += static_cast<double>(half_to_float(target.probabilities[i * channels + c]));
+    target.scale[i] = sum > 0 && std::isfinite(sum) ? static_cast<float>(1 / sum) : 1.0f;
+  }
 }
 
 Image<uint16_t> target_labels(const SemanticTarget& target, int width, int height) {

@@ -19,6 +19,9 @@ struct SemanticConversion {
 SemanticTarget semantic_target(const float* values, int channels, int width, int height,
                                const SemanticConversion& conversion);
 
+/// Sets target.scale from the numbers that the target holds; 1 where they sum to 0 or to a number that is not finite.
+void normalise_target(SemanticTarget& target);
+
 /// Arg-max of the probabilities, interpolated bilinearly at pixel centres to width x height and weighted by
 /// confidence; kNoLabel where the interpolated confidence is below 0.5. Ties go to the lower class.
 Image<uint16_t> target_labels(const SemanticTarget& target, int width, int height);

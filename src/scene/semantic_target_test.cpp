@@ -65,6 +65,32 @@ TEST(SemanticTarget, ProbabilitiesStayAsTheyAre) {
   EXPECT_NEAR(probability(t, 0), 0.25, 1e-3);
 }
 
+/// 147 equal numbers are rounded the same way, so that their errors add up.
+TEST(SemanticTarget, ScaledProbabilitiesSumToOne) {
+  std::vector<float> scores(150, 0.0f);
+  for (const size_t i : {2, 9, 100}) scores[i] = 1;
+  const SemanticTarget t = pixel(scores, SemanticKind::kLogits);
+  double stored = 0, scaled = 0;
+  for (int c = 0; c < 150; ++c) {
+    stored += static_cast<double>(probability(t, c));
+    scaled += static_cast<double>(t.scale[0] * probability(t, c));
+  }
+  EXPECT_GT(std::abs(stored - 1), 1e-4);
+  EXPECT_NEAR(scaled, 1, 1e-6);
+}
+
+TEST(SemanticTarget, NumbersWithoutASumKeepTheirScale) {
+  SemanticTarget t;
+  t.channels = 2;
+  t.width = 1;
+  t.height = 1;
+  for (const float value : {0.0f, std::numeric_limits<float>::infinity()}) {
+    t.probabilities = {float_to_half(value), float_to_half(0.0f)};
+    normalise_target(t);
+    EXPECT_EQ(t.scale[0], 1);
+  }
+}
+
 TEST(SemanticTarget, PixelsWithoutAnyInformationAreUniformAndUnknown) {
   for (float value : {0.0f, std::numeric_limits<float>::quiet_NaN()}) {
     const SemanticTarget t = pixel({value, value}, SemanticKind::kScores);

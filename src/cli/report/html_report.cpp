@@ -56,7 +56,8 @@ std::string summary(const Json& metrics) {
          card("normal error (degrees)", number(metrics, "geometry.surface.normal_error_median_deg", "{:.1f}")) +
          card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
          card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
-         card("mIoU", number(metrics, "semantics.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
+         card("mIoU", number(metrics, "semantics.miou", "{:.3f}")) +
+         card("mIoU, all classes present", number(metrics, "semantics.present.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
          card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
 }
 

@@ -12,9 +12,9 @@ namespace aligngs {
 /// that interpolate and extrapolate the training views (metrics/view_novelty.h).
 enum class Score {
   kPsnr, kPsnrFitted, kPsnrPose, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore,
-  kFscore2, kFscore1, kNormals, kStructureNormals, kRoughness, kPinholes, kMiou, kSeconds, kGaussians
+  kFscore2, kFscore1, kNormals, kStructureNormals, kRoughness, kPinholes, kMiou, kMiouPresent, kSeconds, kGaussians
 };
-inline constexpr size_t kScoreCount = 21;
+inline constexpr size_t kScoreCount = 22;
 
 struct ScoreColumn {
   const char* name;      ///< heading, with unit

@@ -58,7 +58,10 @@ Json by_class(const std::vector<double>& values, const LabelSet& labels) {
 
 Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
   return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples},
-          {"iou", by_class(scores.iou, labels)}};
+          {"rule", fmt::format("mean over the classes with at least {:g} % of the labelled samples; present: over all classes of the truth",
+                               100 * kLeastClassShare)},
+          {"iou", by_class(scores.iou, labels)},
+          {"present", {{"miou", number(scores.present_miou)}, {"classes", scores.present_classes}, {"iou", by_class(scores.present_iou, labels)}}}};
 }
 
 struct ViewMetrics {
@@ -277,7 +280,7 @@ Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
   measure_mesh(run, options, geometry, mesh_semantics);
   Json semantics = views.semantics;
   if (!mesh_semantics.is_null()) {
-    if (semantics.is_null()) semantics = {{"miou", nullptr}, {"accuracy", nullptr}};
+    if (semantics.is_null()) semantics = {{"miou", nullptr}, {"accuracy", nullptr}, {"present", {{"miou", nullptr}}}};
     semantics["mesh"] = mesh_semantics;
   }
   const Json metrics = {{"schema", 1}, {"scene_source", run.scene.source}, {"priors", run.scene.prior_source},

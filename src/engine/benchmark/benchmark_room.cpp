@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "engine/prepare_view.h"
 #include "gaussians/morton_order.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs {
 namespace {
@@ -127,6 +128,7 @@ SemanticTarget make_teacher(const BenchmarkRoom& room, const Image<uint16_t>& la
       for (const double value : p) t.probabilities.push_back(float_to_half(static_cast<float>(value / (sum + 9))));
     }
   }
+  normalise_target(t);
   return t;
 }
 

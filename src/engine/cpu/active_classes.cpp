@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/half.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::cpu {
 namespace {
@@ -112,6 +113,7 @@ void compress_target(const ActiveClasses& map, ThreadPool& pool, SemanticTarget&
   });
   target.probabilities = std::move(compact);
   target.channels = static_cast<int>(channels);
+  normalise_target(target);
 }
 
 std::vector<float> compress_rows(const ActiveClasses& map, RowKind kind, const std::vector<float>& rows) {

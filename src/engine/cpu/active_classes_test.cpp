@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/cpu/active_class_scenes.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::cpu {
 namespace {
@@ -71,6 +72,21 @@ TEST(ActiveClasses, TargetKeepsTheActiveProbabilitiesAndTheSumOfTheRest) {
   EXPECT_EQ(half_to_float(t.probabilities[0]), 0.5f);
   EXPECT_EQ(half_to_float(t.probabilities[1]), 0.25f);
   EXPECT_EQ(half_to_float(t.probabilities[2]), 0.25f);
+  EXPECT_EQ(t.scale, std::vector<float>{1});
+}
+
+TEST(ActiveClasses, ACompactTargetSumsToOneAgain) {
+  ThreadPool pool(1);
+  std::vector<float> scores(150, 0.0f);
+  scores[7] = 1;
+  SemanticTarget t = semantic_target(scores.data(), 150, 1, 1, {SemanticKind::kLogits, 1});
+  ActiveClasses map;
+  map.classes = 150;
+  map.active = {7, 8};
+  compress_target(map, pool, t);
+  double sum = 0;
+  for (const uint16_t p : t.probabilities) sum += static_cast<double>(t.scale[0] * half_to_float(p));
+  EXPECT_NEAR(sum, 1, 1e-6);
 }
 
 TEST(ActiveClasses, FilesKeepEveryClassAndResumeBitByBit) {

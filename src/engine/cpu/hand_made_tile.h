@@ -23,6 +23,7 @@
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/formulas/teacher_sampling.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::cpu::testing_scene {
 
@@ -200,6 +201,7 @@ class HandMadeTile {
         t.probabilities[pixel * channels + c] = float_to_half(static_cast<float>(p[c]));
       }
     }
+    normalise_target(t);
   }
 
   void visit_pixel(const BlockWeights& block, int i, const std::vector<double>& features, std::vector<double>& want,

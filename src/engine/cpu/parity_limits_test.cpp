@@ -7,6 +7,7 @@
 #include "engine/cpu/tile_statistics.h"
 #include "engine/prepare_view.h"
 #include "gaussians/restructure.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::cpu {
 namespace {
@@ -57,6 +58,7 @@ RoomWindow make_room_window() {
     const auto confidence = teacher.confidence.begin() + static_cast<std::ptrdiff_t>(first);
     t.confidence.insert(t.confidence.end(), confidence, confidence + t.width);
   }
+  normalise_target(t);
   RoomWindow window;
   window.model = benchmark_model(room);
   ThreadPool pool(1);

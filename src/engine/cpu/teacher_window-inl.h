@@ -34,15 +34,16 @@ HWY_INLINE FloatVec load_half(const uint16_t* p) {
 #endif
 }
 
-/// out[0 .. padded) = row[0 .. channels) as float, zero-padded.
-HWY_INLINE void load_half_row(const uint16_t* row, size_t channels, size_t padded, float* HWY_RESTRICT out) {
+/// out[0 .. padded) = scale row[0 .. channels) as float, zero-padded.
+HWY_INLINE void load_half_row(const uint16_t* row, float scale, size_t channels, size_t padded, float* HWY_RESTRICT out) {
   const FloatTag d;
+  const FloatVec factor = hn::Set(d, scale);
   size_t c = 0;
-  for (; c + kLanes <= channels; c += kLanes) hn::Store(load_half(row + c), d, out + c);
+  for (; c + kLanes <= channels; c += kLanes) hn::Store(hn::Mul(factor, load_half(row + c)), d, out + c);
   if (c < channels) {  // the tail is copied so that nothing behind the map is read
     uint16_t tail[kLanes] = {};
     std::memcpy(tail, row + c, (channels - c) * sizeof(uint16_t));
-    hn::Store(load_half(tail), d, out + c);
+    hn::Store(hn::Mul(factor, load_half(tail)), d, out + c);
     c += kLanes;
   }
   for (; c < padded; c += kLanes) hn::Store(hn::Zero(d), d, out + c);
@@ -85,8 +86,8 @@ HWY_INLINE void load_teacher_window(const SemanticTarget& target, const TeacherW
   float* to = out.data();
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < w.columns; ++c, to += padded) {
-      load_half_row(&target.probabilities[(size_t(w.row0[0] + r) * target.width + w.first_column + c) * channels],
-                    channels, padded, to);
+      const size_t pixel = size_t(w.row0[0] + r) * target.width + w.first_column + c;
+      load_half_row(&target.probabilities[pixel * channels], target.scale.empty() ? 1.0f : target.scale[pixel], channels, padded, to);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include "core/random.h"
 #include "engine/cpu/cpu_engine.h"
 #include "engine/reference/reference_engine.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::cpu::testing_scene {
 
@@ -96,6 +97,7 @@ inline TrainingView make_view(const SceneOptions& o) {
       for (const double x : p) t.probabilities.push_back(float_to_half(static_cast<float>(x / sum)));
       t.confidence.push_back(i < t.width / 3 ? 0.0f : 0.8f);
     }
+    normalise_target(t);
   }
   return v;
 }

@@ -26,7 +26,7 @@ __device__ inline void sample_channels(const LiftInputs& in, int x, int y, bool 
                                 LiftTile& shared) {
   const TeacherSpans& t = in.teacher;
   TeacherTaps taps;
-  if (valid) taps = teacher_taps({t.width, t.height, t.confidence.data}, x, y, in.view.width, in.view.height);
+  if (valid) taps = teacher_taps(t.grid(), x, y, in.view.width, in.view.height);
   for (int c = 0; c < kLiftChannels; ++c) {
     float sum = 0;
     for (int k = 0; k < 4 && c < width; ++k) {

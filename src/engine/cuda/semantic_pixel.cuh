@@ -39,9 +39,7 @@ __device__ __forceinline__ PixelTeacher find_teacher(const SemanticVisitInputs& 
   const size_t u = size_t(y) * in.view.width + x;
   const uint16_t top = in.teacher.top_class[u];
   if (top == kNoLabel) return t;
-  const TeacherGrid grid{in.teacher.width, in.teacher.height,
-                         in.teacher.confidence.empty() ? nullptr : in.teacher.confidence.data};
-  const TeacherTaps taps = teacher_taps(grid, x, y, in.view.width, in.view.height);
+  const TeacherTaps taps = teacher_taps(in.teacher.grid(), x, y, in.view.width, in.view.height);
   for (int k = 0; k < 4; ++k) {
     t.pixel[k] = taps.pixel[k];
     t.weight[k] = taps.weight[k];

@@ -17,6 +17,7 @@
 #include "engine/cuda/test_view.h"
 #include "engine/cuda/tolerances.h"
 #include "engine/formulas/semantic_loss.h"
+#include "scene/semantic_target.h"
 #ifdef ALIGNGS_CUDA_EMULATED
 #include "engine/cuda/runtime/emulation/emulation.h"
 #endif
@@ -415,6 +416,7 @@ TEST_P(CudaSemanticVisit, ATeacherFinerThanTheImageAndOneThatKnowsEverything) {
                              coarse.probabilities.begin() + static_cast<std::ptrdiff_t>(from + channels));
     }
   }
+  normalise_target(t);
   training.semantic_weight = ImageF();
   cpu::prepare_semantic_view(training, counts.classes(), view->pool, cache);
   ASSERT_EQ(cache.valid, view->maps.pixels());

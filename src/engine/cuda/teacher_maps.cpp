@@ -27,6 +27,7 @@ TeacherMaps::TeacherMaps(DeviceContext& context, const TrainingView& view, const
   }
   probabilities_.assign(context, padded, "semantic teacher");
   confidence_.assign(context, target.confidence, "semantic teacher");
+  scale_.assign(context, target.scale, "semantic teacher");
   negative_entropy_.assign(context, cache.negative_entropy, "semantic teacher");
   top_class_.assign(context, cache.top_class, "semantic teacher");
   weight_.assign(context, view.semantic_weight.data, "semantic teacher");
@@ -36,6 +37,7 @@ TeacherSpans TeacherMaps::spans() const {
   TeacherSpans s = shape_;
   s.probabilities = probabilities_.span();
   s.confidence = confidence_.span();
+  s.scale = scale_.span();
   s.negative_entropy = negative_entropy_.span();
   s.top_class = top_class_.span();
   s.weight = weight_.span();
@@ -43,7 +45,7 @@ TeacherSpans TeacherMaps::spans() const {
 }
 
 uint64_t TeacherMaps::bytes(int channels, size_t teacher_pixels, size_t image_pixels) {
-  constexpr uint64_t kPerTeacherPixel = sizeof(float);                       // confidence
+  constexpr uint64_t kPerTeacherPixel = 2 * sizeof(float);                   // confidence, scale
   constexpr uint64_t kPerImagePixel = 2 * sizeof(float) + sizeof(uint16_t);  // entropy, weight, arg-max
   return teacher_pixels * (uint64_t(stride_of(channels)) * sizeof(uint16_t) + kPerTeacherPixel) +
          image_pixels * kPerImagePixel;

@@ -6,6 +6,7 @@
 
 #include "engine/cpu/semantic_view.h"
 #include "engine/cuda/runtime/device_memory.h"
+#include "engine/formulas/teacher_sampling.h"
 
 namespace aligngs::cuda {
 
@@ -15,10 +16,15 @@ struct TeacherSpans {
   int stride = 0;             ///< numbers per pixel of the map, a multiple of 8
   DeviceSpan<const uint16_t> probabilities;   ///< [height][width][stride] float16, zero beyond the channels
   DeviceSpan<const float> confidence;         ///< [height][width]; empty: 1
+  DeviceSpan<const float> scale;              ///< [height][width], of the probabilities (SemanticTarget::scale); empty: 1
   DeviceSpan<const float> negative_entropy;   ///< [H W] of the image: sum t log t
   DeviceSpan<const uint16_t> top_class;       ///< [H W] arg-max of t, kNoLabel where the pixel is not valid
   DeviceSpan<const float> weight;             ///< [H W] omega of the bounded coupling; empty: 1
   uint32_t valid = 0;                         ///< pixels that take part in the semantic loss
+
+  ALIGNGS_HD TeacherGrid grid() const {
+    return {width, height, confidence.empty() ? nullptr : confidence.data, scale.empty() ? nullptr : scale.data};
+  }
 };
 
 /// Owns them. The arrays do not change between steps.
@@ -34,7 +40,7 @@ class TeacherMaps {
  private:
   TeacherSpans shape_;
   DeviceArray<uint16_t> probabilities_, top_class_;
-  DeviceArray<float> confidence_, negative_entropy_, weight_;
+  DeviceArray<float> confidence_, scale_, negative_entropy_, weight_;
 };
 
 }  // namespace aligngs::cuda

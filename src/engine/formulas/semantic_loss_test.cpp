@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/formulas/teacher_sampling.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs {
 namespace {
@@ -191,6 +192,25 @@ TEST(TeacherSampling, HalfPixelRule) {
     EXPECT_FLOAT_EQ(p[0], expected[x]);
     EXPECT_FLOAT_EQ(p[0] + p[1], 1.0f);
   }
+}
+
+/// The halves of a near-uniform row of 150 classes sum to 2e-4 off 1, and so far off 0 is the KL divergence of equals then.
+TEST(TeacherSampling, SamplesSumToOneSoThatEqualsHaveNoLoss) {
+  constexpr int kClasses = 150;
+  std::vector<float> scores(2 * kClasses, 0.0f);
+  for (const size_t i : {2, 9, 100, 287}) scores[i] = 1;
+  const SemanticTarget t = semantic_target(scores.data(), kClasses, 2, 1, {SemanticKind::kLogits, 1});
+  std::vector<float> p(kClasses);
+  sample_teacher(t, teacher_taps(t, 1, 0, 3, 1), p.data());
+  double sum = 0;
+  for (const float x : p) sum += static_cast<double>(x);
+  EXPECT_NEAR(sum, 1, 1e-6);
+  const std::vector<double> teacher(p.begin(), p.end());
+  std::vector<double> unused(kClasses), blended = teacher;
+  for (double& x : blended) x /= sum;
+  const SemanticTerms<double> terms =
+      semantic_loss_probabilities(blended.data(), 1.0, teacher.data(), kClasses, {1.0, 0.0}, unused.data());
+  EXPECT_NEAR(terms.soft, 0, 1e-6);
 }
 
 TEST(TeacherSampling, OwnSizeGivesOwnPixels) {

@@ -9,17 +9,18 @@
 
 namespace aligngs {
 
-/// Up to four pixels of the teacher's map and their weights, which sum to 1 when valid.
+/// Up to four pixels of the teacher's map and the weights of their stored numbers: what is sampled with them sums to 1 when valid.
 struct TeacherTaps {
   int pixel[4] = {0, 0, 0, 0};        ///< y * width + x in the teacher's map
-  float weight[4] = {0, 0, 0, 0};
+  float weight[4] = {0, 0, 0, 0};     ///< bilinear, times SemanticTarget::scale
   bool valid = false;                 ///< false: the pixel has no semantic loss and is not counted
 };
 
-/// The size of a teacher's map and its confidences, [height][width]; nullptr: 1 everywhere.
+/// The size of a teacher's map, its confidences and SemanticTarget::scale, [height][width] each; nullptr: 1 everywhere.
 struct TeacherGrid {
   int width = 0, height = 0;
   const float* confidence = nullptr;
+  const float* scale = nullptr;
 };
 
 /// Bilinear at pixel centres (half-pixel rule, source = (x + 0.5) * source_width / width - 0.5), over the taps whose
@@ -43,14 +44,17 @@ ALIGNGS_HD inline TeacherTaps teacher_taps(const TeacherGrid& grid, int x, int y
   }
   taps.valid = sum >= 0.5;
   if (!taps.valid) return taps;
-  for (int k = 0; k < 4; ++k) taps.weight[k] = static_cast<float>(weights[k] / sum);
+  for (int k = 0; k < 4; ++k) {
+    taps.weight[k] = static_cast<float>(weights[k] / sum) * (grid.scale != nullptr ? grid.scale[taps.pixel[k]] : 1.0f);
+  }
   return taps;
 }
 
 /// The same for a target; not valid where it is empty.
 inline TeacherTaps teacher_taps(const SemanticTarget& target, int x, int y, int width, int height) {
   if (target.empty()) return {};
-  const TeacherGrid grid{target.width, target.height, target.confidence.empty() ? nullptr : target.confidence.data()};
+  const TeacherGrid grid{target.width, target.height, target.confidence.empty() ? nullptr : target.confidence.data(),
+                         target.scale.empty() ? nullptr : target.scale.data()};
   return teacher_taps(grid, x, y, width, height);
 }
 

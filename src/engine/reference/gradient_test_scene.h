@@ -8,6 +8,7 @@
 
 #include "core/half.h"
 #include "engine/reference/reference_engine.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::reference::testing_scene {
 
@@ -90,6 +91,7 @@ inline TrainingView make_view() {
       t.confidence.push_back(x < 2 && y < 2 ? 0.0f : 0.8f);
     }
   }
+  normalise_target(t);
   return v;
 }
 
