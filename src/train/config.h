@@ -91,6 +91,7 @@ struct SemanticConfig {
   bool lift = false;
   int64_t lift_at = 0;  ///< [ref] the closed-form start of the rows comes after it
   double drawn_sharpness = 0;  ///< power of a Gaussian's smoothed probabilities where labels are drawn; 0 = rows as trained
+  bool object_labels = false;  ///< and what the objects are called is decided by the photos' votes (train/photo_labels.h)
   int64_t active_top = 0;  ///< classes never among a teacher's so many best share one channel; 0 = every class its own
 };
 

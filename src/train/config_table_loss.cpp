@@ -80,6 +80,9 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.drawn_sharpness", field<&C::semantic, &S::drawn_sharpness>, 0, 16, "", ours_paper(4.0, 0.0),
        "labels are drawn with each Gaussian's probabilities, smoothed over its neighbours, to this power; 0, or semantic.blend = "
        "\"logits\": rows as trained"},
+      {"semantic.object_labels", field<&C::semantic, &S::object_labels>, 0, 0, "", ours_paper(true, false),
+       "labels are drawn as the training photos vote for whole objects, so that a small thing that several photos agree on keeps its "
+       "name; off, or semantic.blend = \"logits\": each Gaussian for itself"},
       {"semantic.active_top", field<&C::semantic, &S::active_top>, 0, 65535, "", ours_paper(2, 0),
        "classes that no view's teacher ever ranks among its so many best train as one remainder; 0 = every class alone"},
   };

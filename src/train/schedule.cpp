@@ -157,6 +157,10 @@ bool Schedule::fits_planes(int64_t iteration) const {
          every(iteration, config_.loss.plane_every);
 }
 
+bool Schedule::names_objects(int64_t iteration) const {
+  return facts_.semantics && config_.semantic.object_labels && config_.semantic.blend == "probabilities" && iteration == config_.train.iterations;
+}
+
 bool Schedule::closes_room(int64_t iteration) const {
   return config_.train.closed_room && facts_.semantics && iteration == config_.train.iterations;
 }

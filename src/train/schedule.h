@@ -52,6 +52,7 @@ class Schedule {
   bool fits_planes(int64_t iteration) const;
   /// After the last step.
   bool closes_room(int64_t iteration) const;
+  bool names_objects(int64_t iteration) const;  ///< the photos' votes take the place of the semantic rows (train/photo_labels.h)
   /// Before the step of this iteration.
   bool lifts_semantics(int64_t iteration) const;
 

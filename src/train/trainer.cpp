@@ -15,6 +15,7 @@
 #include "train/closed_room.h"
 #include "train/live_snapshot.h"
 #include "train/neighbour_choice.h"
+#include "train/photo_labels.h"
 #include "train/upkeep.h"
 
 namespace aligngs {
@@ -185,6 +186,7 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
   }
   if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
   if (schedule_.closes_room(iteration)) close_room_now(iteration, events);
+  if (schedule_.names_objects(iteration)) name_objects_now(iteration, events);
   if (engine_.size() > 0) return;
   throw Error({ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
                "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
@@ -237,6 +239,24 @@ void Trainer::close_room_now(int64_t iteration, EventLog& events) {
   if (added == 0) return;
   events.message(iteration, "closed_room", fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
   log_info("closed room: {} Gaussians for walls, floor and ceiling that no photo shows", added);
+}
+
+/// Before the last checkpoint, so that whoever opens the run, edits it or goes on with it finds the same rows.
+void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
+  PhotoLabelInputs inputs;
+  inputs.views = in_.load_views(1);
+  for (size_t v = 0; v < inputs.views.size(); ++v) {
+    inputs.views[v].data.camera.world_to_camera = in_.guides[v].camera.world_to_camera;
+    inputs.near_planes.push_back(in_.guides[v].near_plane);
+  }
+  inputs.raster = schedule_.request(iteration).raster;
+  inputs.extent = in_.facts.extent;
+  EngineState state;
+  engine_.save_state(state);
+  const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
+  if (report.regions == 0) return;
+  engine_.load_state(state);
+  events.message(iteration, "labels", fmt::format("{} regions named by the photos, {} of them against their commonest name", report.regions, report.renamed));
 }
 
 void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {

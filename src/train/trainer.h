@@ -62,6 +62,7 @@ class Trainer {
   void place_camera(size_t view);
   void move_camera(size_t view, const PoseRates& rates);
   void close_room_now(int64_t iteration, EventLog& events);
+  void name_objects_now(int64_t iteration, EventLog& events);
   void fit_planes_now(int64_t iteration, EventLog& events);
   /// Gives the engine the views of this resolution, with cameras and planes as the state has them.
   void give_views();

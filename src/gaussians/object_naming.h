@@ -1,0 +1,42 @@
+// Connected regions of Gaussians of one class, and what each is called where the photos disagree about it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gaussians/gaussian_model.h"
+#include "gaussians/point_tree.h"
+
+namespace aligngs {
+
+/// Number of the region of each Gaussian, 0 .. count - 1 in order of their first rows: Gaussians of one class that are neighbours within
+/// `reach` (scene units) are one region. Faint ones (opacity below 0.05) connect nothing.
+struct LabelRegions {
+  std::vector<uint32_t> of_gaussian;  ///< [N]
+  std::vector<uint16_t> label;        ///< [count] class of each region, kNoLabel: of none
+  size_t count = 0;
+};
+LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model, const NeighbourGraph& graph, double reach);
+
+/// What the photos say of each region.
+struct RegionEvidence {
+  size_t classes = 0;           ///< C
+  std::vector<uint16_t> label;  ///< [R] what the region is called so far; kNoLabel: nothing, and so it stays
+  std::vector<double> area;     ///< [R] votes for the region, pixels of all photos
+  std::vector<double> share;    ///< [R][C] of these votes, by class; a region's shares sum to at most 1
+  std::vector<uint16_t> photos; ///< [R][C] photos in which most of what is seen of the region is called so
+};
+
+struct NamingOptions {
+  uint16_t least_photos = 2;  ///< that call a region so before it may be called so against the majority: one photo's mistake is not enough
+  double least_share = 0.3;   ///< of the votes for the name so far, which a name must have besides
+};
+
+/// The name of each region: the one it has or one that enough photos give it, chosen for all regions together so that
+/// the expected mean IoU is largest (Nowozin, CVPR 2014, with the ratio of expectations): the sum over classes of
+/// TP / (P + T - TP), with P the area called so, T the area that should be, TP what of P is right, all by shares. A class that the
+/// majority would nowhere take keeps the region that is most likely it, when whoever loses the region loses less by it. Regions are visited
+/// from the largest to the smallest until no name changes, at most five times; of equal names the one so far stays.
+std::vector<uint16_t> name_regions(const RegionEvidence& evidence, const NamingOptions& options = {});
+
+}  // namespace aligngs
