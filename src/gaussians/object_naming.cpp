@@ -64,6 +64,54 @@ LabelRegions connected_regions(const std::vector<uint16_t>& label, const Gaussia
   return regions;
 }
 
+std::vector<uint16_t> label_outlines(const OutlineEvidence& e, int rounds) {
+  constexpr size_t kTop = SoftLabels::kTop;
+  const size_t n = e.soft.size();
+  std::vector<uint32_t> slot(n, 0);  // of each Gaussian's class
+  std::vector<double> wanted(e.classes, 0.0);
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t k = kTop * i; k < kTop * (i + 1) && e.soft.label[k] != kNoLabel; ++k) {
+      wanted[e.soft.label[k]] += e.area[i] * static_cast<double>(e.soft.probability[k]);
+    }
+  }
+  std::vector<uint32_t> best = slot;
+  double most = -1;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> called(e.classes, 0.0), right(e.classes, 0.0), iou(e.classes, 0.0), either(e.classes, 0.0);
+    for (size_t i = 0; i < n; ++i) {
+      const size_t k = kTop * i + slot[i];
+      if (e.soft.label[k] == kNoLabel) continue;
+      called[e.soft.label[k]] += e.area[i];
+      right[e.soft.label[k]] += e.area[i] * static_cast<double>(e.soft.probability[k]);
+    }
+    double sum = 0;
+    for (size_t c = 0; c < e.classes; ++c) {
+      either[c] = called[c] + wanted[c] - right[c];
+      iou[c] = either[c] > 0 ? right[c] / either[c] : 0;
+      sum += iou[c];
+    }
+    if (sum > most + kLeastGain) most = sum, best = slot;
+    bool changed = false;
+    for (size_t i = 0; i < n; ++i) {
+      uint32_t chosen = slot[i];
+      double gain = -1e300;
+      for (uint32_t k = 0; k < kTop; ++k) {
+        const uint16_t c = e.soft.label[kTop * i + k];
+        if (c == kNoLabel) break;
+        if (e.allowed[kTop * i + k] == 0 || !(either[c] > 0)) continue;
+        const double p = static_cast<double>(e.soft.probability[kTop * i + k]), g = (p * (1 + iou[c]) - iou[c]) / either[c];
+        if (g > gain) gain = g, chosen = k;
+      }
+      changed |= chosen != slot[i];
+      slot[i] = chosen;
+    }
+    if (!changed) break;
+  }
+  std::vector<uint16_t> label(n);
+  for (size_t i = 0; i < n; ++i) label[i] = e.soft.label[kTop * i + best[i]];
+  return label;
+}
+
 std::vector<uint16_t> name_regions(const RegionEvidence& evidence, const NamingOptions& options) {
   const size_t regions = evidence.area.size(), classes = evidence.classes;
   std::vector<uint16_t> name = evidence.label;

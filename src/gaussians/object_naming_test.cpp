@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "gaussians/soft_labels.h"
 #include "scene/triangle_mesh.h"
 
@@ -71,6 +73,37 @@ TEST(NameRegions, WithoutRegionsOrLabelsNothingHappens) {
   RegionEvidence e;
   add_region(e, kNoLabel, 50, {{kLamp, 0.9, 8}});
   EXPECT_EQ(name_regions(e), (std::vector<uint16_t>{kNoLabel}));
+}
+
+/// A lamp of ten Gaussians: its photos agree on the middle, and on its rim 0.4 of the votes are for it.
+OutlineEvidence lamp_on_a_wall(uint8_t allowed) {
+  OutlineEvidence e;
+  e.classes = kClasses;
+  for (size_t i = 0; i < 1000; ++i) {
+    const bool middle = i < 4, rim = i >= 4 && i < 10;
+    e.area.push_back(1);
+    e.soft.label.resize(SoftLabels::kTop * (i + 1), kNoLabel);
+    e.soft.probability.resize(SoftLabels::kTop * (i + 1), 0.0f);
+    e.allowed.resize(SoftLabels::kTop * (i + 1), 1);
+    const size_t k = SoftLabels::kTop * i;
+    e.soft.label[k] = middle ? kLamp : kWall;
+    e.soft.probability[k] = middle ? 0.8f : rim ? 0.6f : 1.0f;
+    if (!middle && !rim) continue;
+    e.soft.label[k + 1] = middle ? kWall : kLamp;
+    e.soft.probability[k + 1] = middle ? 0.2f : 0.4f;
+    e.allowed[k + 1] = allowed;
+  }
+  return e;
+}
+
+TEST(LabelOutlines, ASmallThingKeepsItsRim) {
+  const std::vector<uint16_t> label = label_outlines(lamp_on_a_wall(1));
+  EXPECT_EQ(std::count(label.begin(), label.end(), uint16_t(kLamp)), 10);
+}
+
+TEST(LabelOutlines, WhatIsNotAllowedIsLeft) {
+  const std::vector<uint16_t> label = label_outlines(lamp_on_a_wall(0));
+  EXPECT_EQ(std::count(label.begin(), label.end(), uint16_t(kLamp)), 4);
 }
 
 /// Gaussians on a line, 1 apart but where a gap is asked for.

@@ -22,7 +22,7 @@ float softmax(float* v, int channels) {
   return 1;
 }
 
-float normalise_scores(float* v, int channels, double gamma, double least_sum) {
+float normalise_scores(float* v, int channels, double gamma, double least_sum, float& score_sum) {
   double raw = 0, sum = 0;
   for (int c = 0; c < channels; ++c) {
     v[c] = std::max(v[c], 0.0f);
@@ -36,16 +36,24 @@ float normalise_scores(float* v, int channels, double gamma, double least_sum) {
   }
   const double scale = 1 / sum;
   for (int c = 0; c < channels; ++c) v[c] = static_cast<float>(v[c] * scale);
+  score_sum = static_cast<float>(std::min(raw, 1.0));
   return raw < least_sum ? 0.0f : 1.0f;
 }
 
-float convert(float* v, int channels, const SemanticConversion& conversion) {
+/// `score_sum` stays 0 where nothing is known.
+float convert(float* v, int channels, const SemanticConversion& conversion, float& score_sum) {
   if (!std::all_of(v, v + channels, [](float x) { return std::isfinite(x); })) {
     std::fill(v, v + channels, 1.0f / static_cast<float>(channels));
     return 0;
   }
-  if (conversion.kind == SemanticKind::kLogits) return softmax(v, channels);
-  return normalise_scores(v, channels, conversion.kind == SemanticKind::kScores ? conversion.score_gamma : 1, conversion.least_score_sum);
+  if (conversion.kind == SemanticKind::kLogits) {
+    score_sum = 1;
+    return softmax(v, channels);
+  }
+  const bool scores = conversion.kind == SemanticKind::kScores;
+  const float confidence = normalise_scores(v, channels, scores ? conversion.score_gamma : 1, conversion.least_score_sum, score_sum);
+  if (!scores && score_sum > 0) score_sum = 1;
+  return confidence;
 }
 
 /// Source row or column pair of an output coordinate: (i + 0.5) * source / target - 0.5, clamped at the border.
@@ -102,6 +110,7 @@ SemanticTarget semantic_target(const float* values, int channels, int width, int
   const size_t pixels = static_cast<size_t>(width) * height;
   out.probabilities.resize(pixels * channels);
   out.confidence.resize(pixels);
+  out.score_sum.assign(pixels, 0.0f);
   std::vector<float> row(static_cast<size_t>(width) * channels);
   for (int y = 0; y < height; ++y) {
     for (int c = 0; c < channels; ++c) {  // planar to interleaved, one row at a time: stays in cache
@@ -111,7 +120,7 @@ SemanticTarget semantic_target(const float* values, int channels, int width, int
     for (int x = 0; x < width; ++x) {
       float* v = &row[static_cast<size_t>(x) * channels];
       const size_t pixel = static_cast<size_t>(y) * width + x;
-      out.confidence[pixel] = convert(v, channels, conversion);
+      out.confidence[pixel] = convert(v, channels, conversion, out.score_sum[pixel]);
       uint16_t* half = &out.probabilities[pixel * channels];
       for (int c = 0; c < channels; ++c) half[c] = float_to_half(v[c]);
     }

@@ -60,6 +60,14 @@ TEST(SemanticTarget, WhatASmallSumIsCanBeChosen) {
   EXPECT_EQ(semantic_target(scores, 2, 1, 1, conversion).confidence[0], 0);
 }
 
+TEST(SemanticTarget, KeepsWhatTheScoresSummedTo) {
+  EXPECT_FLOAT_EQ(pixel({0.2f, 0.15f, -1}, SemanticKind::kScores).score_sum[0], 0.35f);
+  EXPECT_EQ(pixel({0.9f, 0.8f}, SemanticKind::kScores).score_sum[0], 1);
+  EXPECT_EQ(pixel({0, 0}, SemanticKind::kScores).score_sum[0], 0);
+  EXPECT_EQ(pixel({2, 1}, SemanticKind::kLogits).score_sum[0], 1);
+  EXPECT_EQ(pixel({0.2f, 0.6f}, SemanticKind::kProbabilities).score_sum[0], 1);
+}
+
 TEST(SemanticTarget, ProbabilitiesStayAsTheyAre) {
   const SemanticTarget t = pixel({0.25f, 0.75f}, SemanticKind::kProbabilities, 2);
   EXPECT_NEAR(probability(t, 0), 0.25, 1e-3);

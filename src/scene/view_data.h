@@ -21,6 +21,9 @@ struct SemanticTarget {
   /// One per target pixel: 1 / the sum of its stored numbers, by which they are multiplied wherever they are used. Rounding leaves
   /// that sum up to 5e-4 off 1, which is much beside a KL divergence of equals. Empty: 1 everywhere.
   std::vector<float> scale;
+  /// One per target pixel, [0, 1]: what a score teacher's numbers of the pixel summed to, at most 1; it is low where the network found no
+  /// object. Logits and probabilities: 1. Empty: 1 everywhere.
+  std::vector<float> score_sum;
   /// One per target pixel, [0, 1]: 0 where the teacher says nothing.
   std::vector<float> confidence;
   bool empty() const { return probabilities.empty(); }

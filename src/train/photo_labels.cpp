@@ -5,6 +5,7 @@
 
 #include "engine/cpu/active_classes.h"
 #include "gaussians/object_labels.h"
+#include "scene/semantic_target.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -69,6 +70,86 @@ RegionEvidence evidence_of(const PhotoOpinions& opinions, const LabelRegions& re
   return e;
 }
 
+/// A pixel counts with the square of its sum of scores, those that are not taught (data.least_score_sum) too.
+void weigh_by_scores(SemanticTarget& target) {
+  if (target.score_sum.empty()) return;
+  if (target.scale.empty()) normalise_target(target);
+  for (size_t i = 0; i < target.scale.size(); ++i) {
+    const float sum = target.score_sum[i];
+    target.scale[i] *= sum * sum;
+    target.confidence[i] = sum > 0 ? 1.0f : 0.0f;
+  }
+}
+
+/// The votes of a region's Gaussians for other names that some photo has for it become votes for its name.
+void join_names(const RegionEvidence& evidence, const std::vector<uint16_t>& names, const LabelRegions& regions, size_t channels,
+                std::vector<float>& votes) {
+  for (size_t i = 0; i < regions.of_gaussian.size(); ++i) {
+    const size_t r = regions.of_gaussian[i];
+    if (names[r] == kNoLabel) continue;
+    float* own = &votes[i * channels];
+    for (size_t c = 0; c < evidence.classes; ++c) {
+      if (c == names[r] || (evidence.photos[r * evidence.classes + c] == 0 && c != regions.label[r])) continue;
+      own[names[r]] += own[c];
+      own[c] = 0;
+    }
+  }
+}
+
+/// Classes that two photos give a Gaussian or that a neighbour has.
+OutlineEvidence outlines_of(const PhotoOpinions& opinions, const std::vector<float>& votes, const std::vector<uint16_t>& classes,
+                            const NeighbourGraph& graph, double reach, SoftLabels soft, size_t all_classes) {
+  constexpr size_t kTop = SoftLabels::kTop;
+  constexpr float kLeastOfBest = 0.3f;  // share / that of the commonest: what has less is noise of outlines
+  constexpr uint8_t kPhotos = 2;
+  OutlineEvidence e;
+  e.classes = all_classes;
+  const size_t n = soft.size(), channels = static_cast<size_t>(opinions.channels);
+  e.area.assign(n, 0.0);
+  for (size_t i = 0; i < n; ++i) {
+    for (size_t c = 0; c < channels; ++c) e.area[i] += static_cast<double>(votes[i * channels + c]);
+  }
+  std::vector<uint8_t> photos(n * kTop, 0);
+  for (const auto& photo : opinions.of_photo) {
+    for (const PhotoOpinion& o : photo) {
+      if (o.channel[0] >= classes.size()) continue;
+      for (size_t k = kTop * o.gaussian; k < kTop * (o.gaussian + size_t(1)); ++k) {
+        if (soft.label[k] == classes[o.channel[0]] && photos[k] < kPhotos) ++photos[k];
+      }
+    }
+  }
+  e.allowed.assign(n * kTop, 0);
+  for (size_t i = 0; i < n; ++i) {
+    e.allowed[kTop * i] = 1;
+    for (size_t k = kTop * i + 1; k < kTop * (i + 1) && soft.label[k] != kNoLabel; ++k) {
+      if (soft.probability[k] < kLeastOfBest * soft.probability[kTop * i]) continue;
+      bool may = photos[k] >= kPhotos;
+      for (size_t slot = graph.k * i; slot < graph.k * (i + 1) && !may; ++slot) {
+        if (graph.index[slot] == NeighbourGraph::kNone || static_cast<double>(graph.distance[slot]) > reach) break;
+        may = soft.label[kTop * graph.index[slot]] == soft.label[k];
+      }
+      e.allowed[k] = may ? 1 : 0;
+    }
+  }
+  e.soft = std::move(soft);
+  return e;
+}
+
+/// Nine tenths of the decision and one of the shares, as logarithms.
+void write_decisions(const SoftLabels& soft, const std::vector<uint16_t>& label, const std::vector<double>& area, GaussianModel& model) {
+  constexpr float kDecided = 0.9f;  // a smoothed row keeps its decision among like neighbours, and edits still see what was doubtful
+  const size_t all = static_cast<size_t>(model.semantic_channels);
+  for (size_t i = 0; i < model.size(); ++i) {
+    if (!(area[i] > 0) || label[i] == kNoLabel) continue;
+    float* row = &model.semantics[i * all];
+    std::fill_n(row, all, std::log(kLeastShare));
+    for (size_t k = SoftLabels::kTop * i; k < SoftLabels::kTop * (i + 1) && soft.label[k] != kNoLabel; ++k) {
+      const float p = (1 - kDecided) * soft.probability[k] + (soft.label[k] == label[i] ? kDecided : 0.0f);
+      row[soft.label[k]] = std::log(std::max(p, kLeastShare));
+    }
+  }
+}
+
 }  // namespace
 
 PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, ThreadPool& pool) {
@@ -76,7 +157,10 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
   if (model.semantic_channels == 0 || model.size() == 0 || inputs.views.empty()) return report;
   const cpu::ActiveClasses active = cpu::find_active_classes(inputs.views, kRanked, pool);
   if (active.classes != model.semantic_channels) return report;
-  for (TrainingView& view : inputs.views) cpu::compress_target(active, pool, view.data.semantics);
+  for (TrainingView& view : inputs.views) {
+    cpu::compress_target(active, pool, view.data.semantics);
+    weigh_by_scores(view.data.semantics);
+  }
   std::vector<uint16_t> classes = active.active;
   if (!active.has_remainder()) {
     for (int c = 0; c < active.classes; ++c) classes.push_back(static_cast<uint16_t>(c));
@@ -104,14 +188,14 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
     report.regions += names[r] != kNoLabel;
     report.renamed += names[r] != regions.label[r];
   }
-  for (size_t i = 0; i < model.size(); ++i) {
-    const uint16_t name = names[regions.of_gaussian[i]];
-    if (name == kNoLabel || label[i] == kNoLabel || label[i] == name) continue;
-    float &from = votes[i * channels + label[i]], &to = votes[i * channels + name];
-    to += from;
-    from = 0;
-  }
+  join_names(evidence, names, regions, channels, votes);
   write_rows(votes, classes, channels, pool, model);
+
+  const OutlineEvidence outlines = outlines_of(opinions, votes, classes, graph, kReach * inputs.extent, smoothed_labels(model, inputs.extent, pool),
+                                               static_cast<size_t>(model.semantic_channels));
+  const std::vector<uint16_t> decided = label_outlines(outlines);
+  for (size_t i = 0; i < model.size(); ++i) report.moved += decided[i] != outlines.soft.label[SoftLabels::kTop * i];
+  write_decisions(outlines.soft, decided, outlines.area, model);
   return report;
 }
 

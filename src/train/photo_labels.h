@@ -12,18 +12,20 @@ struct PhotoLabelInputs {
   RasterSettings raster;
   double extent = 1;                ///< of the scene, scene units
   NamingOptions naming;
-  bool calibrate = true;            ///< weigh opinions by how often such ones agree with others
+  bool calibrate = false;           ///< weigh opinions by how often such ones agree with others, too
 };
 
 struct PhotoLabelReport {
   size_t regions = 0;  ///< connected, of one class
   size_t renamed = 0;  ///< that got another name than most votes have
+  size_t moved = 0;    ///< Gaussians that outlines gave another label than most of their votes have
 };
 
-/// Replaces the semantic rows of every Gaussian that a photo shows by the logarithms of its votes' shares; the others keep theirs. Where a region gets
-/// another name than its commonest, its Gaussians' votes for both become votes for that name: it is sharpened as a whole, with the
-/// outline that all its names have together. Rows stay soft, so that whoever draws them smooths and sharpens them as before. Nothing
-/// happens without semantics or Gaussians. The same for any number of threads.
+/// Replaces the semantic rows of every Gaussian that a photo shows by the logarithms of nine tenths of a decision and one of its votes' shares; the
+/// others keep theirs. A photo's pixel counts with the square of its sum of scores. The decision is made in three steps: regions of one class
+/// get their names (name_regions); votes for the other names that some photo has for a region become votes for its name, so that it is
+/// sharpened as a whole; Gaussians settle the outlines (label_outlines), where a class may go that two photos give this Gaussian or
+/// that a neighbour has. Nothing happens without semantics or Gaussians. The same for any number of threads.
 PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, ThreadPool& pool);
 
 }  // namespace aligngs

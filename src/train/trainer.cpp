@@ -256,7 +256,8 @@ void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
   const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
   if (report.regions == 0) return;
   engine_.load_state(state);
-  events.message(iteration, "labels", fmt::format("{} regions named by the photos, {} of them against their commonest name", report.regions, report.renamed));
+  events.message(iteration, "labels", fmt::format("{} regions named by the photos, {} of them against their commonest name; {} Gaussians moved at outlines", report.regions,
+                                                  report.renamed, report.moved));
 }
 
 void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {

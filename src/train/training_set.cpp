@@ -135,7 +135,7 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
       const View& view = scene.views[static_cast<size_t>(v)];
       const MapShape shape = semantic_map_shape(read_map_header(view.semantics).shape, scene.labels.size(), view.semantics);
       const uint64_t texels = uint64_t(shape.width) * static_cast<uint64_t>(shape.height);
-      bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 8);  // float16 probabilities, a confidence and a scale
+      bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 12);  // float16 probabilities, a confidence, a scale and a sum of scores
     }
     bytes += pixels * per_pixel;
     if (planes) bytes += pixels * kPlaneBytes;

@@ -62,7 +62,7 @@ TEST(TrainingSet, PredictedBytesCoverWhatIsLoaded) {
     bytes += 4 * (v.data.color.data.size() + v.data.mask.data.size() + v.data.prior_depth.data.size() +
                   v.depth_weight.data.size() + v.prior_normal.data.size() + v.semantic_weight.data.size()) +
              2 * (v.data.semantics.probabilities.size() + v.data.labels.data.size()) +
-             4 * (v.data.semantics.confidence.size() + v.data.semantics.scale.size()) + v.label_edge.data.size();
+             4 * (v.data.semantics.confidence.size() + v.data.semantics.scale.size() + v.data.semantics.score_sum.size()) + v.label_edge.data.size();
   }
   for (const GuideView& g : guides_of(views, use, config, 1)) bytes += 4 * (g.prior_depth.data.size() + g.depth_weight.data.size());
   EXPECT_GE(predicted_view_bytes(scene, config, use), bytes);

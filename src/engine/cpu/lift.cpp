@@ -62,7 +62,7 @@ uint64_t CpuEngine::predicted_bytes(size_t gaussians, int channels, size_t pixel
     const ViewData& d = view.data;
     views += (d.color.data.size() + d.mask.data.size() + d.prior_depth.data.size() + view.depth_weight.data.size() +
               view.prior_normal.data.size() + view.semantic_weight.data.size() + d.semantics.confidence.size() +
-              d.semantics.scale.size()) *
+              d.semantics.scale.size() + d.semantics.score_sum.size()) *
              kFloat;
     views += (d.semantics.probabilities.size() + d.labels.data.size()) * sizeof(uint16_t) + view.label_edge.data.size();
     if (!d.semantics.empty()) views += pixels_per_view * (kFloat + sizeof(uint16_t));
