@@ -59,7 +59,8 @@ RegionEvidence evidence_of(const PhotoOpinions& opinions, const LabelRegions& re
     }
     for (const uint32_t r : touched) {
       double* own = &votes[r * classes];
-      if (seen[r] >= kLeastSeen) ++e.photos[r * classes + static_cast<size_t>(std::max_element(own, own + classes) - own)];
+      const double* most = std::max_element(own, own + classes);
+      if (seen[r] >= kLeastSeen && *most > 0) ++e.photos[r * classes + static_cast<size_t>(most - own)];
       std::fill_n(own, classes, 0.0);
       seen[r] = 0;
     }

@@ -263,6 +263,19 @@ TEST(Schedule, ExtendedRunKeepsTheOldSchedule) {
   EXPECT_EQ(extended.request(8000).losses.coupling_strength, 0);
 }
 
+TEST(Schedule, ObjectsAreNamedAfterTheLastStepWithBlendedProbabilities) {
+  TrainConfig c = standard();
+  c.semantic.object_labels = true;
+  EXPECT_TRUE(Schedule(c, room()).names_objects(c.train.iterations));
+  EXPECT_FALSE(Schedule(c, room()).names_objects(c.train.iterations - 1));
+  ScheduleFacts unlabelled = room();
+  unlabelled.semantics = false;
+  EXPECT_FALSE(Schedule(c, unlabelled).names_objects(c.train.iterations));
+  c.semantic.blend = "logits";
+  EXPECT_FALSE(Schedule(c, room()).names_objects(c.train.iterations));
+  EXPECT_FALSE(Schedule(paper(), room()).names_objects(paper().train.iterations)) << "off";
+}
+
 TEST(Schedule, CamerasMoveBetweenTheirStartAndStopWithFallingRates) {
   TrainConfig c = standard();
   EXPECT_FALSE(Schedule(c, room()).pose_rates(2000).active());
