@@ -52,13 +52,23 @@ class BadInput : public testing::Test {
   static void overwrite(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
   /// Trains on the damaged scene and expects status 3 with the words, and no result.
-  void expect_refused(const std::vector<std::string>& words) {
-    const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q", base_);
+  void expect_refused(const std::vector<std::string>& words, const std::string& options = "") {
+    const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q " + options, base_);
     EXPECT_EQ(result.status, 3) << result.err;
     for (const std::string& word : words) EXPECT_THAT(result.err, HasSubstr(word));
     EXPECT_THAT(result.err, HasSubstr("remedy"));
     EXPECT_FALSE(fs::exists(base_ / "run" / "scene.ply"));
     EXPECT_FALSE(fs::exists(base_ / "run" / "checkpoints" / "step_000002.safetensors"));
+  }
+
+  /// A problem of one view leaves it out with a line; with --strict it is refused.
+  void expect_left_out(const std::vector<std::string>& words) {
+    expect_refused(words, "--strict");
+    const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "lenient").string() + "' -n 2", base_);
+    EXPECT_EQ(result.status, 0) << result.err;
+    for (const std::string& word : words) EXPECT_THAT(result.err, HasSubstr(word));
+    EXPECT_THAT(result.err, HasSubstr("views; left out: "));
+    EXPECT_TRUE(fs::exists(base_ / "lenient" / "scene.ply"));
   }
 
   static fs::path pristine_;
@@ -76,38 +86,38 @@ TEST_F(BadInput, ThePristineSceneTrains) {
 TEST_F(BadInput, MissingImage) {
   const fs::path image = file_in("images");
   fs::remove(image);
-  expect_refused({image.filename().string()});
+  expect_left_out({image.filename().string()});
 }
 
 TEST_F(BadInput, MissingTestImage) {
   const fs::path image = file_in("images", true);
   fs::remove(image);
-  expect_refused({image.filename().string()});
+  expect_left_out({image.filename().string()});
 }
 
 TEST_F(BadInput, TruncatedImage) {
   const fs::path image = file_in("images");
   truncate(image);
-  expect_refused({image.filename().string()});
+  expect_left_out({image.filename().string()});
 }
 
 TEST_F(BadInput, ImageOfAnotherSizeThanItsCamera) {
   const fs::path image = file_in("images");
   image.extension() == ".png" ? write_png(image, Image<uint8_t>(40, 40, 3, 9)) : write_jpeg(image, Image<uint8_t>(40, 40, 3, 9));
-  expect_refused({image.filename().string(), "40"});
+  expect_left_out({image.filename().string(), "40"});
 }
 
 TEST_F(BadInput, TruncatedDepth) {
   const fs::path depth = file_in("pred_depths");
   truncate(depth);
-  expect_refused({depth.filename().string()});
+  expect_left_out({depth.filename().string()});
 }
 
 TEST_F(BadInput, DepthOfAnotherAspect) {
   const fs::path depth = file_in("pred_depths");
   const std::vector<float> values(10 * 40, 1.f);
   write_npy_float32(depth, {10, 40}, values.data());
-  expect_refused({depth.filename().string()});
+  expect_left_out({depth.filename().string()});
 }
 
 TEST_F(BadInput, DisparityGivenAsDepth) {
@@ -122,7 +132,7 @@ TEST_F(BadInput, DisparityGivenAsDepth) {
 TEST_F(BadInput, TruncatedSemantics) {
   const fs::path map = file_in("segmentation_logits");
   truncate(map);
-  expect_refused({map.filename().string()});
+  expect_left_out({map.filename().string()});
 }
 
 TEST_F(BadInput, TruncatedTorchSemantics) {
@@ -133,14 +143,14 @@ TEST_F(BadInput, TruncatedTorchSemantics) {
   write_torch_tensor(pt, map.shape, map.data.data());
   fs::remove(npy);
   truncate(pt);
-  expect_refused({pt.filename().string()});
+  expect_left_out({pt.filename().string()});
 }
 
 TEST_F(BadInput, WrongClassCount) {
   const fs::path map = file_in("segmentation_logits");
   const std::vector<float> values(7 * 12 * 16, 0.1f);
   write_npy_float32(map, {7, 12, 16}, values.data());
-  expect_refused({map.filename().string(), "7", "150"});
+  expect_left_out({map.filename().string(), "7", "150"});
 }
 
 TEST_F(BadInput, TruncatedCameraModel) {
@@ -160,7 +170,7 @@ TEST_F(BadInput, PosesThatAreNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   file.write(reinterpret_cast<const char*>(&nan), sizeof(nan));
   file.close();
-  expect_refused({"images.bin"});
+  expect_left_out({"images.bin"});
 }
 
 TEST_F(BadInput, NoViews) {

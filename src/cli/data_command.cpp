@@ -24,7 +24,9 @@ void check(const std::string& folder, bool json) {
   SceneOptions options;
   options.check_headers = false;  // everything is listed, not only the first problem
   const Scene scene = open_scene(folder, options);
-  const std::vector<SceneProblem> problems = check_scene(scene);
+  std::vector<SceneProblem> problems;
+  for (const LeftOut& view : scene.left_out) problems.push_back({scene.folder / view.name, "", view.reason, view.remedy, true, view.name});
+  for (SceneProblem& problem : check_scene(scene)) problems.push_back(std::move(problem));
   size_t fatal = 0;
   nlohmann::json list = nlohmann::json::array();
   for (const SceneProblem& p : problems) {
@@ -41,7 +43,7 @@ void check(const std::string& folder, bool json) {
                 scene.train.size(), scene.test.size(), scene.cloud.size(), scene.has_prior_depth() ? "yes" : "no",
                 scene.has_semantics() ? "yes" : "no", fatal, problems.size() - fatal);
   }
-  if (fatal > 0) throw_bad_input(folder, "", std::to_string(fatal) + " problems would stop a training", "correct the files listed above");
+  if (fatal > 0) throw_bad_input(folder, "", std::to_string(fatal) + " problems would stop a training or leave views out of it", "correct the files listed above");
 }
 
 struct SimulateOptions {

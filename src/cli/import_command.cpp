@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
 #include "cli/print_json.h"
 #include "core/log.h"
-#include "io/atomic_file.h"
+#include "scene/import/capture_text.h"
 #include "scene/import/import_capture.h"
 
 namespace aligngs {
@@ -26,11 +25,7 @@ struct Options {
 };
 
 std::vector<std::string> names_in(const std::string& file) {
-  std::vector<std::string> names;
-  if (file.empty()) return names;
-  std::istringstream words(read_file(file));
-  for (std::string word; words >> word;) names.push_back(word);
-  return names;
+  return file.empty() ? std::vector<std::string>{} : read_name_list(file);
 }
 
 void run_import(const CommandContext& context, Options& options) {
@@ -42,7 +37,7 @@ void run_import(const CommandContext& context, Options& options) {
   capture_options.assume_registered = options.assume_registered;
   capture_options.neural_rgbd_trajectory = options.trajectory;
   const Capture capture = read_capture(options.source, capture_options);
-  for (const std::string& line : capture.skipped) log_info("left out: {}", line);
+  for (const std::string& note : capture.notes) log_warning("{}", note);
 
   ImportOptions& import = options.import;
   import.train_names = names_in(options.train_file);
@@ -53,9 +48,12 @@ void run_import(const CommandContext& context, Options& options) {
   import.sources = {options.source};
   ThreadPool pool(context.global.threads);
   const ImportReport report = import_capture(capture, options.output, import, pool);
+  warn_left_out(report.train + report.test, report.left_out);
   if (context.global.json) {
+    nlohmann::json left_out = nlohmann::json::array();
+    for (const LeftOut& frame : report.left_out) left_out.push_back({{"name", frame.name}, {"reason", frame.reason}});
     const nlohmann::json document = {{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
-                                     {"skipped", report.skipped}, {"points", report.points}, {"cloud_source", report.cloud_source},
+                                     {"skipped", report.left_out.size()}, {"left_out", left_out}, {"notes", capture.notes}, {"points", report.points}, {"cloud_source", report.cloud_source},
                                      {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
     print_json(document);
     return;
@@ -92,6 +90,7 @@ void add_import_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--neuris-crop", options->import.neuris_crop, "crop and resize to 640x480 as NeuRIS does with ScanNet");
   command->add_option("--voxel", options->import.voxel, "edge of the cubes that thin the fused cloud, scene units (default: automatic)")
       ->check(CLI::NonNegativeNumber);
+  command->add_flag("--strict", options->import.strict, "a frame that cannot be used is an error (status 3) instead of being left out");
   command->add_flag("--overwrite", options->import.overwrite, "replace a scene that stands there");
   command->callback([&context, options] { run_import(context, *options); });
 }

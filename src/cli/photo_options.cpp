@@ -67,7 +67,7 @@ ModelStore model_store(const CommandContext& context) {
 ScenePhotosReport run_poses(const std::string& photos, const std::string& scene, const ScenePhotosOptions& options,
                             const ModelStore& store) {
   const ScenePhotosReport report = make_scene_from_photos(photos, scene, store, options);
-  for (const UnplacedPhoto& photo : report.unplaced) log_warning("{} has no camera: {}", photo.name, photo.reason);
+  warn_left_out(report.placed, report.unplaced, "photos");
   return report;
 }
 

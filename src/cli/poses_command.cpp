@@ -23,7 +23,7 @@ namespace {
 void print_report(const CommandContext& context, const std::string& scene, const ScenePhotosReport& report) {
   if (context.global.json) {
     nlohmann::json unplaced = nlohmann::json::array();
-    for (const UnplacedPhoto& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
+    for (const LeftOut& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
     const nlohmann::json document = {{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
                                      {"train", report.train}, {"test", report.test}, {"points", report.points},
                                      {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
@@ -51,6 +51,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   command->add_option("photos", *photos, "folder of JPEG or PNG photos")->required();
   command->add_option("-o,--output", *scene, "scene folder to write")->required();
   command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that stands there");
+  command->add_flag("--strict", options->poses.strict, "a photo that cannot be used is an error (status 3) instead of being left out");
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
   add_device_option(*command, options->device);
   add_photo_options(*command, options);

@@ -134,6 +134,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     ScenePhotosOptions poses = photo_options(options.photos, context);
     if (poses.method == PosesMethod::kVggt) put_networks_on(options.train.device, options.photos.precision, false, poses);
     poses.overwrite = fs::exists(scene);
+    poses.strict = options.train.strict;
     fs::create_directories(run);
     const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
     log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);

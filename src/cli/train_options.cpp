@@ -17,6 +17,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   command.add_flag("--resume", options->resume, "go on with the run in the output folder; -n beyond its end extends it");
   command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder");
   command.add_flag("--require-priors", options->require_priors, "missing depth or semantics are an error (status 4)");
+  command.add_flag("--strict", options->strict, "a photo or view that cannot be used is an error (status 3) instead of being left out");
   add_device_option(command, options->device);
   command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
   command.add_flag("--view", options->view, "show the page of `aligngs view` meanwhile, and afterwards until Ctrl-C");
@@ -51,6 +52,7 @@ TrainOptions train_options(const TrainCommandOptions& options, const CommandCont
   train.resume = options.resume;
   train.overwrite = options.overwrite;
   train.require_priors = options.require_priors;
+  train.strict = options.strict;
   train.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
   train.command_line = context.command_line;
   train.progress = context.progress();

@@ -15,7 +15,7 @@ struct TrainCommandOptions {
   std::vector<std::string> sets;
   std::vector<std::string> refine_sets;  ///< of --refine and --no-refine; `sets` come after them
   int64_t iterations = 0, seed = -1;  ///< 0 and -1: not given
-  bool resume = false, overwrite = false, require_priors = false;
+  bool resume = false, overwrite = false, require_priors = false, strict = false;
   double memory_gigabytes = 0;
   bool view = false;       ///< show the page meanwhile (page_server.h)
   uint16_t view_port = 0;  ///< 0: the first free one

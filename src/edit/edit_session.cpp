@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "edit/edit_products.h"
+#include "edit/room_up.h"
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
@@ -31,8 +32,8 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   pool_ = std::make_unique<ThreadPool>(options.threads);
 
   original_.labels = scene_.labels;
-  original_.up = scene_.up;
   original_.gaussians = label_objects(state_.engine.model, scene_.labels, robust_extent(scene_), *pool_);
+  original_.up = up_of_room(scene_, original_.gaussians);
   for (uint32_t i = 0; i < original_.gaussians.model.size(); ++i) original_.origins.push_back({i, false});
   if (fs::exists(run / "mesh" / "mesh.ply")) original_.mesh = read_mesh_ply(run / "mesh" / "mesh.ply");
   replay();

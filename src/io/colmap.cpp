@@ -11,6 +11,7 @@
 #include "io/colmap_camera_models.h"
 #include "io/colmap_text.h"
 #include "io/colmap_validity.h"
+#include "io/ply.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -31,7 +32,7 @@ std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const f
     if (!model) {
       throw_bad_input(name, "model of camera " + std::to_string(camera.id),
                       "unknown camera model " + std::to_string(model_id),
-                      "use one of COLMAP's models 0 to 10");
+                      kUnknownCameraModelRemedy);
     }
     camera.model = model->name;
     camera.width = reader.little<uint64_t>("camera width");
@@ -109,6 +110,10 @@ std::optional<fs::path> find_file(const fs::path& folder, const std::string& ste
 
 fs::path require_file(const fs::path& folder, const std::string& stem) {
   if (const auto path = find_file(folder, stem)) return *path;
+  if (fs::exists(folder / "points3D.ply")) {
+    throw_bad_input(folder / "points3D.ply", stem, "this is a cloud of points without cameras",
+                    "put cameras and images (.bin or .txt) of the same model beside it");
+  }
   throw_bad_input(folder, stem, "neither " + stem + ".bin nor " + stem + ".txt is there",
                   "give the folder of a COLMAP model");
 }
@@ -129,9 +134,8 @@ uint64_t count_images(const fs::path& folder) {
   return parse_colmap_images_text(read_file(*path), *path).size();
 }
 
-/// The numbered models (0, 1, ...) of a mapper's output folder: the one with most images, the first
-/// of equals.
-std::optional<fs::path> best_numbered_model(const fs::path& folder) {
+/// The numbered models (0, 1, ...) of a mapper's output folder.
+std::map<uint64_t, fs::path> numbered_models(const fs::path& folder) {
   std::map<uint64_t, fs::path> models;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -141,6 +145,12 @@ std::optional<fs::path> best_numbered_model(const fs::path& folder) {
       models[number] = entry->path();
     }
   }
+  return models;
+}
+
+/// The one of them with most images, the first of equals.
+std::optional<fs::path> best_numbered_model(const fs::path& folder) {
+  const std::map<uint64_t, fs::path> models = numbered_models(folder);
   if (models.size() <= 1)
     return models.empty() ? std::nullopt : std::optional(models.begin()->second);
   std::optional<fs::path> best;
@@ -150,6 +160,30 @@ std::optional<fs::path> best_numbered_model(const fs::path& folder) {
     if (!best || images > most) best = path, most = images;
   }
   return best;
+}
+
+/// Points of a PLY, in which 3DGS' tools keep them; there is no reprojection error and no track in it.
+std::vector<ColmapPoint> points_of_ply(const fs::path& path) {
+  const PlyFile file = read_ply(path);
+  const PlyElement* vertices = file.find("vertex");
+  const auto column = [&](const char* name) { return vertices ? vertices->find(name) : nullptr; };
+  const PlyProperty* position[3] = {column("x"), column("y"), column("z")};
+  const PlyProperty* color[3] = {column("red"), column("green"), column("blue")};
+  if (!position[0] || !position[1] || !position[2]) throw_bad_input(path, "vertex", "no x, y, z", "export the points again");
+  std::vector<ColmapPoint> points(vertices->count);
+  for (size_t i = 0; i < points.size(); ++i) {
+    points[i].id = i + 1;
+    for (int k = 0; k < 3; ++k) {
+      points[i].position[k] = position[k]->values[i];
+      const bool bytes = color[k] && color[k]->type == PlyType::kUint8;
+      points[i].color[k] = bytes ? static_cast<uint8_t>(color[k]->values[i]) : 128;  // mid grey: colour unknown
+    }
+  }
+  return points;
+}
+
+std::vector<fs::path> places_of_models(const fs::path& scene_folder) {
+  return {scene_folder / "sparse", scene_folder, scene_folder / "colmap" / "sparse", scene_folder / "colmap"};
 }
 
 }  // namespace
@@ -164,7 +198,7 @@ ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& 
   model.cameras = parse_cameras_binary(cameras, camera_path);
   model.images = parse_images_binary(images, image_path);
   if (!points.empty()) model.points = parse_points_binary(points, point_path);
-  require_valid_colmap(model, camera_path, image_path, point_path);
+  leave_out_invalid(model, camera_path, image_path);
   return model;
 }
 
@@ -183,26 +217,46 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
     const std::string point_bytes = read_file(*points);
     model.points = is_binary(*points) ? parse_points_binary(point_bytes, *points)
                                       : parse_colmap_points_text(point_bytes, *points);
+  } else if (fs::is_regular_file(folder / "points3D.ply")) {
+    model.points = points_of_ply(folder / "points3D.ply");
   }
-  require_valid_colmap(model, cameras, images, points.value_or(folder / "points3D.bin"));
+  leave_out_invalid(model, cameras, images);
   return model;
 }
 
 bool may_hold_colmap_model(const fs::path& scene_folder) {
-  for (const char* name : {"sparse", "cameras.bin", "cameras.txt"}) {
+  for (const char* name : {"sparse", "cameras.bin", "cameras.txt", "colmap/sparse", "colmap/cameras.bin", "colmap/cameras.txt"}) {
     if (fs::exists(scene_folder / name)) return true;
   }
   return false;
 }
 
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder) {
-  for (const fs::path& folder : {scene_folder / "sparse", scene_folder}) {
+  for (const fs::path& folder : places_of_models(scene_folder)) {
     if (const auto numbered = best_numbered_model(folder)) return *numbered;
     if (is_model_folder(folder)) return folder;
+  }
+  for (const fs::path& folder : {scene_folder / "sparse" / "0", scene_folder / "sparse", scene_folder}) {
+    if (fs::exists(folder / "points3D.ply")) require_file(folder, "cameras");  // says what that file is
   }
   throw_bad_input(scene_folder, "sparse",
                   "no COLMAP model found (cameras and images, .bin or .txt)",
                   "put it into sparse/ or sparse/0/");
+}
+
+std::string choice_of_model(const fs::path& scene_folder) {
+  for (const fs::path& folder : places_of_models(scene_folder)) {
+    const auto best = best_numbered_model(folder);
+    if (!best) continue;
+    std::string others;
+    for (const auto& [number, path] : numbered_models(folder)) {
+      if (path != *best) others += (others.empty() ? "" : ", ") + std::to_string(number) + " has " + std::to_string(count_images(path));
+    }
+    if (others.empty()) return "";
+    return "model " + best->filename().string() + " of " + folder.string() + " is used, with " + std::to_string(count_images(*best)) +
+           " images (" + others + "); models of one mapper run share no world";
+  }
+  return "";
 }
 
 }  // namespace aligngs

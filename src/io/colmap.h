@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "core/quaternion.h"
+#include "io/left_out.h"
 
 namespace aligngs {
 
 struct ColmapCamera {
   uint32_t id = 0;
-  std::string model;           ///< "PINHOLE", "SIMPLE_RADIAL", ... (ids 0 to 10)
+  std::string model;           ///< "PINHOLE", "SIMPLE_RADIAL", ... (ids 0 to 17)
   uint64_t width = 0, height = 0;
   std::vector<double> params;  ///< in COLMAP's order for the model
 };
@@ -40,17 +41,22 @@ struct ColmapModel {
   std::vector<ColmapCamera> cameras;
   std::vector<ColmapImage> images;
   std::vector<ColmapPoint> points;
+  std::vector<LeftOut> left_out;  ///< images of the files that cannot be used: no finite pose, no camera, listed twice
+  size_t points_left_out = 0;     ///< without a finite position
 };
 
-/// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself.
-/// points3D may be absent. Non-finite poses, unknown models, missing cameras and truncated files are
-/// Error{kBadInput} with file and field.
+/// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself, and a points3D.ply counts
+/// where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera models, missing
+/// and truncated files are Error{kBadInput} with file and field.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
                                  const std::filesystem::path& folder_for_errors);
-/// Finds sparse/0, sparse or the folder itself; of several numbered models the one with most images.
+/// Finds sparse/, the folder itself or colmap/sparse/ (nerfstudio's place), each with or without numbered models (0, 1, ...)
+/// below it; of several the one with most images.
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder);
-/// Whether find_colmap_folder() is worth trying: sparse/ or a file of cameras is there.
+/// A sentence that says which of several numbered models was taken and why; empty when there is one.
+std::string choice_of_model(const std::filesystem::path& scene_folder);
+/// Whether find_colmap_folder() is worth trying: sparse/, colmap/sparse/ or a file of cameras is there.
 bool may_hold_colmap_model(const std::filesystem::path& scene_folder);
 void write_colmap_binary(const std::filesystem::path& folder, const ColmapModel& model);
 

@@ -147,7 +147,14 @@ TEST(Colmap, EveryModelHasItsParameterCount) {
                                                               {"FOV", 5},
                                                               {"SIMPLE_RADIAL_FISHEYE", 4},
                                                               {"RADIAL_FISHEYE", 5},
-                                                              {"THIN_PRISM_FISHEYE", 12}};
+                                                              {"THIN_PRISM_FISHEYE", 12},
+                                                              {"RAD_TAN_THIN_PRISM_FISHEYE", 16},
+                                                              {"SIMPLE_DIVISION", 4},
+                                                              {"DIVISION", 5},
+                                                              {"SIMPLE_FISHEYE", 3},
+                                                              {"FISHEYE", 4},
+                                                              {"EUCM", 6},
+                                                              {"EQUIRECTANGULAR", 2}};
   std::string cameras;
   append_little(cameras, uint64_t(models.size()));
   for (size_t id = 0; id < models.size(); ++id) {
@@ -165,18 +172,72 @@ TEST(Colmap, EveryModelHasItsParameterCount) {
   }
 }
 
-TEST(Colmap, NamesWhatIsWrongWithAPose) {
-  const std::string end = " 7 a.jpg\n\n";
-  expect_bad(text_model("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), "images.txt",
-             "image 3 (a.jpg)", "not finite");
-  expect_bad(text_model("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), "images.txt",
-             "image 3 (a.jpg)", "not finite");
-  expect_bad(text_model("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), "images.txt",
-             "image 3 (a.jpg)", "zero");
-  expect_bad(text_model("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg\n\n"), "images.txt",
-             "image 3 (a.jpg)", "camera 5");
-  expect_bad(text_model("name", kCamerasText, "3 1 0 0 0 0 0 0 7\n\n"), "images.txt", "image 3",
-             "name is missing");
+/// The reason for which one image beside a good one is left out.
+std::string why_left_out(const std::string& name, const std::string& cameras, const std::string& image) {
+  const ColmapModel model = read_colmap_model(text_model(name, cameras, image + "\n\n8 1 0 0 0 0 0 0 7 good.jpg\n\n"));
+  EXPECT_EQ(model.images.size(), 1u);
+  EXPECT_EQ(model.images.at(0).name, "good.jpg");
+  return model.left_out.size() == 1 ? model.left_out[0].name + ": " + model.left_out[0].reason : "";
+}
+
+TEST(Colmap, AnImageThatCannotBeUsedIsLeftOutWithItsReason) {
+  const std::string end = " 7 a.jpg";
+  EXPECT_THAT(why_left_out("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), HasSubstr("a.jpg: images.txt, image 3 (a.jpg): the pose is not finite"));
+  EXPECT_THAT(why_left_out("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), HasSubstr("not finite"));
+  EXPECT_THAT(why_left_out("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), HasSubstr("zero"));
+  EXPECT_THAT(why_left_out("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg"), HasSubstr("camera 5"));
+  EXPECT_THAT(why_left_out("name", kCamerasText, "3 1 0 0 0 0 0 0 7"), HasSubstr("name is missing"));
+  EXPECT_THAT(why_left_out("twice", kCamerasText, "3 1 0 0 0 0 0 0 7 good.jpg"), HasSubstr("listed twice"));
+  EXPECT_THAT(why_left_out("size", kCamerasText + "1 PINHOLE 64 0 1 2 3 4\n", "3 1 0 0 0 0 0 0 1 a.jpg"), HasSubstr("64x0"));
+}
+
+TEST(Colmap, PointsThatAreNotFiniteAreCounted) {
+  const fs::path folder = text_model("points", kCamerasText, kImagesText);
+  write_file_atomically(folder / "points3D.txt", "1 nan 0 0 1 2 3 0.5\n2 0 0 1 1 2 3 0.5\n");
+  const ColmapModel model = read_colmap_model(folder);
+  EXPECT_EQ(model.points.size(), 1u);
+  EXPECT_EQ(model.points_left_out, 1u);
+}
+
+TEST(Colmap, SecondLinesMayBeMissing) {
+  const ColmapModel model = read_colmap_model(text_model(
+      "second", kCamerasText, "1 1 0 0 0 0 0 0 7 a 1.jpg\n2 1 0 0 0 0 0 0 7 b.jpg\n# the last\n3 1 0 0 0 0 0 0 7 000012\n4 1 0 0 0 0 0 0 7 d.jpg\n1 2 -1 3 4 -1 5 6 -1 7 8 9\n"));
+  ASSERT_EQ(model.images.size(), 4u);
+  EXPECT_EQ(model.images[0].name, "a 1.jpg");
+  EXPECT_EQ(model.images[2].name, "000012");
+  EXPECT_EQ(model.images[3].points.size(), 4u);
+}
+
+TEST(Colmap, TextMayHaveAByteOrderMarkAndUnsignedIds) {
+  const std::string mark = "\xef\xbb\xbf";
+  const fs::path folder = text_model("mark", mark + kCamerasText, mark + "3 1 0 0 0 0 0 0 7 a.jpg\n1 2 18446744073709551615 3 4 42\n");
+  write_file_atomically(folder / "points3D.txt", mark + "18446744073709551615 0 0 1 1 2 3 0.5\n");
+  const ColmapModel model = read_colmap_model(folder);
+  EXPECT_THAT(model.images.at(0).point_ids, ElementsAre(-1, 42));
+  EXPECT_EQ(model.points.at(0).id, ~uint64_t(0));
+}
+
+TEST(Colmap, APlyCountsWhereThereAreNoOtherPoints) {
+  const fs::path folder = text_model("ply", kCamerasText, kImagesText);
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nend_header\n1000000.25 2 3 9 8 7\n";
+  write_file_atomically(folder / "points3D.ply", ply);
+  const ColmapModel model = read_colmap_model(folder);
+  ASSERT_EQ(model.points.size(), 1u);
+  EXPECT_EQ(model.points[0].position.x, 1000000.25);
+  EXPECT_THAT(model.points[0].color, ElementsAre(9, 8, 7));
+}
+
+TEST(Colmap, APlyAloneIsNamedForWhatItIs) {
+  const fs::path scene = fresh_folder("ply_alone");
+  write_file_atomically(scene / "sparse" / "0" / "points3D.ply", "ply\n");
+  try {
+    find_colmap_folder(scene);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cloud of points without cameras"));
+  }
 }
 
 TEST(Colmap, NamesWhatIsWrongInText) {
@@ -186,11 +247,9 @@ TEST(Colmap, NamesWhatIsWrongInText) {
              "missing");
   expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS",
              "too many");
-  expect_bad(text_model("size", "1 PINHOLE 64 0 1 2 3 4\n", ""), "cameras.txt", "camera 1", "64x0");
+  expect_bad(text_model("camera_twice", kCamerasText + "7 PINHOLE 64 48 1 2 3 4\n", ""), "cameras.txt", "camera 7", "twice");
   expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt",
              "line 2, QY", "zero");
-  expect_bad(text_model("twice", kCamerasText, "3 1 0 0 0 0 0 0 7 a\n\n3 1 0 0 0 0 0 0 7 b\n\n"),
-             "images.txt", "image 3", "twice");
 }
 
 TEST(Colmap, RefusesUnknownBinaryModelsAndHugeCounts) {
@@ -220,6 +279,16 @@ TEST(Colmap, FindsTheModelOfAScene) {
   write_colmap_binary(scene / "sparse" / "1", small_model());
   EXPECT_EQ(find_colmap_folder(scene), scene / "sparse" / "1");
   EXPECT_EQ(find_colmap_folder(scene / "sparse"), scene / "sparse" / "1");
+  EXPECT_THAT(choice_of_model(scene), HasSubstr("model 1 of"));
+  EXPECT_THAT(choice_of_model(scene), HasSubstr("with 2 images (0 has 1)"));
+}
+
+TEST(Colmap, FindsTheModelWhereNerfstudioPutsIt) {
+  const fs::path scene = fresh_folder("nerfstudio");
+  write_colmap_binary(scene / "colmap" / "sparse" / "0", small_model());
+  EXPECT_TRUE(may_hold_colmap_model(scene));
+  EXPECT_EQ(find_colmap_folder(scene), scene / "colmap" / "sparse" / "0");
+  EXPECT_EQ(choice_of_model(scene), "");
 }
 
 TEST(Colmap, MissingFilesAreNamed) {

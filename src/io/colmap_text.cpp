@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/colmap_camera_models.h"
+#include "io/text_encoding.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -13,7 +14,8 @@ namespace {
 /// The lines of a file with their numbers; a line is read word by word.
 class LineReader {
  public:
-  LineReader(std::string_view text, const std::filesystem::path& name) : rest_(text), name_(name) {}
+  LineReader(std::string_view text, const std::filesystem::path& name)
+      : rest_(without_byte_order_mark(text)), name_(name) {}
 
   /// The next line, whatever it holds; false at the end of the file.
   bool next() {
@@ -30,6 +32,11 @@ class LineReader {
     }
     return false;
   }
+  /// The line that next() would give.
+  std::string_view peek() const {
+    std::string_view rest = rest_;
+    return take_line(rest);
+  }
   bool at_end_of_line() const { return trimmed(line_).empty(); }
   std::string_view word(const char* field) {
     const std::string_view word = take_word(line_);
@@ -45,8 +52,9 @@ class LineReader {
       fail(field, "'" + std::string(text.substr(0, 40)) + "' is not such a number");
     return value;
   }
+  std::string place(const char* field) const { return "line " + std::to_string(number_) + ", " + field; }
   [[noreturn]] void fail(const char* field, const std::string& message) const {
-    throw_bad_input(name_, "line " + std::to_string(number_) + ", " + field, message,
+    throw_bad_input(name_, place(field), message,
                     "export the model again with colmap model_converter --output_type TXT");
   }
 
@@ -55,6 +63,32 @@ class LineReader {
   const std::filesystem::path& name_;
   size_t number_ = 0;
 };
+
+/// Whether a line is the first one of an image: an id, seven numbers, a camera id and a name. Keypoints come in threes, all of
+/// them numbers, so that the two kinds of lines cannot be mistaken for each other while names are no numbers.
+bool is_image_record(std::string_view line) {
+  constexpr size_t kNumbers = 9;
+  size_t words = 0;
+  bool all_numbers = true;
+  while (!trimmed(line).empty()) {
+    double number = 0;
+    const bool is_number = parse_number(take_word(line), number);
+    if (words < kNumbers && !is_number) return false;
+    all_numbers = all_numbers && is_number;
+    ++words;
+  }
+  return words > kNumbers && (!all_numbers || words % 3 != 0);
+}
+
+/// -1 and 2^64 - 1 both mean that a keypoint has no point.
+int64_t point_id_of(LineReader& line) {
+  const std::string_view text = line.word("POINT3D_ID");
+  int64_t id = 0;
+  uint64_t large = 0;
+  if (parse_number(text, id)) return id;
+  if (!parse_number(text, large)) line.fail("POINT3D_ID", "'" + std::string(text.substr(0, 40)) + "' is not such a number");
+  return static_cast<int64_t>(large);
+}
 
 }  // namespace
 
@@ -67,7 +101,9 @@ std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text,
     camera.id = line.number<uint32_t>("CAMERA_ID");
     camera.model = line.word("MODEL");
     const ColmapCameraModel* model = find_colmap_camera_model(camera.model);
-    if (!model) line.fail("MODEL", "unknown camera model '" + camera.model.substr(0, 40) + "'");
+    if (!model) {
+      throw_bad_input(name, line.place("MODEL"), "unknown camera model '" + camera.model.substr(0, 40) + "'", kUnknownCameraModelRemedy);
+    }
     camera.width = line.number<uint64_t>("WIDTH");
     camera.height = line.number<uint64_t>("HEIGHT");
     for (size_t i = 0; i < model->parameters; ++i)
@@ -94,13 +130,14 @@ std::vector<ColmapImage> parse_colmap_images_text(std::string_view text,
     image.translation.z = line.number<double>("TZ");
     image.camera_id = line.number<uint32_t>("CAMERA_ID");
     image.name = line.rest_of_line();  // may hold spaces
-    // The second line lists the keypoints; it is empty for an image without any, and may be missing
-    // at the end.
-    if (line.next()) {
+    // The second line lists the keypoints; it is empty for an image without any. Some programs leave it out.
+    const std::string_view second = trimmed(line.peek());
+    const bool has_second = !is_image_record(second) && (second.empty() || second[0] != '#');
+    if (has_second && line.next()) {
       while (!line.at_end_of_line()) {
         const double x = line.number<double>("X"), y = line.number<double>("Y");
         image.points.push_back({x, y});
-        image.point_ids.push_back(line.number<int64_t>("POINT3D_ID"));
+        image.point_ids.push_back(point_id_of(line));
       }
     }
     images.push_back(std::move(image));

@@ -1,6 +1,7 @@
 #include "io/colmap_validity.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -76,6 +77,32 @@ void require_valid_colmap(const ColmapModel& model, const fs::path& cameras, con
                       kRemedy);
     }
   }
+}
+
+void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::path& images) {
+  std::map<uint32_t, const ColmapCamera*> by_id;
+  for (const ColmapCamera& camera : model.cameras) {
+    if (!by_id.emplace(camera.id, &camera).second) {
+      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice", kRemedy);
+    }
+  }
+  std::set<uint32_t> ids;
+  std::set<std::string> names;
+  std::vector<ColmapImage> good;
+  for (ColmapImage& image : model.images) {
+    const std::string name = image.name.empty() ? "image " + std::to_string(image.id) : image.name.substr(0, 200);
+    use_or_leave_out(name, model.left_out, [&] {
+      require_valid_image(image, images);
+      const std::string field = "image " + std::to_string(image.id);
+      const auto camera = by_id.find(image.camera_id);
+      if (camera == by_id.end()) throw_bad_input(images, field, "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(), kRemedy);
+      require_valid_camera(*camera->second, cameras);
+      if (!ids.insert(image.id).second || !names.insert(image.name).second) throw_bad_input(images, field, "it is listed twice", kRemedy);
+      good.push_back(std::move(image));
+    });
+  }
+  model.images = std::move(good);
+  model.points_left_out = std::erase_if(model.points, [](const ColmapPoint& point) { return !finite(point.position); });
 }
 
 }  // namespace aligngs

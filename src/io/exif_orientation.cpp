@@ -23,6 +23,32 @@ int exif_orientation(std::string_view exif) {
   return value >= 1 && value <= 8 ? value : 1;
 }
 
+bool set_exif_upright(std::string& bytes, size_t begin, size_t size) {
+  // "Exif\0\0", then TIFF (revision 6.0): byte order, 42, offset of the first directory; a directory is a count and
+  // entries of tag, type, number of values, value.
+  constexpr size_t kPrefix = 6, kEntry = 12, kTag = 0x0112, kShort = 3;
+  if (begin > bytes.size() || size > bytes.size() - begin || size < kPrefix + 8) return false;
+  const size_t tiff = begin + kPrefix, end = begin + size;
+  const bool big = bytes[tiff] == 'M';
+  const auto number = [&](size_t at, size_t count) {
+    size_t value = 0;
+    for (size_t i = 0; i < count; ++i) value = value << 8 | uint8_t(bytes[at + (big ? i : count - 1 - i)]);
+    return value;
+  };
+  const size_t offset = number(tiff + 4, 4);
+  if (offset > size || tiff + offset + 2 > end) return false;
+  const size_t directory = tiff + offset, entries = number(directory, 2);
+  for (size_t i = 0; i < entries; ++i) {
+    const size_t entry = directory + 2 + kEntry * i;
+    if (entry + kEntry > end) return false;
+    if (number(entry, 2) != kTag || number(entry + 2, 2) != kShort || number(entry + 4, 4) != 1) continue;
+    bytes[entry + 8] = char(big ? 0 : 1);
+    bytes[entry + 9] = char(big ? 1 : 0);
+    return true;
+  }
+  return false;
+}
+
 Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
   if (orientation <= 1 || orientation > 8) return stored;
   const bool swap = orientation_swaps_sides(orientation);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "core/image.h"
@@ -11,6 +12,10 @@ namespace aligngs {
 /// 1 to 8 (EXIF 2.3, tag 0x0112); 1 (upright) when the tag is absent or nonsense. `exif` is the
 /// content of a JPEG APP1 segment, "Exif\0\0" included.
 int exif_orientation(std::string_view exif);
+
+/// Sets the orientation that `bytes` hold from `begin` on (content as for exif_orientation) to 1, without moving a byte.
+/// false: there is no such tag.
+bool set_exif_upright(std::string& bytes, size_t begin, size_t size);
 
 /// Whether upright width and height are the stored height and width.
 inline bool orientation_swaps_sides(int orientation) { return orientation >= 5; }

@@ -20,8 +20,9 @@ namespace {
 }
 
 ImageInfo upright_info(int width, int height, int channels, int bit_depth, int orientation) {
-  if (orientation_swaps_sides(orientation)) std::swap(width, height);
-  return {width, height, channels, bit_depth};
+  ImageInfo info{width, height, channels, bit_depth, width, height, orientation};
+  if (orientation_swaps_sides(orientation)) std::swap(info.width, info.height);
+  return info;
 }
 
 /// Whether `bytes`, the first of the file, were enough.
@@ -82,6 +83,12 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
   return info;
 }
 
+void require_whole_picture(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  const bool whole = is_jpeg(bytes) ? has_end_of_jpeg(bytes) : is_png(bytes) ? has_end_of_png(bytes) : true;
+  if (!whole) throw_bad_input(path, "picture data", "the picture is truncated", "the file is cut or damaged; copy or create it again");
+}
+
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors) {
   if (is_jpeg(bytes)) {
     const int orientation = parse_jpeg_header(bytes, name_for_errors).orientation;
@@ -96,6 +103,29 @@ Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path&
 
 Image<uint8_t> read_image(const std::filesystem::path& path) {
   return decode_image(read_file(path), path);
+}
+
+Image<uint8_t> decode_stored_image(std::string_view bytes,
+                                   const std::filesystem::path& name_for_errors) {
+  if (is_jpeg(bytes)) return decode_jpeg(bytes, name_for_errors);
+  if (is_png(bytes)) return decode_png(bytes, name_for_errors);
+  refuse_format(name_for_errors);
+}
+
+Image<uint8_t> read_stored_image(const std::filesystem::path& path) {
+  return decode_stored_image(read_file(path), path);
+}
+
+std::string without_orientation(std::string bytes, const std::filesystem::path& name_for_errors) {
+  if (is_jpeg(bytes)) {
+    const JpegHeader header = parse_jpeg_header(bytes, name_for_errors);
+    if (header.orientation != 1) set_exif_upright(bytes, size_t(header.exif.data() - bytes.data()), header.exif.size());
+    return bytes;
+  }
+  if (!is_png(bytes)) refuse_format(name_for_errors);
+  if (parse_png_header(bytes, name_for_errors, false).orientation == 1) return bytes;
+  const std::vector<uint8_t> plain = encode_png(decode_png(bytes, name_for_errors));
+  return {plain.begin(), plain.end()};
 }
 
 Image<uint16_t> decode_gray_png(std::string_view bytes,

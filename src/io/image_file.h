@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,14 +15,25 @@ struct ImageInfo {
   int width = 0, height = 0;  ///< after EXIF orientation
   int channels = 0;           ///< 1, 3 or 4
   int bit_depth = 8;          ///< 8 or 16
+  int stored_width = 0, stored_height = 0;  ///< before EXIF orientation
+  int orientation = 1;        ///< EXIF, 1 to 8
 };
 
-/// Reads the header only. Error{kBadInput} for anything that is no JPEG or PNG.
+/// Reads the header only. Error{kBadInput} for anything that is no JPEG or PNG, and for CMYK.
 ImageInfo read_image_info(const std::filesystem::path& path);
+
+/// Whether the file reaches its own end, told without decoding it: a copy that broke off does not. Error{kBadInput} when not.
+void require_whole_picture(const std::filesystem::path& path);
 
 /// 8-bit image with 3 or 4 (alpha) channels; grey is widened to 3, 16-bit PNG narrowed; EXIF orientation applied.
 Image<uint8_t> read_image(const std::filesystem::path& path);
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
+/// The same with the pixels as stored: EXIF orientation is left alone. COLMAP and nerfstudio see pictures so.
+Image<uint8_t> read_stored_image(const std::filesystem::path& path);
+Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
+/// The file with the same pixels stored and EXIF orientation 1, so that every program sees the stored pixels. A JPEG keeps
+/// all its other bytes, a PNG is written anew.
+std::string without_orientation(std::string bytes, const std::filesystem::path& name_for_errors);
 
 /// One-channel PNG of 8 or 16 bits, values as stored (depth in millimetres, label ids). Palette images give indices.
 Image<uint16_t> read_gray_png(const std::filesystem::path& path);

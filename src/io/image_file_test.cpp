@@ -172,6 +172,24 @@ TEST(Jpeg, EveryExifOrientationComesOutUpright) {
   }
 }
 
+TEST(Jpeg, StoredPixelsAreThoseWithoutTheTag) {
+  const Image<uint8_t> stored = blocks();
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    for (const bool big_endian : {false, true}) {
+      const std::string bytes = with_exif(text_of(encode_jpeg(stored, 95)), orientation, big_endian);
+      write_file_atomically(folder() / "held.jpg", bytes);
+      EXPECT_EQ(read_image_info(folder() / "held.jpg").stored_width, stored.width);
+      EXPECT_EQ(read_image_info(folder() / "held.jpg").orientation, orientation);
+      const Image<uint8_t> plain = decode_stored_image(bytes, "");
+      EXPECT_EQ(plain.width, stored.width);
+      EXPECT_NEAR(plain.at(15, 23, 0), stored.at(15, 23, 0), 2);
+      const std::string unmarked = without_orientation(bytes, "");
+      EXPECT_EQ(unmarked.size(), bytes.size());
+      EXPECT_EQ(decode_image(unmarked, "").data, plain.data) << orientation;
+    }
+  }
+}
+
 TEST(Jpeg, NonsenseOrientationIsUpright) {
   for (const int orientation : {0, 9, 300}) {
     EXPECT_EQ(decode_image(with_exif(text_of(encode_jpeg(blocks())), orientation, false), "").width,

@@ -65,18 +65,6 @@ class SegmentWalker {
   size_t position_ = 2;  // after the start-of-image marker
 };
 
-bool has_end_of_image(std::string_view bytes) {
-  SegmentWalker walker(bytes);
-  uint8_t marker = 0;
-  std::string_view content;
-  bool scan_seen = false;
-  while (walker.next(marker, content)) {
-    scan_seen |= marker == kStartOfScan;
-    if (marker == kEndOfImage) return scan_seen;
-  }
-  return false;
-}
-
 /// Oddities that real cameras and editors leave and that cost no pixel.
 bool is_harmless(std::string_view warning) {
   for (const std::string_view known :
@@ -87,10 +75,26 @@ bool is_harmless(std::string_view warning) {
   return false;
 }
 
+[[noreturn]] void refuse_cmyk(const std::filesystem::path& name) {
+  throw_bad_input(name, "colour space", "CMYK pictures are not supported", "save it as RGB");
+}
+
 }  // namespace
 
 bool is_jpeg(std::string_view bytes) {
   return bytes.substr(0, 3) == std::string_view("\xff\xd8\xff", 3);
+}
+
+bool has_end_of_jpeg(std::string_view bytes) {
+  SegmentWalker walker(bytes);
+  uint8_t marker = 0;
+  std::string_view content;
+  bool scan_seen = false;
+  while (walker.next(marker, content)) {
+    scan_seen |= marker == kStartOfScan;
+    if (marker == kEndOfImage) return scan_seen;
+  }
+  return false;
 }
 
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name) {
@@ -109,6 +113,7 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
       header.height = byte_at(content, 1) << 8 | byte_at(content, 2);
       header.width = byte_at(content, 3) << 8 | byte_at(content, 4);
       header.channels = byte_at(content, 5) == 1 ? 1 : 3;
+      if (byte_at(content, 5) == 4) refuse_cmyk(name);
       header.complete = true;
     } else if (marker == kStartOfScan || marker == kEndOfImage) {
       if (!header.complete) throw_bad_input(name, "frame header", "missing", kRemedy);
@@ -128,10 +133,10 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
     throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kRemedy);
   }
   if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK) {
-    throw_bad_input(name, "colour space", "CMYK pictures are not supported", "save it as RGB");
+    refuse_cmyk(name);
   }
   require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerByte, name);
-  if (!has_end_of_image(bytes))
+  if (!has_end_of_jpeg(bytes))
     throw_bad_input(name, "JPEG data", "the picture is truncated", kRemedy);
 
   Image<uint8_t> image(width, height, 3);

@@ -12,6 +12,8 @@
 namespace aligngs {
 
 bool is_jpeg(std::string_view bytes);
+/// Whether an end-of-image marker follows a scan.
+bool has_end_of_jpeg(std::string_view bytes);
 
 /// Size as stored, channels and orientation, from the segments before the first scan.
 struct JpegHeader {

@@ -87,6 +87,17 @@ bool is_png(std::string_view bytes) {
   return bytes.substr(0, 8) == std::string_view("\x89PNG\r\n\x1a\n", 8);
 }
 
+bool has_end_of_png(std::string_view bytes) {
+  constexpr size_t kSignature = 8, kAroundContent = 12;  // bytes: length, type and checksum of a chunk
+  for (size_t at = kSignature; bytes.size() >= kAroundContent && at <= bytes.size() - kAroundContent;) {
+    if (bytes.substr(at + 4, 4) == "IEND") return true;
+    const size_t length = load_number<uint32_t>(bytes.data() + at, true);
+    if (length > bytes.size() - at - kAroundContent) return false;
+    at += length + kAroundContent;
+  }
+  return false;
+}
+
 PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name,
                            bool prefix_only) {
   const Context context = open_png(bytes, name);

@@ -11,6 +11,8 @@
 namespace aligngs {
 
 bool is_png(std::string_view bytes);
+/// Whether its chunks follow each other up to the last one, IEND.
+bool has_end_of_png(std::string_view bytes);
 
 struct PngHeader {
   int width = 0, height = 0;

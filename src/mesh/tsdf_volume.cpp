@@ -116,9 +116,10 @@ void TsdfVolume::reserve(const TsdfView& view, ThreadPool& pool) {
         const Vec3d back = to_world * (ray * (d + options_.truncation));
         const double reach = block * kMaxCoordinate;
         if (!(std::abs(back.x) < reach && std::abs(back.y) < reach && std::abs(back.z) < reach)) {
-          throw_bad_input({}, "depth", fmt::format("a surface at depth {:.4g} is too far away for a voxel of {:.4g}", d,
-                                                   options_.voxel),
-                          "use a larger voxel or cut the depth");
+          throw_bad_input({}, "positions",
+                          fmt::format("a surface lies {:.4g} from the origin (at depth {:.4g}), a voxel of {:.4g} reaches {:.4g}", norm(back), d,
+                                      options_.voxel, reach),
+                          d < reach ? "`aligngs import` moves a scene to its origin; or use a larger voxel" : "use a larger voxel or cut the depth");
         }
         walk_blocks(front * (1 / block), back * (1 / block), [&](const BlockCoordinate& b) {
           const uint64_t key = key_of(b);

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "priors/child_process.h"
+#include "priors/colmap_options.h"
 
 namespace aligngs {
 
@@ -54,6 +55,13 @@ class ColmapRun {
                  work_ / "colmap.log", "", "see the end of this file"});
   }
 
+  /// The names that the installed program has for its options.
+  ColmapOptions options_of(const std::string& name) const {
+    std::string help;
+    run_child({"colmap", name, "-h"}, work_ / "colmap-help.log", [&](const std::string& line) { help += line + "\n"; });
+    return ColmapOptions(help);
+  }
+
   fs::path work() const { return work_; }
   std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
 
@@ -76,39 +84,39 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
   fs::remove_all(sparse);
   fs::create_directories(sparse);
   const std::string images = (run.work() / "images").string();
-  Arguments extract = {"--database_path", database.string(), "--image_path", images,
-                       "--ImageReader.camera_model", "SIMPLE_RADIAL",
-                       "--ImageReader.single_camera", one_camera ? "1" : "0",
-                       "--SiftExtraction.use_gpu", "0",
-                       "--SiftExtraction.num_threads", run.threads(),
-                       "--SiftExtraction.max_num_features", attempt.sensitive ? "6000" : "4096"};
-  if (attempt.sensitive) {
-    // Affine shape and domain-size pooling match views that differ much; weak corners count, since
-    // walls and furniture have few strong ones.
-    for (const char* const a : {"--SiftExtraction.estimate_affine_shape", "1",
-                                "--SiftExtraction.domain_size_pooling", "1",
-                                "--SiftExtraction.peak_threshold", "0.004"}) {
-      extract.push_back(a);
-    }
-  }
-  run.step(attempt, "feature_extractor", photos, "Processed file", extract);
-  // Matching on processors takes the square of the features: 4096 are a tenth of a second a pair.
-  run.step(attempt, "exhaustive_matcher", 1, "Matching block",
-           {"--database_path", database.string(), "--SiftMatching.use_gpu", "0",
-            "--SiftMatching.num_threads", run.threads(), "--SiftMatching.guided_matching",
-            attempt.sensitive ? "1" : "0"});
-  // Few photos have little to begin with: smaller angles, fewer shared points than for collections.
   const auto choose = [&](const char* quick, const char* sensitive) {
     return std::string(attempt.sensitive ? sensitive : quick);
   };
-  const Arguments map = {"--database_path", database.string(),
-                         "--image_path", images,
-                         "--output_path", sparse.string(),
-                         "--Mapper.num_threads", run.threads(),
-                         "--Mapper.min_model_size", "3",
-                         "--Mapper.init_min_tri_angle", choose("8", "4"),  // degrees; default 16
-                         "--Mapper.init_min_num_inliers", choose("60", "40"),  // default 100
-                         "--Mapper.abs_pose_min_num_inliers", choose("20", "15")};  // default 30
+  Arguments extract = {"--database_path", database.string(), "--image_path", images};
+  const ColmapOptions extractor = run.options_of("feature_extractor");
+  extractor.add(extract, {"ImageReader.camera_model"}, "SIMPLE_RADIAL");
+  extractor.add(extract, {"ImageReader.single_camera"}, one_camera ? "1" : "0");
+  extractor.add(extract, {"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"}, "0");
+  extractor.add(extract, {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"}, run.threads());
+  extractor.add(extract, {"SiftExtraction.max_num_features"}, choose("4096", "6000"));
+  if (attempt.sensitive) {
+    // Affine shape and domain-size pooling match views that differ much; weak corners count, since
+    // walls and furniture have few strong ones.
+    extractor.add(extract, {"SiftExtraction.estimate_affine_shape"}, "1");
+    extractor.add(extract, {"SiftExtraction.domain_size_pooling"}, "1");
+    extractor.add(extract, {"SiftExtraction.peak_threshold"}, "0.004");
+  }
+  run.step(attempt, "feature_extractor", photos, "Processed file", extract);
+  // Matching on processors takes the square of the features: 4096 are a tenth of a second a pair.
+  Arguments match = {"--database_path", database.string()};
+  const ColmapOptions matcher = run.options_of("exhaustive_matcher");
+  matcher.add(match, {"FeatureMatching.use_gpu", "SiftMatching.use_gpu"}, "0");
+  matcher.add(match, {"FeatureMatching.num_threads", "SiftMatching.num_threads"}, run.threads());
+  matcher.add(match, {"FeatureMatching.guided_matching", "SiftMatching.guided_matching"}, choose("0", "1"));
+  run.step(attempt, "exhaustive_matcher", 1, "block [", match);  // "Matching block [", since 3.12 "Processing block ["
+  // Few photos have little to begin with: smaller angles, fewer shared points than for collections.
+  Arguments map = {"--database_path", database.string(), "--image_path", images, "--output_path", sparse.string()};
+  const ColmapOptions mapper = run.options_of("mapper");
+  mapper.add(map, {"Mapper.num_threads"}, run.threads());
+  mapper.add(map, {"Mapper.min_model_size"}, "3");
+  mapper.add(map, {"Mapper.init_min_tri_angle"}, choose("8", "4"));  // degrees; default 16
+  mapper.add(map, {"Mapper.init_min_num_inliers"}, choose("60", "40"));  // default 100
+  mapper.add(map, {"Mapper.abs_pose_min_num_inliers"}, choose("20", "15"));  // default 30
   run.step(attempt, "mapper", photos, "Registering image", map, true);
   AttemptResult result;
   result.database = database;
@@ -208,9 +216,9 @@ ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::p
   if (placed.size() < photos.size()) {
     const ColmapDatabase database = read_colmap_database(best.database);
     for (const Photo& photo : photos) {
-      const std::string name = photo.file.filename().string();
+      const std::string name = photo.file.lexically_relative(work / "images").generic_string();
       if (std::find(placed.begin(), placed.end(), name) == placed.end())
-        poses.unplaced.push_back({photo.name, why_unplaced(database, name, placed)});
+        poses.unplaced.push_back({photo.name, why_unplaced(database, name, placed), ""});
     }
   }
   poses.other_models = std::max(0, int(best.models.size()) - 1);

@@ -20,14 +20,9 @@ struct ColmapPosesOptions {
   ProgressStyle progress;
 };
 
-/// A photo that has no camera, and why.
-struct UnplacedPhoto {
-  std::string name, reason;
-};
-
 struct ColmapPoses {
   ColmapModel model;  ///< the largest one; no images when there is none
-  std::vector<UnplacedPhoto> unplaced;
+  std::vector<LeftOut> unplaced;  ///< photos that have no camera, and why
   int other_models = 0;  ///< smaller ones, not connected with it
   double reprojection_error = 0;  ///< mean over its points, pixels
 };

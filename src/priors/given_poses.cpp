@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/error.h"
-#include "core/log.h"
-#include "scene/undistort.h"
+#include "scene/import/capture.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 
@@ -15,34 +16,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A model's cameras and points; unlike read_colmap_capture() it does not look for the images.
-Capture capture_of_model(const fs::path& folder) {
-  Capture capture;
-  capture.layout = layout_name(CaptureLayout::kColmap);
-  capture.folder = folder;
-  const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
-  capture.frames = frames_of_model(model);
-  capture.cloud = reliable_points(model);
-  if (capture.cloud.size() == 0 && !model.points.empty()) {
-    log_warning("{}: all {} points are left out, as their reprojection errors are above 2 pixels", folder.string(), model.points.size());
-  }
-  return capture;
-}
+bool has_cameras(const fs::path& folder) { return may_hold_transforms(folder) || may_hold_colmap_model(folder); }
 
-/// The camera for the photo's copy.
-ColmapCamera camera_for(const CapturedFrame& frame, const Photo& listed, const Photo& prepared) {
-  const LensModel lens = lens_of(frame.camera, listed.file);
-  const double scale = double(listed.width) / lens.width;
-  if (std::abs(lens.height * scale - listed.height) > 1) {
-    const bool turned = std::abs(double(listed.height) / lens.width * lens.height - listed.width) <= 1;
-    throw_bad_input(listed.file, "camera",
-                    fmt::format("the camera is for {} x {} pixels, the photo has {} x {}", lens.width,
-                                lens.height, listed.width, listed.height),
-                    turned ? "the camera is for the picture before it is turned upright: turn the photos "
-                             "themselves (exiftran, jhead), then find the cameras again"
-                           : "give the photos that the cameras were found for");
-  }
-  return colmap_camera_of(lens.resized(prepared.width, prepared.height));
+Capture read_cameras(const fs::path& given, const fs::path& photos) {
+  const bool file = fs::is_regular_file(given);
+  const fs::path folder = file ? fs::absolute(given).parent_path() : given;
+  const PhotoLookup lookup(photos, folder);
+  return file || may_hold_transforms(folder) ? read_transforms(folder, lookup) : read_colmap_capture(folder, lookup);
 }
 
 }  // namespace
@@ -50,49 +30,45 @@ ColmapCamera camera_for(const CapturedFrame& frame, const Photo& listed, const P
 fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
   if (!given.empty()) {
     const bool file = given.filename() == "transforms.json" && fs::is_regular_file(given);
-    if (file || fs::exists(given / "transforms.json") || may_hold_colmap_model(given)) return given;
+    if (file || has_cameras(given)) return given;
     throw_bad_input(given, "--cameras", "there are no cameras here",
                     "give a COLMAP model (sparse/, cameras.bin or cameras.txt) or a transforms.json");
   }
   const fs::path folder = fs::absolute(photos).lexically_normal() / "";
   const fs::path above = folder.parent_path().parent_path();
   for (const fs::path& place : {folder.parent_path(), above}) {
-    if (fs::exists(place / "transforms.json") || may_hold_colmap_model(place)) return place;
+    if (has_cameras(place)) return place;
   }
   throw_bad_input(photos, "--method given",
                   fmt::format("no cameras are here or in {}", above.string()),
                   "put sparse/ (COLMAP) or transforms.json beside the photos, or say where with --cameras");
 }
 
-GivenPoses read_given_poses(const fs::path& cameras, const std::vector<Photo>& listed,
-                            const std::vector<Photo>& prepared) {
+GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, const std::vector<Photo>& listed) {
   GivenPoses poses;
-  if (cameras.filename() == "transforms.json") {
-    poses.capture = read_transforms(cameras.parent_path());
-  } else if (fs::exists(cameras / "transforms.json")) {
-    poses.capture = read_transforms(cameras);
-  } else {
-    poses.capture = capture_of_model(cameras);
+  poses.capture = read_cameras(cameras, photos);
+  std::map<std::string, LeftOut> reasons;  // of cameras that cannot be used, by the name of the view
+  size_t without_photo = 0;
+  for (const LeftOut& frame : poses.capture.left_out) {
+    without_photo += frame.reason == PhotoLookup::kMissing;
+    reasons.emplace(view_name_of(frame.name), frame);
   }
-  std::map<std::string, CapturedFrame> frames;
-  for (CapturedFrame& frame : poses.capture.frames) {
-    const std::string name = frame.name;
-    if (!frames.emplace(name, std::move(frame)).second) {
-      throw_bad_input(cameras, name, "two cameras are for photos of this name",
-                      "photos in subfolders need names of their own");
-    }
-  }
-  poses.capture.frames.clear();
-  for (size_t i = 0; i < listed.size(); ++i) {
-    const auto found = frames.find(listed[i].name);
-    if (found == frames.end()) {
-      poses.unplaced.push_back({listed[i].name, "the given cameras hold none for it"});
-      continue;
-    }
-    CapturedFrame frame = std::move(found->second);
-    frame.camera = camera_for(frame, listed[i], prepared[i]);
-    frame.image = prepared[i].file;
-    poses.capture.frames.push_back(std::move(frame));
+  poses.capture.left_out.clear();
+  if (without_photo > 0) poses.capture.notes.push_back(fmt::format("{} of the given cameras have no photo here", without_photo));
+  if (!poses.capture.frames.empty()) finish_capture(poses.capture);
+  for (const LeftOut& frame : poses.capture.left_out) reasons.emplace(frame.name, frame);
+  poses.capture.left_out.clear();
+
+  std::set<fs::path> placed;
+  for (const CapturedFrame& frame : poses.capture.frames) placed.insert(fs::weakly_canonical(frame.image));
+  for (const Photo& photo : listed) {
+    if (placed.count(fs::weakly_canonical(photo.file))) continue;
+    const std::string ending = fs::path(photo.name).filename().string();
+    const auto known = std::find_if(reasons.begin(), reasons.end(), [&](const auto& entry) {
+      return entry.first == photo.name || fs::path(entry.first).filename().string() == ending;
+    });
+    const bool told = known != reasons.end() && known->second.reason != PhotoLookup::kMissing;
+    poses.unplaced.push_back({photo.name, told ? known->second.reason : "the given cameras hold none for it", told ? known->second.remedy : ""});
   }
   return poses;
 }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "priors/colmap_poses.h"
+#include "priors/photo_folder.h"
 #include "scene/import/capture.h"
 
 namespace aligngs {
@@ -16,14 +16,13 @@ std::filesystem::path find_given_cameras(const std::filesystem::path& photos,
                                          const std::filesystem::path& given);
 
 struct GivenPoses {
-  Capture capture;  ///< a frame per photo with a camera, of the size and file in `prepared`
-  std::vector<UnplacedPhoto> unplaced;
+  Capture capture;                ///< a frame per photo with a camera; cameras without a photo are only counted, in its notes
+  std::vector<LeftOut> unplaced;  ///< photos without a camera, or with one that does not fit
 };
 
-/// `listed` are the photos as they are, `prepared` their copies (prepare_photos, same order). A
-/// camera may be for another size of the same aspect. Error{kBadInput} for one of another aspect,
-/// and when two entries name one photo.
-GivenPoses read_given_poses(const std::filesystem::path& cameras, const std::vector<Photo>& listed,
-                            const std::vector<Photo>& prepared);
+/// The photos are found below `photos` by the rules of PhotoLookup. A camera may be for another size of the same aspect; EXIF
+/// orientation is left alone where the stored pixels fit it (photo_fit.h). `listed`: the photos that should have a camera.
+GivenPoses read_given_poses(const std::filesystem::path& cameras, const std::filesystem::path& photos,
+                            const std::vector<Photo>& listed);
 
 }  // namespace aligngs

@@ -11,7 +11,9 @@
 #include "io/jpeg_codec.h"
 #include "io/png_codec.h"
 #include "io/resample.h"
+#include "io/text_encoding.h"
 #include "scene/import/capture_text.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 
@@ -26,7 +28,24 @@ const std::vector<std::string> kKnown = {".heic", ".heif", ".webp", ".tif", ".ti
 fs::path folder_with_photos(const fs::path& folder) {
   if (!list_files(folder, kRead).empty()) return folder;
   const fs::path inner = folder / "images";
-  return fs::is_directory(inner) && !list_files(inner, kRead).empty() ? inner : folder;
+  return fs::is_directory(inner) ? inner : folder;
+}
+
+/// The pictures of a folder, else those of its subfolders.
+std::vector<fs::path> pictures_of(const fs::path& folder) {
+  std::vector<fs::path> files = list_files(folder, kRead);
+  if (!files.empty()) return files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
+  for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
+    if (is_hidden(entry->path())) {
+      if (entry->is_directory(error)) entry.disable_recursion_pending();
+    } else if (entry->is_regular_file(error) && has_picture_extension(entry->path())) {
+      files.push_back(entry->path());
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return natural_less(a.string(), b.string()); });
+  return files;
 }
 
 int stored_orientation(const std::string& bytes, const fs::path& file) {
@@ -77,37 +96,46 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
 }  // namespace
 
 bool has_photos(const fs::path& folder) {
-  return fs::is_directory(folder) && !list_files(folder_with_photos(folder), kRead).empty();
+  return fs::is_directory(folder) && !pictures_of(folder_with_photos(folder)).empty();
 }
 
-std::vector<Photo> list_photos(const fs::path& given) {
+PhotoList list_photos(const fs::path& given) {
   if (!fs::is_directory(given))
     throw_bad_input(given, "", "there is no such folder", "give the folder that holds the photos");
-  const fs::path folder = folder_with_photos(given);
+  PhotoList list;
+  list.folder = folder_with_photos(given);
   std::string unread;
-  for (const fs::path& file : list_files(folder, kKnown)) unread += " " + file.filename().string();
-  const std::vector<fs::path> files = list_files(folder, kRead);
-  constexpr size_t kFewest = 2;  // one photo has no parallax
-  if (files.size() < kFewest) {
-    throw_bad_input(folder, "",
-                    files.empty() ? "there is no JPEG or PNG here" : "one photo is not enough",
-                    unread.empty() ? "give the folder that holds the photos of the room"
-                                   : "convert these to JPEG first:" + unread);
+  for (const fs::path& file : list_files(list.folder, kKnown)) unread += " " + as_utf8(file.filename().string());
+  std::error_code error;
+  for (fs::directory_iterator entry(list.folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (!is_hidden(entry->path()) || !has_picture_extension(entry->path())) continue;
+    list.left_out.push_back({as_utf8(entry->path().filename().string()), "a hidden file is no photo", "remove it"});
   }
-  if (!unread.empty()) log_warning("left out, as neither JPEG nor PNG:{}", unread);
-  std::vector<Photo> photos;
+  const std::vector<fs::path> files = pictures_of(list.folder);
   std::map<std::string, fs::path> names;
   for (const fs::path& file : files) {
-    const ImageInfo info = read_image_info(file);
-    Photo photo{file.stem().string(), file, info.width, info.height};
-    const auto [other, fresh] = names.emplace(photo.name, file);
-    if (!fresh) {
-      throw_bad_input(file, "name", "another photo has the same name: " + other->second.string(),
-                      "rename or remove one of them");
-    }
-    photos.push_back(std::move(photo));
+    const std::string name = view_name_of(file.lexically_relative(list.folder).generic_string());
+    use_or_leave_out(file.filename().string(), list.left_out, [&] {
+      const ImageInfo info = read_image_info(file);
+      require_whole_picture(file);
+      const auto [other, fresh] = names.emplace(name, file);
+      if (!fresh) {
+        throw_bad_input(file, "name", "another photo has the same name: " + other->second.filename().string(),
+                        "rename or remove one of them");
+      }
+      list.photos.push_back({name, file, info.width, info.height});
+    });
   }
-  return photos;
+  constexpr size_t kFewest = 2;  // one photo has no parallax
+  if (list.photos.size() >= kFewest) {
+    if (!unread.empty()) log_warning("left out, as neither JPEG nor PNG:{}", unread);
+    return list;
+  }
+  if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
+  throw_bad_input(list.folder, "",
+                  list.photos.empty() ? "there is no JPEG or PNG here" : "one photo is not enough",
+                  unread.empty() ? "give the folder that holds the photos of the room"
+                                 : "convert these to JPEG first:" + unread);
 }
 
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder,

@@ -6,19 +6,26 @@
 #include <vector>
 
 #include "core/thread_pool.h"
+#include "io/left_out.h"
 
 namespace aligngs {
 
 struct Photo {
-  std::string name;            ///< stem of the file: what the view will be called
+  std::string name;            ///< what the view will be called: its path below the folder, without extension, in UTF-8
   std::filesystem::path file;
   int width = 0, height = 0;   ///< pixels, upright
 };
 
-/// JPEG and PNG files of the folder (or, when it holds none, of its images/), in the order of
-/// people (2 before 10). Error{kBadInput}: fewer than two photos, two of one stem, files that are no
-/// pictures. Pictures in formats that are not read (HEIC, ...) are named in the error or a warning.
-std::vector<Photo> list_photos(const std::filesystem::path& folder);
+struct PhotoList {
+  std::filesystem::path folder;   ///< that holds the photos: the given one or its images/
+  std::vector<Photo> photos;
+  std::vector<LeftOut> left_out;  ///< hidden, empty, cut and unreadable files, and second ones of a name
+};
+
+/// JPEG and PNG files of the folder or, when it holds none, of its images/, else of all its subfolders, in the order of people
+/// (2 before 10). Error{kBadInput}: fewer than two photos that can be used. Pictures in formats that are not read (HEIC, ...)
+/// are named in the error or a warning.
+PhotoList list_photos(const std::filesystem::path& folder);
 
 /// Whether list_photos would find any.
 bool has_photos(const std::filesystem::path& folder);

@@ -54,7 +54,7 @@ class PhotoFolder : public testing::Test {
 
 TEST_F(PhotoFolder, PhotosComeInTheOrderOfPeople) {
   for (const char* name : {"10.jpg", "2.jpg", "1.JPG"}) write_jpeg(folder / name, picture(20, 16));
-  const std::vector<Photo> photos = list_photos(folder);
+  const std::vector<Photo> photos = list_photos(folder).photos;
   ASSERT_EQ(photos.size(), 3u);
   EXPECT_EQ(photos[0].name, "1");
   EXPECT_EQ(photos[1].name, "2");
@@ -64,7 +64,7 @@ TEST_F(PhotoFolder, PhotosComeInTheOrderOfPeople) {
 TEST_F(PhotoFolder, AFolderNamedImagesIsFound) {
   fs::create_directories(folder / "images");
   for (const char* name : {"a.png", "b.png"}) write_png(folder / "images" / name, picture(20, 16));
-  EXPECT_EQ(list_photos(folder).size(), 2u);
+  EXPECT_EQ(list_photos(folder).photos.size(), 2u);
   EXPECT_TRUE(has_photos(folder));
 }
 
@@ -77,6 +77,32 @@ TEST_F(PhotoFolder, TwoPhotosOfOneNameAreRefused) {
   write_jpeg(folder / "a.jpg", picture(20, 16));
   write_png(folder / "a.png", picture(20, 16));
   EXPECT_THAT(error_of_list(), testing::HasSubstr("same name"));
+}
+
+TEST_F(PhotoFolder, FilesThatCannotBeUsedAreLeftOutWithALine) {
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) write_jpeg(folder / name, picture(40, 32));
+  std::ofstream(folder / "._a.jpg") << "what macOS keeps beside a photo";
+  std::ofstream(folder / "empty.jpg").flush();
+  const std::string whole = read_file(folder / "a.jpg");
+  std::ofstream(folder / "cut.jpg", std::ios::binary) << whole.substr(0, whole.size() / 2);
+  const PhotoList list = list_photos(folder);
+  EXPECT_EQ(list.photos.size(), 3u);
+  ASSERT_EQ(list.left_out.size(), 3u);
+  EXPECT_THAT(list.left_out[0].reason, testing::HasSubstr("hidden"));
+  EXPECT_THAT(list.left_out[1].reason, testing::HasSubstr("truncated"));
+}
+
+TEST_F(PhotoFolder, SubfoldersCountWhereTheFolderItselfHasNoPhotos) {
+  for (const char* side : {"left", "right"}) {
+    fs::create_directories(folder / side);
+    write_jpeg(folder / side / "1.jpg", picture(20, 16));
+  }
+  const PhotoList list = list_photos(folder);
+  ASSERT_EQ(list.photos.size(), 2u);
+  EXPECT_EQ(list.photos[1].name, "right/1");
+  ThreadPool pool(1);
+  EXPECT_EQ(prepare_photos(list.photos, folder / "work", 100, pool)[0].file, folder / "work" / "left" / "1.jpg");
+  EXPECT_TRUE(fs::exists(folder / "work" / "left" / "1.jpg"));
 }
 
 TEST_F(PhotoFolder, AnEmptyFolderAndOnePhotoAreRefused) {
@@ -95,7 +121,7 @@ TEST_F(PhotoFolder, UprightPhotosAreCopiedAsTheyAre) {
   write_jpeg(folder / "a.jpg", picture(20, 16));
   write_png(folder / "b.png", picture(20, 16, 4));
   ThreadPool pool(2);
-  const auto prepared = prepare_photos(list_photos(folder), folder / "work", 1600, pool);
+  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
   EXPECT_EQ(read_file(prepared[0].file), read_file(folder / "a.jpg"));
   EXPECT_EQ(read_file(prepared[1].file), read_file(folder / "b.png"));
 }
@@ -104,7 +130,7 @@ TEST_F(PhotoFolder, TurnedPhotosAreMadeUpright) {
   write_turned(folder / "a.jpg", 40, 24);
   write_jpeg(folder / "b.jpg", picture(40, 24));
   ThreadPool pool(2);
-  const std::vector<Photo> photos = list_photos(folder);
+  const std::vector<Photo> photos = list_photos(folder).photos;
   EXPECT_EQ(photos[0].width, 24);
   EXPECT_EQ(photos[0].height, 40);
   const auto prepared = prepare_photos(photos, folder / "work", 1600, pool);
@@ -117,7 +143,7 @@ TEST_F(PhotoFolder, LargePhotosAreShrunkToTheLongerSide) {
   write_jpeg(folder / "a.jpg", picture(200, 100));
   write_png(folder / "b.png", picture(100, 200, 4));
   ThreadPool pool(1);
-  const auto prepared = prepare_photos(list_photos(folder), folder / "work", 50, pool);
+  const auto prepared = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool);
   EXPECT_EQ(prepared[0].width, 50);
   EXPECT_EQ(prepared[0].height, 25);
   const Image<uint8_t> second = read_image(prepared[1].file);
@@ -131,7 +157,7 @@ TEST_F(PhotoFolder, AShrunkPhotoKeepsItsFocalLength) {
         << with_exif(encode_jpeg_bytes(picture(200, 100), 90), exif_with_focal_35mm(24));
   }
   ThreadPool pool(1);
-  const fs::path file = prepare_photos(list_photos(folder), folder / "work", 50, pool)[0].file;
+  const fs::path file = prepare_photos(list_photos(folder).photos, folder / "work", 50, pool)[0].file;
   const std::string bytes = read_file(file);
   EXPECT_EQ(exif_focal_35mm(parse_jpeg_header(bytes, file).exif, 50), 24);
   EXPECT_EQ(read_image(file).width, 50);

@@ -18,6 +18,7 @@
 #include "priors/vggt_prediction.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
+#include "scene/photo_lookup.h"
 #include "scene/scene_writer.h"
 
 namespace aligngs {
@@ -62,24 +63,42 @@ bool is_test(size_t index, int test_every) {
 }
 
 /// The photos that have cameras must be enough to train on; if not, every photo is told what became of it.
-void require_enough(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<UnplacedPhoto>& unplaced,
-                    const std::string& remedy) {
-  const size_t all = photos.size(), placed = all - unplaced.size();
-  if (placed >= kFewestPlaced && 2 * placed >= all) return;
+void require_enough_placed(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<LeftOut>& unplaced,
+                           bool strict, const std::string& remedy) {
+  const auto reason_of = [&](const Photo& photo) {
+    const auto without = std::find_if(unplaced.begin(), unplaced.end(), [&](const LeftOut& u) { return u.name == photo.name; });
+    return without == unplaced.end() ? std::string() : without->reason;
+  };
+  const size_t all = photos.size();
+  const auto placed = static_cast<size_t>(std::count_if(photos.begin(), photos.end(), [&](const Photo& photo) { return reason_of(photo).empty(); }));
+  if (placed >= kFewestPlaced && 2 * placed >= all) {
+    require_enough(folder, placed, unplaced, 0, strict, "photos");
+    return;
+  }
   std::string reasons;
   for (const Photo& photo : photos) {
-    const auto without = std::find_if(unplaced.begin(), unplaced.end(), [&](const UnplacedPhoto& u) { return u.name == photo.name; });
-    reasons += fmt::format("\n    {}: {}", photo.name,
-                           without != unplaced.end() ? without->reason : fmt::format("placed, but only {} photos hang together", placed));
+    const std::string reason = reason_of(photo);
+    reasons += fmt::format("\n    {}: {}", photo.name, !reason.empty() ? reason : fmt::format("placed, but only {} photos hang together", placed));
   }
+  const auto advised = std::find_if(unplaced.begin(), unplaced.end(), [](const LeftOut& u) { return !u.remedy.empty(); });
   throw_bad_input(folder, "poses",
-                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons), remedy);
+                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons), advised == unplaced.end() ? remedy : advised->remedy);
+}
+
+CapturedCloud captured(const PointCloud& cloud) {
+  CapturedCloud out;
+  for (const Vec3f& p : cloud.positions) out.positions.push_back(p.cast<double>());
+  out.colors = cloud.colors;
+  return out;
 }
 
 /// Undistorts and writes photos with cameras.
 void import_photos(const Capture& capture, const fs::path& source, const fs::path& scene, const ScenePhotosOptions& options,
                    bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
+  for (const std::string& note : capture.notes) log_info("{}", note);
   ImportOptions import;
+  import.max_side = options.max_side;
+  import.strict = options.strict;
   import.depth_prior = depth_prior;
   import.overwrite = options.overwrite;
   import.sources = {source, options.cameras};
@@ -92,6 +111,11 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
     }
   }
   const ImportReport imported = import_capture(capture, scene, import, pool);
+  for (const LeftOut& frame : imported.left_out) {
+    const bool known = std::any_of(report.unplaced.begin(), report.unplaced.end(), [&](const LeftOut& u) { return view_name_of(u.name) == frame.name; });
+    if (!known) report.unplaced.push_back(frame);
+  }
+  report.placed = imported.train + imported.test;
   report.points = imported.points;
   report.train = imported.train;
   report.test = imported.test;
@@ -111,27 +135,26 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
     work.keep = error.kind() == ErrorKind::kFailed && fs::exists(work.path() / "colmap.log");
     throw;
   }
-  report.unplaced = poses.unplaced;
+  report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
   report.placed = poses.model.images.size();
   report.reprojection_error = poses.reprojection_error;
-  require_enough(source, photos, poses.unplaced,
+  require_enough_placed(source, photos, poses.unplaced, options.strict,
                  "neighbouring photos should share about 60 % of what they show and be taken from "
                  "different places, sharp and evenly lit; or try --method vggt, which needs less overlap");
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
-  capture.cloud = reliable_points(poses.model);
+  capture.cloud = captured(reliable_points(poses.model));
+  finish_capture(capture);
   import_photos(capture, source, scene, options, false, pool, report);
 }
 
-void scene_by_given_poses(const fs::path& source, const fs::path& cameras,
-                          const std::vector<Photo>& listed, const std::vector<Photo>& photos,
+void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const PhotoList& listed,
                           const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
                           ScenePhotosReport& report) {
-  GivenPoses poses = read_given_poses(cameras, listed, photos);
-  report.unplaced = poses.unplaced;
-  report.placed = poses.capture.frames.size();
-  require_enough(source, photos, poses.unplaced,
+  GivenPoses poses = read_given_poses(cameras, listed.folder, listed.photos);
+  report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
+  require_enough_placed(source, listed.photos, poses.unplaced, options.strict,
                  "give the photos that the cameras were found for, or another --method");
   poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
   import_photos(poses.capture, source, scene, options, true, pool, report);
@@ -238,30 +261,34 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
                                          const ScenePhotosOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   require_scene_place(scene, options.overwrite, {source, options.cameras});
-  const std::vector<Photo> listed = list_photos(source);
+  const PhotoList listed = list_photos(source);
   fs::path cameras;
   if (options.method == PosesMethod::kGiven)
-    cameras = find_given_cameras(listed.front().file.parent_path(), options.cameras);
+    cameras = find_given_cameras(listed.folder, options.cameras);
   if (options.method == PosesMethod::kVggt) store.require(published_model(options.model));
-  if (options.method != PosesMethod::kVggt && listed.size() < kFewestPlaced) {
-    throw_bad_input(source, "", fmt::format("{} photos are too few", listed.size()),
+  if (options.method != PosesMethod::kVggt && listed.photos.size() < kFewestPlaced) {
+    throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
                     fmt::format("take at least {}, or use --method vggt", kFewestPlaced));
   }
+  require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict, "photos");
   ThreadPool pool(options.threads);
-  WorkFolder work(scene);
-  const std::vector<Photo> photos =
-      prepare_photos(listed, work.path() / "images", options.max_side, pool);
   ScenePhotosReport report;
-  report.photos = photos.size();
-  if (options.method == PosesMethod::kVggt) {
-    report.method = options.model;
-    scene_by_vggt(photos, scene, store, options, pool, report);
-  } else if (options.method == PosesMethod::kGiven) {
+  report.photos = listed.photos.size() + listed.left_out.size();
+  report.unplaced = listed.left_out;
+  if (options.method == PosesMethod::kGiven) {
     report.method = "given";
-    scene_by_given_poses(source, cameras, listed, photos, scene, options, pool, report);
+    scene_by_given_poses(source, cameras, listed, scene, options, pool, report);
   } else {
-    report.method = "colmap";
-    scene_by_colmap(source, photos, work, scene, options, pool, report);
+    WorkFolder work(scene);
+    const std::vector<Photo> photos =
+        prepare_photos(listed.photos, work.path() / "images", options.max_side, pool);
+    if (options.method == PosesMethod::kVggt) {
+      report.method = options.model;
+      scene_by_vggt(photos, scene, store, options, pool, report);
+    } else {
+      report.method = "colmap";
+      scene_by_colmap(source, photos, work, scene, options, pool, report);
+    }
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

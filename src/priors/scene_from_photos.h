@@ -20,6 +20,7 @@ struct ScenePhotosOptions {
   int max_side = 1600;  ///< pixels; larger photos are shrunk, as 3DGS' tools do
   int test_every = 0;   ///< every n-th photo is kept for testing; 0: all train
   bool overwrite = false;
+  bool strict = false;  ///< a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
 
   // VGGT.
   std::string model = "vggt-1b";   ///< name of the weights
@@ -43,7 +44,7 @@ struct ScenePhotosOptions {
 struct ScenePhotosReport {
   std::string method;  ///< "vggt-1b", "colmap", "given"
   size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
-  std::vector<UnplacedPhoto> unplaced;
+  std::vector<LeftOut> unplaced;  ///< photos that are not in the scene, and why
   double reprojection_error = 0;  ///< pixels; COLMAP
   double seconds = 0;
 };

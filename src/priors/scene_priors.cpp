@@ -115,7 +115,7 @@ class PriorFill {
 };
 
 Image<uint8_t> rgb_of(const View& view) {
-  return nn::pillow_rgb_on_white(read_image(view.image));
+  return nn::pillow_rgb_on_white(read_view_photo(view));
 }
 
 std::vector<Photo> photos_of(const Scene& scene) {

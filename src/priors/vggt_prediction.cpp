@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/median.h"
 #include "io/image_file.h"
+#include "scene/photo_fit.h"
 
 namespace aligngs {
 namespace {
@@ -48,7 +49,7 @@ VggtInputs vggt_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
   inputs.images.resize(photos.size());
   inputs.placements.resize(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
-    inputs.images[i] = nn::vggt_image(read_image(photos[i].file), fit, &inputs.placements[i]);
+    inputs.images[i] = nn::vggt_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), fit, &inputs.placements[i]);
   });
   nn::vggt_common_size(inputs.images, &inputs.placements);
   return inputs;

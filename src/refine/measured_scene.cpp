@@ -110,6 +110,7 @@ MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, con
   FolderReplacement replacement(output);
   const fs::path& folder = replacement.path();
   copy_scene(scene.folder, folder);
+  write_used_split(scene, folder);
   for (const char* maps : {"pred_depths", "pred_confidence"}) fs::remove_all(folder / maps);
   for (size_t i = 0; i < depths.size(); ++i) write_depth(photos.names[i], photos.match[i].camera, depths[i], folder);
   note_depth(folder, report.measured);

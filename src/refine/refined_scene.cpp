@@ -189,7 +189,7 @@ std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<Match
 
 void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points, const fs::path& folder) {
   ColmapModel model;
-  for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], scene.views[i].image.filename().string());
+  for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], image_name_of(scene, scene.views[i]));
   append_points(model, points);
   fs::remove_all(folder / "sparse");
   write_colmap_binary(folder / "sparse", model);
@@ -276,6 +276,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   FolderReplacement replacement(output);
   const fs::path& folder = replacement.path();
   copy_scene(scene.folder, folder);
+  write_used_split(scene, folder);
   write_sparse(scene, cameras, scene.cloud, folder);
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
     write_depth(scene, scene.train[i], log_factors[i], folder);

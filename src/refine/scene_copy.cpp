@@ -15,6 +15,16 @@ void copy_scene(const fs::path& from, const fs::path& to) {
   if (error) throw_resources(to, "the scene cannot be copied: " + error.message(), "free some disk space");
 }
 
+void write_used_split(const Scene& scene, const fs::path& folder) {
+  if (scene.left_out.empty()) return;
+  SplitJson split;
+  split.train.emplace();
+  split.test.emplace();
+  for (const int i : scene.train) split.train->push_back(scene.views[static_cast<size_t>(i)].name);
+  for (const int i : scene.test) split.test->push_back(scene.views[static_cast<size_t>(i)].name);
+  write_split_json(folder / "split.json", split);
+}
+
 void write_scene_copy(const fs::path& from, const fs::path& to, bool overwrite) {
   require_scene_place(to, overwrite, {from});
   FolderReplacement replacement(to);

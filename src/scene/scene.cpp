@@ -3,26 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "core/error.h"
 #include "io/colmap.h"
 #include "scene/mesh_ply.h"
+#include "scene/photo_fit.h"
+#include "scene/photo_lookup.h"
 #include "scene/scene_check.h"
+#include "scene/lens_model.h"
 #include "scene/scene_json.h"
-#include "scene/undistort.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The name of an image without its extension, keeping subfolders: "left/0001.color.png" has the view name
-/// "left/0001.color" (up to the last dot) and the short name "left/0001" (up to the first dot of the file).
-std::string view_name(const std::string& image_name) {
-  return (fs::path(image_name).parent_path() / fs::path(image_name).stem()).generic_string();
-}
-
+/// "left/0001.color.png" has the view name "left/0001.color" (up to the last dot) and the short name "left/0001" (up to the
+/// first dot of the file).
 std::string short_name(const std::string& image_name) {
   const fs::path path(image_name);
   const std::string file = path.filename().string();
@@ -30,7 +29,7 @@ std::string short_name(const std::string& image_name) {
 }
 
 void require_inside_folder(const std::string& image_name, const fs::path& path) {
-  const fs::path name(image_name);
+  const fs::path name(slashed_name(image_name));
   bool inside = !image_name.empty() && name.is_relative() && !name.filename().empty();
   for (const fs::path& part : name) inside = inside && part != "..";
   if (!inside) {
@@ -50,7 +49,9 @@ class MapNames {
   /// The first existing <folder>/<stem><extension>; empty when there is none.
   fs::path find(const fs::path& folder, const std::string& image_name,
                 std::initializer_list<const char*> extensions) const {
-    std::vector<std::string> stems = {view_name(image_name)};
+    std::vector<std::string> stems = {view_name_of(image_name)};
+    const fs::path as_written(slashed_name(image_name));
+    stems.push_back((as_written.parent_path() / as_written.stem()).generic_string());  // a name that is no UTF-8
     const std::string brief = short_name(image_name);
     if (uses_.at(brief) == 1) stems.push_back(brief);
     for (const std::string& stem : stems) {
@@ -62,38 +63,76 @@ class MapNames {
     return {};
   }
 
-  fs::path find_image(const fs::path& folder, const std::string& image_name) const {
-    fs::path exact = folder / image_name;
-    if (fs::is_regular_file(exact)) return exact;
-    const fs::path other = find(folder, image_name, {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"});
-    return other.empty() ? exact : other;  // the missing one is reported by the header check
-  }
-
  private:
   std::map<std::string, int> uses_;
 };
 
-/// Cameras by view name.
-std::map<std::string, Camera> cameras_of(const ColmapModel& model, const fs::path& folder) {
-  std::map<uint32_t, LensModel> lenses;
-  for (const ColmapCamera& camera : model.cameras) lenses[camera.id] = lens_of(camera, folder / "cameras");
-  std::map<std::string, Camera> cameras;
-  for (const ColmapImage& image : model.images) {
-    const LensModel& lens = lenses.at(image.camera_id);
-    if (lens.distorted()) {
-      throw_bad_input(folder / "cameras", "camera " + std::to_string(image.camera_id),
-                      "the lens distortion of this camera model is not removed from the images",
+/// The lenses of a model by camera id.
+class Lenses {
+ public:
+  /// Error{kBadInput} where a lens bends rays: that is no matter of single views.
+  Lenses(const ColmapModel& model, const fs::path& folder) : path_(folder / "cameras") {
+    for (const ColmapCamera& camera : model.cameras) {
+      cameras_[camera.id] = &camera;
+      std::vector<LeftOut> unusable;  // said for each view that has it
+      use_or_leave_out(camera.model, unusable, [&] { lenses_[camera.id] = lens_of(camera, path_); });
+    }
+    for (const auto& [id, lens] : lenses_) {
+      if (!lens.distorted()) continue;
+      throw_bad_input(path_, "camera " + std::to_string(id), "the lens distortion of this camera model is not removed from the images",
                       "make an undistorted scene of it with `aligngs import`");
     }
-    Camera camera = lens.pinhole();
-    camera.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
-    if (!cameras.emplace(view_name(image.name), camera).second) {
-      throw_bad_input(folder / "images", "image '" + image.name + "'",
-                      "two images have the name '" + view_name(image.name) + "' before the last dot",
-                      "rename one of them: maps are found by that name");
-    }
   }
+  /// Error{kBadInput} where its camera model is none of ours.
+  Camera pinhole(const ColmapImage& image) const {
+    const auto found = lenses_.find(image.camera_id);
+    Camera camera = (found != lenses_.end() ? found->second : lens_of(*cameras_.at(image.camera_id), path_)).pinhole();
+    camera.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
+    return camera;
+  }
+
+ private:
+  fs::path path_;
+  std::map<uint32_t, const ColmapCamera*> cameras_;
+  std::map<uint32_t, LensModel> lenses_;
+};
+
+/// True cameras by view name.
+std::map<std::string, Camera> cameras_of(const ColmapModel& model, const fs::path& folder) {
+  const Lenses lenses(model, folder);
+  std::map<std::string, Camera> cameras;
+  for (const ColmapImage& image : model.images) cameras.emplace(view_name_of(image.name), lenses.pinhole(image));
   return cameras;
+}
+
+/// Finds the photo of a view and brings the camera to its size. A photo that is missing keeps the place where it should be,
+/// for the check of headers to report.
+void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const fs::path& images, View& view) {
+  const PhotoLookup::Answer answer = photos.find(image.name);
+  view.image = answer.file.empty() ? images / image.name : answer.file;
+  if (answer.file.empty()) {
+    if (photos.is_ambiguous(answer)) throw_bad_input(view.image, "image", answer.problem, "rename or remove the others");
+    return;
+  }
+  std::optional<PhotoFit> fit;
+  try {
+    fit = fit_photo(read_image_info(view.image), view.camera.width, view.camera.height);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return;  // the check of headers says so
+  }
+  if (fit) view.camera = view.camera.resized(fit->width, fit->height);
+}
+
+/// Two cameras for one photo: neither can be trusted.
+void leave_out_shared_photos(std::vector<View>& views, std::vector<LeftOut>& left_out) {
+  std::map<fs::path, int> uses;
+  for (const View& view : views) ++uses[view.image];
+  std::erase_if(views, [&](const View& view) {
+    if (uses[view.image] == 1) return false;
+    left_out.push_back({view.name, "several cameras name the photo " + view.image.filename().string(), "give each photo one camera"});
+    return true;
+  });
 }
 
 PointCloud cloud_of(const ColmapModel& model, const fs::path& folder) {
@@ -121,21 +160,31 @@ PointCloud cloud_of(const ColmapModel& model, const fs::path& folder) {
   return cloud;
 }
 
-std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, const fs::path& model_folder) {
-  const std::map<std::string, Camera> cameras = cameras_of(model, model_folder);
+std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, const fs::path& model_folder, std::vector<LeftOut>& left_out) {
+  const Lenses lenses(model, model_folder);
   std::map<std::string, Camera> truth;
   if (fs::is_directory(folder / "truth" / "sparse")) {
     const fs::path truth_folder = find_colmap_folder(folder / "truth");
     truth = cameras_of(read_colmap_model(truth_folder), truth_folder);
   }
   const MapNames maps(model);
+  const PhotoLookup photos = photos_of_data_set(folder);
   std::vector<View> views;
+  std::set<std::string> names;
   for (const ColmapImage& image : model.images) {
-    require_inside_folder(image.name, model_folder / "images");
     View view;
-    view.name = view_name(image.name);
-    view.camera = cameras.at(view.name);
-    view.image = maps.find_image(folder / "images", image.name);
+    view.name = view_name_of(image.name);
+    const auto pair = [&] {
+      require_inside_folder(image.name, model_folder / "images");
+      if (!names.insert(view.name).second) {
+        throw_bad_input(model_folder / "images", "image '" + image.name + "'",
+                        "two images have the name '" + view.name + "' before the last dot",
+                        "rename one of them: maps are found by that name");
+      }
+      view.camera = lenses.pinhole(image);
+      pair_with_photo(photos, image, folder / "images", view);
+    };
+    if (!use_or_leave_out(view.name, left_out, pair)) continue;
     view.prior_depth = maps.find(folder / "pred_depths", image.name, {".npy"});
     view.semantics = maps.find(folder / "segmentation_logits", image.name, {".npy", ".pt", ".pth"});
     view.truth_depth = maps.find(folder / "truth" / "depth", image.name, {".png"});
@@ -145,6 +194,7 @@ std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, con
     }
     views.push_back(std::move(view));
   }
+  leave_out_shared_photos(views, left_out);
   std::sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.name < b.name; });
   return views;
 }
@@ -152,7 +202,12 @@ std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, con
 /// Resolves the names of split.json: view names, short names or file names.
 class ViewNames {
  public:
-  ViewNames(const std::vector<View>& views, const fs::path& images) {
+  /// `left_out`: names that mean views which cannot be used; they resolve to nothing.
+  ViewNames(const std::vector<View>& views, const fs::path& images, const std::vector<LeftOut>& left_out) {
+    for (const LeftOut& view : left_out) {
+      left_out_.insert({view.name, view_name_of(view.name)});
+      reasons_ += "; left out: " + view.name.substr(0, 100) + " (" + view.reason + ")";
+    }
     const int count = static_cast<int>(views.size());
     std::map<std::string, int> uses;
     std::vector<std::string> files;
@@ -175,6 +230,8 @@ class ViewNames {
       const auto entry = index_.find(name);
       if (entry != index_.end()) {
         found.insert(entry->second);
+      } else if (left_out_.count(name) || left_out_.count(view_name_of(name))) {
+        continue;
       } else if (++unknown_count <= 20) {  // enough to see the pattern
         unknown += (unknown.empty() ? "" : ", ") + name.substr(0, 100);
       }
@@ -182,7 +239,7 @@ class ViewNames {
     if (unknown_count > 0) {
       throw_bad_input(path, list,
                       std::to_string(unknown_count) + " names are no registered images: " + unknown +
-                          (unknown_count > 20 ? ", ..." : ""),
+                          (unknown_count > 20 ? ", ..." : "") + reasons_,
                       "remove them from the list, or register the images");
     }
     return {found.begin(), found.end()};
@@ -190,6 +247,8 @@ class ViewNames {
 
  private:
   std::map<std::string, int> index_;
+  std::set<std::string> left_out_;
+  std::string reasons_;  ///< of what is left out: one of the unknown names may have meant it
 };
 
 void read_split(const fs::path& path, const SceneOptions& options, Scene& scene) {
@@ -201,7 +260,7 @@ void read_split(const fs::path& path, const SceneOptions& options, Scene& scene)
       (test ? scene.test : scene.train).push_back(i);
     }
   } else {
-    const ViewNames names(scene.views, scene.folder / "images");
+    const ViewNames names(scene.views, scene.folder / "images", scene.left_out);
     if (split.test) scene.test = names.resolve(*split.test, "test", path);
     if (split.train) {
       scene.train = names.resolve(*split.train, "train", path);
@@ -218,6 +277,12 @@ void read_split(const fs::path& path, const SceneOptions& options, Scene& scene)
                       "leave each view in one of the lists");
     }
   }
+  if (split.train) {  // what no list names is not missed
+    std::set<std::string> named(split.train->begin(), split.train->end());
+    if (split.test) named.insert(split.test->begin(), split.test->end());
+    std::erase_if(scene.left_out, [&](const LeftOut& view) { return !named.count(view.name) && !named.count(view_name_of(view.name)); });
+  }
+  require_enough_training_views(scene);
   if (scene.train.empty()) {
     throw_bad_input(path, "train", "no training view is left", "name at least one training view");
   }
@@ -231,6 +296,7 @@ void read_exposure(const fs::path& path, Scene& scene) {
     view.log_gain = found->second;
     gains.erase(found);
   }
+  for (const LeftOut& view : scene.left_out) gains.erase(view.name);
   if (gains.empty()) return;
   throw_bad_input(path, "log_gains", "there is no view '" + gains.begin()->first + "'", "name views of this scene, or remove the entry");
 }
@@ -246,6 +312,14 @@ bool Scene::has_prior_depth() const { return all_have(*this, &View::prior_depth)
 bool Scene::has_network_depth() const { return has_prior_depth() && prior_source != kSensorDepth && prior_source != kStereoDepth; }
 
 bool Scene::has_semantics() const { return all_have(*this, &View::semantics); }
+
+std::string image_name_of(const Scene& scene, const View& view) {
+  for (const fs::path& folder : {scene.folder / "images", scene.folder}) {
+    const fs::path inside = view.image.lexically_relative(folder);
+    if (!inside.empty() && *inside.begin() != "..") return inside.generic_string();
+  }
+  return view.image.filename().string();
+}
 
 Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   const fs::path folder = fs::absolute(given_folder).lexically_normal();
@@ -272,10 +346,13 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   }
   const fs::path model_folder = find_colmap_folder(folder);
   const ColmapModel model = read_colmap_model(model_folder);
+  scene.left_out = model.left_out;
+  for (LeftOut& view : scene.left_out) view.name = view_name_of(view.name);
   if (model.images.empty()) {
+    require_enough(folder, 0, scene.left_out, 1, false, "views");
     throw_bad_input(model_folder, "images", "no image is registered", "estimate poses first with `aligngs poses`");
   }
-  scene.views = views_of(model, folder, model_folder);
+  scene.views = views_of(model, folder, model_folder, scene.left_out);
   scene.cloud = cloud_of(model, model_folder);
   read_split(folder / "split.json", options, scene);
   read_exposure(folder / "exposure.json", scene);
@@ -286,7 +363,7 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
     if (view.truth_camera) scene.evaluation_cameras.push_back(*view.truth_camera);
     if (!has_truth) scene.evaluation_cameras.push_back(view.camera);
   }
-  if (options.check_headers) require_good_headers(scene);
+  if (options.check_headers) leave_out_bad_views(scene, check_headers(scene));
   return scene;
 }
 

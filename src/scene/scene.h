@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/left_out.h"
 #include "scene/camera.h"
 #include "scene/label_set.h"
 #include "scene/point_cloud.h"
@@ -50,6 +51,7 @@ struct Scene {
   PointCloud cloud;              ///< sparse/points3D
   LabelSet labels;
   std::filesystem::path truth_mesh;  ///< truth/mesh.ply or empty
+  std::vector<LeftOut> left_out;     ///< views that would train or test but cannot be used, and why
   std::vector<Camera> evaluation_cameras;  ///< truth/sparse cameras of all views, else the views' own cameras
 
   bool has_prior_depth() const;  ///< every training view has one
@@ -57,16 +59,23 @@ struct Scene {
   bool has_network_depth() const;  ///< and a network made it, simulated or not
 };
 
-/// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json.
+/// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json. Photos are found
+/// by PhotoLookup; they may have been resized after the cameras were found.
 /// Without split.json every view is a training view (`default_test_every` > 0: every n-th is a test view).
-/// Throws Error{kBadInput} naming file and field. Checks names and headers, not pixels; see check_scene.
+/// Views that cannot be used (no finite pose, no photo, a cut file, a map that others have missing) are left out and listed.
+/// Error{kBadInput} naming file and field where it is not one view, and when fewer than kFewestTrainingViews are left of more.
+/// Checks names and headers, not pixels; see check_scene.
+inline constexpr size_t kFewestTrainingViews = 2;  ///< one has no parallax
 struct SceneOptions {
   int default_test_every = 0;
-  /// Throw on the first image or map that is missing or whose header contradicts the scene. false: leave that to
-  /// check_scene, which lists all of them (`aligngs data check`).
+  /// Leave out views whose image or maps are missing or contradict the scene. false: leave that to check_scene, which lists
+  /// all of them (`aligngs data check`).
   bool check_headers = true;
 };
 Scene open_scene(const std::filesystem::path& folder, const SceneOptions& options = {});
+
+/// The name of a view's image in a model of this scene: its path below images/, or below the scene's folder.
+std::string image_name_of(const Scene& scene, const View& view);
 
 /// Robust size of a scene: every threshold of the method that is a length is a share of this.
 /// Half the diagonal of the box between the 5 % and 95 % quantiles of the cloud's points and the training

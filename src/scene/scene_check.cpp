@@ -53,7 +53,7 @@ void note_error(ViewFindings& findings, const fs::path& path, Check check) {
 }
 
 void check_image(const View& view, ViewFindings& findings) {
-  const Image<uint8_t> image = read_image(view.image);
+  const Image<uint8_t> image = read_view_photo(view);
   findings.sharpness = sharpness(image);
   findings.luminance = mean_luminance(image);
   if (image.channels != 4) return;
@@ -153,6 +153,7 @@ ViewFindings check_view(const Scene& scene, int index, const std::vector<ScenePr
   if (good(view.prior_depth)) note_error(findings, view.prior_depth, [&] { check_depth(scene, view, findings); });
   if (good(view.semantics)) note_error(findings, view.semantics, [&] { check_semantics(scene, view, findings); });
   check_truth(scene, index, findings);
+  for (SceneProblem& problem : findings.problems) problem.view = view.name;
   return findings;
 }
 

@@ -9,8 +9,9 @@ namespace aligngs {
 
 /// Missing files and headers that contradict the scene, of the training and test views; nothing is decoded.
 std::vector<SceneProblem> check_headers(const Scene& scene);
-/// Throws the first of them as Error{kBadInput}, with the number of the others.
-void require_good_headers(const Scene& scene);
+
+/// Error{kBadInput} with all reasons when so many views were left out that fewer than kFewestTrainingViews train.
+void require_enough_training_views(const Scene& scene);
 
 /// Whether a map given as depth is disparity (larger is nearer), judged on the scene's points.
 struct DisparityEvidence {

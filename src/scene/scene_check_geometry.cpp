@@ -89,6 +89,19 @@ void check_baselines(const Scene& scene, std::vector<SceneProblem>& problems) {
   }
 }
 
+/// Positions are kept in float, whose steps grow with the distance from the origin.
+void check_place(const Scene& scene, std::vector<SceneProblem>& problems) {
+  constexpr double kFar = 100;  // extents from the origin: float steps reach a hundred thousandth of the extent
+  const double extent = robust_extent(scene);
+  double farthest = 0;
+  for (const int i : scene.train) farthest = std::max(farthest, norm(scene.views[i].camera.centre()));
+  if (scene.train.size() < 2 || farthest < kFar * extent) return;
+  problems.push_back({scene.folder / "sparse", "poses",
+                      fmt::format("the cameras lie {:.4g} from the origin, {:.0f} times the scene's extent of {:.4g}: positions lose precision", farthest,
+                                  farthest / extent, extent),
+                      "`aligngs import` moves the scene to its origin in double precision and keeps the way back", false});
+}
+
 }  // namespace
 
 std::vector<uint32_t> visible_points(const PointCloud& cloud, const Camera& camera) {
@@ -149,6 +162,7 @@ std::vector<SceneProblem> check_geometry(const Scene& scene) {
                         "give the scene SfM points or prior depth", false});
   }
   check_baselines(scene, problems);
+  check_place(scene, problems);
   return problems;
 }
 

@@ -1,8 +1,10 @@
 // Headers and the presence of files: the first part of scene_check.h.
 #include <algorithm>
+#include <set>
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/photo_fit.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_check.h"
 
@@ -26,12 +28,10 @@ void check_image_header(const View& view) {
                     "put the image there, or leave the view out of split.json");
   }
   const ImageInfo info = read_image_info(view.image);
-  if (info.width == view.camera.width && info.height == view.camera.height) return;
-  throw_bad_input(view.image, "size",
-                  "the image is " + std::to_string(info.width) + " x " + std::to_string(info.height) +
-                      ", its camera says " + std::to_string(view.camera.width) + " x " +
-                      std::to_string(view.camera.height),
-                  "use the images that the camera model was made from (after their EXIF rotation)");
+  require_whole_picture(view.image);
+  const bool fits = (info.stored_width == view.camera.width && info.stored_height == view.camera.height) ||
+                    (info.width == view.camera.width && info.height == view.camera.height);
+  if (!fits) require_photo_fit(view.image, info, view.camera.width, view.camera.height);
 }
 
 /// A map that training view `view` lacks although others have it.
@@ -39,12 +39,33 @@ SceneProblem missing_map(const Scene& scene, const View& view, const char* folde
   return {scene.folder / folder / (view.name + ".npy"), "map",
           "missing, although " + std::to_string(present) + " of " + std::to_string(scene.train.size()) +
               " training views have one",
-          std::string("add the map, or remove the folder ") + folder + " to train without this prior", true};
+          std::string("add the map, or remove the folder ") + folder + " to train without this prior", true, view.name};
 }
 
-size_t count_present(const Scene& scene, std::filesystem::path View::*map) {
-  return static_cast<size_t>(
-      std::count_if(scene.train.begin(), scene.train.end(), [&](int i) { return !(scene.views[i].*map).empty(); }));
+std::filesystem::path confidence_of(const Scene& scene, const View& view) {
+  return scene.folder / "pred_confidence" / (view.name + ".npy");
+}
+
+void check_confidence_header(const Scene& scene, const View& view) {
+  const std::filesystem::path path = confidence_of(scene, view);
+  if (!std::filesystem::exists(path)) return;
+  require_same_aspect(depth_map_shape(read_map_header(path).shape, path), view.camera.width, view.camera.height, path, "shape");
+}
+
+/// Views without a map are left out when most training views have it; a map that few have is of no use.
+template <class HasMap>
+void check_presence(const Scene& scene, HasMap has_map, const char* folder, std::vector<SceneProblem>& problems) {
+  const auto has = [&](int i) { return has_map(scene.views[i]); };
+  const size_t present = static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(), has)), all = scene.train.size();
+  if (present == 0 || present == all) return;
+  if (2 * present < all) {
+    problems.push_back({scene.folder / folder, "map", "only " + std::to_string(present) + " of " + std::to_string(all) + " training views have one: none is used",
+                        "make the map for every training view", false});
+    return;
+  }
+  for (const int i : scene.train) {
+    if (!has(i)) problems.push_back(missing_map(scene, scene.views[i], folder, present));
+  }
 }
 
 }  // namespace
@@ -56,32 +77,54 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
   std::sort(used.begin(), used.end());
   for (int i : used) {
     const View& view = scene.views[i];
+    const size_t before = problems.size();
     note_error(problems, view.image, [&] { check_image_header(view); });
     if (!view.prior_depth.empty()) note_error(problems, view.prior_depth, [&] { check_depth_header(view); });
     if (!view.semantics.empty()) {
       note_error(problems, view.semantics, [&] { check_semantic_header(view, scene.labels); });
     }
+    note_error(problems, view.image, [&] { check_confidence_header(scene, view); });
+    for (size_t k = before; k < problems.size(); ++k) problems[k].view = view.name;
   }
-  const size_t depths = count_present(scene, &View::prior_depth), semantics = count_present(scene, &View::semantics);
-  for (int i : scene.train) {
-    const View& view = scene.views[i];
-    if (depths > 0 && view.prior_depth.empty()) problems.push_back(missing_map(scene, view, "pred_depths", depths));
-    if (semantics > 0 && view.semantics.empty()) {
-      problems.push_back(missing_map(scene, view, "segmentation_logits", semantics));
-    }
-  }
+  check_presence(scene, [](const View& view) { return !view.prior_depth.empty(); }, "pred_depths", problems);
+  check_presence(scene, [](const View& view) { return !view.semantics.empty(); }, "segmentation_logits", problems);
+  check_presence(scene, [&](const View& view) { return std::filesystem::exists(confidence_of(scene, view)); }, "pred_confidence", problems);
   return problems;
 }
 
-void require_good_headers(const Scene& scene) {
-  const std::vector<SceneProblem> problems = check_headers(scene);
-  if (problems.empty()) return;
-  const SceneProblem& first = problems.front();
-  std::string message = first.message;
-  if (problems.size() > 1) {
-    message += " (and " + std::to_string(problems.size() - 1) + " more problems: `aligngs data check` lists them)";
+namespace {
+
+void take_from_lists(Scene& scene, const std::set<std::string>& names) {
+  for (std::vector<int>* list : {&scene.train, &scene.test}) {
+    std::erase_if(*list, [&](int i) { return names.count(scene.views[i].name) > 0; });
   }
-  throw_bad_input(first.path, first.field, message, first.remedy);
+}
+
+}  // namespace
+
+std::vector<SceneProblem> leave_out_bad_views(Scene& scene, const std::vector<SceneProblem>& problems) {
+  std::vector<SceneProblem> others;
+  std::set<std::string> bad;
+  for (const SceneProblem& problem : problems) {
+    if (!problem.fatal || problem.view.empty()) {
+      others.push_back(problem);
+    } else if (bad.insert(problem.view).second) {  // its first problem is its reason
+      const Error error({ErrorKind::kBadInput, problem.message, problem.path, problem.field, problem.remedy});
+      scene.left_out.push_back(left_out_for(problem.view, error));
+    }
+  }
+  take_from_lists(scene, bad);
+  require_enough_training_views(scene);
+  return others;
+}
+
+void require_enough_training_views(const Scene& scene) {
+  const size_t used = scene.train.size() + scene.test.size();
+  if (scene.train.size() < kFewestTrainingViews) require_enough(scene.folder, used, scene.left_out, used + 1, false, "views");
+}
+
+void leave_out_views(Scene& scene, const std::vector<std::string>& names) {
+  take_from_lists(scene, {names.begin(), names.end()});
 }
 
 }  // namespace aligngs

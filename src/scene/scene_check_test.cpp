@@ -43,7 +43,7 @@ TEST(CheckScene, AGoodSceneHasNoProblem) {
 TEST(CheckScene, EveryProblemIsListedOnce) {
   const fs::path folder = write_scene();
   fs::remove(folder / "images" / "v0.png");
-  write_png(folder / "images" / "v1.png", Image<uint8_t>(20, 15, 3));
+  write_png(folder / "images" / "v1.png", Image<uint8_t>(20, 20, 3));
   write_text(folder / "images" / "v2.png", "no image at all");
   fs::remove(folder / "pred_depths" / "v0.npy");
   write_text(folder / "pred_depths" / "v1.npy", "broken");
@@ -165,6 +165,15 @@ TEST(CheckGeometry, AViewThatSeesOtherThingsIsAWarning) {
   ASSERT_EQ(problems.size(), 2u);
   EXPECT_EQ(problems[0].field, "overlap");
   EXPECT_EQ(problems[1].field, "points");
+}
+
+TEST(CheckGeometry, ASceneFarFromItsOriginIsAWarning) {
+  Scene scene = open_scene(write_scene());
+  for (View& view : scene.views) view.camera.world_to_camera.translation = view.camera.world_to_camera.translation - Vec3d{4e6, 0, 0};
+  for (Vec3f& p : scene.cloud.positions) p.x += 4e6f;
+  bool said = false;
+  for (const SceneProblem& problem : check_geometry(scene)) said |= !problem.fatal && problem.message.find("from the origin") != std::string::npos;
+  EXPECT_TRUE(said);
 }
 
 TEST(CheckGeometry, CamerasInOnePlaceAreAWarning) {

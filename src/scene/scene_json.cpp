@@ -66,6 +66,27 @@ std::optional<PriorJson> prior_of(const json& object, const char* key, const std
   return prior;
 }
 
+bool read_vector(const json& value, Vec3d& v) {
+  bool good = value.is_array() && value.size() == 3;
+  for (int i = 0; good && i < 3; ++i) {
+    good = value[i].is_number();
+    if (good) v[i] = value[i].get<double>();
+  }
+  return good;
+}
+
+std::optional<Similarity> to_original_of(const json& object, const std::filesystem::path& path) {
+  const auto found = object.find("to_original");
+  if (found == object.end() || found->is_null()) return std::nullopt;
+  Similarity back;
+  const auto scale = found->is_object() ? found->find("scale") : found->end();
+  bool good = found->is_object() && scale != found->end() && scale->is_number() && found->contains("translation");
+  if (good) back.scale = scale->get<double>();
+  good = good && std::isfinite(back.scale) && back.scale > 0 && read_vector((*found)["translation"], back.translation) && std::isfinite(norm(back.translation));
+  if (!good) throw_bad_input(path, "to_original", "a positive scale and a translation of three numbers expected", "import the capture again");
+  return back;
+}
+
 json json_of(const PriorJson& prior) {
   json out = {{"model", prior.model}};
   if (!prior.weights.empty()) out["weights"] = prior.weights;
@@ -102,15 +123,12 @@ SceneJson read_scene_json(const std::filesystem::path& path) {
   }
   scene.metric = units == "metres";
   scene.source = text_of(object, "source", path);
+  scene.up_source = text_of(object, "up_source", path);
+  scene.to_original = to_original_of(object, path);
   const auto up = object.find("up");
   if (up == object.end() || up->is_null()) return scene;
   Vec3d v;
-  bool good = up->is_array() && up->size() == 3;
-  for (int i = 0; good && i < 3; ++i) {
-    good = (*up)[i].is_number();
-    if (good) v[i] = (*up)[i].get<double>();
-  }
-  if (!good || !std::isfinite(norm(v)) || norm(v) < 1e-9) {
+  if (!read_vector(*up, v) || !std::isfinite(norm(v)) || norm(v) < 1e-9) {
     throw_bad_input(path, "up", "a direction of three numbers, not all zero, or null expected",
                     "write \"up\": null when it is not known");
   }
@@ -172,6 +190,11 @@ ExposureJson read_exposure_json(const std::filesystem::path& path) {
 void write_scene_json(const std::filesystem::path& path, const SceneJson& scene) {
   json object = {{kWrittenBy, kThisProgram}, {"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
   if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
+  if (!scene.up_source.empty()) object["up_source"] = scene.up_source;
+  if (scene.to_original) {
+    const Vec3d& t = scene.to_original->translation;
+    object["to_original"] = {{"scale", scene.to_original->scale}, {"translation", {t.x, t.y, t.z}}};
+  }
   write_object(path, object);
 }
 

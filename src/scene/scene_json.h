@@ -15,11 +15,15 @@ namespace aligngs {
 inline constexpr const char* kWrittenBy = "written_by";
 inline constexpr const char* kThisProgram = "aligngs";
 
-/// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "source": "..."}.
+/// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "up_source": "...", "source": "...",
+/// "to_original": {"scale": s, "translation": [x, y, z]}}.
 struct SceneJson {
   bool metric = false;
   std::optional<Vec3d> up;  ///< unit
   std::string source;
+  std::string up_source;    ///< where `up` comes from; empty: not known
+  /// From this world to that of the files it was imported from, where it was moved or scaled; the rotation is the identity.
+  std::optional<Similarity> to_original;
 };
 
 /// split.json: {"train": [names], "test": [names]}; a list that is absent is nullopt.

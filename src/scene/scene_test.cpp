@@ -175,12 +175,31 @@ TEST(OpenScene, ADistortedCameraAsksForImport) {
   EXPECT_NE(error_of(folder).find("aligngs import"), std::string::npos);
 }
 
-TEST(OpenScene, ACameraWhoseSizeContradictsItsImageIsAnError) {
+TEST(OpenScene, AnImageOfAnotherAspectThanItsCameraIsLeftOut) {
+  const fs::path folder = write_scene();
+  write_png(folder / "images" / "v1.png", Image<uint8_t>(20, 20, 3));
+  const std::string error = error_of(folder);  // one training view is too few
+  EXPECT_NE(error.find("20 x 20"), std::string::npos);
+  EXPECT_NE(error.find("40 x 30"), std::string::npos);
+}
+
+TEST(OpenScene, ACameraFollowsAPhotoThatWasResized) {
   const fs::path folder = write_scene();
   write_png(folder / "images" / "v1.png", Image<uint8_t>(20, 15, 3));
-  const std::string error = error_of(folder);
-  EXPECT_NE(error.find("20 x 15"), std::string::npos);
-  EXPECT_NE(error.find("40 x 30"), std::string::npos);
+  const Scene scene = open_scene(folder);
+  EXPECT_EQ(scene.views[1].camera.width, 20);
+  EXPECT_EQ(scene.views[1].camera.fx, 20);
+  EXPECT_TRUE(scene.left_out.empty());
+}
+
+TEST(OpenScene, ATestViewWithoutAPhotoIsLeftOut) {
+  const fs::path folder = write_scene();
+  fs::remove(folder / "images" / "v2.png");
+  const Scene scene = open_scene(folder);
+  EXPECT_TRUE(scene.test.empty());
+  ASSERT_EQ(scene.left_out.size(), 1u);
+  EXPECT_EQ(scene.left_out[0].name, "v2");
+  EXPECT_NE(scene.left_out[0].reason.find("missing"), std::string::npos);
 }
 
 TEST(OpenScene, AMissingImageIsAnError) {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/half.h"
+#include "io/atomic_file.h"
 #include "io/colmap.h"
 #include "io/image_file.h"
 #include "io/npy.h"
@@ -134,10 +135,12 @@ fs::path SceneWriter::write_image(const SceneViewParts& view) const {
   const fs::path path = replacement_.path() / "images" / (view.name + extension);
   make_folder(path.parent_path());
   int width = view.image.width, height = view.image.height;
+  bool stored = false;  // the camera is for pixels that EXIF orientation would turn
   if (copy) {
     const ImageInfo info = read_image_info(view.image_file);
-    width = info.width;
-    height = info.height;
+    stored = info.stored_width == view.camera.width && info.stored_height == view.camera.height && info.orientation != 1;
+    width = stored ? info.stored_width : info.width;
+    height = stored ? info.stored_height : info.height;
   }
   if (width != view.camera.width || height != view.camera.height) {
     const std::string sizes = std::to_string(width) + " x " + std::to_string(height) + " pixels, its camera is for " +
@@ -145,7 +148,9 @@ fs::path SceneWriter::write_image(const SceneViewParts& view) const {
     if (!copy) fail("the image has " + sizes, path, "size");
     throw_bad_input(view.image_file, "size", "the image has " + sizes, "give the images that the cameras were found for");
   }
-  if (copy) {
+  if (stored) {
+    write_file_atomically(path, without_orientation(read_file(view.image_file), view.image_file));
+  } else if (copy) {
     copy_into_place(view.image_file, path);
   } else if (jpeg) {
     write_jpeg(path, view.image, view.jpeg_quality);
@@ -218,6 +223,16 @@ void SceneWriter::write_models(const SceneParts& parts) const {
 }
 
 void SceneWriter::finish(const SceneParts& parts) {
+  write(parts);
+  commit();
+}
+
+void SceneWriter::commit() {
+  require_scene_place(replacement_.target(), overwrite_, sources_);  // filled meanwhile?
+  replacement_.commit();
+}
+
+void SceneWriter::write(const SceneParts& parts) {
   if (views_.empty()) fail("a scene needs at least one view", replacement_.target(), "views");
   if (parts.cloud.colors.size() != parts.cloud.size()) fail("one colour per point expected", replacement_.target(), "cloud");
   write_models(parts);
@@ -232,8 +247,6 @@ void SceneWriter::finish(const SceneParts& parts) {
     make_folder(folder / "truth");
     write_mesh_ply(folder / "truth" / "mesh.ply", parts.truth_mesh);
   }
-  require_scene_place(replacement_.target(), overwrite_, sources_);  // filled meanwhile?
-  replacement_.commit();
 }
 
 }  // namespace aligngs

@@ -64,6 +64,11 @@ class SceneWriter {
   /// Writes the rest and puts the folder in its place. Nothing may be called afterwards.
   void finish(const SceneParts& parts);
 
+  /// The same in two steps: between them the scene lies complete in folder(), to be checked.
+  void write(const SceneParts& parts);
+  void commit();
+  const std::filesystem::path& folder() const { return replacement_.path(); }
+
  private:
   struct Written {
     std::string name, image_name;

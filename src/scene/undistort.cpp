@@ -10,14 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kMaxSide = 65535;  // pixels; what image files can hold
 constexpr double kMinFocalScale = 0.5, kMaxFocalScale = 2;
-
-double radial_factor(const std::array<double, 6>& k, double r2) {
-  const double numerator = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[2]));
-  const double denominator = 1 + r2 * (k[3] + r2 * (k[4] + r2 * k[5]));
-  return numerator / denominator;
-}
 
 /// Positive determinant of the distortion's Jacobian (by central differences) and a source inside of the image.
 bool usable(const LensModel& lens, const Vec2d& p) {
@@ -90,93 +83,6 @@ T nearest(const Image<T>& map, const Vec2d& p) {
 }
 
 }  // namespace
-
-bool LensModel::distorted() const {
-  return p1 != 0 || p2 != 0 || std::any_of(radial.begin(), radial.end(), [](double k) { return k != 0; });
-}
-
-Camera LensModel::pinhole() const {
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = fx;
-  camera.fy = fy;
-  camera.cx = cx;
-  camera.cy = cy;
-  return camera;
-}
-
-Vec2d LensModel::distort(const Vec2d& p) const {
-  const double r2 = p.x * p.x + p.y * p.y, factor = radial_factor(radial, r2), xy = p.x * p.y;
-  return {p.x * factor + 2 * p1 * xy + p2 * (r2 + 2 * p.x * p.x),
-          p.y * factor + 2 * p2 * xy + p1 * (r2 + 2 * p.y * p.y)};
-}
-
-Vec2d LensModel::project(const Vec2d& p) const {
-  const Vec2d d = distort(p);
-  return {fx * d.x + cx, fy * d.y + cy};
-}
-
-LensModel LensModel::resized(int w, int h) const {
-  LensModel lens = *this;
-  const double sx = static_cast<double>(w) / width, sy = static_cast<double>(h) / height;
-  lens.width = w;
-  lens.height = h;
-  lens.fx *= sx;
-  lens.cx *= sx;
-  lens.fy *= sy;
-  lens.cy *= sy;
-  return lens;
-}
-
-LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path) {
-  const std::string field = "camera " + std::to_string(camera.id);
-  struct Layout {
-    const char* model;
-    size_t params;
-    bool one_focal;
-  };
-  static constexpr Layout kLayouts[] = {{"SIMPLE_PINHOLE", 3, true}, {"PINHOLE", 4, false}, {"SIMPLE_RADIAL", 4, true},
-                                        {"RADIAL", 5, true},         {"OPENCV", 8, false},  {"FULL_OPENCV", 12, false}};
-  const Layout* layout =
-      std::find_if(std::begin(kLayouts), std::end(kLayouts), [&](const Layout& l) { return camera.model == l.model; });
-  if (layout == std::end(kLayouts)) {
-    throw_bad_input(path, field, "camera model " + camera.model + " is not supported",
-                    "undistort the images first (colmap image_undistorter), which gives PINHOLE cameras");
-  }
-  const std::vector<double>& p = camera.params;
-  if (p.size() != layout->params || std::any_of(p.begin(), p.end(), [](double v) { return !std::isfinite(v); })) {
-    throw_bad_input(path, field, camera.model + " needs " + std::to_string(layout->params) + " finite parameters",
-                    "write the model again");
-  }
-  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide) {
-    throw_bad_input(path, field,
-                    "size " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + " is impossible",
-                    "write the model again with the size of the images in pixels");
-  }
-  LensModel lens;
-  lens.width = static_cast<int>(camera.width);
-  lens.height = static_cast<int>(camera.height);
-  size_t next = 0;
-  lens.fx = p[next++];
-  lens.fy = layout->one_focal ? lens.fx : p[next++];
-  lens.cx = p[next++];
-  lens.cy = p[next++];
-  if (!(lens.fx > 0 && lens.fy > 0)) {
-    throw_bad_input(path, field, "the focal length is not positive", "write the model again");
-  }
-  if (next < p.size()) lens.radial[0] = p[next++];                   // k1
-  if (next < p.size()) lens.radial[1] = p[next++];                   // k2
-  if (next < p.size()) lens.p1 = p[next++], lens.p2 = p[next++];     // OPENCV and FULL_OPENCV
-  for (int k = 2; next < p.size(); ++k) lens.radial[k] = p[next++];  // FULL_OPENCV: k3 .. k6
-  return lens;
-}
-
-ColmapCamera colmap_camera_of(const LensModel& lens) {
-  const auto& k = lens.radial;
-  return {0, "FULL_OPENCV", uint64_t(lens.width), uint64_t(lens.height),
-          {lens.fx, lens.fy, lens.cx, lens.cy, k[0], k[1], lens.p1, lens.p2, k[2], k[3], k[4], k[5]}};
-}
 
 Camera undistorted_camera(const LensModel& lens, const std::filesystem::path& path) {
   Camera camera = lens.pinhole();

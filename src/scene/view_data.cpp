@@ -7,6 +7,7 @@
 #include "core/srgb.h"
 #include "io/image_file.h"
 #include "io/resample.h"
+#include "scene/photo_fit.h"
 #include "scene/prior_maps.h"
 #include "scene/semantic_target.h"
 #include "scene/triangle_mesh.h"
@@ -28,7 +29,7 @@ int scaled(int side, double scale) { return std::max(1, static_cast<int>(std::lr
 
 /// Colour and mask at the size of data.camera.
 void load_image(const View& view, ViewData& data) {
-  const Image<uint8_t> bytes = read_image(view.image);
+  const Image<uint8_t> bytes = read_view_photo(view);
   if (bytes.width != view.camera.width || bytes.height != view.camera.height) {
     throw_bad_input(view.image, "size",
                     std::to_string(bytes.width) + " x " + std::to_string(bytes.height) + ", but its camera has " +
@@ -90,6 +91,10 @@ Image<uint16_t> read_truth(const View& view, const std::filesystem::path& path, 
 }
 
 }  // namespace
+
+Image<uint8_t> read_view_photo(const View& view) {
+  return read_photo_of_size(view.image, view.camera.width, view.camera.height);
+}
 
 void divide_exposure(const Vec3f& log_gain, ImageF& color) {
   constexpr int kSteps = 1024;  // of the tone curve, between which it is straight: errors are below 1e-4, a 40th of an 8-bit step

@@ -50,6 +50,10 @@ struct LoadOptions {
   double least_score_sum = kUnknownScoreSum;  ///< scores that sum to less say nothing
 };
 
+/// The photo's pixels for the view's camera: as stored where they have its size, else upright (see photo_fit.h). Whoever pairs
+/// pixels with the camera reads them here.
+Image<uint8_t> read_view_photo(const View& view);
+
 /// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0, 1].
 void divide_exposure(const Vec3f& log_gain, ImageF& color);
 
@@ -70,7 +74,14 @@ struct SceneProblem {
   std::filesystem::path path;
   std::string field, message, remedy;
   bool fatal = true;  ///< false: a warning (for `aligngs data check`)
+  std::string view{};  ///< the view that it concerns; empty: the scene
 };
 std::vector<SceneProblem> check_scene(const Scene& scene);
+
+/// Takes the views with a fatal problem out of the lists, into scene.left_out, and returns the problems that are left: warnings
+/// and what concerns the scene as a whole. Error{kBadInput} when too few training views remain.
+std::vector<SceneProblem> leave_out_bad_views(Scene& scene, const std::vector<SceneProblem>& problems);
+/// The same for views that were found out before, by name.
+void leave_out_views(Scene& scene, const std::vector<std::string>& names);
 
 }  // namespace aligngs

@@ -112,7 +112,7 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
     writer.add_view(view);
   }
   std::vector<Image<uint8_t>> photos;
-  for (const int i : scene.train) photos.push_back(read_image(scene.views[static_cast<size_t>(i)].image));
+  for (const int i : scene.train) photos.push_back(read_view_photo(scene.views[static_cast<size_t>(i)]));
   std::vector<TeacherCloudView> cloud_views;
   for (size_t k = 0; k < photos.size(); ++k) cloud_views.push_back({&teacher.views[static_cast<size_t>(scene.train[k])], &photos[k]});
   parts.cloud = teacher_cloud(cloud_views, Random(options.seed).fork(1));

@@ -56,7 +56,7 @@ void write_sparse(const fs::path& folder, const Scene& scene) {
   ColmapModel model;
   for (size_t v = 0; v < scene.views.size(); ++v) {
     if (!contains(scene.train, static_cast<int>(v)) && !contains(scene.test, static_cast<int>(v))) continue;
-    append_view(model, scene.views[v].camera, scene.views[v].image.filename().string());
+    append_view(model, scene.views[v].camera, image_name_of(scene, scene.views[v]));
   }
   append_points(model, scene.cloud);
   write_colmap_binary(folder, model);

@@ -25,6 +25,16 @@ std::string text_of(const Json& json, const char* name) {
   return it != json.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
+std::vector<std::string> texts_of(const Json& json, const char* name) {
+  std::vector<std::string> texts;
+  const auto it = json.find(name);
+  if (it == json.end() || !it->is_array()) return texts;
+  for (const Json& text : *it) {
+    if (text.is_string()) texts.push_back(text.get<std::string>());
+  }
+  return texts;
+}
+
 template <class T>
 T number_of(const Json& json, const char* name) {
   const auto it = json.find(name);
@@ -61,6 +71,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
   json["reason"] = or_null(r.reason);
   json["scene"] = r.scene;
   json["fingerprint"] = r.fingerprint;
+  json["left_out"] = r.left_out;
   json["warnings"] = r.warnings;
   json["train"] = {{"seconds", r.train.seconds},
                    {"iterations", r.train.iterations},
@@ -100,11 +111,8 @@ RunRecord read_run_record(const fs::path& path) {
   r.reason = text_of(json, "reason");
   r.scene = text_of(json, "scene");
   r.fingerprint = text_of(json, "fingerprint");
-  if (const auto warnings = json.find("warnings"); warnings != json.end() && warnings->is_array()) {
-    for (const Json& w : *warnings) {
-      if (w.is_string()) r.warnings.push_back(w.get<std::string>());
-    }
-  }
+  r.left_out = texts_of(json, "left_out");
+  r.warnings = texts_of(json, "warnings");
   if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
     r.train.seconds = number_of<double>(*train, "seconds");
     r.train.iterations = number_of<int64_t>(*train, "iterations");

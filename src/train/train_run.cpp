@@ -12,6 +12,7 @@
 #include "gaussians/morton_order.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
+#include "io/colmap.h"
 #include "refine/refined_scene.h"
 #include "train/camera_outputs.h"
 #include "train/live_snapshot.h"
@@ -99,10 +100,11 @@ void Run::open_scene_and_check() {
   folder_.require_apart_from(folder);
   scene_ = open_scene(folder);
   if (scene_.train.empty()) throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
+  if (const std::string choice = choice_of_model(folder); !choice.empty()) log_warning("{}", choice);
   log_info("checking {} views", scene_.train.size() + scene_.test.size());
   const SceneProblem* first = nullptr;
   size_t fatal = 0;
-  const std::vector<SceneProblem> problems = check_scene(scene_);
+  const std::vector<SceneProblem> problems = leave_out_bad_views(scene_, check_scene(scene_));
   for (const SceneProblem& problem : problems) {
     if (!problem.fatal) {
       log_warning("{}: {}: {}", problem.path.string(), problem.field, problem.message);
@@ -116,6 +118,9 @@ void Run::open_scene_and_check() {
     if (fatal > 1) message += fmt::format(" (and {} more problems: 'aligngs data check' lists them)", fatal - 1);
     throw_bad_input(first->path, first->field, message, first->remedy);
   }
+  const size_t used = scene_.train.size() + scene_.test.size();
+  require_enough(folder, used, scene_.left_out, kFewestTrainingViews, options_.strict, "views");
+  warn_left_out(used, scene_.left_out, "views");
   use_ = decide_prior_use(scene_, config_);
   if (options_.require_priors && !use_.warnings.empty()) {
     throw Error({ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
@@ -141,6 +146,8 @@ void Run::prepare_folder() {
   record_.reason.clear();
   record_.scene = relative_scene_path(folder_.path(), scene_.folder);
   record_.fingerprint = fingerprint_;
+  record_.left_out.clear();
+  for (const LeftOut& view : scene_.left_out) record_.left_out.push_back(view.name);
   record_.warnings.clear();
   record_.trained.clear();
   for (const std::string& message : use_.warnings) warn(message);

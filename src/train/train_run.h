@@ -25,6 +25,7 @@ struct TrainOptions {
   int threads = 0;              ///< 0: all hardware threads; the result does not depend on it
   bool resume = false, overwrite = false;
   bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
+  bool strict = false;          ///< a view that cannot be used is Error{kBadInput} instead of being left out
   uint64_t memory_limit = 0;    ///< bytes; 0: 80 % of what is free
   std::string command_line;     ///< as typed, for run.json
   std::string resume_command;   ///< shown after an interruption; empty: "aligngs train SCENE -o RUN --resume"

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/lens_model.h"
 
 namespace aligngs {
 
@@ -27,7 +28,7 @@ CaptureLayout detect_layout(const fs::path& folder) {
   if (fs::exists(folder / "focal.txt") && (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt"))) return CaptureLayout::kNeuralRgbd;
   if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
   if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
-  if (fs::exists(folder / "transforms.json")) return CaptureLayout::kTransforms;
+  if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
   if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return CaptureLayout::kSevenScenes;
@@ -35,22 +36,14 @@ CaptureLayout detect_layout(const fs::path& folder) {
   return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
 }
 
-void require_unique_names(const Capture& capture) {
-  std::set<std::string> names;
-  for (const CapturedFrame& frame : capture.frames) {
-    if (!names.insert(frame.name).second) {
-      throw_bad_input(frame.image, "name", "two frames are called " + frame.name, "rename one of the image files");
-    }
-  }
-}
-
 /// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map with the depth
-/// image's size; the nearer sample wins.
+/// image's width and the colour image's aspect; the nearer sample wins.
 ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const ColmapCamera& color) {
-  const double sx = static_cast<double>(depth.width) / static_cast<double>(color.width);
-  const double sy = static_cast<double>(depth.height) / static_cast<double>(color.height);
-  const double fx = color.params[0] * sx, fy = color.params[1] * sy, cx = color.params[2] * sx, cy = color.params[3] * sy;
-  ImageF out(depth.width, depth.height, 1, 0.f);
+  const Camera camera = lens_of(color, "camera").pinhole();
+  const int height = std::max(1, static_cast<int>(std::lround(static_cast<double>(depth.width) * camera.height / camera.width)));
+  const Camera at_depth = camera.resized(depth.width, height);
+  const double fx = at_depth.fx, fy = at_depth.fy, cx = at_depth.cx, cy = at_depth.cy;
+  ImageF out(depth.width, height, 1, 0.f);
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
       const double z = depth.at(x, y);
@@ -100,10 +93,9 @@ Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
       throw_bad_input(folder, "layout", "this is none of the known layouts",
                       "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
                       "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
-                      "(frame-*.pose.txt), transforms.json, COLMAP (sparse/)");
+                      "(frame-*.pose.txt), transforms.json or transforms_train.json, COLMAP (sparse/)");
   }
-  if (capture.frames.empty()) throw_bad_input(folder, "frames", "no frame with a finite pose was found", "check the folder and its poses");
-  require_unique_names(capture);
+  finish_capture(capture);
   return capture;
 }
 
@@ -111,9 +103,10 @@ ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
   if (frame.depth.empty()) return {};
   constexpr uint16_t kInvalid = 65535;
   const Image<uint16_t> raw = read_gray_png(frame.depth);
+  const double unit = capture.depth_unit * frame.depth_scale;
   ImageF depth(raw.width, raw.height, 1, 0.f);
   for (size_t i = 0; i < raw.data.size(); ++i) {
-    if (raw.data[i] != 0 && raw.data[i] != kInvalid) depth.data[i] = static_cast<float>(raw.data[i] * capture.depth_unit);
+    if (raw.data[i] != 0 && raw.data[i] != kInvalid) depth.data[i] = static_cast<float>(raw.data[i] * unit);
   }
   return capture.depth_camera ? register_to_color(depth, *capture.depth_camera, frame.camera) : depth;
 }

@@ -9,15 +9,20 @@
 #include "core/image.h"
 #include "core/rigid.h"
 #include "io/colmap.h"
+#include "io/left_out.h"
+#include "scene/photo_lookup.h"
 #include "scene/point_cloud.h"
 
 namespace aligngs {
 
 struct CapturedFrame {
-  std::string name;             ///< stem of the image in the scene folder, unique in the capture
+  std::string name;             ///< of the view in the scene folder, without extension, subfolders kept; unique in the capture
   std::filesystem::path image;
+  bool upright = false;         ///< the camera is for the pixels after EXIF orientation; else for those stored (photo_fit.h)
   std::filesystem::path depth;  ///< PNG, uint16; empty when there is none
-  ColmapCamera camera;          ///< camera model of the image, lens distortion included
+  std::filesystem::path mask;   ///< picture of the image's aspect, 0 = do not use this pixel; empty when there is none
+  ColmapCamera camera;          ///< camera model at the size of the image, lens distortion included
+  double depth_scale = 1;       ///< of this frame's depth: the uniform scale of a pose that has one
   Rigidd world_to_camera;       ///< OpenCV axes
 };
 
@@ -27,18 +32,28 @@ struct DepthCamera {
   Rigidd to_color;                        ///< depth-camera frame to colour-camera frame
 };
 
+/// SfM points before they are brought near the origin, in double precision.
+struct CapturedCloud {
+  std::vector<Vec3d> positions;  ///< world
+  std::vector<Vec3f> colors;     ///< sRGB in [0, 1]
+  size_t size() const { return positions.size(); }
+};
+
 struct Capture {
   std::string layout;                  ///< name of the layout, e.g. "scannet"
   std::filesystem::path folder;
   std::vector<CapturedFrame> frames;   ///< with finite poses only, in capture order
-  std::vector<std::string> skipped;    ///< one line per frame left out and why
+  std::vector<LeftOut> left_out;       ///< frames that cannot be used, and why
+  std::vector<std::string> notes;      ///< what was found and not used although it may matter, a sentence each
   double depth_unit = 0.001;           ///< scene units per stored depth value
   std::optional<DepthCamera> depth_camera;  ///< empty: depth is registered to colour
   bool metric = false;                 ///< scene units are metres
   std::optional<Vec3d> up;             ///< world, unit
-  std::filesystem::path mesh;          ///< reference mesh in the same world; empty when there is none
+  std::string up_source;               ///< where it comes from, e.g. "ScanNet's convention (+z)"
+  std::optional<Similarity> to_original;  ///< from this world to the files' own, where it was moved or scaled
+  std::filesystem::path mesh;          ///< reference mesh in the files' own world; empty when there is none
   std::vector<std::string> train, test;  ///< a split that comes with the capture; empty when there is none
-  PointCloud cloud;                    ///< SfM points that come with it; may be empty
+  CapturedCloud cloud;                 ///< SfM points that come with it; may be empty
 };
 
 enum class CaptureLayout { kAuto, kRgbd, kSevenScenes, kTum, kScanNet, kNeuralRgbd, kReplica, kTransforms, kColmap };
@@ -50,8 +65,9 @@ struct CaptureOptions {
   bool neural_rgbd_trajectory = false;  ///< Neural RGB-D: trainval_poses.txt (BundleFusion) instead of poses.txt
 };
 
-/// Recognises the layout and reads the frame list. Poses that are not finite are skipped and listed.
-/// Error{kBadInput} when nothing matches, naming what was looked for.
+/// Recognises the layout and reads the frame list. Frames that cannot be used are left out and listed. A world far from its
+/// origin, or of arbitrary units and a size far from 1, is moved and scaled (place_near_origin).
+/// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left.
 Capture read_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});
 std::string layout_name(CaptureLayout layout);
 
@@ -65,14 +81,20 @@ Capture read_replica(const std::filesystem::path& folder);
 Capture read_transforms(const std::filesystem::path& folder);
 Capture read_colmap_capture(const std::filesystem::path& folder);
 
-/// One frame per image of a COLMAP model, in its order; `image` is left empty.
-std::vector<CapturedFrame> frames_of_model(const ColmapModel& model);
+/// The same two for photos that lie elsewhere than their cameras.
+Capture read_transforms(const std::filesystem::path& folder, const PhotoLookup& photos);
+Capture read_colmap_capture(const std::filesystem::path& folder, const PhotoLookup& photos);
+/// transforms.json, or Blender's transforms_train.json.
+bool may_hold_transforms(const std::filesystem::path& folder);
+
+/// The last step of every reader: frames listed twice and photos with two cameras are left out, frames without
+/// depth where most have one as well, and the world is placed near its origin. Error{kBadInput} when no frame is left.
+void finish_capture(Capture& capture);
 
 /// Depth of a frame in scene units, registered to the (undistorted) colour camera, 0 = none; empty image when the
 /// frame has none. 0 and 65535 are "no value" in every layout.
 ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame);
 
-/// Scales a capture's camera model to images of another size (maps or resized photos).
 ColmapCamera pinhole_camera(double fx, double fy, double cx, double cy, int width, int height);
 
 }  // namespace aligngs

@@ -61,6 +61,13 @@ class CaptureTest : public testing::Test {
     EXPECT_EQ(capture.frames[0].camera.width, uint64_t(kWidth));
   }
 
+  /// "name: reason" of each frame that is left out.
+  static std::vector<std::string> reasons(const Capture& capture) {
+    std::vector<std::string> lines;
+    for (const LeftOut& frame : capture.left_out) lines.push_back(frame.name + ": " + frame.reason);
+    return lines;
+  }
+
   fs::path folder_;
 };
 
@@ -78,7 +85,7 @@ TEST_F(CaptureTest, ReadsAnRgbdFolderWithItsSplit) {
   const Capture capture = read_capture(folder_);
   EXPECT_EQ(capture.layout, "rgbd");
   expect_one_known_camera(capture);
-  EXPECT_THAT(capture.skipped, ElementsAre(HasSubstr("b: lost tracking")));
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("b: b.txt, matrix: lost tracking")));
   EXPECT_THAT(capture.train, ElementsAre("a"));
   EXPECT_TRUE(capture.metric);
   EXPECT_EQ(capture.mesh.filename(), "reference_mesh.ply");
@@ -104,7 +111,7 @@ TEST_F(CaptureTest, ReadsScanNetAndBringsDepthToTheColourCamera) {
   EXPECT_EQ(capture.layout, "scannet");
   ASSERT_EQ(capture.frames.size(), 1u);
   EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(60, 60, 32, 24));
-  EXPECT_EQ(capture.skipped.size(), 1u);
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("10: ")));
   const ImageF map = read_capture_depth(capture, capture.frames[0]);
   EXPECT_FLOAT_EQ(map.at(20, 20), 2.f);  // same rays at half size: every sample stays at its pixel
   EXPECT_EQ(map.at(0, 0), 0);
@@ -120,18 +127,19 @@ TEST_F(CaptureTest, ReadsNeuralRgbdInOpenGlAxes) {
   EXPECT_EQ(capture.layout, "nrgbd");
   expect_one_known_camera(capture);
   EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(28.5, 28.5, 16, 12));
-  EXPECT_THAT(capture.skipped, ElementsAre(HasSubstr("img1")));
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("img1")));
   EXPECT_EQ(capture.frames[0].depth.filename(), "depth0.png");
 }
 
 TEST_F(CaptureTest, ReadsReplica) {
-  image("results/frame000000.jpg");
-  depth("results/depth000000.png", 6553);
+  image("results/frame000000.jpg", 60, 34);
+  depth("results/depth000000.png", 6553, 60, 34);
   write("traj.txt", "0 -1 0 1 1 0 0 2 0 0 1 3 0 0 0 1\n");
   const Capture capture = read_capture(folder_);
   EXPECT_EQ(capture.layout, "replica");
-  expect_one_known_camera(capture);
-  EXPECT_NEAR(capture.frames[0].camera.params[0], 600.0 * kWidth / 1200, 1e-9);
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
+  EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(30, 30, 30, 17));
   EXPECT_NEAR(read_capture_depth(capture, capture.frames[0]).at(3, 3), 1.0, 1e-3);
 }
 
@@ -152,7 +160,7 @@ TEST_F(CaptureTest, ReadsTumWithAssociationByTime) {
   EXPECT_EQ(capture.frames[0].name, "10_01");
   EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-9);
   EXPECT_NEAR(read_capture_depth(capture, capture.frames[0]).at(3, 3), 1.0, 1e-6);
-  EXPECT_THAT(capture.skipped, ElementsAre(HasSubstr("no pose within")));
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("no pose within")));
 }
 
 TEST_F(CaptureTest, ReadsTransformsJsonWithOverridesAndDistortion) {
@@ -171,6 +179,135 @@ TEST_F(CaptureTest, ReadsTransformsJsonWithOverridesAndDistortion) {
   EXPECT_THAT(capture.frames[1].camera.params, ElementsAre(40, 31, 16, 12, 0.1, 0, 0, 0));
   EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
   EXPECT_THAT(capture.test, ElementsAre("b"));
+}
+
+/// A transforms.json of one frame with these further fields.
+class TransformsTest : public CaptureTest {
+ protected:
+  Capture read(const std::string& fields, const std::string& frame_fields = "", const std::string& matrix = kMatrix) {
+    if (!fs::exists(folder_ / "images" / "a.png")) image("images/a.png");
+    write("transforms.json", fmt::format(R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12{}, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}{}}}]}})",
+                                         fields, matrix, frame_fields));
+    return read_capture(folder_);
+  }
+  std::string error_of(const std::string& fields) {
+    try {
+      read(fields);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static constexpr const char* kMatrix = "[[0,1,0,1],[1,0,0,2],[0,0,-1,3],[0,0,0,1]]";
+};
+
+TEST_F(TransformsTest, AFisheyeIsOneAlsoWithoutCoefficients) {
+  for (const char* fields : {R"(, "camera_model": "OPENCV_FISHEYE")", R"(, "is_fisheye": true)"}) {
+    const Capture capture = read(fields);
+    EXPECT_EQ(capture.frames[0].camera.model, "THIN_PRISM_FISHEYE") << fields;
+  }
+  const Capture bent = read(R"(, "camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": 0.2, "k3": 0.3, "k4": 0.4)");
+  EXPECT_THAT(bent.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0, 0, 0.3, 0.4, 0, 0));
+}
+
+TEST_F(TransformsTest, TheThirdRadialTermOfAPerspectiveLensIsUsed) {
+  const Capture capture = read(R"(, "camera_model": "OPENCV", "k1": 0.1, "k2": 0.2, "k3": 0.3, "p1": 0.01, "p2": 0.02)");
+  EXPECT_EQ(capture.frames[0].camera.model, "FULL_OPENCV");
+  EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0.01, 0.02, 0.3, 0, 0, 0));
+  const Capture list = read(R"(, "distortion_params": [0.1, 0.2, 0, 0, 0.01, 0.02])");
+  EXPECT_THAT(list.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0.01, 0.02));
+}
+
+TEST_F(TransformsTest, LensesThatAreNotUndoneAreRefusedByName) {
+  EXPECT_THAT(error_of(R"(, "camera_model": "EQUIRECTANGULAR")"), HasSubstr("EQUIRECTANGULAR"));
+  EXPECT_THAT(error_of(R"(, "k4": 0.1)"), HasSubstr("k4"));
+  EXPECT_THAT(error_of(R"(, "latlong": true)"), HasSubstr("latlong"));
+}
+
+TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
+  depth("depth/a.png", 2000);
+  const std::string frame = R"(, "depth_path": "depth\\a.png")";
+  EXPECT_FLOAT_EQ(read_capture_depth(read("", frame), read("", frame).frames[0]).at(5, 5), 2.0f);
+  for (const char* key : {"integer_depth_scale", "depth_unit_scale_factor"}) {
+    const Capture capture = read(fmt::format(R"(, "{}": 0.0002)", key), frame);
+    EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 0.4f) << key;
+  }
+}
+
+TEST_F(TransformsTest, AUniformScaleOfTheMatrixAppliesToDepth) {
+  depth("depth/a.png", 2000);
+  const Capture capture = read("", R"(, "depth_file_path": "depth/a.png")", "[[0,3,0,1],[3,0,0,2],[0,0,-3,3],[0,0,0,1]]");
+  EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
+  EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 6.0f);
+}
+
+TEST_F(TransformsTest, MasksAreFoundAndUnknownParametersListedOnce) {
+  image("masks/a.png");
+  const Capture capture = read(R"(, "applied_scale": 0.5, "rolling_shutter": [0, 0, 0.1], "tilt_angle": 3)", R"(, "mask_path": "masks/a.png", "gain": 2)");
+  EXPECT_EQ(capture.frames[0].mask.filename(), "a.png");
+  EXPECT_THAT(capture.notes, ElementsAre(HasSubstr("rolling_shutter"), testing::AllOf(HasSubstr("frames.gain, tilt_angle"), testing::Not(HasSubstr("applied_scale")))));
+}
+
+TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
+  image("images/b.png");
+  write("transforms.json", fmt::format(
+      R"({{"fl_x": 30, "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}}, {{"file_path": "./images/b", "transform_matrix": {0}}},
+          {{"file_path": "images/b.png", "transform_matrix": [[null,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}, {{"file_path": "c.png"}}]}})", kMatrix));
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 1u);
+  EXPECT_EQ(capture.frames[0].name, "b");
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
+}
+
+TEST_F(TransformsTest, BlendersFilesAreReadWithTheirSplit) {
+  for (const char* name : {"train/r_0.png", "train/r_1.PNG", "test/r_0.png"}) image(name);
+  for (const std::string split : {"train", "test"}) {
+    std::string frames;
+    for (int i = 0; i < (split == "train" ? 2 : 1); ++i) frames += fmt::format(R"({}{{"file_path": "./{}/r_{}", "rotation": 0.1, "transform_matrix": {}}})", i ? "," : "", split, i, kMatrix);
+    write("transforms_" + split + ".json", fmt::format(R"({{"camera_angle_x": 0.6911112, "frames": [{}]}})", frames));
+  }
+  const Capture capture = read_capture(folder_);
+  ASSERT_EQ(capture.frames.size(), 3u);
+  EXPECT_NEAR(capture.frames[0].camera.params[0], 0.5 * kWidth / std::tan(0.5 * 0.6911112), 1e-9);
+  EXPECT_THAT(capture.train, ElementsAre("train/r_0", "train/r_1"));
+  EXPECT_THAT(capture.test, ElementsAre("test/r_0"));
+  EXPECT_TRUE(capture.notes.empty());
+}
+
+TEST_F(CaptureTest, PosesAndPhotosPairByNumberWhereOneIsMissing) {
+  for (const char* name : {"images/img0.png", "images/img2.png"}) image(name);
+  write("focal.txt", "28.5\n");
+  write("poses.txt", pose_lost("nan") + pose_lost("nan") + pose_opengl());
+  image("images/._img2.png");
+  const Capture capture = read_capture(folder_);
+  expect_one_known_camera(capture);
+  EXPECT_EQ(capture.frames[0].name, "img2");
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("._img2.png: a hidden file"), HasSubstr("pose 1: the photo is missing"), HasSubstr("img0: poses.txt")));
+}
+
+TEST_F(CaptureTest, FramesWithoutDepthAreLeftOutWhereMostHaveIt) {
+  for (int i = 0; i < 4; ++i) {
+    image(fmt::format("images/{}.png", i));
+    if (i != 2) depth(fmt::format("depth/{}.png", i), 2000);
+    write(fmt::format("poses/{}.txt", i), fmt::format("1 0 0 {}\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i));
+  }
+  write("poses/9.txt", pose_opencv());
+  write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
+  const Capture capture = read_capture(folder_);
+  EXPECT_EQ(capture.frames.size(), 3u);
+  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("9: the photo is missing"), HasSubstr("2: its depth is missing")));
+  fs::remove(folder_ / "depth" / "0.png");
+  fs::remove(folder_ / "depth" / "1.png");
+  const Capture without = read_capture(folder_);
+  EXPECT_EQ(without.frames.size(), 4u);
+  EXPECT_THAT(without.notes, ElementsAre(HasSubstr("only 1 of 4 frames have depth")));
+}
+
+TEST_F(CaptureTest, IntrinsicsForPhotosOfAnotherSizeAreRefused) {
+  image("images/a.png");
+  write("poses/a.txt", pose_opencv());
+  write("intrinsics.txt", "300 0 160\n0 310 120\n0 0 1\n");
+  EXPECT_THROW(read_capture(folder_), Error);
 }
 
 TEST_F(CaptureTest, SevenScenesNeedsToBeToldAboutItsColour) {

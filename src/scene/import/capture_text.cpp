@@ -7,6 +7,9 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/text_encoding.h"
+#include "io/text_tokens.h"
+#include "scene/photo_lookup.h"
 
 namespace aligngs {
 
@@ -14,7 +17,7 @@ namespace fs = std::filesystem;
 
 std::vector<double> read_numbers(const fs::path& file) {
   constexpr uint64_t kLimit = uint64_t(1) << 28;  // bytes; a trajectory of a million poses is smaller
-  const std::string text = read_file(file, kLimit);
+  const std::string text(without_byte_order_mark(read_file(file, kLimit)));
   std::vector<double> numbers;
   size_t line = 1;
   for (const char* p = text.c_str(); *p;) {
@@ -40,20 +43,52 @@ bool all_finite(const double* values, size_t count) {
   return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
 }
 
+std::vector<std::string> read_name_list(const fs::path& file) {
+  const std::string text = read_file(file);
+  std::vector<std::string> names;
+  std::string_view rest = without_byte_order_mark(text);
+  while (!rest.empty()) {
+    std::string_view line = trimmed(take_line(rest));
+    if (line.empty() || line[0] == '#') continue;
+    while (!line.empty()) {
+      const size_t comma = line.find(',');
+      const std::string_view name = trimmed(line.substr(0, comma));
+      if (!name.empty()) names.emplace_back(name);
+      line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
+    }
+  }
+  return names;
+}
+
 Rigidd rigid_from_matrix(const double* m, const fs::path& file, const std::string& field) {
   constexpr double kTolerance = 1e-2;  // six printed digits and accumulated tracking leave less than this
+  double scale = 1;
+  const Rigidd pose = rigid_from_scaled_matrix(m, file, field, scale);
+  if (!(std::fabs(scale - 1) < kTolerance)) {
+    throw_bad_input(file, field, "the upper left 3x3 block is no rotation: it scales by " + std::to_string(scale),
+                    "poses must be rigid 4x4 matrices in row-major order");
+  }
+  return pose;
+}
+
+Rigidd rigid_from_scaled_matrix(const double* m, const fs::path& file, const std::string& field, double& scale) {
+  constexpr double kTolerance = 1e-2;  // as above, of a rotation's entries
   if (!all_finite(m, 12)) throw_bad_input(file, field, "the pose is not finite", "leave this frame out");
   Rigidd pose;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) pose.rotation(r, c) = m[4 * r + c];
     pose.translation[r] = m[4 * r + 3];
   }
+  const double volume = determinant(pose.rotation);
+  scale = std::cbrt(volume);
+  const char* const remedy = "poses must be rigid 4x4 matrices in row-major order";
+  if (volume < 0) throw_bad_input(file, field, "the upper left 3x3 block mirrors the world", remedy);
+  if (!(scale > 0)) throw_bad_input(file, field, "the upper left 3x3 block is no rotation", remedy);
+  for (double& entry : pose.rotation.m) entry /= scale;
   const Mat3d product = pose.rotation * transpose(pose.rotation);
-  double deviation = std::fabs(determinant(pose.rotation) - 1);
+  double deviation = 0;
   for (int i = 0; i < 9; ++i) deviation = std::max(deviation, std::fabs(product.m[i] - (i % 4 == 0 ? 1 : 0)));
-  if (!(deviation < kTolerance)) {
-    throw_bad_input(file, field, "the upper left 3x3 block is no rotation", "poses must be rigid 4x4 matrices in row-major order");
-  }
+  if (!(deviation < kTolerance)) throw_bad_input(file, field, "the upper left 3x3 block is no rotation", remedy);
   pose.rotation = rotation_matrix(quaternion_of(pose.rotation));
   return pose;
 }
@@ -96,6 +131,7 @@ std::vector<fs::path> list_files(const fs::path& folder, const std::vector<std::
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (is_hidden(entry.path())) continue;
     std::string extension = entry.path().extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) files.push_back(entry.path());

@@ -1,45 +1,60 @@
-// A COLMAP reconstruction beside its own images: images/ and sparse/[N/] (bin or txt), or the model in the folder itself.
+// A COLMAP reconstruction and its photos: sparse/[N/] or colmap/sparse/[N/] (bin or txt), or the model in the folder itself; photos
+// in images/, in the folder or in a subfolder of it (photo_lookup.h). Rigs and frames are not needed: images.bin has every pose.
 #include <algorithm>
 #include <map>
 
 #include "core/error.h"
-#include "scene/import/capture.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
-std::vector<CapturedFrame> frames_of_model(const ColmapModel& model) {
-  std::map<uint32_t, const ColmapCamera*> cameras;
-  for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
-  std::vector<CapturedFrame> frames;
-  for (const ColmapImage& image : model.images) {
-    CapturedFrame frame;
-    frame.name = fs::path(image.name).stem().string();
-    frame.camera = *cameras.at(image.camera_id);
-    frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
-    frames.push_back(std::move(frame));
-  }
-  return frames;
+namespace {
+
+/// Whether a name stays below the folder of photos.
+bool is_plain(const fs::path& name) {
+  return name.is_relative() && std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
 }
 
-Capture read_colmap_capture(const fs::path& folder) {
+}  // namespace
+
+Capture read_colmap_capture(const fs::path& folder) { return read_colmap_capture(folder, photos_of_data_set(folder)); }
+
+Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
   capture.layout = layout_name(CaptureLayout::kColmap);
   capture.folder = folder;
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
-  capture.frames = frames_of_model(model);
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    const ColmapImage& image = model.images[i];
-    CapturedFrame& frame = capture.frames[i];
-    frame.image = first_existing({folder / "images" / image.name, folder / image.name});
-    if (frame.image.empty()) throw_bad_input(folder / "images" / image.name, "", "the model's image is missing", "put the images that COLMAP used into images/");
+  capture.left_out = model.left_out;
+  if (const std::string choice = choice_of_model(folder); !choice.empty()) capture.notes.push_back(choice);
+  if (model.points_left_out > 0) capture.notes.push_back(std::to_string(model.points_left_out) + " points without a finite position are not used");
+  std::map<uint32_t, const ColmapCamera*> cameras;
+  for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
+  for (const ColmapImage& image : model.images) {
+    add_frame(capture, image.name, [&] {
+      CapturedFrame frame;
+      frame.name = slashed_name(image.name);
+      const PhotoLookup::Answer photo = photos.find(image.name);
+      if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the images that COLMAP used into images/");
+      frame.image = photo.file;
+      set_camera(frame, *cameras.at(image.camera_id));
+      frame.world_to_camera = {rotation_matrix(normalized(image.rotation)), image.translation};
+      return frame;
+    });
+  }
+  const bool plain = std::all_of(capture.frames.begin(), capture.frames.end(), [](const CapturedFrame& frame) { return is_plain(frame.name); });
+  if (!plain) shorten_names(capture);
+  for (CapturedFrame& frame : capture.frames) {
+    if (plain) frame.name = view_name_of(frame.name);
   }
   std::sort(capture.frames.begin(), capture.frames.end(),
             [](const CapturedFrame& a, const CapturedFrame& b) { return natural_less(a.name, b.name); });
+  constexpr double kMaxError = 2;  // pixels; what 3DGS' readers keep
   for (const ColmapPoint& point : model.points) {
-    capture.cloud.positions.push_back(point.position.cast<float>());
+    if (point.error > kMaxError) continue;
+    capture.cloud.positions.push_back(point.position);
     capture.cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
   }
   return capture;

@@ -1,7 +1,6 @@
 #include "scene/import/import_capture.h"
 
 #include <algorithm>
-#include <map>
 #include <numeric>
 #include <set>
 
@@ -10,10 +9,17 @@
 #include "io/image_file.h"
 #include "io/output_place.h"
 #include "io/resample.h"
+#include "io/text_encoding.h"
 #include "scene/depth_cloud.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/view_selection.h"
+#include "scene/mesh_ply.h"
+#include "scene/photo_fit.h"
+#include "scene/prior_maps.h"
 #include "scene/scene_writer.h"
 #include "scene/undistort.h"
+#include "scene/up_direction.h"
+#include "scene/view_data.h"
 
 namespace aligngs {
 
@@ -26,16 +32,17 @@ struct Selection {
 };
 
 std::vector<int> indices_of(const Capture& capture, const std::vector<std::string>& names, const char* list, bool skip_lost) {
-  std::map<std::string, int> by_name;
-  for (size_t i = 0; i < capture.frames.size(); ++i) by_name[capture.frames[i].name] = static_cast<int>(i);
+  const FrameNames frames(capture.frames);
+  std::set<std::string> lost;
+  for (const LeftOut& frame : capture.left_out) lost.insert({frame.name, view_name_of(frame.name)});
   std::vector<int> indices;
   std::string unknown;
   for (const std::string& name : names) {
-    const auto found = by_name.find(name);
-    if (found != by_name.end()) indices.push_back(found->second);
-    else unknown += " " + name;
+    const int found = frames.find(name);
+    if (found >= 0) indices.push_back(found);
+    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name))) unknown += (unknown.empty() ? " " : ", ") + as_utf8(name);
   }
-  if (!unknown.empty() && !skip_lost) throw_bad_input(capture.folder, list, "no frame with a pose is called" + unknown, "use the names of the image files without extension");
+  if (!unknown.empty() && !skip_lost) throw_bad_input(capture.folder, list, "no frame with a pose is called" + unknown, "use the names of the image files, one a line");
   if (!unknown.empty()) log_warning("{}: these frames have no pose and are left out:{}", list, unknown);
   return indices;
 }
@@ -126,8 +133,35 @@ struct CropToNeuris {
 /// One frame brought to a pinhole camera.
 struct PreparedFrame {
   SceneViewParts parts;
-  ImageF depth;   ///< sensor depth, scene units, may be smaller than the image
+  Image<uint8_t> pixels;  ///< of the view, also where its file is copied
+  ImageF depth;           ///< sensor depth, scene units, may be smaller than the image
 };
+
+/// Four channels, the last one 255 where the mask (of any size) is not 0.
+Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file) {
+  constexpr int kDark = 128;  // JPEG leaves traces of grey where black was meant
+  const Image<uint8_t> mask = read_stored_image(file);
+  const int least = file.extension() == ".png" || file.extension() == ".PNG" ? 1 : kDark;
+  Image<uint8_t> out(image.width, image.height, 4);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      std::copy_n(image.pixel(x, y), 3, out.pixel(x, y));
+      const int value = mask.at((2 * x + 1) * mask.width / (2 * image.width), (2 * y + 1) * mask.height / (2 * image.height));
+      const bool seen = image.channels < 4 || image.at(x, y, 3) >= kDark;
+      out.at(x, y, 3) = value >= least && seen ? 255 : 0;
+    }
+  }
+  return out;
+}
+
+bool is_jpeg_name(const fs::path& file) { return has_picture_extension(file) && file.extension() != ".png" && file.extension() != ".PNG"; }
+
+void require_usable_depth(const CapturedFrame& frame, const ImageF& depth, const Camera& camera) {
+  require_same_aspect({1, depth.height, depth.width}, camera.width, camera.height, frame.depth, "size");
+  if (std::none_of(depth.data.begin(), depth.data.end(), [](float z) { return z > 0; })) {
+    throw_bad_input(frame.depth, "values", "no pixel has a depth", "leave this frame out");
+  }
+}
 
 PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const ImportOptions& options) {
   PreparedFrame out;
@@ -135,20 +169,32 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
   Camera camera = lens.distorted() ? undistorted_camera(lens, frame.image) : lens.pinhole();
   out.depth = read_capture_depth(capture, frame);
   if (lens.distorted() && !out.depth.empty()) out.depth = undistort_depth(out.depth, lens, camera);
-  if (lens.distorted() || options.neuris_crop) {
-    ImageF image = to_float(read_image(frame.image));
+  out.pixels = read_photo(frame.image, frame.upright);
+  if (!frame.mask.empty()) out.pixels = with_mask(out.pixels, frame.mask);
+  const bool large = options.max_side > 0 && std::max(camera.width, camera.height) > options.max_side;
+  if (lens.distorted() || options.neuris_crop || large) {
+    ImageF image = to_float(out.pixels);
     if (lens.distorted()) image = undistort_image(image, lens, camera);
     if (options.neuris_crop) {
       camera = CropToNeuris::camera(camera);
       image = CropToNeuris::map(image, CropToNeuris::bilinear);
       if (!out.depth.empty()) out.depth = CropToNeuris::map(out.depth, CropToNeuris::nearest);
     }
-    Image<uint8_t> bytes(image.width, image.height, image.channels);
-    for (size_t i = 0; i < image.data.size(); ++i) bytes.data[i] = static_cast<uint8_t>(std::clamp(image.data[i], 0.f, 1.f) * 255 + 0.5f);
-    out.parts.image = std::move(bytes);
+    if (large) {
+      const double scale = double(options.max_side) / std::max(camera.width, camera.height);
+      camera = camera.resized(std::max(1, int(camera.width * scale + 0.5)), std::max(1, int(camera.height * scale + 0.5)));
+      image = resize_area(image, camera.width, camera.height);
+    }
+    out.pixels = to_bytes(image);
+  }
+  if (lens.distorted() || options.neuris_crop || large || !frame.mask.empty()) {
+    constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
+    out.parts.image = out.pixels;
+    if (!lens.distorted() && is_jpeg_name(frame.image)) out.parts.jpeg_quality = kQuality;
   } else {
     out.parts.image_file = frame.image;
   }
+  if (!out.depth.empty()) require_usable_depth(frame, out.depth, camera);
   camera.world_to_camera = frame.world_to_camera;
   out.parts.name = frame.name;
   out.parts.camera = camera;
@@ -161,8 +207,7 @@ struct CloudInputs {
   std::vector<ImageF> depths, colors;
 
   void add(const PreparedFrame& frame) {
-    const Image<uint8_t> bytes = frame.parts.image.empty() ? read_image(frame.parts.image_file) : frame.parts.image;
-    ImageF color = to_float(bytes);
+    ImageF color = to_float(frame.pixels);
     if (color.channels == 4) {  // alpha plays no part here
       ImageF rgb(color.width, color.height, 3);
       for (size_t i = 0; i < rgb.pixels(); ++i) std::copy_n(&color.data[4 * i], 3, &rgb.data[3 * i]);
@@ -198,39 +243,99 @@ std::vector<fs::path> sources_of(const Capture& capture, const ImportOptions& op
 
 }  // namespace
 
+namespace {
+
+/// Up as the layout has it, unless the cameras hang upside down in it; else from the floor or the cameras.
+void set_up(const Capture& capture, SceneParts& parts) {
+  std::vector<ViewUp> views;
+  for (const CapturedFrame& frame : capture.frames) {
+    views.push_back(view_up(frame.world_to_camera, frame.upright ? 1 : read_image_info(frame.image).orientation));
+  }
+  if (capture.up && agrees_with(views, *capture.up)) {
+    parts.description.up = capture.up;
+    parts.description.up_source = capture.up_source;
+    return;
+  }
+  std::vector<Vec3d> points;
+  for (const Vec3f& p : parts.cloud.positions) points.push_back(p.cast<double>());
+  const auto up = estimate_up(views, {}, points);
+  if (!up) return;
+  parts.description.up = up->direction;
+  parts.description.up_source = up->source;
+}
+
+PointCloud narrow(const CapturedCloud& cloud) {
+  PointCloud out;
+  for (const Vec3d& p : cloud.positions) out.positions.push_back(p.cast<float>());
+  out.colors = cloud.colors;
+  return out;
+}
+
+/// The reference mesh in the capture's world.
+void set_truth_mesh(const Capture& capture, SceneParts& parts) {
+  if (capture.mesh.empty() || !capture.to_original) {
+    parts.truth_mesh_file = capture.mesh;
+    return;
+  }
+  parts.truth_mesh = read_mesh_ply(capture.mesh);
+  const Similarity from_original = capture.to_original->inverse();
+  for (Vec3f& vertex : parts.truth_mesh.vertices) vertex = (from_original * vertex.cast<double>()).cast<float>();
+}
+
+/// The same check that training begins with; views that it refuses leave the split.
+void check_as_training_does(const fs::path& folder, SplitJson& split, std::vector<LeftOut>& left_out) {
+  Scene scene = open_scene(folder);
+  const std::vector<SceneProblem> problems = leave_out_bad_views(scene, check_scene(scene));
+  for (const SceneProblem& problem : problems) {
+    if (problem.fatal) throw_bad_input(problem.path, problem.field, problem.message, problem.remedy);
+  }
+  if (scene.left_out.empty()) return;
+  left_out.insert(left_out.end(), scene.left_out.begin(), scene.left_out.end());
+  for (const LeftOut& view : scene.left_out) {
+    for (auto* list : {&*split.train, &*split.test}) std::erase(*list, view.name);
+  }
+  write_split_json(folder / "split.json", split);
+}
+
+}  // namespace
+
 ImportReport import_capture(const Capture& capture, const fs::path& output, const ImportOptions& options, ThreadPool& pool) {
   const std::vector<fs::path> sources = sources_of(capture, options);
   require_scene_place(output, options.overwrite, sources);  // before views are chosen, which takes long
   const Selection selection = select(capture, options, pool);
   SceneWriter writer(output, options.overwrite, sources);
   ImportReport report;
-  report.train = selection.train.size();
-  report.test = selection.test.size();
-  report.skipped = capture.skipped.size();
+  report.left_out = capture.left_out;
   const bool use_sfm = !options.sfm.empty();
 
   CloudInputs inputs;
   SceneParts parts;
   parts.split.train.emplace();
   parts.split.test.emplace();
-  Progress progress(options.progress, "import", report.train + report.test);
+  Progress progress(options.progress, "import", selection.train.size() + selection.test.size());
   size_t done = 0;
   for (const bool train : {true, false}) {
     for (const int index : train ? selection.train : selection.test) {
-      PreparedFrame frame = prepare(capture, capture.frames[index], options);
-      if (!frame.depth.empty()) {
-        if (train && !use_sfm) {
-          inputs.add(frame);
-          if (options.depth_prior) frame.parts.prior_depth = frame.depth;
-          report.depth_prior = report.depth_prior || options.depth_prior;
-        }
+      const CapturedFrame& captured = capture.frames[static_cast<size_t>(index)];
+      use_or_leave_out(captured.name, report.left_out, [&] {
+        PreparedFrame frame = prepare(capture, captured, options);
+        const bool depth_prior = train && !use_sfm && !frame.depth.empty() && options.depth_prior;
+        if (train && !use_sfm && !frame.depth.empty()) inputs.add(frame);
+        if (depth_prior) frame.parts.prior_depth = frame.depth;
+        report.depth_prior = report.depth_prior || depth_prior;
         if (capture.metric) frame.parts.truth_depth = std::move(frame.depth);
-      }
-      (train ? *parts.split.train : *parts.split.test).push_back(frame.parts.name);
-      writer.add_view(frame.parts);
+        writer.add_view(frame.parts);
+        (train ? *parts.split.train : *parts.split.test).push_back(frame.parts.name);
+      });
       progress.update(++done);
     }
   }
+  const auto require_enough_frames = [&] {
+    const size_t kept = parts.split.train->size() + parts.split.test->size();
+    const bool few = parts.split.train->size() < kFewestTrainingViews;
+    require_enough(capture.folder, kept, report.left_out, few ? kept + 1 : 0, options.strict);
+  };
+  require_enough_frames();
 
   if (use_sfm) {
     AlignedSfm sfm = align_sfm(capture, options.sfm);
@@ -243,15 +348,23 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
     parts.cloud = inputs.fuse(options.voxel, pool);
   } else if (capture.cloud.size() > 0) {
     report.cloud_source = "capture";
-    parts.cloud = capture.cloud;
+    parts.cloud = narrow(capture.cloud);
   } else {
     report.cloud_source = "none";
   }
   report.points = parts.cloud.size();
-  parts.description = {capture.metric, capture.up, capture.layout + ", cloud from " + report.cloud_source};
+  parts.description.metric = capture.metric;
+  parts.description.source = capture.layout + ", cloud from " + report.cloud_source;
+  parts.description.to_original = capture.to_original;
+  set_up(capture, parts);
   if (report.depth_prior) parts.priors.depth = PriorJson{"sensor", "", {}};
-  parts.truth_mesh_file = capture.mesh;
-  writer.finish(parts);
+  set_truth_mesh(capture, parts);
+  writer.write(parts);
+  check_as_training_does(writer.folder(), parts.split, report.left_out);
+  require_enough_frames();
+  writer.commit();
+  report.train = parts.split.train->size();
+  report.test = parts.split.test->size();
   return report;
 }
 

@@ -24,6 +24,8 @@ struct ImportOptions {
   std::filesystem::path sfm;        ///< COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
   bool neuris_crop = false;         ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
   double voxel = 0;                 ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
+  int max_side = 0;                 ///< pixels; larger photos are shrunk; 0: none is
+  bool strict = false;              ///< a frame that cannot be used is an error instead of being left out
   bool overwrite = false;           ///< replace a scene that this program wrote there
   std::vector<std::filesystem::path> sources;  ///< what was given to read; empty: the capture's folder
   ProgressStyle progress;
@@ -33,7 +35,8 @@ inline constexpr int kMaxUnselected = 100;  ///< frames; more is a video, not a 
 inline constexpr int kDefaultViews = 36;    ///< the paper's number of training views
 
 struct ImportReport {
-  size_t train = 0, test = 0, skipped = 0;
+  size_t train = 0, test = 0;
+  std::vector<LeftOut> left_out;  ///< frames of the capture and of the lists that are not in the scene, and why
   size_t points = 0;
   std::string cloud_source;   ///< "sensor depth", "sfm", "capture", "none"
   double sfm_rmse = 0;        ///< residual of the alignment on camera centres, scene units
@@ -41,7 +44,9 @@ struct ImportReport {
   bool depth_prior = false;
 };
 
-/// Error{kBadInput} for names that do not exist and files that cannot be read; the folder appears complete or not at all.
+/// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that do not
+/// exist, when fewer than kFewestTrainingViews are left of more, and for anything that training would refuse: the scene is
+/// checked as training checks it before it takes its place. The folder appears complete or not at all.
 ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options, ThreadPool& pool);
 
 /// SfM points of a COLMAP model brought into the capture's world by the similarity of their common cameras.

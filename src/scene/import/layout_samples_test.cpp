@@ -19,8 +19,8 @@ TEST(LayoutSamples, ScanNetAndNeuralRgbdAgreeOnCamerasAndDepth) {
   CaptureOptions tracked;
   tracked.neural_rgbd_trajectory = true;
   const Capture relative = read_capture(samples / "nrgbd_like" / "red_kitchen", tracked);
-  EXPECT_EQ(scannet.skipped.size(), 1u);   // pose 2 is -inf
-  EXPECT_EQ(relative.skipped.size(), 1u);  // matrix 3 is nan
+  EXPECT_EQ(scannet.left_out.size(), 1u);   // pose 2 is -inf
+  EXPECT_EQ(relative.left_out.size(), 1u);  // matrix 3 is nan
   ASSERT_EQ(scannet.frames.size(), 4u);
 
   std::map<std::string, const CapturedFrame*> by_name;

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
-#include "scene/import/capture.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
 namespace aligngs {
@@ -35,29 +35,24 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
 
   const fs::path pose_file = folder / (options.neural_rgbd_trajectory ? "trainval_poses.txt" : "poses.txt");
   const std::vector<double> poses = read_numbers(pose_file);
-  const std::vector<fs::path> images = list_files(folder / "images", {".png", ".jpg"});
-  if (poses.size() != 16 * images.size()) {
-    throw_bad_input(pose_file, "matrices", "there are " + std::to_string(images.size()) + " images but " + std::to_string(poses.size() / 16) + " poses",
-                    "poses.txt needs four lines of four numbers per image");
-  }
+  if (poses.size() % 16 != 0) throw_bad_input(pose_file, "matrices", "the number of values is no multiple of 16", "poses.txt needs four lines of four numbers per image");
+  const std::vector<fs::path> images = list_frame_photos(capture, folder / "images", {".png", ".jpg"});
+  const std::vector<int> pose_of = poses_of_numbered(capture, images, poses.size() / 16, pose_file);
   const fs::path depth_folder = first_existing({folder / "depth", folder / "depth_filtered", folder / "depth_with_noise"});
   for (size_t i = 0; i < images.size(); ++i) {
-    CapturedFrame frame;
-    frame.name = images[i].stem().string();
-    frame.image = images[i];
-    if (!depth_folder.empty()) {
-      const fs::path depth = depth_folder / ("depth" + digits_of(frame.name) + ".png");
-      if (fs::exists(depth)) frame.depth = depth;
-    }
-    const double* m = &poses[16 * i];
-    if (!all_finite(m, 16)) {
-      capture.skipped.push_back(frame.name + ": pose is nan");
-      continue;
-    }
-    frame.world_to_camera = opencv_world_to_camera_from_opengl(rigid_from_matrix(m, pose_file, "matrix " + std::to_string(i)));
-    const ImageInfo info = read_image_info(frame.image);
-    frame.camera = pinhole_camera(focal[0], focal[0], info.width / 2.0, info.height / 2.0, info.width, info.height);
-    capture.frames.push_back(std::move(frame));
+    const std::string name = images[i].stem().string();
+    add_frame(capture, name, [&] {
+      CapturedFrame frame;
+      frame.name = name;
+      frame.image = images[i];
+      if (pose_of[i] < 0) throw_bad_input(pose_file, "", "it has no pose", "add the pose or remove the image");
+      const std::string field = "matrix " + std::to_string(pose_of[i]);
+      frame.world_to_camera = opencv_world_to_camera_from_opengl(rigid_from_matrix(&poses[16 * size_t(pose_of[i])], pose_file, field));
+      if (!depth_folder.empty()) set_depth(frame, depth_folder / ("depth" + digits_of(name) + ".png"));
+      const ImageInfo info = read_image_info(frame.image);
+      set_intrinsics(frame, focal[0], focal[0], info.stored_width / 2.0, info.stored_height / 2.0);
+      return frame;
+    });
   }
   capture.mesh = options.neural_rgbd_trajectory ? fs::path() : first_existing({folder / "gt_mesh.ply", folder / "gt_mesh_culled.ply"});
   return capture;

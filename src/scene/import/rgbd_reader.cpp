@@ -3,12 +3,10 @@
 //   intrinsics.txt (3x3)  train.txt, test.txt (frame names; optional)   reference_mesh.ply (optional)
 // and the 7-Scenes form: [seq-*/]frame-NNNNNN.{color.png|jpg,depth.png,pose.txt}.
 #include <algorithm>
-#include <sstream>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
-#include "io/image_file.h"
-#include "scene/import/capture.h"
+#include "io/text_encoding.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
 namespace aligngs {
@@ -19,6 +17,7 @@ namespace {
 
 struct Intrinsics {
   double fx, fy, cx, cy;
+  int width = 0, height = 0;  ///< pixels of the photos that they are for; 0: not known
 };
 
 Intrinsics read_intrinsics(const fs::path& file) {
@@ -33,25 +32,23 @@ Intrinsics read_intrinsics(const fs::path& file) {
 }
 
 std::vector<std::string> read_names(const fs::path& file) {
-  std::vector<std::string> names;
-  if (!fs::exists(file)) return names;
-  std::istringstream lines(read_file(file));
-  for (std::string word; lines >> word;) names.push_back(word);
-  return names;
+  return fs::exists(file) ? read_name_list(file) : std::vector<std::string>{};
 }
 
-/// Adds a frame, or a line to `skipped` when its pose is not finite.
-void add_frame(Capture& capture, CapturedFrame frame, const fs::path& pose_file, const Intrinsics& k) {
+/// A frame with its pose and intrinsics. Error{kBadInput} when it cannot be used.
+CapturedFrame posed_frame(const std::string& name, const fs::path& image, const fs::path& depth, const fs::path& pose_file, const Intrinsics& k) {
+  CapturedFrame frame;
+  frame.name = as_utf8(name);
+  frame.image = image;
+  if (!fs::exists(pose_file)) throw_bad_input(pose_file, "", "it has no pose", "add the pose or remove the image");
   const std::vector<double> m = read_numbers(pose_file);
   if (m.size() != 16 && m.size() != 12) throw_bad_input(pose_file, "matrix", "expected 4x4 numbers", "one camera-to-world matrix per file");
-  if (!all_finite(m.data(), m.size())) {
-    capture.skipped.push_back(frame.name + ": lost tracking (pose is not finite)");
-    return;
-  }
-  frame.world_to_camera = rigid_from_matrix(m.data(), pose_file, "matrix").inverse();
-  const ImageInfo info = read_image_info(frame.image);
-  frame.camera = pinhole_camera(k.fx, k.fy, k.cx, k.cy, info.width, info.height);
-  capture.frames.push_back(std::move(frame));
+  if (!all_finite(m.data(), m.size())) throw_bad_input(pose_file, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
+  frame.world_to_camera = rigid_from_scaled_matrix(m.data(), pose_file, "matrix", frame.depth_scale).inverse();
+  set_depth(frame, depth);
+  if (k.width > 0) set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height));
+  else set_intrinsics(frame, k.fx, k.fy, k.cx, k.cy);
+  return frame;
 }
 
 }  // namespace
@@ -62,15 +59,11 @@ Capture read_rgbd_folder(const fs::path& folder) {
   capture.folder = folder;
   capture.metric = true;
   const Intrinsics k = read_intrinsics(folder / "intrinsics.txt");
-  for (const fs::path& image : list_files(folder / "images", {".jpg", ".jpeg", ".png"})) {
-    CapturedFrame frame;
-    frame.name = image.stem().string();
-    frame.image = image;
-    const fs::path depth = folder / "depth" / (frame.name + ".png");
-    if (fs::exists(depth)) frame.depth = depth;
-    const fs::path pose = folder / "poses" / (frame.name + ".txt");
-    if (!fs::exists(pose)) throw_bad_input(pose, "", "the image " + image.filename().string() + " has no pose", "add the pose or remove the image");
-    add_frame(capture, std::move(frame), pose, k);
+  const std::vector<fs::path> photos = list_frame_photos(capture, folder / "images");
+  note_poses_without_photo(capture, folder / "poses", photos);
+  for (const fs::path& image : photos) {
+    const std::string name = image.stem().string();
+    add_frame(capture, name, [&] { return posed_frame(name, image, folder / "depth" / (name + ".png"), folder / "poses" / (name + ".txt"), k); });
   }
   capture.train = read_names(folder / "train.txt");
   capture.test = read_names(folder / "test.txt");
@@ -88,7 +81,7 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
                     "7-Scenes colour is not registered to depth (10 to 45 px) and its shipped intrinsics are those of the depth camera",
                     "give --intrinsics FILE (3x3, of the colour camera) or --assume-registered");
   }
-  const Intrinsics k = options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240} : read_intrinsics(options.intrinsics);
+  const Intrinsics k = options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240, 640, 480} : read_intrinsics(options.intrinsics);
   std::vector<fs::path> sequences;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && entry.path().filename().string().rfind("seq", 0) == 0) sequences.push_back(entry.path());
@@ -97,19 +90,16 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
   if (sequences.empty()) sequences.push_back(folder);
   for (const fs::path& sequence : sequences) {
     const std::string prefix = sequences.size() > 1 ? sequence.filename().string() + "_" : "";
-    for (const fs::path& image : list_files(sequence, {".png", ".jpg"})) {
+    for (const fs::path& image : list_frame_photos(capture, sequence, {".png", ".jpg"})) {
       const std::string file = image.filename().string();
       const size_t cut = file.find(".color.");
       if (cut == std::string::npos) continue;
-      CapturedFrame frame;
-      frame.name = prefix + file.substr(0, cut);
-      frame.image = image;
-      const fs::path depth = sequence / (file.substr(0, cut) + ".depth.png");
-      if (options.assume_registered && fs::exists(depth)) frame.depth = depth;
-      add_frame(capture, std::move(frame), sequence / (file.substr(0, cut) + ".pose.txt"), k);
+      const std::string stem = file.substr(0, cut);
+      const fs::path depth = options.assume_registered ? sequence / (stem + ".depth.png") : fs::path();
+      add_frame(capture, prefix + stem, [&] { return posed_frame(prefix + stem, image, depth, sequence / (stem + ".pose.txt"), k); });
     }
   }
-  if (!options.assume_registered) capture.skipped.push_back("depth: not registered to colour, left out (--assume-registered uses it as it is)");
+  if (!options.assume_registered) capture.notes.push_back("depth is not registered to colour and not used (--assume-registered uses it as it is)");
   return capture;
 }
 

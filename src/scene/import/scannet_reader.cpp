@@ -2,8 +2,7 @@
 // tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
 // Intrinsics count from the centre of the first pixel, so half a pixel is added.
 #include "core/error.h"
-#include "io/image_file.h"
-#include "scene/import/capture.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
 namespace aligngs {
@@ -35,24 +34,25 @@ Capture read_scannet(const fs::path& folder) {
   capture.folder = folder;
   capture.metric = true;
   capture.up = Vec3d{0, 0, 1};
+  capture.up_source = "ScanNet's convention (+z)";
   const fs::path intrinsic = folder / "intrinsic";
   const std::vector<double> color = read_matrix4(intrinsic / "intrinsic_color.txt");
-  for (const fs::path& image : list_files(folder / "color", {".jpg", ".jpeg", ".png"})) {
-    CapturedFrame frame;
-    frame.name = image.stem().string();
-    frame.image = image;
-    const fs::path depth = folder / "depth" / (frame.name + ".png");
-    if (fs::exists(depth)) frame.depth = depth;
-    const fs::path pose = folder / "pose" / (frame.name + ".txt");
-    const std::vector<double> m = read_matrix4(pose);
-    if (!all_finite(m.data(), 16)) {
-      capture.skipped.push_back(frame.name + ": lost tracking (pose is not finite)");
-      continue;
-    }
-    frame.world_to_camera = rigid_from_matrix(m.data(), pose, "matrix").inverse();
-    const ImageInfo info = read_image_info(image);
-    frame.camera = pinhole_camera(color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel, info.width, info.height);
-    capture.frames.push_back(std::move(frame));
+  const std::vector<fs::path> photos = list_frame_photos(capture, folder / "color");
+  note_poses_without_photo(capture, folder / "pose", photos);
+  for (const fs::path& image : photos) {
+    const std::string name = image.stem().string();
+    add_frame(capture, name, [&] {
+      CapturedFrame frame;
+      frame.name = name;
+      frame.image = image;
+      const fs::path pose = folder / "pose" / (name + ".txt");
+      const std::vector<double> m = read_matrix4(pose);
+      if (!all_finite(m.data(), 16)) throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
+      frame.world_to_camera = rigid_from_matrix(m.data(), pose, "matrix").inverse();
+      set_depth(frame, folder / "depth" / (name + ".png"));
+      set_intrinsics(frame, color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel);
+      return frame;
+    });
   }
   if (fs::exists(intrinsic / "intrinsic_depth.txt")) {
     const std::vector<double> d = read_matrix4(intrinsic / "intrinsic_depth.txt");

@@ -1,7 +1,6 @@
 // SfM points as a start: an arbitrary world becomes the capture's by the similarity of the cameras they share.
-#include <map>
-
 #include "core/error.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/import_capture.h"
 
 namespace aligngs {
@@ -10,14 +9,13 @@ AlignedSfm align_sfm(const Capture& capture, const std::filesystem::path& model_
   constexpr double kMaxReprojectionError = 2;  // pixels; what 3DGS' readers keep
   constexpr size_t kMinTrack = 2;              // a point needs two rays
   const ColmapModel model = read_colmap_model(find_colmap_folder(model_folder));
-  std::map<std::string, const CapturedFrame*> frames;
-  for (const CapturedFrame& frame : capture.frames) frames[frame.name] = &frame;
+  const FrameNames frames(capture.frames);
   std::vector<Rigidd> from, to;
   for (const ColmapImage& image : model.images) {
-    const auto found = frames.find(std::filesystem::path(image.name).stem().string());
-    if (found == frames.end()) continue;
+    const int found = frames.find(image.name);
+    if (found < 0) continue;
     from.push_back({rotation_matrix(normalized(image.rotation)), image.translation});
-    to.push_back(found->second->world_to_camera);
+    to.push_back(capture.frames[static_cast<size_t>(found)].world_to_camera);
   }
   const SimilarityFit fit = fit_similarity_of_cameras(from, to);
   if (!fit.well_posed) {

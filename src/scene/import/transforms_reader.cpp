@@ -1,15 +1,19 @@
-// nerfstudio / Blender transforms.json: OpenGL camera-to-world per frame, fl_x fl_y cx cy w h (or camera_angle_x), OPENCV
-// distortion k1 k2 p1 p2 (k3 k4 refused), per-frame overrides, depth_file_path (uint16 mm), ply_file_path,
-// train_filenames / val_filenames / test_filenames.
+// transforms.json of nerfstudio and instant-ngp, or Blender's transforms_train.json and transforms_test.json (transforms_val.json):
+// OpenGL camera-to-world per frame, a lens for all of them or for each. transforms_fields.h has what the fields mean.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
-#include "scene/import/capture.h"
+#include "io/ply.h"
+#include "io/text_encoding.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/transforms_fields.h"
 #include "scene/mesh_ply.h"
 
 namespace aligngs {
@@ -19,100 +23,206 @@ using Json = nlohmann::json;
 
 namespace {
 
-struct Reader {
+/// A document with a list of frames.
+struct Transforms {
   fs::path file;
   Json document;
-
-  double number(const Json& frame, const char* key, double fallback) const {
-    for (const Json* source : {&frame, &document}) {
-      const auto found = source->find(key);
-      if (found == source->end()) continue;
-      if (!found->is_number() || !std::isfinite(found->get<double>())) throw_bad_input(file, key, "expected a finite number", "correct the value");
-      return found->get<double>();
-    }
-    return fallback;
-  }
-
-  ColmapCamera camera(const Json& frame, const ImageInfo& info) const {
-    const double w = number(frame, "w", info.width), h = number(frame, "h", info.height);
-    double fx = number(frame, "fl_x", 0);
-    if (!(fx > 0)) {
-      const double angle = number(frame, "camera_angle_x", 0);
-      if (!(angle > 0)) throw_bad_input(file, "fl_x", "no focal length (fl_x or camera_angle_x)", "add fl_x in pixels");
-      fx = 0.5 * w / std::tan(0.5 * angle);
-    }
-    const double fy = number(frame, "fl_y", fx);
-    if (number(frame, "k3", 0) != 0 || number(frame, "k4", 0) != 0) {
-      throw_bad_input(file, "k3, k4", "fisheye or high-order distortion is not supported", "undistort the images first (nerfstudio, COLMAP)");
-    }
-    if (w != info.width || h != info.height) {
-      throw_bad_input(file, "w, h", "the camera is " + std::to_string(int(w)) + "x" + std::to_string(int(h)) + " but its image is " +
-                      std::to_string(info.width) + "x" + std::to_string(info.height), "use the images the file was made for");
-    }
-    ColmapCamera camera = pinhole_camera(fx, fy, number(frame, "cx", w / 2), number(frame, "cy", h / 2), info.width, info.height);
-    const double k1 = number(frame, "k1", 0), k2 = number(frame, "k2", 0), p1 = number(frame, "p1", 0), p2 = number(frame, "p2", 0);
-    if (k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0) {
-      camera.model = "OPENCV";
-      camera.params.insert(camera.params.end(), {k1, k2, p1, p2});
-    }
-    return camera;
-  }
 };
 
-std::vector<std::string> stems(const Reader& reader, std::initializer_list<const char*> keys) {
+Transforms read_document(const fs::path& file) {
+  Transforms transforms{file, parse_json(without_byte_order_mark(read_file(file)))};
+  const Json& document = transforms.document;
+  if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array()) {
+    throw_bad_input(file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
+  }
+  return transforms;
+}
+
+/// Camera-to-world in OpenGL axes as world-to-camera in OpenCV ones. A matrix that scales space does so to depth as well.
+Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& field, double& scale) {
+  std::vector<double> m;
+  for (const Json& row : matrix) {
+    if (!row.is_array()) continue;
+    for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
+  }
+  if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
+  return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m.data(), file, field, scale));
+}
+
+class FrameReader {
+ public:
+  FrameReader(const Transforms& transforms, const PhotoLookup& photos, Capture& capture)
+      : transforms_(transforms), photos_(photos), capture_(capture), folder_(transforms.file.parent_path()) {}
+
+  CapturedFrame read(const Json& item, const std::string& field) const {
+    CapturedFrame frame;
+    const std::string path = slashed_name(item.at("file_path").get<std::string>());
+    const PhotoLookup::Answer photo = photos_.find(path);
+    if (photo.file.empty()) throw_bad_input({}, "", photo.problem, "put the photo where file_path says");
+    frame.name = path;
+    frame.image = photo.file;
+    const TransformsFields fields(transforms_.document, item, transforms_.file);
+    frame.world_to_camera = pose_of(item.at("transform_matrix"), transforms_.file, field + ".transform_matrix", frame.depth_scale);
+    const ImageInfo info = read_image_info(frame.image);
+    set_camera(frame, fields.camera(info.stored_width, info.stored_height));
+    frame.depth = depth(fields);
+    if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
+      frame.mask = folder_ / slashed_name(mask);
+      if (!fs::is_regular_file(frame.mask)) throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
+    }
+    note_lens(fields);
+    return frame;
+  }
+
+ private:
+  fs::path depth(const TransformsFields& fields) const {
+    const std::string path = slashed_name(fields.text("depth_file_path").empty() ? fields.text("depth_path") : fields.text("depth_file_path"));
+    if (path.empty()) return {};
+    const fs::path file = folder_ / path;
+    if (file.extension() != ".png" && file.extension() != ".PNG") {
+      note_once("depth in " + file.extension().string() + " files is not read and not used: 16-bit PNG is");
+      return {};
+    }
+    return fs::is_regular_file(file) ? file : fs::path();
+  }
+
+  void note_lens(const TransformsFields& fields) const {
+    if (fields.number("fisheye_crop_radius", 0) != 0) note_once("fisheye_crop_radius is not used: pixels outside of the circle count; mask_path can leave them out");
+    if (const Json* shutter = fields.find("rolling_shutter")) {
+      const bool any = !shutter->is_array() || std::any_of(shutter->begin(), shutter->end(), [](const Json& v) { return !v.is_number() || v.get<double>() != 0; });
+      if (any) note_once("rolling_shutter is not used: every photo counts as taken at one moment");
+    }
+    if (fields.find("time")) note_once("time is not used: the scene counts as one that does not move");
+  }
+
+  void note_once(const std::string& note) const {
+    const std::string line = transforms_.file.filename().string() + ": " + note;
+    if (std::find(capture_.notes.begin(), capture_.notes.end(), line) == capture_.notes.end()) capture_.notes.push_back(line);
+  }
+
+  const Transforms& transforms_;
+  const PhotoLookup& photos_;
+  Capture& capture_;
+  fs::path folder_;
+};
+
+/// Adds the frames of a file; returns their names as the file writes them.
+std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLookup& photos, Capture& capture) {
+  const FrameReader reader(transforms, photos, capture);
+  std::vector<std::string> names;
+  size_t index = 0;
+  for (const Json& item : transforms.document["frames"]) {
+    const std::string field = "frames[" + std::to_string(index++) + "]";
+    const bool has_path = item.is_object() && item.contains("file_path") && item["file_path"].is_string();
+    const std::string name = has_path ? slashed_name(item["file_path"].get<std::string>()) : field;
+    names.push_back(name);
+    add_frame(capture, name, [&] {
+      if (!has_path || !item.contains("transform_matrix")) throw_bad_input(transforms.file, field, "a frame needs file_path and transform_matrix", "correct the frame");
+      return reader.read(item, field);
+    });
+  }
+  return names;
+}
+
+/// Unknown keys of the file and of its frames, once.
+void note_unknown(const Transforms& transforms, Capture& capture) {
+  std::set<std::string> unknown;
+  for (const std::string& key : unknown_fields(transforms.document)) unknown.insert(key);
+  for (const Json& item : transforms.document["frames"]) {
+    if (!item.is_object()) continue;
+    for (const std::string& key : unknown_fields(item)) unknown.insert("frames." + key);
+  }
+  if (unknown.empty()) return;
+  std::string list;
+  for (const std::string& key : unknown) list += (list.empty() ? "" : ", ") + as_utf8(key);
+  capture.notes.push_back(transforms.file.filename().string() + ": fields that are not known here and not used: " + list);
+}
+
+/// Names of a list as names of frames; those of frames that were left out stay recognisable.
+void name_split(Capture& capture) {
+  const FrameNames names(capture.frames);
+  for (std::vector<std::string>* list : {&capture.train, &capture.test}) {
+    for (std::string& name : *list) {
+      const int frame = names.find(name);
+      name = frame >= 0 ? capture.frames[static_cast<size_t>(frame)].name : as_utf8(name);
+    }
+  }
+}
+
+std::vector<std::string> listed_names(const Transforms& transforms, std::initializer_list<const char*> keys) {
   std::vector<std::string> names;
   for (const char* key : keys) {
-    const auto found = reader.document.find(key);
-    if (found == reader.document.end()) continue;
-    if (!found->is_array()) throw_bad_input(reader.file, key, "expected a list of file names", "correct the value");
+    const auto found = transforms.document.find(key);
+    if (found == transforms.document.end()) continue;
+    if (!found->is_array()) throw_bad_input(transforms.file, key, "expected a list of file names", "correct the value");
     for (const Json& name : *found) {
-      if (name.is_string()) names.push_back(fs::path(name.get<std::string>()).stem().string());
+      if (name.is_string()) names.push_back(slashed_name(name.get<std::string>()));
     }
   }
   return names;
 }
 
+/// Points in double precision, which PointCloud has not.
+CapturedCloud read_points(const fs::path& file) {
+  CapturedCloud cloud;
+  const PointCloud points = read_cloud_ply(file);
+  const PlyFile ply = read_ply(file);
+  const PlyElement& vertices = *ply.find("vertex");
+  const PlyProperty *x = vertices.find("x"), *y = vertices.find("y"), *z = vertices.find("z");
+  for (size_t i = 0; i < points.size(); ++i) cloud.positions.push_back({x->values[i], y->values[i], z->values[i]});
+  cloud.colors = points.colors;
+  return cloud;
+}
+
+void set_depth_unit(const Transforms& transforms, Capture& capture) {
+  const TransformsFields fields(transforms.document, transforms.document, transforms.file);
+  const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
+  if (nerfstudio < 0 || ngp < 0) throw_bad_input(transforms.file, "integer_depth_scale", "a positive number expected", "scene units per stored depth value");
+  if (nerfstudio > 0) capture.depth_unit = nerfstudio;
+  else if (ngp > 0) capture.depth_unit = ngp;
+}
+
 }  // namespace
 
-Capture read_transforms(const fs::path& folder) {
-  Reader reader{folder / "transforms.json", {}};
-  reader.document = parse_json(read_file(reader.file));
-  if (!reader.document.is_object() || !reader.document.contains("frames") || !reader.document["frames"].is_array()) {
-    throw_bad_input(reader.file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
-  }
+bool may_hold_transforms(const fs::path& folder) {
+  return fs::is_regular_file(folder / "transforms.json") || fs::is_regular_file(folder / "transforms_train.json");
+}
+
+Capture read_transforms(const fs::path& folder) { return read_transforms(folder, PhotoLookup(fs::is_directory(folder / "images") ? folder / "images" : fs::path(), folder)); }
+
+Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
   capture.layout = layout_name(CaptureLayout::kTransforms);
   capture.folder = folder;
-  size_t index = 0;
-  for (const Json& item : reader.document["frames"]) {
-    const std::string field = "frames[" + std::to_string(index++) + "]";
-    if (!item.is_object() || !item.contains("file_path") || !item["file_path"].is_string() || !item.contains("transform_matrix")) {
-      throw_bad_input(reader.file, field, "a frame needs file_path and transform_matrix", "correct the frame");
+  capture.up = Vec3d{0, 0, 1};
+  capture.up_source = "nerfstudio's convention (+z)";
+  if (fs::is_regular_file(folder / "transforms.json")) {
+    const Transforms transforms = read_document(folder / "transforms.json");
+    set_depth_unit(transforms, capture);
+    add_frames(transforms, photos, capture);
+    capture.train = listed_names(transforms, {"train_filenames"});
+    capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
+    const std::string ply = TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
+    if (!ply.empty()) capture.cloud = read_points(folder / slashed_name(ply));
+    note_unknown(transforms, capture);
+  } else {
+    const bool has_test = fs::is_regular_file(folder / "transforms_test.json");
+    for (const char* split : {"train", "test", "val"}) {
+      const fs::path file = folder / (std::string("transforms_") + split + ".json");
+      if (!fs::is_regular_file(file)) continue;
+      if (split == std::string("val") && has_test) {
+        capture.notes.push_back("transforms_val.json is not used: test views are those of transforms_test.json");
+        continue;
+      }
+      const Transforms transforms = read_document(file);
+      if (split == std::string("train")) set_depth_unit(transforms, capture);
+      const std::vector<std::string> names = add_frames(transforms, photos, capture);
+      (split == std::string("train") ? capture.train : capture.test) = names;
+      note_unknown(transforms, capture);
     }
-    CapturedFrame frame;
-    frame.image = folder / item["file_path"].get<std::string>();
-    if (!fs::exists(frame.image) && frame.image.extension().empty()) frame.image += ".png";  // Blender leaves it out
-    frame.name = frame.image.stem().string();
-    if (item.contains("depth_file_path") && item["depth_file_path"].is_string()) frame.depth = folder / item["depth_file_path"].get<std::string>();
-    std::vector<double> m;
-    for (const Json& row : item["transform_matrix"]) {
-      if (!row.is_array()) continue;
-      for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
-    }
-    if (m.size() != 16 && m.size() != 12) throw_bad_input(reader.file, field + ".transform_matrix", "expected 4x4 numbers", "correct the matrix");
-    if (!all_finite(m.data(), m.size())) {
-      capture.skipped.push_back(frame.name + ": transform_matrix is not finite");
-      continue;
-    }
-    frame.world_to_camera = opencv_world_to_camera_from_opengl(rigid_from_matrix(m.data(), reader.file, field));
-    frame.camera = reader.camera(item, read_image_info(frame.image));
-    capture.frames.push_back(std::move(frame));
   }
-  capture.train = stems(reader, {"train_filenames"});
-  capture.test = stems(reader, {"test_filenames", "val_filenames"});
-  if (reader.document.contains("ply_file_path") && reader.document["ply_file_path"].is_string()) {
-    capture.cloud = read_cloud_ply(folder / reader.document["ply_file_path"].get<std::string>());
-  }
+  shorten_names(capture);
+  name_split(capture);
   return capture;
 }
 

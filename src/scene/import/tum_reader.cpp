@@ -1,12 +1,12 @@
 // TUM RGB-D: rgb.txt and depth.txt ("timestamp file" lines), groundtruth.txt ("timestamp tx ty tz qx qy qz qw",
 // camera-to-world, OpenCV axes). Depth values are 1/5000 m. Times are matched within 0.02 s.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
-#include "io/image_file.h"
-#include "scene/import/capture.h"
+#include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
 
 namespace aligngs {
@@ -66,28 +66,25 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   const std::vector<Stamped> colors = read_stamped(folder / "rgb.txt"), poses = read_stamped(truth);
   const std::vector<Stamped> depths = fs::exists(folder / "depth.txt") ? read_stamped(folder / "depth.txt") : std::vector<Stamped>{};
   for (const Stamped& color : colors) {
-    CapturedFrame frame;
-    frame.image = folder / color.rest;
-    frame.name = frame.image.stem().string();
-    for (char& c : frame.name) {
-      if (c == '.') c = '_';  // time stamps hold a dot, which other tools take for the extension
-    }
-    const Stamped* pose = nearest(poses, color.time);
-    if (!pose) {
-      capture.skipped.push_back(frame.name + ": no pose within 0.02 s");
-      continue;
-    }
-    if (const Stamped* depth = nearest(depths, color.time)) frame.depth = folder / depth->rest;
-    std::istringstream words(pose->rest);
-    Vec3d t;
-    Quaterniond q;
-    if (!(words >> t.x >> t.y >> t.z >> q.x >> q.y >> q.z >> q.w) || !(norm(q) > 0.5)) {
-      throw_bad_input(truth, "time " + std::to_string(pose->time), "expected tx ty tz qx qy qz qw", "check the file");
-    }
-    frame.world_to_camera = Rigidd{rotation_matrix(normalized(q)), t}.inverse();
-    const ImageInfo info = read_image_info(frame.image);
-    frame.camera = pinhole_camera(k[0], k[row + 1], k[2], k[row + 2], info.width, info.height);
-    capture.frames.push_back(std::move(frame));
+    std::string name = fs::path(color.rest).stem().string();
+    std::replace(name.begin(), name.end(), '.', '_');  // time stamps hold a dot, which other tools take for the extension
+    add_frame(capture, name, [&] {
+      CapturedFrame frame;
+      frame.name = name;
+      frame.image = folder / color.rest;
+      const Stamped* pose = nearest(poses, color.time);
+      if (!pose) throw_bad_input(truth, "", "no pose within 0.02 s", "nothing, when tracking began later");
+      if (const Stamped* depth = nearest(depths, color.time)) set_depth(frame, folder / depth->rest);
+      std::istringstream words(pose->rest);
+      Vec3d t;
+      Quaterniond q;
+      if (!(words >> t.x >> t.y >> t.z >> q.x >> q.y >> q.z >> q.w) || !(norm(q) > 0.5)) {
+        throw_bad_input(truth, "time " + std::to_string(pose->time), "expected tx ty tz qx qy qz qw", "check the file");
+      }
+      frame.world_to_camera = Rigidd{rotation_matrix(normalized(q)), t}.inverse();
+      set_intrinsics(frame, k[0], k[row + 1], k[2], k[row + 2]);
+      return frame;
+    });
   }
   return capture;
 }

@@ -6,8 +6,9 @@
 
 #include "core/error.h"
 #include "core/median.h"
-#include "io/image_file.h"
 #include "scene/image_quality.h"
+#include "scene/lens_model.h"
+#include "scene/photo_fit.h"
 
 namespace aligngs {
 namespace {
@@ -30,11 +31,29 @@ struct PinholeView {
 };
 
 PinholeView pinhole_view(const CapturedFrame& frame) {
-  const ColmapCamera& c = frame.camera;
-  const bool two_focals = c.model == "PINHOLE" || c.model.find("OPENCV") != std::string::npos;
-  const size_t o = two_focals ? 1 : 0;
-  return {c.params[0], c.params[o], c.params[o + 1], c.params[o + 2], double(c.width), double(c.height),
-          frame.world_to_camera, frame.world_to_camera.inverse().translation};
+  const Camera c = lens_of(frame.camera, frame.image).pinhole();
+  return {c.fx, c.fy, c.cx, c.cy, double(c.width), double(c.height), frame.world_to_camera, frame.world_to_camera.inverse().translation};
+}
+
+constexpr double kUnreadable = -1;  // sharpness of a photo that cannot be decoded
+
+double sharpness_of(const CapturedFrame& frame) {
+  try {
+    return sharpness(read_photo(frame.image, frame.upright));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return kUnreadable;
+  }
+}
+
+/// Empty when the frame has no depth, or none that can be read: then it is left out later, with its reason.
+ImageF depth_of(const Capture& capture, const CapturedFrame& frame) {
+  try {
+    return read_capture_depth(capture, frame);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    return {};
+  }
 }
 
 /// Sharp frames: in each window of consecutive frames the blurriest share is left out.
@@ -43,6 +62,7 @@ std::vector<int> sharp_candidates(const std::vector<double>& scores, const ViewS
   std::vector<int> kept;
   const int n = static_cast<int>(scores.size());
   for (int i = 0; i < n; ++i) {
+    if (scores[i] == kUnreadable) continue;
     const int low = std::max(0, i - kWindow / 2), high = std::min(n, low + kWindow);
     int sharper_than = 0;
     for (int j = low; j < high; ++j) sharper_than += scores[j] < scores[i];
@@ -61,7 +81,7 @@ std::vector<int> sharp_candidates(const std::vector<double>& scores, const ViewS
 std::vector<double> sharpness_of_frames(const Capture& capture, ThreadPool& pool) {
   std::vector<double> scores(capture.frames.size());
   pool.parallel_for(scores.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) scores[i] = sharpness(read_image(capture.frames[i].image));
+    for (size_t i = begin; i < end; ++i) scores[i] = sharpness_of(capture.frames[i]);
   });
   return scores;
 }
@@ -69,7 +89,7 @@ std::vector<double> sharpness_of_frames(const Capture& capture, ThreadPool& pool
 std::vector<Sample> samples_of_frame(const Capture& capture, const CapturedFrame& frame, double fallback_depth) {
   const PinholeView view = pinhole_view(frame);
   const Rigidd to_world = view.pose.inverse();
-  const ImageF depth = read_capture_depth(capture, frame);
+  const ImageF depth = depth_of(capture, frame);
   std::vector<Sample> samples;
   for (int r = 0; r < kGridRows; ++r) {
     for (int c = 0; c < kGridColumns; ++c) {
@@ -92,7 +112,7 @@ double typical_depth(const Capture& capture, const std::vector<PinholeView>& vie
   const size_t step = std::max<size_t>(1, capture.cloud.size() / 2000);
   for (size_t i = 0; i < capture.cloud.size(); i += step) {
     for (size_t v = 0; v < views.size(); v += std::max<size_t>(1, views.size() / 8)) {
-      const Vec3d p = views[v].pose * capture.cloud.positions[i].cast<double>();
+      const Vec3d p = views[v].pose * capture.cloud.positions[i];
       if (p.z > 0) distances.push_back(p.z);
     }
   }
@@ -115,7 +135,7 @@ struct CoarseDepth {
 
 CoarseDepth coarse_depth(const Capture& capture, const CapturedFrame& frame) {
   CoarseDepth coarse;
-  const ImageF depth = read_capture_depth(capture, frame);
+  const ImageF depth = depth_of(capture, frame);
   if (depth.empty()) return coarse;
   coarse.map = ImageF(64, 48, 1, 0.f);
   for (int y = 0; y < 48; ++y) {
@@ -134,7 +154,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
   if (options.count >= n) return all;
 
   std::vector<int> candidates = sharp_candidates(sharpness_of_frames(capture, pool), options);
-  if (static_cast<int>(candidates.size()) < options.count) candidates = all;
+  if (static_cast<int>(candidates.size()) < options.count) candidates = all;  // what cannot be read is left out by the import
   const int m = static_cast<int>(candidates.size());
   std::vector<PinholeView> views;
   for (const int i : candidates) views.push_back(pinhole_view(capture.frames[i]));
@@ -218,7 +238,7 @@ std::vector<int> select_test_views(const Capture& capture, const std::vector<int
   const int wanted = std::min<int>(count, static_cast<int>(source.size()));
   std::vector<double> scores(source.size());
   pool.parallel_for(source.size(), 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) scores[i] = sharpness(read_image(capture.frames[source[i]].image));
+    for (size_t i = begin; i < end; ++i) scores[i] = sharpness_of(capture.frames[source[i]]);
   });
   for (int k = 0; k < wanted; ++k) {  // the sharpest of each of `wanted` equal stretches
     const size_t low = source.size() * k / wanted, high = source.size() * (k + 1) / wanted;

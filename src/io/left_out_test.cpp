@@ -1,0 +1,39 @@
+#include "io/left_out.h"
+
+#include <gmock/gmock.h>
+
+namespace aligngs {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::vector<LeftOut> kTwo = {{"a", "the photo is missing", "copy it"}, {"b", "the pose is not finite", ""}};
+
+TEST(LeftOut, IsSummedUp) {
+  EXPECT_EQ(summary_of(54, kTwo), "54 of 56 frames; left out: a (the photo is missing), b (the pose is not finite)");
+  EXPECT_EQ(summary_of(3, {}), "3 of 3 frames");
+}
+
+TEST(LeftOut, ManyAreCounted) {
+  EXPECT_THAT(summary_of(1, std::vector<LeftOut>(25, kTwo[0])), AllOf(HasSubstr("1 of 26"), HasSubstr("and 15 more")));
+}
+
+TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {
+  std::vector<LeftOut> left_out;
+  EXPECT_FALSE(use_or_leave_out("a", left_out, [] { throw_bad_input("photos/a.jpg", "JPEG data", "the picture is truncated", "copy it again"); }));
+  EXPECT_TRUE(use_or_leave_out("b", left_out, [] {}));
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_EQ(left_out[0].reason, "a.jpg, JPEG data: the picture is truncated");
+  EXPECT_THROW(use_or_leave_out("c", left_out, [] { throw_resources("disk", "full"); }), Error);
+}
+
+TEST(LeftOut, TooFewOrStrictIsAnError) {
+  EXPECT_NO_THROW(require_enough("d", 2, kTwo, 2, false));
+  EXPECT_NO_THROW(require_enough("d", 1, {}, 2, false));  // nothing was left out: there never were more
+  EXPECT_THROW(require_enough("d", 1, kTwo, 2, false), Error);
+  EXPECT_THROW(require_enough("d", 9, kTwo, 2, true), Error);
+}
+
+}  // namespace
+}  // namespace aligngs

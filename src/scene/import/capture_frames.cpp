@@ -1,0 +1,201 @@
+#include "scene/import/capture_frames.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <map>
+#include <set>
+
+#include "core/error.h"
+#include "io/image_file.h"
+#include "io/text_encoding.h"
+#include "scene/import/capture_text.h"
+#include "scene/lens_model.h"
+#include "scene/photo_fit.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> parts_of(const std::string& name) {
+  std::vector<std::string> parts;
+  for (const fs::path& part : fs::path(name).relative_path()) parts.push_back(part.string());
+  return parts;
+}
+
+/// The last run of digits in a file's stem; -1 when there is none.
+int number_of(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  size_t end = stem.size();
+  const auto digit = [&](size_t i) { return std::isdigit(static_cast<unsigned char>(stem[i])) != 0; };
+  while (end > 0 && !digit(end - 1)) --end;
+  size_t begin = end;
+  while (begin > 0 && digit(begin - 1)) --begin;
+  int number = -1;
+  std::from_chars(stem.data() + begin, stem.data() + end, number);
+  return number;
+}
+
+void leave_out_repeated(Capture& capture) {
+  std::map<fs::path, std::set<std::string>> cameras_of_photo;
+  for (const CapturedFrame& frame : capture.frames) cameras_of_photo[frame.image].insert(frame.name);
+  std::set<std::string> seen;
+  std::erase_if(capture.frames, [&](const CapturedFrame& frame) {
+    if (cameras_of_photo[frame.image].size() > 1) {
+      capture.left_out.push_back({frame.name, "several cameras name the photo " + as_utf8(frame.image.filename().string()), "give each photo one camera"});
+      return true;
+    }
+    if (seen.insert(frame.name).second) return false;
+    capture.left_out.push_back({frame.name, "it is listed twice (" + as_utf8(frame.image.filename().string()) + ")", "rename or remove one of them"});
+    return true;
+  });
+}
+
+/// A depth prior is of use when every training view has one.
+void leave_out_without_depth(Capture& capture) {
+  const auto without = [](const CapturedFrame& frame) { return frame.depth.empty(); };
+  const auto missing = static_cast<size_t>(std::count_if(capture.frames.begin(), capture.frames.end(), without)), all = capture.frames.size();
+  if (missing == 0 || missing == all) return;
+  if (2 * missing > all) {
+    capture.notes.push_back("only " + std::to_string(all - missing) + " of " + std::to_string(all) + " frames have depth: none is used");
+    for (CapturedFrame& frame : capture.frames) frame.depth.clear();
+    return;
+  }
+  for (const CapturedFrame& frame : capture.frames) {
+    if (without(frame)) capture.left_out.push_back({frame.name, "its depth is missing", "add the depth image, or remove the folder of depth to go without"});
+  }
+  std::erase_if(capture.frames, without);
+}
+
+}  // namespace
+
+void set_camera(CapturedFrame& frame, const ColmapCamera& camera) {
+  const ImageInfo info = read_image_info(frame.image);
+  const PhotoFit fit = require_photo_fit(frame.image, info, static_cast<int>(std::min<uint64_t>(camera.width, 1 << 30)),
+                                         static_cast<int>(std::min<uint64_t>(camera.height, 1 << 30)));
+  frame.upright = fit.upright;
+  frame.camera = resized_camera(camera, fit.width, fit.height);
+}
+
+void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy) {
+  const ImageInfo info = read_image_info(frame.image);
+  const int w = info.stored_width, h = info.stored_height;
+  if (!(cx > 0 && cy > 0 && cx < w && cy < h)) {
+    throw_bad_input(frame.image, "intrinsics",
+                    "the principal point (" + std::to_string(cx) + ", " + std::to_string(cy) + ") lies outside of a photo of " + std::to_string(w) + " x " +
+                        std::to_string(h),
+                    "the intrinsics are for photos of another size: scale them, or use the photos they belong to");
+  }
+  frame.upright = false;
+  frame.camera = pinhole_camera(fx, fy, cx, cy, w, h);
+}
+
+std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder, const std::vector<std::string>& extensions) {
+  std::error_code error;
+  std::set<std::string> hidden;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (is_hidden(entry->path()) && has_picture_extension(entry->path())) hidden.insert(as_utf8(entry->path().filename().string()));
+  }
+  for (const std::string& name : hidden) capture.left_out.push_back({name, "a hidden file is no photo", "remove it"});
+  return list_files(folder, extensions);
+}
+
+void note_poses_without_photo(Capture& capture, const fs::path& poses, const std::vector<fs::path>& photos) {
+  std::set<std::string> names;
+  for (const fs::path& photo : photos) names.insert(photo.stem().string());
+  for (const fs::path& pose : list_files(poses, {".txt"})) {
+    if (!names.count(pose.stem().string())) capture.left_out.push_back({as_utf8(pose.stem().string()), "the photo is missing", "add the photo or remove its pose"});
+  }
+}
+
+void set_depth(CapturedFrame& frame, const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) frame.depth = file;
+}
+
+std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>& photos, size_t poses, const fs::path& file) {
+  std::vector<int> indices;
+  for (size_t i = 0; i < photos.size(); ++i) {
+    int index = static_cast<int>(i);
+    if (photos.size() != poses) {
+      index = number_of(photos[i]);
+      if (index < 0) {
+        throw_bad_input(file, "poses", "there are " + std::to_string(photos.size()) + " photos but " + std::to_string(poses) +
+                        " poses, and " + as_utf8(photos[i].filename().string()) + " has no number to tell which is its own",
+                        "there must be a pose for each photo");
+      }
+    }
+    indices.push_back(static_cast<size_t>(index) < poses ? index : -1);
+  }
+  const std::set<int> paired(indices.begin(), indices.end());
+  for (size_t i = 0; i < poses && photos.size() != poses; ++i) {
+    if (!paired.count(static_cast<int>(i))) capture.left_out.push_back({"pose " + std::to_string(i), PhotoLookup::kMissing, "add the photo"});
+  }
+  return indices;
+}
+
+FrameNames::FrameNames(const std::vector<CapturedFrame>& frames) {
+  for (const CapturedFrame& frame : frames) parts_.push_back(parts_of(frame.name));
+}
+
+int FrameNames::find(const std::string& name) const {
+  for (const std::string& wanted : {as_utf8(slashed_name(name)), view_name_of(name)}) {
+    const std::vector<std::string> parts = parts_of(wanted);
+    const auto exact = std::find(parts_.begin(), parts_.end(), parts);
+    if (exact != parts_.end()) return static_cast<int>(exact - parts_.begin());
+  }
+  for (const std::string& wanted : {as_utf8(slashed_name(name)), view_name_of(name)}) {
+    const std::vector<std::string> parts = parts_of(wanted);
+    int found = -1, count = 0;
+    size_t longest = 1;
+    for (size_t i = 0; i < parts_.size(); ++i) {
+      const size_t common = std::min(parts.size(), parts_[i].size());
+      if (common < longest || !std::equal(parts.rbegin(), parts.rbegin() + static_cast<ptrdiff_t>(common), parts_[i].rbegin())) continue;
+      if (common > longest) count = 0;
+      longest = common;
+      found = static_cast<int>(i);
+      ++count;
+    }
+    if (count == 1) return found;
+  }
+  return -1;
+}
+
+void shorten_names(Capture& capture) {
+  std::map<std::string, std::vector<std::string>> parts;
+  for (const CapturedFrame& frame : capture.frames) {
+    fs::path path = fs::path(frame.name).lexically_normal().relative_path();
+    // A name may leave out the extension, and may hold dots: the file that was found says where it ends.
+    const std::string stem = as_utf8(frame.image.stem().string());
+    std::vector<std::string>& own = parts[frame.name];
+    if (!own.empty()) continue;  // listed twice
+    for (const fs::path& part : path.parent_path()) {
+      if (part != "..") own.push_back(as_utf8(part.string()));
+    }
+    own.push_back(stem);
+  }
+  if (parts.empty()) return;
+  size_t shared = parts.begin()->second.size() - 1;
+  for (const auto& [name, own] : parts) {
+    shared = std::min(shared, own.size() - 1);
+    while (!std::equal(own.begin(), own.begin() + static_cast<ptrdiff_t>(shared), parts.begin()->second.begin())) --shared;
+  }
+  for (CapturedFrame& frame : capture.frames) {
+    const std::vector<std::string>& own = parts[frame.name];
+    std::string name;
+    for (size_t i = shared; i < own.size(); ++i) name += (name.empty() ? "" : "/") + own[i];
+    frame.name = name;
+  }
+}
+
+void finish_capture(Capture& capture) {
+  leave_out_repeated(capture);
+  leave_out_without_depth(capture);
+  require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
+  if (capture.frames.empty()) throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found", "check the folder and its poses");
+  place_near_origin(capture);
+}
+
+}  // namespace aligngs

@@ -1,0 +1,60 @@
+// Shared by the layout readers when they put frames together. src/scene/import internal.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "scene/import/capture.h"
+
+namespace aligngs {
+
+/// Adds what `read` returns; what it throws as bad input leaves this frame out with a line.
+template <class Read>
+void add_frame(Capture& capture, const std::string& name, Read read) {
+  use_or_leave_out(name, capture.left_out, [&] { capture.frames.push_back(read()); });
+}
+
+/// Pairs a frame with a camera whose image size is known: it is brought to the size of the photo, whose stored pixels go
+/// first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
+void set_camera(CapturedFrame& frame, const ColmapCamera& camera);
+
+/// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when the principal
+/// point lies outside of the photo: then they are for photos of another size.
+void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy);
+
+/// The photos of a folder in natural order; hidden ones are left out with a line.
+std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std::filesystem::path& folder,
+                                                     const std::vector<std::string>& extensions = {".jpg", ".jpeg", ".png"});
+
+/// Lists the poses of a folder (NAME.txt) whose photo is missing.
+void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses, const std::vector<std::filesystem::path>& photos);
+
+/// Sets the depth when the file is there.
+void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
+
+/// For numbered files (img12.png) beside a list of `poses`: the index of each file's pose. Files and poses pair in order when
+/// there are as many of one as of the other, else by the number in the name; -1 where the list holds none.
+/// Error{kBadInput} naming `file` when numbers do not help: names without one.
+/// Poses whose photo is missing get a line.
+std::vector<int> poses_of_numbered(Capture& capture, const std::vector<std::filesystem::path>& photos, size_t poses, const std::filesystem::path& file);
+
+/// Finds the frame that a name in a list means: the one of that name, with or without extension, else the only one whose path ends
+/// like it.
+class FrameNames {
+ public:
+  explicit FrameNames(const std::vector<CapturedFrame>& frames);
+  int find(const std::string& name) const;  ///< index of the frame; -1: none, or several
+
+ private:
+  std::vector<std::vector<std::string>> parts_;  ///< of each frame's name
+};
+
+/// Names that are paths of files become paths below the folder that all photos share, without extension and "..".
+void shorten_names(Capture& capture);
+
+/// Moves a world that lies far from its origin to it, in double precision, and scales one of arbitrary units whose size is far
+/// from 1 by a power of ten; Capture::to_original takes it back.
+void place_near_origin(Capture& capture);
+
+}  // namespace aligngs

@@ -1,0 +1,171 @@
+#include "scene/photo_lookup.h"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "io/text_encoding.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+/// A name without the extension of a picture, also of kinds that are not read; other dots belong to the name.
+std::string stem_of(const fs::path& file) {
+  static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png",  ".tif",  ".tiff", ".heic", ".heif", ".webp", ".bmp", ".ppm",
+                                               ".avif", ".gif",  ".exr",  ".dng",  ".cr2",  ".nef",  ".arw",  ".jp2"};
+  return kKnown.count(lower(file.extension().string())) ? file.stem().string() : file.filename().string();
+}
+
+std::string listed(const std::vector<fs::path>& files) {
+  std::string text;
+  for (size_t i = 0; i < files.size() && i < 3; ++i) text += (i ? ", " : "") + as_utf8(files[i].string());
+  return text + (files.size() > 3 ? ", ..." : "");
+}
+
+constexpr const char* kSeveral = "several photos could be meant: ";
+
+PhotoLookup::Answer answer_of(std::vector<fs::path> found) {
+  std::sort(found.begin(), found.end());
+  if (found.size() == 1) return {found.front(), ""};
+  if (found.empty()) return {};
+  return {{}, kSeveral + listed(found)};
+}
+
+/// The name in both encodings, as written first.
+std::vector<std::string> spellings(const std::string& name) {
+  std::vector<std::string> all = {name};
+  for (const std::string& other : {is_utf8(name) ? latin1_of_utf8(name) : utf8_of_latin1(name)}) {
+    if (!other.empty() && other != name) all.push_back(other);
+  }
+  return all;
+}
+
+}  // namespace
+
+bool has_picture_extension(const fs::path& file) {
+  const std::string extension = lower(file.extension().string());
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
+bool is_hidden(const fs::path& file) { return file.filename().string().rfind('.', 0) == 0; }
+
+std::string slashed_name(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  while (name.rfind("./", 0) == 0) name.erase(0, 2);
+  return name;
+}
+
+std::string view_name_of(const std::string& image_name) {
+  const fs::path path(slashed_name(image_name));
+  return as_utf8((path.parent_path() / path.stem()).generic_string());
+}
+
+PhotoLookup::PhotoLookup(fs::path photos, fs::path beside, std::vector<fs::path> subfolders) : photos_(std::move(photos)) {
+  if (!photos_.empty()) places_.push_back({photos_});
+  if (!beside.empty()) places_.push_back({std::move(beside)});
+  if (!subfolders.empty()) places_.push_back(std::move(subfolders));
+}
+
+PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
+  const std::string name = slashed_name(given);
+  if (name.empty()) return {{}, "the name of the photo is empty"};
+  const auto decided = [](const Answer& answer) { return !answer.file.empty() || !answer.problem.empty(); };
+  for (const auto rule : {&PhotoLookup::exact, &PhotoLookup::by_other_extension}) {
+    for (const std::string& spelling : spellings(name)) {
+      for (const Folders& place : places_) {
+        const Answer answer = (this->*rule)(place, spelling);
+        if (decided(answer)) return answer;
+      }
+    }
+  }
+  const Answer elsewhere = by_ending(name);
+  return decided(elsewhere) ? elsewhere : Answer{{}, kMissing};
+}
+
+bool PhotoLookup::is_ambiguous(const Answer& answer) { return answer.problem.rfind(kSeveral, 0) == 0; }
+
+PhotoLookup::Answer PhotoLookup::exact(const Folders& folders, const std::string& name) const {
+  std::vector<fs::path> found;
+  for (const fs::path& folder : folders) {
+    if (is_file(folder / name)) found.push_back(folder / name);
+  }
+  return answer_of(std::move(found));
+}
+
+PhotoLookup::Answer PhotoLookup::by_other_extension(const Folders& folders, const std::string& name) const {
+  std::vector<fs::path> same, others;  // of the same extension in another case, of others
+  for (const fs::path& folder : folders) {
+    const fs::path wanted = folder / name;
+    const std::string stem = stem_of(wanted), extension = lower(wanted.extension().string());
+    std::error_code error;
+    for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
+      const fs::path& file = entry->path();
+      if (!has_picture_extension(file) || is_hidden(file) || file.stem().string() != stem || !is_file(file)) continue;
+      (lower(file.extension().string()) == extension ? same : others).push_back(file);
+    }
+  }
+  return answer_of(same.empty() ? others : same);
+}
+
+PhotoLookup::Answer PhotoLookup::by_ending(const std::string& name) const {
+  std::vector<std::string> wanted;
+  for (const fs::path& part : fs::path(as_utf8(name)).relative_path()) wanted.push_back(part.string());
+  if (wanted.empty()) return {};
+  wanted.back() = stem_of(wanted.back());
+  std::vector<fs::path> found;
+  size_t longest = 0;
+  for (const Candidate& candidate : candidates()) {
+    const size_t common = std::min(wanted.size(), candidate.parts.size());
+    if (common < longest || !std::equal(wanted.rbegin(), wanted.rbegin() + static_cast<ptrdiff_t>(common), candidate.parts.rbegin())) continue;
+    if (common > longest) found.clear();
+    longest = common;
+    found.push_back(candidate.file);
+  }
+  return answer_of(found);
+}
+
+const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
+  if (listed_ || photos_.empty()) return candidates_;
+  listed_ = true;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(photos_, fs::directory_options::skip_permission_denied, error);
+  for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
+    const fs::path& file = entry->path();
+    if (is_hidden(file)) {
+      if (entry->is_directory(error)) entry.disable_recursion_pending();
+      continue;
+    }
+    if (!has_picture_extension(file) || !is_file(file)) continue;
+    Candidate candidate{file, {}};
+    for (const fs::path& part : file.lexically_relative(photos_)) candidate.parts.push_back(as_utf8(part.string()));
+    candidate.parts.back() = as_utf8(file.stem().string());
+    candidates_.push_back(std::move(candidate));
+  }
+  return candidates_;
+}
+
+PhotoLookup photos_of_data_set(const fs::path& folder) {
+  const fs::path images = folder / "images";
+  if (fs::is_directory(images)) return PhotoLookup(images, folder);
+  std::vector<fs::path> subfolders;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->is_directory(error) && !is_hidden(entry->path())) subfolders.push_back(entry->path());
+  }
+  return PhotoLookup({}, folder, std::move(subfolders));
+}
+
+}  // namespace aligngs

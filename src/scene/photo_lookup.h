@@ -1,0 +1,64 @@
+// Finds the file that a name in a camera file means: one answer for `import`, given cameras, `train` and `run`.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace aligngs {
+
+/// ".jpg", ".jpeg" or ".png" in any case.
+bool has_picture_extension(const std::filesystem::path& file);
+/// A name that begins with a dot: "._IMG_1.jpg" is no photo but what macOS keeps beside one.
+bool is_hidden(const std::filesystem::path& file);
+/// A name from a camera file as a relative path: backslashes become slashes, "./" goes.
+std::string slashed_name(std::string name);
+/// The name of a view: the name of its image without extension (up to the last dot), subfolders kept, in UTF-8.
+std::string view_name_of(const std::string& image_name);
+
+/// Names are tried in this order, and the first rule that finds a file decides:
+///   1. the very path below one of the folders;
+///   2. the same with the name written in the other encoding (UTF-8, latin-1);
+///   3. the same folder and stem, with another picture extension or none in the name ("a.JPG", "a.png" for "a.jpg");
+///   4. a photo elsewhere below `photos` whose path and the name end alike, up to the whole of the shorter one.
+/// Two files under one rule are no answer, since a guess would be silent.
+class PhotoLookup {
+ public:
+  /// `photos`: the folder that holds them, searched with its subfolders; may be empty. `beside`: a folder to which names
+  /// may be relative as well, not searched. `subfolders`: alike, after it, none before the others.
+  explicit PhotoLookup(std::filesystem::path photos, std::filesystem::path beside = {},
+                       std::vector<std::filesystem::path> subfolders = {});
+
+  static constexpr const char* kMissing = "the photo is missing";
+
+  struct Answer {
+    std::filesystem::path file;  ///< empty: not found
+    std::string problem;         ///< why not: missing, or which files it could be
+  };
+  Answer find(const std::string& name) const;
+  /// Whether it failed because several files could be meant.
+  static bool is_ambiguous(const Answer& answer);
+
+ private:
+  struct Candidate {
+    std::filesystem::path file;
+    std::vector<std::string> parts;  ///< folders and stem below `photos`, in UTF-8
+  };
+  using Folders = std::vector<std::filesystem::path>;
+  Answer exact(const Folders& folders, const std::string& name) const;
+  Answer by_other_extension(const Folders& folders, const std::string& name) const;
+  Answer by_ending(const std::string& name) const;
+  const std::vector<Candidate>& candidates() const;
+
+  std::vector<Folders> places_;  ///< in order of preference; the folders of one place are equals
+  std::filesystem::path photos_;
+  mutable bool listed_ = false;
+  mutable std::vector<Candidate> candidates_;
+};
+
+/// The folders in which photos of a data set may lie: images/ when it is there, and the data set's own folder. Each
+/// subfolder counts as well (input/, rgb/, ...) when there is no images/.
+PhotoLookup photos_of_data_set(const std::filesystem::path& folder);
+
+}  // namespace aligngs

@@ -1,0 +1,33 @@
+// Finds the direction that is up in a world that does not say so.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/camera.h"
+
+namespace aligngs {
+
+struct UpDirection {
+  Vec3d direction;     ///< unit, world
+  std::string source;  ///< for scene.json: what it was concluded from
+};
+
+/// A camera's place and the direction in the world that is up in its picture.
+struct ViewUp {
+  Vec3d centre, up;
+};
+
+/// For a picture that was held as its EXIF orientation (1 to 8) says; 1 where the pixels are upright.
+ViewUp view_up(const Rigidd& world_to_camera, int orientation = 1);
+
+/// From the plane through the points that are labelled as floor, else from the plane that the points form below the cameras,
+/// else from the mean up of the cameras. A plane counts within 30 degrees of that mean. Empty without cameras and when their
+/// ups cancel each other.
+std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor, const std::vector<Vec3d>& points);
+
+/// Whether a convention's up agrees with the cameras: it is not below their horizon on the mean.
+bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up);
+
+}  // namespace aligngs
