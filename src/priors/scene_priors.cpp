@@ -22,6 +22,7 @@
 #include "scene/confidence_file.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_json.h"
+#include "scene/view_data.h"
 
 namespace aligngs {
 

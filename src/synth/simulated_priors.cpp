@@ -8,6 +8,7 @@
 #include "io/image_file.h"
 #include "scene/mesh_ply.h"
 #include "scene/scene_writer.h"
+#include "scene/view_data.h"
 #include "synth/raytracer.h"
 #include "synth/shading.h"
 #include "synth/teacher_cloud.h"
