@@ -10,8 +10,6 @@ namespace aligngs {
 namespace {
 
 constexpr uint64_t kSeed = 1;  // the same panels every time
-/// Intersection over union of a region and a panel that are the same thing, whatever kind of panel the photo calls it.
-constexpr double kCoincide = 0.6;
 
 struct NamedClass {
   const char* name;
@@ -81,7 +79,6 @@ class PanelsInView {
     return panels_[panel].contains(centre_ + ray * (distance / slope)) ? distance / slope : 0;
   }
   size_t count() const { return panels_.size(); }
-  bool stands_free(size_t panel) const { return !in_wall_[panel]; }
   bool can_be(size_t panel, PanelClass c) const { return c == PanelClass::kFree || (c == PanelClass::kInWall && in_wall_[panel]); }
 
  private:
@@ -92,44 +89,6 @@ class PanelsInView {
 };
 
 constexpr int32_t kNobody = -1;
-
-/// A screen is called a picture in some photos, where it would belong into a wall. What covers the same pixels as a panel that stands free is that.
-void claim_pictures(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes, const Image<uint8_t>& mask,
-                    Image<int32_t>& owner) {
-  DisjointSets sets(0);
-  std::map<uint32_t, size_t> sizes;  // of the regions
-  for (size_t k = 0; k < panels.count(); ++k) {
-    if (!panels.stands_free(k)) continue;
-    const int width = view.labels.width, height = view.labels.height;
-    const auto index = [&](int x, int y) { return static_cast<uint32_t>(y * width + x); };
-    if (sizes.empty()) {
-      const Image<uint8_t> named = mask_of(view, classes);
-      sets = regions(named);
-      for (uint32_t i = 0; i < named.data.size(); ++i) {
-        if (named.data[i]) ++sizes[sets.find(i)];
-      }
-    }
-    std::map<uint32_t, size_t> shared;
-    size_t shown = 0;
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        if (!(panels.depth(k, panels.ray(x, y)) > 0)) continue;
-        ++shown;
-        const uint32_t root = sets.find(index(x, y));
-        if (sizes.contains(root)) ++shared[root];
-      }
-    }
-    for (const auto& [root, both] : shared) {
-      if (static_cast<double>(both) < kCoincide * static_cast<double>(sizes[root] + shown - both)) continue;
-      for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-          const bool free = mask.at(x, y) && owner.at(x, y) == kNobody && class_at(view, classes, x, y) == PanelClass::kInWall;
-          if (free && sets.find(index(x, y)) == root && panels.depth(k, panels.ray(x, y)) > 0) owner.at(x, y) = static_cast<int32_t>(k);
-        }
-      }
-    }
-  }
-}
 
 /// Of which panel each pixel of the mask is, by the nearest measured pixel along the mask; kNobody where its region has none.
 Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes, const Image<uint8_t>& mask,
@@ -164,7 +123,6 @@ Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const s
       queue.emplace_back(nx, ny);
     }
   }
-  claim_pictures(panels, view, classes, mask, owner);
   return owner;
 }
 

@@ -124,39 +124,6 @@ TEST(PanelDepth, AMirageBeyondReachIsLeftAlone) {
   EXPECT_EQ(photos.measurements[0].weight.at(60, 45), 0);
 }
 
-/// A panel as other photos have placed it, 40 cm before the wall, of just the size of what the photos call a pane.
-Panel screen_before_the_wall() {
-  Panel panel;
-  panel.normal = {0, 0, -1};
-  panel.offset = panel.depth = kWallDepth - 0.4;
-  panel.across = {1, 0, 0};
-  panel.up = {0, 1, 0};
-  const double nearer = panel.offset / kPaneDepth;
-  for (int k = 0; k < 2; ++k) {
-    panel.high[k] = nearer * (k == 0 ? 0.8 : 0.7);
-    panel.low[k] = -panel.high[k];
-  }
-  return panel;
-}
-
-TEST(PanelDepth, WhatIsCalledAPictureAndCoversAScreenThatStandsFreeIsThat) {
-  WindowPhotos photos(1);
-  for (float& c : photos.views[0].certainty.data) c = 0;
-  measure_on_panels({screen_before_the_wall()}, {wall()}, photos.views, kClasses, {}, photos.pool, photos.measurements);
-  const double z = photos.views[0].depth.at(60, 45) * std::exp(photos.measurements[0].log_factor.at(60, 45));
-  EXPECT_NEAR(z, kWallDepth - 0.4, 0.01);
-}
-
-TEST(PanelDepth, APictureBehindASmallerScreenIsNot) {
-  WindowPhotos photos(1);
-  for (float& c : photos.views[0].certainty.data) c = 0;
-  Panel small = screen_before_the_wall();
-  small.high[0] = 0;
-  measure_on_panels({small}, {wall()}, photos.views, kClasses, {}, photos.pool, photos.measurements);
-  const double z = photos.views[0].depth.at(40, 45) * std::exp(photos.measurements[0].log_factor.at(40, 45));
-  EXPECT_NEAR(z, kWallDepth, 0.01);
-}
-
 TEST(PanelDepth, AHalfSureLabelDrawsHalfAsMuch) {
   WindowPhotos photos;
   photos.views[0].label_share = ImageF(kWidth, kHeight, 1);
