@@ -16,7 +16,7 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false, screens = false;
   bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
@@ -93,6 +93,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.fuse_labels = options.fuse_labels;
   refine_options.plane_settings.square = !options.no_square;
   refine_options.panels = !options.no_panels;
+  refine_options.screen_settings.enabled = options.screens;
   refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
@@ -153,6 +154,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--plane-tables", options->tables, "draw the tops of tables, desks and counters to planes, too");
   command->add_flag("--fuse-labels", options->fuse_labels, "find planes by what most photos call a place, and weigh each pixel by their share");
   command->add_flag("--no-square", options->no_square, "leave planes as they are found where they show that the room is built square");
+  command->add_flag("--place-screens", options->screens, "place televisions and monitors by their outlines in several photos");
   command->add_flag("--no-panels", options->no_panels, "do not draw panes, mirrors, screens and pictures to planes of their own");
   command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
   command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");

@@ -51,7 +51,7 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
   std::vector<const ImageF*> lumas;
   for (const MatchView& view : views) lumas.push_back(&view.luma);
   report.panels = find_panels(confirmed, classes.panels, report.planes, settings.panels);
-  report.panels = place_screens(all, lumas, classes.panels, report.planes, std::move(report.panels), settings.screens, pool);
+  if (settings.screens.enabled) report.panels = place_screens(all, lumas, classes.panels, report.planes, std::move(report.panels), settings.screens, pool);
   if (report.planes.empty() && report.panels.empty()) return report;
   const auto unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes.planes, settings.unsure, pool);
   std::vector<PlaneMeasurement> flat;

@@ -149,7 +149,7 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
     std::vector<const ImageF*> lumas;
     for (const MatchView& photo : photos) lumas.push_back(&photo.luma);
     report.panels = find_panels(views, classes, planes.planes, options.panel_settings);
-    report.panels = place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
+    if (options.screen_settings.enabled) report.panels = place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
     measure_on_panels(report.panels, planes.planes, views, classes, options.panel_settings, pool, planes.views);
   }
   report.planes = planes.planes;

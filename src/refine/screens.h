@@ -10,6 +10,7 @@
 namespace aligngs {
 
 struct ScreenSettings {
+  bool enabled = false;          ///< off: with stereo it moved a window of the development bedroom 22 cm into the room
   ScreenRegionSettings regions;
   SupportSettings support;
   double range = 0.45;            ///< |log| of the depth around today's that planes are tried at: networks are up to a third off

@@ -385,9 +385,18 @@ TEST_F(TrainRun, RepeatedNonFiniteStepsEndTheRunWithAValidCheckpoint) {
 
 TEST_F(TrainRun, BadSceneIsRefusedBeforeAnythingIsWritten) {
   test_scene::write_text(scene_ / "images" / "v2.png", "no image");  // a test view counts too
-  const TrainOptions o = options("a");
+  TrainOptions o = options("a");
+  o.strict = true;
   EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kBadInput);
   EXPECT_FALSE(fs::exists(o.run));
+}
+
+TEST_F(TrainRun, ABadTestPhotoIsLeftOutAndSaidUnlessStrict) {
+  test_scene::write_text(scene_ / "images" / "v2.png", "no image");
+  const TrainOptions o = options("a");
+  train_run(o, plain_engine());
+  EXPECT_EQ(record(o).status, "done");
+  ASSERT_EQ(record(o).left_out.size(), 1u);
 }
 
 TEST_F(TrainRun, TooLittleMemoryIsAResourceErrorWithTheSum) {

@@ -60,7 +60,7 @@ TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
         prepare(all, 0, model, view);
         prepare(few, 2, model, view);
         const StepReport a = all.step(r), b = few.step(r);
-        EXPECT_NEAR(b.losses.semantic_soft, a.losses.semantic_soft, 2e-4);  // float16 holds the sum of the rest
+        EXPECT_NEAR(b.losses.semantic_soft, a.losses.semantic_soft, 2.5e-4);  // float16 holds the sum of the rest, of targets that sum to one
         EXPECT_NEAR(b.losses.semantic_hard, a.losses.semantic_hard, 1e-5);
         const GaussianModel ga = all.last_gradients(), gb = few.last_gradients();
         ASSERT_EQ(gb.semantic_channels, kActive + 1);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/reference/gradient_test_scene.h"
+#include "scene/semantic_target.h"
 
 namespace aligngs::reference {
 namespace {
@@ -199,6 +200,7 @@ TEST(SemanticLoss, BoundedCouplingRestsOnCorrectPixels) {
   for (size_t k = 0; k < view.data.semantics.probabilities.size(); ++k) {
     view.data.semantics.probabilities[k] = float_to_half(certain[k % kChannels]);
   }
+  normalise_target(view.data.semantics);
   for (size_t k = 0; k < model.semantics.size(); ++k) model.semantics[k] = std::log(double(certain[k % kChannels]));
   const Gradients<double> bounded = gradients(model, view, semantic_request(kModes[3]), 1.0, no_map_loss());
   const Gradients<double> plain = gradients(model, view, semantic_request(kModes[2]), 1.0, no_map_loss());
