@@ -9,7 +9,8 @@ namespace aligngs {
 
 LeftOut left_out_for(const std::string& name, const Error& error) {
   const Error::Details& d = error.details();
-  std::string where = as_utf8(d.path.filename().string());
+  // With its folder: photos, depth and labels of a view often bear one name.
+  std::string where = as_utf8((d.path.parent_path().filename() / d.path.filename()).string());
   if (!d.field.empty()) where += (where.empty() ? "" : ", ") + d.field;
   return {as_utf8(name), where.empty() ? d.message : where + ": " + d.message, d.remedy};
 }

@@ -13,7 +13,7 @@ void compare_fusion(int device, OpTable& table) {
   const std::vector<FusionFrame> frames = test::ball_views(0.5);
   const ImageF weight(frames[0].depth.width, frames[0].depth.height, 1, 1.0f);
   std::vector<TsdfView> views;
-  for (const FusionFrame& f : frames) views.push_back({&f.camera, &f.depth, nullptr, &weight, false});
+  for (const FusionFrame& f : frames) views.push_back({&f.camera, &f.depth, nullptr, &weight, nullptr, false});
   TsdfOptions options;
   options.voxel = 0.06;
   options.truncation = 0.18;
