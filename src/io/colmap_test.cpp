@@ -182,7 +182,7 @@ std::string why_left_out(const std::string& name, const std::string& cameras, co
 
 TEST(Colmap, AnImageThatCannotBeUsedIsLeftOutWithItsReason) {
   const std::string end = " 7 a.jpg";
-  EXPECT_THAT(why_left_out("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), HasSubstr("a.jpg: images.txt, image 3 (a.jpg): the pose is not finite"));
+  EXPECT_THAT(why_left_out("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), HasSubstr("/images.txt, image 3 (a.jpg): the pose is not finite"));
   EXPECT_THAT(why_left_out("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), HasSubstr("not finite"));
   EXPECT_THAT(why_left_out("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), HasSubstr("zero"));
   EXPECT_THAT(why_left_out("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg"), HasSubstr("camera 5"));

@@ -24,7 +24,7 @@ TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {
   EXPECT_FALSE(use_or_leave_out("a", left_out, [] { throw_bad_input("photos/a.jpg", "JPEG data", "the picture is truncated", "copy it again"); }));
   EXPECT_TRUE(use_or_leave_out("b", left_out, [] {}));
   ASSERT_EQ(left_out.size(), 1u);
-  EXPECT_EQ(left_out[0].reason, "a.jpg, JPEG data: the picture is truncated");
+  EXPECT_EQ(left_out[0].reason, "photos/a.jpg, JPEG data: the picture is truncated");
   EXPECT_THROW(use_or_leave_out("c", left_out, [] { throw_resources("disk", "full"); }), Error);
 }
 

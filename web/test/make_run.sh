@@ -1,8 +1,8 @@
 #!/bin/sh
-# The small run that the page's tests look at, with its scene in it. Usage: make_run.sh PROGRAM RUN. Status 77: skipped, as
-# nothing will look at it.
+# The small run that the page's tests look at: FOLDER/run, of FOLDER/scene. Usage: make_run.sh PROGRAM FOLDER. Status 77:
+# skipped, as nothing will look at it.
 command -v node >/dev/null || { echo "skipped: node is not installed (scripts/setup.sh --browser)"; exit 77; }
 set -e
 rm -rf "$2"
 "$1" synth "$2/scene" --size 160x120 --views 14 --test-views 2 --teacher exact -q
-"$1" run "$2/scene" -o "$2" -n 250 -q --set mesh.voxel=0.03
+"$1" run "$2/scene" -o "$2/run" -n 250 -q --set mesh.voxel=0.03
