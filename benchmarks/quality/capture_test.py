@@ -37,7 +37,7 @@ class CaptureTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "settings.json"
             file.write_text(json.dumps({"programs": ["another"], "iterations": 2000}))
-            version, ladder.program_version = ladder.program_version, lambda: "this one"
+            version, ladder.program_version = ladder.program_version, lambda device: "this one"
             try:
                 ladder.write_settings(Path(folder), {"iterations": 2000}, {})
                 self.assertEqual(json.loads(file.read_text())["programs"], ["another", "this one"])

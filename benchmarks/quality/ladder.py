@@ -106,7 +106,7 @@ def refined_scene(folder, options):
     return better
 
 
-def trained(folder, make_scene, row, iterations, seed, settings=()):
+def trained(folder, make_scene, row, iterations, seed, settings=(), device="auto"):
     """Scores of the run of a row in `folder`, which is trained first where that is not done. `settings` come beside the row's."""
     spent = folder / "processor_seconds"
     if not (folder / "metrics.json").exists():
@@ -116,7 +116,8 @@ def trained(folder, make_scene, row, iterations, seed, settings=()):
         options = set_options(settings)
         interrupted = folder.exists()  # what went before is not known to this process
         before = processor_seconds()
-        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", *options)
+        run("run", scene, "-o", folder, "--preset", row.preset, "-n", iterations, "--seed", seed, "--resume", "--no-refine", "--device", device,
+            *options)
         if not interrupted:
             spent.write_text(str(processor_seconds() - before))
     result = scores(json.loads((folder / "metrics.json").read_text()))
@@ -126,7 +127,8 @@ def trained(folder, make_scene, row, iterations, seed, settings=()):
 
 def train(arguments, room, room_seed, seed, row):
     folder = arguments.output / "runs" / f"{room}_{room_seed}_{seed}" / row.folder
-    result = trained(folder, lambda: make_scene(arguments, room, room_seed, seed, row), row, arguments.iterations, seed)
+    result = trained(folder, lambda: make_scene(arguments, room, room_seed, seed, row), row, arguments.iterations, seed,
+                     device=arguments.device)
     kept = arguments.output / "settings" / f"{row.folder}.toml"
     if not kept.exists() and (folder / "config.toml").exists():
         kept.parent.mkdir(exist_ok=True)
@@ -193,10 +195,11 @@ def fused_as_default(folder):
     return scores(json.loads(result.read_text()), GEOMETRY)
 
 
-def program_version():
-    """With the commit of the sources beside this script: defaults change between two releases."""
+def program_version(device="auto"):
+    """With the commit of the sources beside this script, for defaults change between two releases, and the device where one was named."""
     commit = subprocess.run(["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"], capture_output=True, text=True)
-    return " ".join([run("--version").strip(), commit.stdout.strip()]).strip()
+    named = [] if device == "auto" else [f"on {device}"]
+    return " ".join([run("--version").strip(), commit.stdout.strip(), *named]).strip()
 
 
 def write_page(folders, page):
@@ -206,10 +209,10 @@ def write_page(folders, page):
         run("compare", *done, "--html", page)
 
 
-def write_settings(output, conditions, rows):
+def write_settings(output, conditions, rows, device="auto"):
     """What made the numbers; a table must not mix conditions (as lengths or rooms), and says when it mixes programs."""
     file = output / "settings.json"
-    now = {"programs": [program_version()], **conditions, "rows": rows}
+    now = {"programs": [program_version(device)], **conditions, "rows": rows}
     if file.exists():
         before = json.loads(file.read_text())
         earlier = before.get("programs", [before.get("program", "unknown")])
@@ -231,6 +234,7 @@ def main():
     parser.add_argument("--teacher-seed", type=int, help="one draw of the teachers for all seeds: what differs then is training alone")
     parser.add_argument("--iterations", type=int, default=2000)
     parser.add_argument("--size", default="320x240", help="of the photos, WxH")
+    parser.add_argument("--device", default="auto", help="auto, cpu or cuda:N: where the rows are trained and their meshes fused")
     parser.add_argument("--rows", nargs="+", default=None, help="only these rows (names as in the table)")
     parser.add_argument("--keep-scenes", action="store_true", help="keep the scenes (some 100 MB each) after their last row")
     arguments = parser.parse_args()
@@ -242,7 +246,7 @@ def main():
     write_settings(output, {"rooms": arguments.rooms, "iterations": arguments.iterations, "size": arguments.size,
                             "teacher_seed": arguments.teacher_seed},
                    {r.name: {"preset": r.preset, "set": r.settings, "cloud": r.cloud, "labels": r.labels, "refine": r.refine, "depth": r.depth}
-                    for r in ROWS})
+                    for r in ROWS}, arguments.device)
     results = read_csv(output / "results.csv", PAIR)
     for room, room_seed in ROOMS[arguments.rooms]:
         if arguments.kinds and room not in arguments.kinds:
