@@ -12,13 +12,48 @@ std::string text_of(const Json& value, int indentation) {
   return value.dump(indentation, ' ', false, Json::error_handler_t::replace);
 }
 
+/// The text with null for Python's words of numbers that are not finite; strings keep them.
+std::string without_python_words(std::string_view text) {
+  std::string out;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      out += c;
+      if (c == '\\' && i + 1 < text.size()) out += text[++i];
+      else if (c == '"') in_string = false;
+      continue;
+    }
+    in_string = c == '"';
+    bool replaced = false;
+    for (const std::string_view word : {"NaN", "Infinity", "-Infinity"}) {
+      if (text.substr(i, word.size()) != word) continue;
+      out += "null";
+      i += word.size() - 1;
+      replaced = true;
+      break;
+    }
+    if (!replaced) out += c;
+  }
+  return out;
+}
+
+template <typename Json>
+Json parsed(std::string_view text) {
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded() && (text.find("NaN") != text.npos || text.find("Infinity") != text.npos)) {
+    value = Json::parse(without_python_words(text), nullptr, false);
+  }
+  return value;
+}
+
 }  // namespace
 
 std::string json_line(const nlohmann::json& value) { return text_of(value, kOneLine); }
 std::string json_line(const nlohmann::ordered_json& value) { return text_of(value, kOneLine); }
 std::string json_document(const nlohmann::json& value) { return text_of(value, kIndentation) + "\n"; }
 std::string json_document(const nlohmann::ordered_json& value) { return text_of(value, kIndentation) + "\n"; }
-nlohmann::json parse_json(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
-nlohmann::ordered_json parse_ordered_json(std::string_view text) { return nlohmann::ordered_json::parse(text, nullptr, false); }
+nlohmann::json parse_json(std::string_view text) { return parsed<nlohmann::json>(text); }
+nlohmann::ordered_json parse_ordered_json(std::string_view text) { return parsed<nlohmann::ordered_json>(text); }
 
 }  // namespace aligngs

@@ -86,7 +86,8 @@ inline double largest(const std::vector<float>& values) {
   return m;
 }
 
-inline void expect_close_maps(const std::vector<float>& a, const std::vector<float>& b, double tolerance, const char* what) {
+/// `flips`: the share of entries that may lie beyond the tolerance.
+inline void expect_close_maps(const std::vector<float>& a, const std::vector<float>& b, double tolerance, const char* what, double flips = 0) {
   ASSERT_EQ(a.size(), b.size()) << what;
   const double limit = tolerance * largest(b) + 1e-12;
   size_t wrong = 0, first = 0;
@@ -94,11 +95,11 @@ inline void expect_close_maps(const std::vector<float>& a, const std::vector<flo
     if (std::abs(double(a[i]) - b[i]) <= limit) continue;
     if (wrong++ == 0) first = i;
   }
-  EXPECT_EQ(wrong, 0u) << what << "[" << first << "] is " << a[first] << " instead of " << b[first] << ", largest "
+  EXPECT_LE(double(wrong), flips * double(a.size())) << what << "[" << first << "] is " << a[first] << " instead of " << b[first] << ", largest "
                        << largest(b);
 }
 
-inline void expect_same_losses(const MapLossResult& device, const MapLossResult& cpu) {
+inline void expect_same_losses(const MapLossResult& device, const MapLossResult& cpu, double flips = 0) {
   const CudaTolerance tolerance;
   // Terms are 1 - cosine, of one pixel in the smallest maps: the cosine's sum of three products, contracted or not, is off
   // by two ulps of 1.
@@ -122,8 +123,8 @@ inline void expect_same_losses(const MapLossResult& device, const MapLossResult&
   }
   EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, tolerance.psnr);
   expect_close_maps(device.gradients.color, cpu.gradients.color, tolerance.gradient, "color");
-  expect_close_maps(device.gradients.normal, cpu.gradients.normal, tolerance.gradient, "normal");
-  expect_close_maps(device.gradients.distance, cpu.gradients.distance, tolerance.gradient, "distance");
+  expect_close_maps(device.gradients.normal, cpu.gradients.normal, tolerance.gradient, "normal", flips);
+  expect_close_maps(device.gradients.distance, cpu.gradients.distance, tolerance.gradient, "distance", flips);
   expect_close_maps(device.residual, cpu.residual, tolerance.map, "residual");
 }
 

@@ -27,6 +27,7 @@ ReplicaCamera read_camera(const fs::path& folder) {
   const fs::path file = first_existing({folder / "cam_params.json", folder.parent_path() / "cam_params.json"});
   if (file.empty()) return camera;
   const nlohmann::json document = parse_json(read_file(file));
+  if (document.is_discarded()) throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
   if (!document.is_object() || !document.contains("camera") || !document["camera"].is_object()) {
     throw_bad_input(file, "camera", "an object with w, h, fx, fy, cx, cy and scale expected", "correct or remove the file");
   }

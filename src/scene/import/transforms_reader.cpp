@@ -32,6 +32,7 @@ struct Transforms {
 Transforms read_document(const fs::path& file) {
   Transforms transforms{file, parse_json(without_byte_order_mark(read_file(file)))};
   const Json& document = transforms.document;
+  if (document.is_discarded()) throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array()) {
     throw_bad_input(file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
   }

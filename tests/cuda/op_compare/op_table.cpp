@@ -44,6 +44,10 @@ Limit with_large_flips(Limit limit) {
   limit.flips = cuda::CudaTolerance().large_flips;
   return limit;
 }
+Limit with_patch_flips(Limit limit) {
+  limit.flips = cuda::CudaTolerance().patch_flips;
+  return limit;
+}
 Limit absolute(Limit limit) {
   limit.absolute = true;
   limit.flips = 0;

@@ -38,9 +38,8 @@ struct DeviceChoice {
   std::string message;  ///< why `auto` takes the CPU; empty otherwise
 };
 
-/// Whether `auto` takes a device. Not before `ctest -L gpu` has passed on one, which has not happened yet (docs/cuda.md):
-/// until then whoever wants a device names it.
-inline constexpr bool kAutoTakesADevice = false;
+/// Whether `auto` takes a device: `ctest -L gpu` passes on one (docs/cuda.md).
+inline constexpr bool kAutoTakesADevice = true;
 
 /// Compute capability that the kernels need: bfloat16 on tensor cores came with 8.0.
 inline constexpr int kLeastCapability = 8;
