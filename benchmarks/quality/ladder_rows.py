@@ -64,7 +64,7 @@ class Row:
 
 # Also in the paper's rows, which would take many minutes each otherwise: classes that no teacher ranks among its two best share a
 # channel (the tests ActiveClasses.* bound what that does to losses and labels), and a step takes the semantic loss of a quarter of the
-# pixels (docs/defaults.md measures it).
+# pixels (docs/decisions/0013-small-settings.md measures it).
 ACTIVE = ["semantic.active_top=2", "semantic.pixel_share=0.25"]
 
 

@@ -48,7 +48,7 @@ struct RefineSceneReport {
 
 /// Reads the scene, refines, writes the new folder complete or not at all. Needs metric prior depth of all training views
 /// (Error{kBadInput} otherwise: without it nothing says where to look for a match). The points of the
-/// scene stay as they came: training scales each photo's depth to them (docs/defaults.md says what that does).
+/// scene stay as they came: training scales each photo's depth to them (docs/decisions/0001-surface.md has what that does).
 RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 
