@@ -6,7 +6,7 @@
 
 A Markdown file is read without code blocks, tables, HTML comments and headings. Inline code counts as one word. Help texts are
 the string literals of options, commands and footers in src/cli. scripts/prose_allowed.txt lists files that still break rules
-and how often; a file may not get worse."""
+and how often, or "any" for a page that is being rewritten. A file may not get worse."""
 import re
 import sys
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ PRIVATE = re.compile(r"\b(" + "|".join(PRIVATE_WORDS) + r")\b", re.IGNORECASE)
 ABBREVIATION = re.compile(r"\b(et al|e\.g|i\.e|cf|vs|Fig|No|St)\.")
 SENTENCE_END = re.compile(r"(?<=[.!?])[\"')*_]*\s+(?=[\"'(*_\[]*[A-Z0-9`])")
 # Names that hold digits are no numbers: the threshold in "F at 5 cm", a size of pictures, a decision's number.
-NAME_WITH_NUMBER = re.compile(r"\bat \d+ (and \d+ )?cm\b|\bTable \d+\b|\b\d+ ?x ?\d+\b|\b0\d{3}\b")
+NAME_WITH_NUMBER = re.compile(r"\bat \d+ (and \d+ )?cm\b|\bTable \d+\b|\b\d+ ?[x×] ?\d+\b|\b0\d{3}\b")
 NUMBER = re.compile(r"^[+\-−±~≤<>=(\[]*\d[\d.,:×x/%°\-–]*(k|M|B|s|ms|GB|MB|dB|cm|mm|m|px|%)?[)\].,;:!?]*$")
 
 
@@ -207,7 +207,7 @@ def allowed_counts():
     for line in ALLOWED.read_text(encoding="utf-8").splitlines():
         if line and not line.startswith("#"):
             name, count = line.rsplit(None, 1)
-            counts[name] = int(count)
+            counts[name] = sys.maxsize if count == "any" else int(count)
     return counts
 
 
@@ -235,7 +235,7 @@ def check(files):
             for finding in findings:
                 print(f"prose: {name}:{finding.line}: {finding.rule}: {finding.text[:160]}", file=sys.stderr)
             print(f"prose: {name}: {len(findings)} findings, {allowed.get(name, 0)} allowed", file=sys.stderr)
-        elif len(findings) < allowed.get(name, 0):
+        elif len(findings) < allowed.get(name, 0) < sys.maxsize:
             print(f"prose: {name}: {len(findings)} findings, {allowed[name]} allowed: lower the number in {name_of(ALLOWED)}")
     if not failed:
         print("prose: ok")
