@@ -146,7 +146,7 @@ def measure_markdown(markdown):
     return measured
 
 
-HELP_CALL = re.compile(r"(?:add_option|add_flag|add_flag_function|add_option_function|add_subcommand|footer|description)\s*\(|"
+HELP_CALL = re.compile(r"(?:add_option|add_flag|add_flag_function|add_option_function|add_subcommand|help_footer|description)\s*\(|"
                        r"std::string what =|CLI::App program\(")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 

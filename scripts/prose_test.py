@@ -44,9 +44,9 @@ class Prose(unittest.TestCase):
 
     def test_help_texts_are_read_from_options_and_commands(self):
         source = ('command->add_option("-o,--output", options.output, "file to write "\n  "(default: run)")->required();\n'
-                  'log("not a help text");\ncommand->footer("Example: aligngs demo\\nOf two words.");')
+                  'log("not a help text");\ncommand->footer(help_footer({.example = "aligngs demo", .notes = "Of two words."}));')
         self.assertEqual([text for _, text in prose.help_texts(source)],
-                         ["file to write (default: run)", "Example: aligngs demo\nOf two words."])
+                         ["file to write (default: run)", "aligngs demo", "Of two words."])
         self.assertEqual([f.rule for f in prose.measure_help(source).findings], ['begins with "Of"'])
 
 

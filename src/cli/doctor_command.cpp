@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cli/help_text.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/memory_budget.h"
@@ -148,9 +149,12 @@ std::vector<Check> run_checks(const ModelStore& store) {
 }  // namespace
 
 void add_doctor_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("doctor", "Check this machine and say what is missing");
+  CLI::App* command = program.add_subcommand("doctor", "Check this machine and list missing parts");
   command->group("Look");
-  command->footer("Example: aligngs doctor");
+  command->footer(help_footer({.reads = "the machine: processor, memory, programs, weights, devices",
+                                .writes = "nothing",
+                                .example = "aligngs doctor",
+                                .advanced = "aligngs doctor --json"}));
   command->callback([&context] {
     const std::vector<Check> checks = run_checks(model_store(context));
     bool all = true;
