@@ -1,4 +1,4 @@
-// Every command hears Ctrl-C, SIGTERM and SIGHUP, says so, leaves the old output and nothing half-written.
+// Every command reports Ctrl-C, SIGTERM and SIGHUP, and leaves the old output and nothing half-written.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 

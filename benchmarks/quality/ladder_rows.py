@@ -1,7 +1,7 @@
 """The rows of the ladder: which scene each is trained on and with what settings, and the meshes it is measured beside."""
 
 NO_SEMANTICS = "data.semantics=false"
-NO_COUPLING = "semantic.coupling_strength=0"  # as in the release: labels are learned, geometry does not hear of them
+NO_COUPLING = "semantic.coupling_strength=0"  # as in the release: labels are learned, geometry gets no gradient from them
 NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
 PHOTOMETRIC = NO_GEOMETRY + ["data.prior_depth=none"]
 # The multi-view terms as preset pgsr has them, every fifth step, where they cost a fifth.
@@ -13,7 +13,7 @@ THREE_DGS = PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.dep
 UNPROJECTED = ["init.start=depth"]  # the start is depth unprojected with the cameras of the row, not the points of the scene
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
-NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
+NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: this separates the effect of semantics in training from that before
 COUPLING = ["semantic.coupling_strength=0.1"]  # bounded: a tenth of the photometric gradient
 UNCOUPLED = "stereo, uncoupled"
 COUPLED = "stereo, coupled"

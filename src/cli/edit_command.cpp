@@ -93,8 +93,8 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   char text[400];
   std::snprintf(text, sizeof text,
                 "selected     %zu Gaussians, %.3f m2 of mesh; visible true surface %.3f m2\n"
-                "labels       IoU %.3f over the reconstructed surface: what the selection answers for\n"
-                "surface      IoU %.3f at 5 cm (precision %.3f, recall %.3f): selection and geometry together\n",
+                "labels       IoU %.3f over the reconstructed surface, which measures the selection\n"
+                "surface      IoU %.3f at 5 cm (precision %.3f, recall %.3f), which measures selection and geometry\n",
                 selection.count, s.selected_area, s.true_area, s.label_iou, s.iou, s.precision, s.recall);
   print(context,
         {{"selection", selection_text(query, room.labels)},

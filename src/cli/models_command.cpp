@@ -156,7 +156,7 @@ void verify_models(const CommandContext& context, const std::vector<std::string>
   if (context.global.json) print_json(document);
   else if (states.empty()) std::printf("no weights are on this machine; `aligngs models list` shows what there is\n");
   if (bad) {
-    throw Error({ErrorKind::kWeights, state_of(store, *bad->model) == "no" ? "the weights are missing" : "the weights are not what they should be",
+    throw Error({ErrorKind::kWeights, state_of(store, *bad->model) == "no" ? "the weights are missing" : "the weights differ from their digest",
                  bad->path, bad->model->name,
                  bad->path.empty() ? how_to_get(store, *bad->model) : "remove the file, then `aligngs models download " + bad->model->name + "`"});
   }
@@ -184,7 +184,7 @@ void import_files(const CommandContext& context, const std::string& name, const 
     for (const ModelFile& part : model.files) {
       const auto used = store.find(model, part);
       if (used && store.own_path(model, part) == path && used->path != path)
-        log_warning("{} is used instead: the {} is looked in first", used->path.string(), name_of(used->place));
+        log_warning("{} is used instead, because the {} comes first", used->path.string(), name_of(used->place));
     }
   }
   if (context.global.json) print_json(document);

@@ -38,7 +38,7 @@ std::string line_of(const ScenePriorsReport& report) {
 void require_place(const Options& options) {
   if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
   if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // what is no folder is told when it is opened
-  throw Error({ErrorKind::kUsage, "its scene.json does not say that aligngs wrote this folder, which is therefore not changed", options.scene, "scene",
+  throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed", options.scene, "scene",
                "name a folder for a copy with the priors: -o OUT"});
 }
 

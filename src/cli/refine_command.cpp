@@ -37,7 +37,7 @@ double exposure_span(const std::vector<Vec3f>& log_gains) {
 
 void print_planes(const std::vector<ScenePlane>& planes, double share, const std::optional<RoomAxes>& axes) {
   if (!planes.empty()) std::printf("%zu planes; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
-  if (axes) std::printf("the room is built square: %.0f %% of its planes face along three axes\n", 100 * axes->share);
+  if (axes) std::printf("the room has right angles: %.0f %% of its planes face along three axes\n", 100 * axes->share);
   if (axes && axes->up) std::printf("up is (%.3f, %.3f, %.3f)\n", axes->up->x, axes->up->y, axes->up->z);
 }
 
@@ -126,7 +126,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   }
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
-  if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
+  if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n", 100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
   print_panels(report.panels.size());
   print_exposure(report.log_gains);

@@ -1,4 +1,4 @@
-// `aligngs report RUN`: report.html and overview.jpg from what stands in the run folder.
+// `aligngs report RUN`: report.html and overview.jpg from the files of the run folder.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>

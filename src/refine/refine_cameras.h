@@ -48,7 +48,7 @@ void measure_change(const Camera& prior, RefinedView& view);
 struct RefineResult {
   std::vector<RefinedView> views;
   PointCloud points;       ///< tracks of at least three photos, coloured
-  BundleReport bundle;     ///< start: the cameras as they came; end: of the last round
+  BundleReport bundle;     ///< start: the cameras of the input; end: of the last round
   double focal_factor = 1; ///< of the last adjustment
   size_t tracks = 0;
 };

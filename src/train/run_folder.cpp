@@ -48,7 +48,7 @@ void RunFolder::check(RunMode mode) const {
   }
   if (mode == RunMode::kNew && has_run()) {
     throw Error({ErrorKind::kUsage, "the folder already holds a run", folder_, "-o",
-                 "use --resume to go on with it, --overwrite to replace it, or name another folder"});
+                 "use --resume to continue it, --overwrite to replace it, or name another folder"});
   }
   for (const auto& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();
