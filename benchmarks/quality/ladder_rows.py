@@ -20,10 +20,10 @@ COUPLED = "stereo, coupled"
 PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
 # The controls of all that labels do, planes included: nothing, one class everywhere, names without meaning.
 LABEL_CONTROLS = ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]
-# What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
+# The yardstick for a row with labels: the best of these, pair by pair.
 CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
-# What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, uncoupled".
+# Parts of preset default, each left out alone: this decides on the development rooms what is on. Without planes: "stereo, uncoupled".
 WITHOUT = {
     "log depth": ["loss.log_depth=0", "loss.pearson=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
     "free space": ["densify.free_space_every=0"], "dense start": ["init.start=cloud"],
@@ -143,7 +143,7 @@ class Yardstick:
         self.name, self.option, self.refine, self.prior = name, option, refine, prior
 
 
-# What counts as the prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
+# The prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
 YARDSTICKS = {
     "default": [Yardstick(PRIOR, "--from-prior"), Yardstick(CEILING, "--from-truth")],
     "default, refined": [Yardstick(PRIOR + ", refined cameras", "--from-prior", [], CAMERAS_ONLY),

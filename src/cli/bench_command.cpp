@@ -26,7 +26,7 @@ struct BenchOptions {
   cuda::CudaEngineOptions cuda;  ///< with a CUDA device
 };
 
-/// What the stages are held against.
+/// Yardstick of the stages.
 struct BenchMachine {
   std::string line;         ///< for people
   nlohmann::json document;  ///< for programs

@@ -75,7 +75,7 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-/// What networks are computed with, and how fast that is.
+/// Number format of networks, and its speed.
 Check check_networks() {
   ThreadPool pool(1);
   const nn::Precision precision = default_precision();
@@ -86,7 +86,7 @@ Check check_networks() {
   return {"networks", true, what, slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
 }
 
-/// Where the weights of each model lie, and what of a model is missing.
+/// Place of each model's weights, and its missing files.
 std::vector<Check> check_weights(const ModelStore& store) {
   std::vector<Check> found;
   size_t whole = 0;
@@ -120,7 +120,7 @@ std::vector<Check> check_weights(const ModelStore& store) {
   return found;
 }
 
-/// What `--device auto` takes.
+/// Device of `--device auto`.
 Check check_device() {
   const cuda::CudaDevices found = cuda::list_cuda_devices();
   if (found.devices.empty()) return {"device", true, "cpu: " + found.reason, ""};

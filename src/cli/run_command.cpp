@@ -55,7 +55,7 @@ struct MissingPriors {
   bool any() const { return depth || semantics; }
 };
 
-/// What the scene lacks and the weights here can fill; says what stays empty and how to change that.
+/// Missing priors that installed weights can fill; reports what stays empty and how to change that.
 MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options) {
   const Scene scene = open_scene(folder);
   MissingPriors missing;

@@ -191,7 +191,7 @@ void set_protocols(CURL* curl, const std::string& url) {
 #endif
 }
 
-/// What happened on one connection.
+/// Outcome of one connection.
 struct Outcome {
   bool complete = false;
   bool worth_retrying = false;

@@ -31,7 +31,7 @@ struct RefineSettings : ResectionSettings {
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
 };
 
-/// What became of a view.
+/// Outcome of a view.
 struct RefinedView {
   Camera camera;
   DepthGrid depth;         ///< correction of its prior depth; none for test views

@@ -28,7 +28,7 @@ bool uses_planes(const Scene& scene, const RefineSceneOptions& options) {
   return options.correct_depth && options.planes && scene.has_semantics();
 }
 
-/// What refinement works on: the training photos, then, if asked for, the test photos.
+/// Photos of refinement: the training photos, then, if asked for, the test photos.
 struct Photos {
   std::vector<RefineView> views;
   std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for

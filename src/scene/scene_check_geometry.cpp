@@ -1,4 +1,4 @@
-// What cameras and points alone say about a scene: the geometric part of scene_check.h.
+// Checks of a scene by cameras and points alone: the geometric part of scene_check.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,4 +1,4 @@
-// Where a person with a phone would take pictures of a room, and test views near to and far from them.
+// Places from which a person with a phone takes pictures of a room, and test views near to and far from them.
 #pragma once
 
 #include <vector>

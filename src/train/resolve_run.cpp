@@ -1,4 +1,4 @@
-// Which settings a run has: new, resumed, or extended.
+// Settings of a run: new, resumed, or extended.
 #include <fmt/format.h>
 
 #include "core/error.h"

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a run writes into its folder; scene/ (an input that may stand there) is not in the list.
+/// Files that a run writes into its folder; scene/, a possible input, is not in the list.
 constexpr std::array<std::string_view, 21> kProducts = {
     "run.json",      "config.toml", "events.ndjson", "checkpoints", "scene.ply",    "scene.labels.ply", "scene.glb",
     "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",

@@ -40,7 +40,7 @@ void stop_here_if_asked(const std::filesystem::path& run) {
   stop_if_requested();
 }
 
-/// What comes after training; metrics.json as JSON.
+/// The stages after training; returns metrics.json.
 nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
   enter_stage(options.run, "render");

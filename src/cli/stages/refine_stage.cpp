@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What measuring and refining a scene have in common.
+/// Common part of measuring and refining a scene.
 template <class Options>
 Options options_of(const TrainConfig& config, const CommandContext& context) {
   Options options;
