@@ -5,7 +5,7 @@
 set -euo pipefail
 
 packages=(
-  build-essential cmake ninja-build git pkg-config ccache
+  build-essential cmake ninja-build git pkg-config ccache python3
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev
   libturbojpeg0-dev libspng-dev libwebp-dev libexif-dev zlib1g-dev
   libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev

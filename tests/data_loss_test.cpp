@@ -1,4 +1,4 @@
-// What a user has is never lost: no command writes into its source or over a folder that aligngs did not write.
+// A user's files are never lost: no command writes into its source or over a folder that aligngs did not write.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // A real capture through the whole program at 640x480: colour only from SfM points, and with sensor depth. Only as long
-// as a test may take; the figures of full runs stand in the README.
+// as a test may take; the figures of full runs are in docs/results.md.
 #include <gmock/gmock.h>
 
 #include <filesystem>

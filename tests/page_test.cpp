@@ -1,4 +1,4 @@
-// What the page asks of a run: edits, undo, redo, exports, pictures, control; the same as the command line, and closed
+// Requests of the page to a run: edits, undo, redo, exports, pictures, control; the same as the command line, and closed
 // to everybody else.
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -182,7 +182,7 @@ TEST_F(PageRequests, MistakesAreAnsweredInWordsAndChangeNothing) {
   EXPECT_FALSE(fs::exists(run_ / "edits"));
 }
 
-/// What another site's page, or a person without the token, could send to each of the endpoints that change something.
+/// Requests that another site's page, or a person without the token, could send to each of the endpoints that change something.
 TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
   const std::string type = "Content-Type: application/json\r\n", token = "X-AlignGS-Token: " + token_ + "\r\n";
   const std::pair<const char*, const char*> endpoints[] = {{"/api/edits/push", R"({"edit":"delete bed"})"},

@@ -35,13 +35,15 @@ TEST_F(Program, HelpListsTheCommandsAndAnExample) {
   EXPECT_THAT(result.out, HasSubstr("Example: aligngs demo"));
 }
 
-TEST_F(Program, EveryCommandHasHelpWithAnExample) {
+TEST_F(Program, EveryCommandHasHelpWithWhatItReadsAndWritesAndTwoExamples) {
   std::vector<std::string> commands(kCommands.begin(), kCommands.end());
   for (const char* nested : {"data check", "models list", "models download", "models verify", "models path", "models import"}) commands.push_back(nested);
   for (const std::string& command : commands) {
     const ProcessResult result = run(command + " --help");
     EXPECT_EQ(result.status, 0) << command;
-    EXPECT_THAT(result.out, HasSubstr("Example")) << command;
+    for (const char* line : {"\nReads: ", "\nWrites: ", "\nExample:  aligngs ", "\nAdvanced: aligngs "}) {
+      EXPECT_THAT(result.out, HasSubstr(line)) << command;
+    }
   }
 }
 
@@ -52,7 +54,14 @@ TEST_F(Program, AMistypedCommandIsAUsageErrorWithASuggestion) {
   EXPECT_EQ(result.out, "");
 }
 
-TEST_F(Program, NoCommandIsAUsageError) { EXPECT_EQ(run("").status, 2); }
+TEST_F(Program, NoCommandIsAUsageErrorThatShowsWhereToStart) {
+  const ProcessResult result = run("");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("aligngs demo"));
+  EXPECT_THAT(result.err, HasSubstr("aligngs --help"));
+  EXPECT_EQ(run("--quiet").status, 2);
+}
 
 TEST_F(Program, AnUnknownOptionNamesTheHelp) {
   const ProcessResult result = run("doctor --wat");

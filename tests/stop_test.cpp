@@ -1,4 +1,4 @@
-// Every command hears Ctrl-C, SIGTERM and SIGHUP, says so, leaves the old output and nothing half-written.
+// Every command reports Ctrl-C, SIGTERM and SIGHUP, and leaves the old output and nothing half-written.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -32,7 +32,7 @@ class Stop : public testing::Test {
   }
   std::string path(const std::string& name) const { return (root_ / name).string(); }
 
-  /// What stands in work/, the folder for outputs, with the content of what was there before.
+  /// Content of work/, the folder for outputs, including earlier output.
   void remember() {
     for (const auto& entry : fs::recursive_directory_iterator(root_ / "work")) {
       if (entry.is_regular_file()) before_[entry.path()] = read_file(entry.path());

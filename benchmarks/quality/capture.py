@@ -59,7 +59,7 @@ ROWS = [
     *[Row(source, f"default, {change}", "default", settings, refine=refine, compare_with=["default"])
       for source, refine in (("rgb", REFINED), ("simulated", REFINED), ("rgbd", None)) for change, settings in CHANGES.items()],
 ]
-# What the ladder of the rooms has beside these rows, and a capture without labels cannot have.
+# Rows of the ladder of rooms that a capture without labels cannot have.
 NEED_LABELS = ["+ L_sem, uncoupled", "+ L_sem, coupled", "+ L_ng + L_nb (paper)", "default, planes of walls, floor and ceiling"]
 WHY_EMPTY = ("Empty rows need labels. The capture has none, and networks that would make them need their published weights; "
              "a simulated teacher needs true labels, which the capture does not have either.")

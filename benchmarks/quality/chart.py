@@ -1,7 +1,15 @@
 #!/usr/bin/env python3
 """Draws the ladder: F-score and PSNR of every row, a bar for the mean and a dot for every pair of room and seed.
 
-    benchmarks/quality/chart.py OUTPUT chart.svg      (OUTPUT as ladder.py left it)
+    benchmarks/quality/chart.py OUTPUT chart.svg [ROW=LABEL...]
+
+OUTPUT is a folder of ladder.py. With rows given, the chart has these rows alone, in this order and with these labels.
+docs/images/results.svg, the chart of the README, is made by
+
+    benchmarks/quality/chart.py benchmarks/quality/test_rooms docs/images/results.svg \\
+        "+ L_ng + L_nb (paper), refined cameras=preset paper" "pgsr, the same scene=preset pgsr on the scene of default" \\
+        "TSDF of the refined depth, no training=refined depth fused without training" \\
+        "stereo, no semantics=preset default without labels" "default, refined=preset default"
 """
 import html
 import math
@@ -52,7 +60,16 @@ def chart(results):
     return "\n".join(out + ["</svg>"]) + "\n"
 
 
+def chosen(results, choices):
+    """The rows that ROW=LABEL names, under their labels; all rows without a choice."""
+    pairs = [choice.rsplit("=", 1) for choice in choices]
+    missing = [pair[0] for pair in pairs if len(pair) != 2 or pair[0] not in results]
+    if missing:
+        sys.exit(f"chart.py: no such row: {', '.join(missing)}")
+    return {label: results[row] for row, label in pairs} if pairs else results
+
+
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
-    Path(sys.argv[2]).write_text(chart(read_csv(Path(sys.argv[1]) / "results.csv", PAIR)))
+    Path(sys.argv[2]).write_text(chart(chosen(read_csv(Path(sys.argv[1]) / "results.csv", PAIR), sys.argv[3:])))

@@ -1,7 +1,7 @@
 """The rows of the ladder: which scene each is trained on and with what settings, and the meshes it is measured beside."""
 
 NO_SEMANTICS = "data.semantics=false"
-NO_COUPLING = "semantic.coupling_strength=0"  # as in the release: labels are learned, geometry does not hear of them
+NO_COUPLING = "semantic.coupling_strength=0"  # as in the release: labels are learned, geometry gets no gradient from them
 NO_GEOMETRY = ["loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"]
 PHOTOMETRIC = NO_GEOMETRY + ["data.prior_depth=none"]
 # The multi-view terms as preset pgsr has them, every fifth step, where they cost a fifth.
@@ -13,17 +13,17 @@ THREE_DGS = PHOTOMETRIC + ["loss.flatten=0", "densify.gradient_abs=0", "mesh.dep
 UNPROJECTED = ["init.start=depth"]  # the start is depth unprojected with the cameras of the row, not the points of the scene
 # Options of `aligngs refine`.
 CAMERAS_ONLY = ["--no-stereo", "--no-planes", "--no-exposure"]
-NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: what semantics do in training is told apart from what they do before
+NO_LABELS_YET = ["--no-planes"]  # cameras and stereo: this separates the effect of semantics in training from that before
 COUPLING = ["semantic.coupling_strength=0.1"]  # bounded: a tenth of the photometric gradient
 UNCOUPLED = "stereo, uncoupled"
 COUPLED = "stereo, coupled"
 PLACEBOS = ["stereo, placebo constant", "stereo, placebo shuffled", "stereo, placebo opacity"]
 # The controls of all that labels do, planes included: nothing, one class everywhere, names without meaning.
 LABEL_CONTROLS = ["stereo, no semantics", "default, refined, constant labels", "default, refined, shuffled labels"]
-# What a row with labels has to exceed before anything is claimed of them: the best of these, pair by pair.
+# The yardstick for a row with labels: the best of these, pair by pair.
 CONTROLS = {COUPLED: PLACEBOS, "default, refined": LABEL_CONTROLS}
 
-# What preset default switches on, each left out alone: how the development rooms decide what is on. Without planes: "stereo, uncoupled".
+# Parts of preset default, each left out alone: this decides on the development rooms what is on. Without planes: "stereo, uncoupled".
 WITHOUT = {
     "log depth": ["loss.log_depth=0", "loss.pearson=0"], "prior normals": ["loss.prior_normal=0"], "normal consistency": ["loss.normal_consistency=0"],
     "free space": ["densify.free_space_every=0"], "dense start": ["init.start=cloud"],
@@ -64,7 +64,7 @@ class Row:
 
 # Also in the paper's rows, which would take many minutes each otherwise: classes that no teacher ranks among its two best share a
 # channel (the tests ActiveClasses.* bound what that does to losses and labels), and a step takes the semantic loss of a quarter of the
-# pixels (docs/defaults.md measures it).
+# pixels (docs/decisions/0013-small-settings.md measures it).
 ACTIVE = ["semantic.active_top=2", "semantic.pixel_share=0.25"]
 
 
@@ -143,7 +143,7 @@ class Yardstick:
         self.name, self.option, self.refine, self.prior = name, option, refine, prior
 
 
-# What counts as the prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
+# The prior is the network's own depth (a smooth factor per photo at most), with the very cameras of the row.
 YARDSTICKS = {
     "default": [Yardstick(PRIOR, "--from-prior"), Yardstick(CEILING, "--from-truth")],
     "default, refined": [Yardstick(PRIOR + ", refined cameras", "--from-prior", [], CAMERAS_ONLY),

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Puts together what ladder.py, or capture.py, measured in several places.
 
-    benchmarks/quality/merge_results.py OUTPUT [PART...] [--docs docs/quality.md]
+    benchmarks/quality/merge_results.py OUTPUT [PART...] [--docs docs/results.md]
 
 OUTPUT and every PART are folders of one of the two. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it,
 pair by pair of room and seed, or seed by seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/

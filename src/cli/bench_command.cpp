@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/memory_budget.h"
@@ -25,7 +26,7 @@ struct BenchOptions {
   cuda::CudaEngineOptions cuda;  ///< with a CUDA device
 };
 
-/// What the stages are held against.
+/// Yardstick of the stages.
 struct BenchMachine {
   std::string line;         ///< for people
   nlohmann::json document;  ///< for programs
@@ -197,45 +198,48 @@ void run_bench(BenchOptions& o, bool json) {
 }  // namespace
 
 void add_bench_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("bench", "Time training on this machine, stage by stage");
+  CLI::App* command = program.add_subcommand("bench", "Time a training step on this machine, stage by stage");
   command->group("Look");
-  command->footer("Examples: aligngs bench --gaussians 50000 --width 320 --height 240\n          aligngs bench --instructions avx2\n"
-                  "          aligngs bench --device cuda:0");
+  command->footer(help_footer({.reads = "nothing: the scene is made up",
+                                .writes = "a table on standard output",
+                                .example = "aligngs bench --gaussians 50000 --width 320 --height 240",
+                                .advanced = "aligngs bench --instructions avx2 --pixel-share 1 --blend logits --json",
+                                .notes = "With a CUDA device: aligngs bench --device cuda:0"}));
   auto options = std::make_shared<BenchOptions>();
   StepBenchmarkOptions& steps = options->steps;
-  command->add_option("--width", steps.room.width, "pixels")->capture_default_str();
-  command->add_option("--height", steps.room.height, "pixels")->capture_default_str();
-  command->add_option("--gaussians", steps.room.gaussians, "Gaussians of the made-up room")->capture_default_str();
-  command->add_option("--channels", steps.room.channels, "semantic classes, 0 without")->capture_default_str();
+  command->add_option("--width", steps.room.width, "width of the picture in pixels")->capture_default_str()->group("Scene");
+  command->add_option("--height", steps.room.height, "height of the picture in pixels")->capture_default_str()->group("Scene");
+  command->add_option("--gaussians", steps.room.gaussians, "number of Gaussians")->capture_default_str()->group("Scene");
+  command->add_option("--channels", steps.room.channels, "number of semantic classes; 0: no semantics")->capture_default_str()->group("Scene");
   const std::map<std::string, bool> orders = {{"morton", true}, {"scattered", false}};
-  command->add_option("--order", steps.room.morton_order, "of the Gaussians in memory: as in training, or anywhere")
+  command->add_option("--order", steps.room.morton_order, "order of the Gaussians in memory: as in training, or scattered")
       ->transform(CLI::CheckedTransformer(orders))
-      ->default_str("morton");
-  command->add_option("--pixel-share", steps.pixel_share, "of the pixels that the semantic loss of a step takes (semantic.pixel_share)")
+      ->default_str("morton")->group("Scene");
+  command->add_option("--pixel-share", steps.pixel_share, "share of the pixels for the semantic loss of a step (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
-      ->capture_default_str();
-  command->add_option("--blend", options->blend, "what the semantic loss blends (semantic.blend)")
+      ->capture_default_str()->group("Scene");
+  command->add_option("--blend", options->blend, "quantity that the semantic loss blends (semantic.blend)")
       ->transform(CLI::IsMember({"probabilities", "logits"}, CLI::ignore_case))
-      ->capture_default_str();
+      ->capture_default_str()->group("Scene");
   const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
                                                      {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};
-  command->add_option("--instructions", options->instructions, "as on a processor with at most these vectors and no matrix tiles")
+  command->add_option("--instructions", options->instructions, "widest vectors to use, without matrix tiles")
       ->transform(CLI::CheckedTransformer(names, CLI::ignore_case))
-      ->default_str("all");
-  command->add_option("--steps", steps.steps, "steps that count")->check(CLI::Range(1, 100000))->capture_default_str();
+      ->default_str("all")->group("Machine");
+  command->add_option("--steps", steps.steps, "number of timed steps")->check(CLI::Range(1, 100000))->capture_default_str()->group("Machine");
   add_device_option(*command, options->device);
-  command->add_flag("--graphs", options->cuda.graphs, "with --device cuda:N: each step is one CUDA graph");
+  command->add_flag("--graphs", options->cuda.graphs, "with --device cuda:N: run each step as one CUDA graph")->group("CUDA");
   using Backward = cuda::BlendBackwardMethod;
   const std::map<std::string, Backward> backward = {{"pixel", Backward::kPerPixel}, {"splat", Backward::kPerSplat}};
-  command->add_option("--blend-backward", options->cuda.blend_backward, "with --device cuda:N: a thread per pixel or a lane per splat")
+  command->add_option("--blend-backward", options->cuda.blend_backward, "with --device cuda:N: one thread per pixel, or one lane per splat")
       ->transform(CLI::CheckedTransformer(backward))
-      ->default_str("pixel");
+      ->default_str("pixel")->group("CUDA");
   using Visit = cuda::SemanticVisitMethod;
   const std::map<std::string, Visit> visit = {
       {"auto", Visit::kAutomatic}, {"compacted", Visit::kCompacted}, {"dense", Visit::kDense}};
-  command->add_option("--semantic-visit", options->cuda.semantic_visit, "with --device cuda:N: blocks of 8 x 8 pixels or whole tiles")
+  command->add_option("--semantic-visit", options->cuda.semantic_visit, "with --device cuda:N: compacted blocks of 8 x 8 pixels, or dense tiles")
       ->transform(CLI::CheckedTransformer(visit))
-      ->default_str("auto");
+      ->default_str("auto")->group("CUDA");
   command->callback([&context, options] {
     options->steps.threads = context.global.threads;
     run_bench(*options, context.global.json);

@@ -1,4 +1,4 @@
-// What every subcommand shares: global options, results on standard output, the text it was started with.
+// Shared parts of all subcommands: global options, results on standard output, the text it was started with.
 #pragma once
 
 #include <functional>

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/report/comparison.h"
 #include "core/log.h"
@@ -65,13 +66,17 @@ void compare(const CommandContext& context, const CompareOptions& options) {
 void add_compare_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("compare", "Put the figures and pictures of runs side by side");
   command->group("Measure");
-  command->footer("Differences are taken from the first run, view by view; figures of a whole run (geometry, mIoU) have no interval here.\n"
-                  "Example: aligngs compare base_run other_run --html compare.html --csv compare.csv");
+  command->footer(help_footer({.reads = "run folders with metrics.json",
+                                .writes = "a table on standard output; with --csv and --html also files",
+                                .example = "aligngs compare base_run other_run",
+                                .advanced = "aligngs compare base_run second_run third_run --html compare.html --csv compare.csv",
+                                .notes = "Differences are to the first run, view by view, with a 95 % interval.\n"
+                                         "Figures of a whole run have no interval: geometry, mIoU."}));
   auto options = std::make_shared<CompareOptions>();
-  command->add_option("runs", options->runs, "run folders that were measured, the one to compare with first")
+  command->add_option("runs", options->runs, "run folders with metrics.json; the first is the one to compare with")
       ->required()->expected(2, 1000);
   command->add_option("--csv", options->csv, "write the table as CSV");
-  command->add_option("--html", options->html, "write a page with the table and the test views side by side");
+  command->add_option("--html", options->html, "write a page with the table, and the test views side by side");
   command->callback([&context, options] { compare(context, *options); });
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "scene/view_data.h"
@@ -60,27 +61,37 @@ void simulate(const CommandContext& context, SimulateOptions options) {
 }
 
 void add_simulate(CLI::App& data, CommandContext& context) {
-  CLI::App* command = data.add_subcommand("simulate", "A capture with true surface, as a feed-forward network would see it: for measurements");
-  command->footer("Cameras, depth, confidence and points get the errors of the simulated teacher of `aligngs synth`; labels are not made.\n"
-                  "Example: aligngs data simulate kitchen -o kitchen_simulated --seed 2");
+  CLI::App* command = data.add_subcommand("simulate", "Give a capture with a true surface the simulated priors of a network");
+  command->footer(help_footer({.reads = "a scene folder in metres with truth/mesh.ply",
+                               .writes = "a scene folder",
+                               .example = "aligngs data simulate kitchen -o kitchen_simulated",
+                               .advanced = "aligngs data simulate kitchen -o kitchen_simulated --level high --seed 2",
+                               .notes = "Cameras, depth, confidence and points get the errors of the simulated teacher of `aligngs synth`.\n"
+                                        "Labels are not made."}));
   auto options = std::make_shared<SimulateOptions>();
   command->add_option("scene", options->scene, "scene folder in metres with truth/mesh.ply")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required();
   command->add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str();
-  command->add_option("--seed", options->priors.seed, "another draw of all errors")->capture_default_str();
-  command->add_flag("--overwrite", options->priors.overwrite, "replace a scene that stands there");
+  command->add_option("--seed", options->priors.seed, "seed of all errors")->capture_default_str();
+  command->add_flag("--overwrite", options->priors.overwrite, "replace a scene that aligngs wrote");
   command->callback([&context, options] { simulate(context, *options); });
 }
 
 }  // namespace
 
 void add_data_command(CLI::App& program, CommandContext& context) {
-  CLI::App* data = program.add_subcommand("data", "Look after data sets");
+  CLI::App* data = program.add_subcommand("data", "Check data sets, or simulate priors for them");
   data->group("Data");
   data->require_subcommand(1);
-  data->footer("Examples: aligngs data check scene\n          aligngs data simulate kitchen -o kitchen_simulated");
-  CLI::App* command = data->add_subcommand("check", "Open every file of a scene and list what is wrong, per image");
-  command->footer("Example: aligngs data check scene");
+  data->footer(help_footer({.reads = "a scene folder",
+                            .writes = "nothing (check), or a scene folder (simulate)",
+                            .example = "aligngs data check scene",
+                            .advanced = "aligngs data simulate kitchen -o kitchen_simulated"}));
+  CLI::App* command = data->add_subcommand("check", "Open every file of a scene and list the faults of each image");
+  command->footer(help_footer({.reads = "every file of a scene folder",
+                               .writes = "nothing",
+                               .example = "aligngs data check scene",
+                               .advanced = "aligngs data check scene --json"}));
   auto folder = std::make_shared<std::string>();
   command->add_option("scene", *folder, "scene folder")->required();
   command->callback([&context, folder] { check(*folder, context.global.json); });

@@ -1,10 +1,11 @@
-// `aligngs demo`: a synthetic room through the whole pipeline, the first thing anyone types.
+// `aligngs demo`: a synthetic room through the whole pipeline, the first command that a newcomer types.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/page_server.h"
 #include "cli/stages/pipeline.h"
 #include "cli/stages/refine_stage.h"
@@ -21,8 +22,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Long enough to show what the method does, short enough for a first try on two cores (see README for the time).
+/// Long enough to show what the method does, short enough for a first try on two cores (the README has the time).
 constexpr int64_t kDemoIterations = 600;
+
+/// Below the line "look at" of every run: the room in the browser, and the command for one's own photos.
+void print_next_steps(const std::string& run) {
+  std::printf("browser      aligngs view %s\n", run.c_str());
+  std::printf("your photos  aligngs run PHOTOS -o RUN --method colmap --semantics none (needs the colmap program)\n");
+  std::fflush(stdout);
+}
 
 void run_demo(const CommandContext& context, const SynthCommandOptions& synth, TrainCommandOptions options) {
   if (options.output.empty()) options.output = "demo_run";
@@ -44,18 +52,23 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   train.scene = scene;
   train.resume_command = "aligngs demo -o " + options.output + " --resume";
   run_pipeline(train, context, fusion_of_device(options.device));
+  if (!context.global.json) print_next_steps(options.output);
   go_on_serving(page);
 }
 
 }  // namespace
 
 void add_demo_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("demo", "A synthetic room through the whole pipeline: start here");
+  CLI::App* command = program.add_subcommand("demo", "Reconstruct a synthetic room: start here");
   command->group("Reconstruct");
-  command->footer("Example: aligngs demo --view\n         aligngs demo --room kitchen -o kitchen_run");
+  command->footer(help_footer({.reads = "nothing",
+                                .writes = "demo_run: a synthetic scene in scene/, splats, mesh, renders, metrics.json, report.html",
+                                .example = "aligngs demo",
+                                .advanced = "aligngs demo --room kitchen --views 36 -o kitchen_run --view",
+                                .notes = "The priors of the room are simulated."}));
   auto options = std::make_shared<TrainCommandOptions>();
   auto synth = std::make_shared<SynthCommandOptions>();
-  command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is written to its scene/");
+  command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is in its scene/")->group("Output folder");
   add_train_options(*command, options);
   add_refine_options(*command, options);
   add_synth_options(*command, synth);

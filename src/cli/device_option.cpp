@@ -10,7 +10,7 @@
 namespace aligngs {
 
 void add_device_option(CLI::App& command, std::string& device) {
-  command.add_option("--device", device, "auto, cpu or cuda:N")->capture_default_str();
+  command.add_option("--device", device, "device: auto, cpu or cuda:N")->capture_default_str()->group("Machine");
 }
 
 cuda::DeviceChoice chosen_device(const std::string& device, bool say) {

@@ -21,10 +21,10 @@ void add_device_option(CLI::App& command, std::string& device);
 /// Error{kResources} for a device that is not there.
 cuda::DeviceChoice chosen_device(const std::string& device, bool say);
 
-/// What makes the engine of that device. Says why as chosen_device does, and has its errors.
+/// Factory of the engine of that device. It reports the choice and fails like chosen_device.
 EngineFactory engine_of_device(const std::string& device);
 
-/// What makes the same device for networks; empty for the CPU. The same errors; the message if it is to `say` it.
+/// Factory of the same device for networks; empty for the CPU. The same errors; the message if it is to `say` it.
 nn::DeviceFactory networks_of_device(const std::string& device, bool say);
 
 /// Sets make_device of the options of a network; on a device, precision "auto" is bfloat16.
@@ -34,7 +34,7 @@ void put_networks_on(const std::string& device, const std::string& precision, bo
   if (options.make_device && precision == "auto") options.precision = nn::Precision::kBfloat16;
 }
 
-/// What makes the same device for fusion; empty for the CPU. The same errors, without the message.
+/// Factory of the same device for fusion; empty for the CPU. The same errors, without the message.
 TsdfDeviceFactory fusion_of_device(const std::string& device);
 
 }  // namespace aligngs

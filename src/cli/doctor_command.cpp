@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "cli/help_text.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/memory_budget.h"
@@ -74,7 +75,7 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-/// What networks are computed with, and how fast that is.
+/// Number format of networks, and its speed.
 Check check_networks() {
   ThreadPool pool(1);
   const nn::Precision precision = default_precision();
@@ -85,7 +86,7 @@ Check check_networks() {
   return {"networks", true, what, slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
 }
 
-/// Where the weights of each model lie, and what of a model is missing.
+/// Place of each model's weights, and its missing files.
 std::vector<Check> check_weights(const ModelStore& store) {
   std::vector<Check> found;
   size_t whole = 0;
@@ -119,7 +120,7 @@ std::vector<Check> check_weights(const ModelStore& store) {
   return found;
 }
 
-/// What `--device auto` takes.
+/// Device of `--device auto`.
 Check check_device() {
   const cuda::CudaDevices found = cuda::list_cuda_devices();
   if (found.devices.empty()) return {"device", true, "cpu: " + found.reason, ""};
@@ -148,9 +149,12 @@ std::vector<Check> run_checks(const ModelStore& store) {
 }  // namespace
 
 void add_doctor_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("doctor", "Check this machine and say what is missing");
+  CLI::App* command = program.add_subcommand("doctor", "Check this machine and list missing parts");
   command->group("Look");
-  command->footer("Example: aligngs doctor");
+  command->footer(help_footer({.reads = "the machine: processor, memory, programs, weights, devices",
+                                .writes = "nothing",
+                                .example = "aligngs doctor",
+                                .advanced = "aligngs doctor --json"}));
   command->callback([&context] {
     const std::vector<Check> checks = run_checks(model_store(context));
     bool all = true;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
@@ -92,8 +93,8 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   char text[400];
   std::snprintf(text, sizeof text,
                 "selected     %zu Gaussians, %.3f m2 of mesh; visible true surface %.3f m2\n"
-                "labels       IoU %.3f over the reconstructed surface: what the selection answers for\n"
-                "surface      IoU %.3f at 5 cm (precision %.3f, recall %.3f): selection and geometry together\n",
+                "labels       IoU %.3f over the reconstructed surface, which measures the selection\n"
+                "surface      IoU %.3f at 5 cm (precision %.3f, recall %.3f), which measures selection and geometry\n",
                 selection.count, s.selected_area, s.true_area, s.label_iou, s.iou, s.precision, s.recall);
   print(context,
         {{"selection", selection_text(query, room.labels)},
@@ -181,28 +182,29 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
 void add_edit_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("edit", "Delete, extract, recolour or highlight objects by name");
   command->group("Use");
-  command->footer(
-      "Example: aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'\n"
-      "Without -o the edit goes on the run's stack (edits.json, pictures and files in edits/), which --undo takes "
-      "back;\n"
-      "with -o OUT the run is untouched and OUT is a run with the edit. What was trained is never changed.");
+  command->footer(help_footer({.reads = "a run folder",
+                                .writes = "RUN/edits.json and RUN/edits/; with -o a new run instead",
+                                .example = "aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'",
+                                .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
+                                .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
+                                         "Training results never change. With -o the run itself stays untouched."}));
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
-  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
-  command->add_option("--select", options->select, "objects: \"pillow, cushion#2\", \"everything but wall, floor\"");
-  command->add_option("--threshold", options->threshold, "argmax, auto, or a probability above 0 and up to 1")
-      ->capture_default_str();
-  command->add_flag("--delete", options->remove, "remove the selected objects");
-  command->add_flag("--fill", options->fill, "with --delete: close the hole on the plane that carried the object");
-  command->add_flag("--extract", options->extract, "keep the selected objects only");
-  command->add_option("--recolor", options->recolor, "give them this colour, '#rrggbb'; light and texture stay");
-  command->add_option("--highlight", options->highlight, "mix them with this colour, '#rrggbb'");
-  command->add_option("-o,--output", options->output, "write a new run instead of editing this one");
-  command->add_flag("--dry-run", options->dry_run, "count and draw before and after; change nothing");
-  command->add_option("--picture", options->picture, "where --dry-run draws (default: edit_preview.png)");
-  command->add_flag("--undo", options->undo, "take the last edit back");
-  command->add_flag("--list", options->list, "list the edits and the objects of the room");
-  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)");
+  command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
+  command->add_option("--select", options->select, "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")->group("Selection");
+  command->add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
+      ->capture_default_str()->group("Selection");
+  command->add_flag("--delete", options->remove, "remove the selected objects")->group("Edit");
+  command->add_flag("--fill", options->fill, "with --delete: close the hole on the plane that carried the object")->group("Edit");
+  command->add_flag("--extract", options->extract, "keep the selected objects only")->group("Edit");
+  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb'; light and texture stay")->group("Edit");
+  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb'")->group("Edit");
+  command->add_option("-o,--output", options->output, "write a new run instead of editing this one")->group("Stack and output");
+  command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")->group("Stack and output");
+  command->add_option("--picture", options->picture, "picture of --dry-run (default: edit_preview.png)")->group("Stack and output");
+  command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
+  command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");
+  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "edit/edit_session.h"
@@ -14,22 +15,23 @@
 namespace aligngs {
 
 void add_export_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("export", "Write the room, with its edits, for other programs");
+  CLI::App* command = program.add_subcommand("export", "Write the room with its edits for other programs");
   command->group("Use");
-  command->footer(
-      "Example: aligngs export demo_run -f glb\n"
-      "         aligngs export demo_run -f glb --only mesh -o room.glb\n"
-      "Formats: ply, labels.ply (with class, object and confidence), glb (a node per object and the splats),\n"
-      "obj (groups per object), sog and spz (compressed splats), splat, html (one page that opens without a server).");
+  command->footer(help_footer({.reads = "a run folder, with its edits",
+                                .writes = "RUN/scene.FORMAT, or the file of -o",
+                                .example = "aligngs export demo_run -f glb",
+                                .advanced = "aligngs export demo_run -f glb --only mesh --original -o room.glb",
+                                .notes = "ply, splat: splats; labels.ply: splats with class, object and confidence; sog, spz: compressed splats.\n"
+                                         "glb: a node per object, and the splats; obj: groups per object; html: one page that opens without a server."}));
   struct Options {
     std::string run, scene, format, output, only;
     bool original = false;
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
-  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
+  command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
   command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz, splat or html")->required();
-  command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run; scene.export.ply, which does not replace scene.ply)");
+  command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
   command->add_option("--only", options->only, "glb: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
   command->add_flag("--original", options->original, "leave out the edits of the run");
   command->callback([&context, options] {

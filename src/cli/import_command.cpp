@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/log.h"
 #include "scene/import/capture_text.h"
@@ -69,29 +70,32 @@ void run_import(const CommandContext& context, Options& options) {
 void add_import_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("import", "Turn an RGB-D, ScanNet, Neural RGB-D, Replica, TUM, 7-Scenes, nerfstudio or COLMAP folder into a scene");
   command->group("Data");
-  command->footer("Example: aligngs import scans/scene0085_00 -o scene --views 36");
+  command->footer(help_footer({.reads = "a capture with poses; docs/formats.md lists the layouts",
+                                .writes = "SCENE: a scene folder",
+                                .example = "aligngs import scans/scene0085_00 -o scene --views 36",
+                                .advanced = "aligngs import capture -o scene --layout rgbd --train train.txt --test test.txt --sfm sparse/0 --strict"}));
   auto options = std::make_shared<Options>();
   std::vector<std::string> layouts;
   for (const CaptureLayout layout : kLayouts) layouts.push_back(layout_name(layout));
   command->add_option("source", options->source, "folder of the capture")->required();
-  command->add_option("-o,--output", options->output, "scene folder to write")->required();
-  command->add_option("--layout", options->layout, "layout of the source")->check(CLI::IsMember(layouts))->capture_default_str();
-  command->add_option("--views", options->import.views, "choose so many well-spread sharp training views")->check(CLI::PositiveNumber);
-  command->add_option("--stride", options->import.stride, "train on every n-th frame")->check(CLI::PositiveNumber);
-  command->add_option("--train", options->train_file, "file with the names of the training frames");
-  command->add_option("--test", options->test_file, "file with the names of the test frames");
-  command->add_option("--test-views", options->import.test_views, "so many test views of the rest (default: a third of the training views)")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--intrinsics", options->intrinsics, "3x3 matrix file where the layout has none (TUM, 7-Scenes)");
-  command->add_flag("--assume-registered", options->assume_registered, "7-Scenes: use depth as if registered to colour");
-  command->add_flag("--tracked-poses", options->trajectory, "Neural RGB-D: trainval_poses.txt instead of poses.txt");
-  command->add_option("--sfm", options->sfm, "COLMAP model whose points make the cloud; no sensor depth is used then");
-  command->add_flag("--no-depth-prior", options->no_depth_prior, "leave sensor depth out of pred_depths/");
-  command->add_flag("--neuris-crop", options->import.neuris_crop, "crop and resize to 640x480 as NeuRIS does with ScanNet");
-  command->add_option("--voxel", options->import.voxel, "edge of the cubes that thin the fused cloud, scene units (default: automatic)")
-      ->check(CLI::NonNegativeNumber);
-  command->add_flag("--strict", options->import.strict, "a frame that cannot be used is an error (status 3) instead of being left out");
-  command->add_flag("--overwrite", options->import.overwrite, "replace a scene that stands there");
+  command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
+  command->add_option("--layout", options->layout, "layout of the source")->check(CLI::IsMember(layouts))->capture_default_str()->group("Layout");
+  command->add_option("--views", options->import.views, "number of training views to choose, sharp and well spread")->check(CLI::PositiveNumber)->group("Frames");
+  command->add_option("--stride", options->import.stride, "train on every n-th frame")->check(CLI::PositiveNumber)->group("Frames");
+  command->add_option("--train", options->train_file, "file with the names of the training frames")->group("Frames");
+  command->add_option("--test", options->test_file, "file with the names of the test frames")->group("Frames");
+  command->add_option("--test-views", options->import.test_views, "number of test views from the other frames (default: a third of the training views)")
+      ->check(CLI::NonNegativeNumber)->group("Frames");
+  command->add_option("--intrinsics", options->intrinsics, "TUM, 7-Scenes: file with the 3x3 camera matrix")->group("Layout");
+  command->add_flag("--assume-registered", options->assume_registered, "7-Scenes: use depth as registered to colour")->group("Layout");
+  command->add_flag("--tracked-poses", options->trajectory, "Neural RGB-D: use trainval_poses.txt instead of poses.txt")->group("Layout");
+  command->add_option("--sfm", options->sfm, "COLMAP model for the cloud; sensor depth is not used then")->group("Points and depth");
+  command->add_flag("--no-depth-prior", options->no_depth_prior, "leave sensor depth out of pred_depths/")->group("Points and depth");
+  command->add_flag("--neuris-crop", options->import.neuris_crop, "ScanNet: crop and resize to 640x480 as NeuRIS does")->group("Layout");
+  command->add_option("--voxel", options->import.voxel, "edge of the cubes that thin the fused cloud, in scene units (default: automatic)")
+      ->check(CLI::NonNegativeNumber)->group("Points and depth");
+  command->add_flag("--strict", options->import.strict, "a frame that cannot be used is an error (status 3); without this it is left out")->group("Frames");
+  command->add_flag("--overwrite", options->import.overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   command->callback([&context, options] { run_import(context, *options); });
 }
 

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -188,9 +189,12 @@ void print_plain(const Json& value, int indent) {
 }  // namespace
 
 void add_info_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("info", "Say what a file, a scene folder or a run folder holds");
+  CLI::App* command = program.add_subcommand("info", "Show the content of a file, a scene folder or a run folder");
   command->group("Look");
-  command->footer("Example: aligngs info demo_run");
+  command->footer(help_footer({.reads = "a file, a scene folder or a run folder",
+                                .writes = "nothing",
+                                .example = "aligngs info demo_run",
+                                .advanced = "aligngs info demo_run/scene.ply --json"}));
   auto path = std::make_shared<std::string>();
   command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
   command->callback([&context, path] {

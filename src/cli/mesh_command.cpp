@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/stages/mesh_stage.h"
 #include "io/output_place.h"
@@ -16,7 +17,10 @@ namespace aligngs {
 void add_mesh_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("mesh", "Fuse the depth of the training views into a labelled triangle mesh");
   command->group("Measure");
-  command->footer("Example: aligngs mesh demo_run --set mesh.voxel=0.01");
+  command->footer(help_footer({.reads = "a run folder and its scene",
+                                .writes = "RUN/mesh/mesh.ply, or the file of -o",
+                                .example = "aligngs mesh demo_run --set mesh.voxel=0.01",
+                                .advanced = "aligngs mesh demo_run --from-prior -o prior.ply --pictures prior_pictures"}));
   struct Options {
     std::string run, scene, output, pictures, device = "auto";
     bool from_prior = false, from_truth = false;
@@ -24,13 +28,13 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
-  command->add_option("--scene", options->scene, "where the scene is now, when it was moved");
+  command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
   command->add_option("-o,--output", options->output, "PLY file to write (default: mesh/mesh.ply in the run)");
-  command->add_option("--pictures", options->pictures, "folder for pictures of the mesh by its face normals, from the test views (default: "
-                                                       "renders/test/surface in the run)");
+  command->add_option("--pictures", options->pictures, "folder for pictures of the mesh by its face normals, from the test views "
+                                                       "(default: renders/test/surface in the run)");
   CLI::Option* prior = command->add_flag("--from-prior", options->from_prior,
-                                         "fuse the prior depth instead of rendered depth: the yardstick");
-  command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras: the ceiling")
+                                         "fuse the prior depth instead of rendered depth, as a yardstick");
+  command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras, as the ceiling")
       ->excludes(prior);
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
   add_device_option(*command, options->device);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -155,7 +156,7 @@ void verify_models(const CommandContext& context, const std::vector<std::string>
   if (context.global.json) print_json(document);
   else if (states.empty()) std::printf("no weights are on this machine; `aligngs models list` shows what there is\n");
   if (bad) {
-    throw Error({ErrorKind::kWeights, state_of(store, *bad->model) == "no" ? "the weights are missing" : "the weights are not what they should be",
+    throw Error({ErrorKind::kWeights, state_of(store, *bad->model) == "no" ? "the weights are missing" : "the weights differ from their digest",
                  bad->path, bad->model->name,
                  bad->path.empty() ? how_to_get(store, *bad->model) : "remove the file, then `aligngs models download " + bad->model->name + "`"});
   }
@@ -183,7 +184,7 @@ void import_files(const CommandContext& context, const std::string& name, const 
     for (const ModelFile& part : model.files) {
       const auto used = store.find(model, part);
       if (used && store.own_path(model, part) == path && used->path != path)
-        log_warning("{} is used instead: the {} is looked in first", used->path.string(), name_of(used->place));
+        log_warning("{} is used instead, because the {} comes first", used->path.string(), name_of(used->place));
     }
   }
   if (context.global.json) print_json(document);
@@ -195,36 +196,54 @@ void import_files(const CommandContext& context, const std::string& name, const 
 void add_models_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("models", "Network weights: list, download, verify, path, import");
   command->group("Data");
-  command->footer("Example: aligngs models list\n         aligngs models download vggt-1b ade20k-linear-b");
+  command->footer(help_footer({.reads = "the weight folders of this machine",
+                                .writes = "the program's own weight folder (download, import)",
+                                .example = "aligngs models list",
+                                .advanced = "aligngs models download vggt-1b ade20k-linear-b --accept-licence"}));
   command->require_subcommand(1);
   command->fallthrough();
 
-  CLI::App* list = command->add_subcommand("list", "What can be had and what is here: size, licence, source, digest");
-  list->footer("Example: aligngs models list");
+  CLI::App* list = command->add_subcommand("list", "List all weights: size, licence, source, digest, and whether they are installed");
+  list->footer(help_footer({.reads = "the weight folders of this machine",
+                                .writes = "nothing",
+                                .example = "aligngs models list",
+                                .advanced = "aligngs models list --json"}));
   list->callback([&context] { list_models(context); });
 
-  CLI::App* download = command->add_subcommand("download", "Fetch weights; goes on where an earlier attempt ended");
-  download->footer("Example: aligngs models download lpips-vgg --accept-licence");
+  CLI::App* download = command->add_subcommand("download", "Download weights; an interrupted download resumes");
+  download->footer(help_footer({.reads = "the publisher's site, or the mirror of --from",
+                                .writes = "the program's own weight folder",
+                                .example = "aligngs models download vggt-1b",
+                                .advanced = "aligngs models download lpips-vgg --accept-licence --from https://mirror.example.org/weights"}));
   auto arguments = std::make_shared<DownloadArguments>();
   download->add_option("models", arguments->names, "names as in `aligngs models list`")->required();
-  download->add_flag("--accept-licence,--accept-license", arguments->accept, "accept the licences without being asked");
-  download->add_option("--from", arguments->mirror, "URL of a mirror that holds the files by their names");
+  download->add_flag("--accept-licence,--accept-license", arguments->accept, "accept the licences without a question");
+  download->add_option("--from", arguments->mirror, "URL of a mirror that holds the files by their names")->group("Source");
   download->callback([&context, arguments] { download_models(context, *arguments); });
 
-  CLI::App* verify = command->add_subcommand("verify", "Read the weights again and compare their digests; status 4 when one is wrong");
-  verify->footer("Example: aligngs models verify");
+  CLI::App* verify = command->add_subcommand("verify", "Read the weights again and compare their digests; status 4 if one differs");
+  verify->footer(help_footer({.reads = "all weight files",
+                                .writes = "nothing",
+                                .example = "aligngs models verify",
+                                .advanced = "aligngs models verify vggt-1b --json"}));
   auto verified = std::make_shared<std::vector<std::string>>();
-  verify->add_option("models", *verified, "names (default: all that are here)");
+  verify->add_option("models", *verified, "names (default: all installed weights)");
   verify->callback([&context, verified] { verify_models(context, *verified); });
 
-  CLI::App* path = command->add_subcommand("path", "Print where the files of a model are; status 4 when they are missing");
-  path->footer("Example: aligngs models path vggt-1b");
+  CLI::App* path = command->add_subcommand("path", "Print the paths of a model's files; status 4 if they are missing");
+  path->footer(help_footer({.reads = "the weight folders of this machine",
+                                .writes = "nothing",
+                                .example = "aligngs models path vggt-1b",
+                                .advanced = "aligngs models path ade20k-m2f --json"}));
   auto asked = std::make_shared<std::string>();
   path->add_option("model", *asked, "name as in `aligngs models list`")->required();
   path->callback([&context, asked] { print_paths(context, *asked); });
 
-  CLI::App* import = command->add_subcommand("import", "Put a weight file that you have where aligngs finds it");
-  import->footer("Example: aligngs models import vggt-1b Downloads/model.safetensors");
+  CLI::App* import = command->add_subcommand("import", "Copy a weight file to the folder of aligngs");
+  import->footer(help_footer({.reads = "a weight file",
+                                .writes = "the program's own weight folder",
+                                .example = "aligngs models import vggt-1b Downloads/model.safetensors",
+                                .advanced = "aligngs models import vggt-1b Downloads/model.safetensors --json"}));
   auto imported = std::make_shared<std::string>();
   auto files = std::make_shared<std::vector<std::string>>();
   import->add_option("model", *imported, "name as in `aligngs models list`")->required();

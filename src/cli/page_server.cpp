@@ -52,7 +52,7 @@ std::string PageServer::ssh_line() const {
 }
 
 void PageServer::announce() const {
-  log_info("look on at {}", url());
+  log_info("watch the work at {}", url());
   if (const std::string ssh = ssh_line(); !ssh.empty()) log_info("from your own computer first: {}", ssh);
 }
 

@@ -10,23 +10,23 @@ namespace aligngs {
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
   ScenePhotosOptions& poses = options->poses;
   const char* const group = "Cameras of photos";
-  command.add_option("--method", options->method, "vggt (a network; needs its weights), colmap (the program; needs overlap) or given (cameras that you have)")
+  command.add_option("--method", options->method, "vggt (a network, needs weights), colmap (a program, needs overlap) or given (your own cameras)")
       ->check(CLI::IsMember({"vggt", "colmap", "given"}))->capture_default_str()->group(group);
-  command.add_option("--max-size", poses.max_side, "longer side to which larger photos are shrunk, pixels")
+  command.add_option("--max-size", poses.max_side, "longer side of the photos in pixels; larger photos are shrunk")
       ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
-  command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all train)")
+  command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all photos train)")
       ->check(CLI::Range(2, 1000000))->group(group);
-  command.add_option("--poses-model", options->model, "vggt: which weights")
+  command.add_option("--poses-model", options->model, "vggt: weights")
       ->check(CLI::IsMember({"vggt-1b", "vggt-1b-commercial"}))->capture_default_str()->group(group);
-  command.add_option("--drop-percent", poses.drop_percent, "vggt: share of the depth, that of the lowest confidence, to leave out")
+  command.add_option("--drop-percent", poses.drop_percent, "vggt: percentage of the depth to leave out, lowest confidence first")
       ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group(group);
   command.add_flag("--shared-focal", poses.shared_focal, "vggt: one focal length for all photos (one camera, no zoom)")->group(group);
-  command.add_option("--max-points", poses.max_points, "vggt: points of the cloud at most")
+  command.add_option("--max-points", poses.max_points, "vggt: largest number of points")
       ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
   command.add_option("--cameras", options->cameras,
-                     "given: COLMAP model or transforms.json (default: what lies beside the photos)")->group(group);
+                     "given: COLMAP model or transforms.json (default: the one beside the photos)")->group(group);
   command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")->group(group);
-  command.add_option("--precision", options->precision, "of networks: auto, bfloat16 or float32")
+  command.add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
       ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group(group);
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/error.h"
@@ -41,18 +42,21 @@ void print_report(const CommandContext& context, const std::string& scene, const
 }  // namespace
 
 void add_poses_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos: a scene folder with poses and a cloud");
+  CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos");
   command->group("Data");
-  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method colmap --test-every 8\n"
-                  "         aligngs poses photos -o scene --method given --cameras sparse/0");
+  command->footer(help_footer({.reads = "a folder of JPEG or PNG photos",
+                                .writes = "SCENE: a scene folder with cameras and a cloud",
+                                .example = "aligngs poses photos -o scene --method colmap",
+                                .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
+                                .notes = "`vggt` needs its weights: aligngs models download vggt-1b"}));
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();
   command->add_option("photos", *photos, "folder of JPEG or PNG photos")->required();
-  command->add_option("-o,--output", *scene, "scene folder to write")->required();
-  command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that stands there");
-  command->add_flag("--strict", options->poses.strict, "a photo that cannot be used is an error (status 3) instead of being left out");
-  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
+  command->add_option("-o,--output", *scene, "scene folder to write")->required()->group("Output folder");
+  command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that aligngs wrote")->group("Output folder");
+  command->add_flag("--strict", options->poses.strict, "a photo that cannot be used is an error (status 3); without this it is left out")->group("Cameras of photos");
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")->check(CLI::PositiveNumber)->group("Machine");
   add_device_option(*command, options->device);
   add_photo_options(*command, options);
   command->callback([&context, options, photos, scene] {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/error.h"
@@ -37,7 +38,7 @@ std::string line_of(const ScenePriorsReport& report) {
 void require_place(const Options& options) {
   if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
   if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // what is no folder is told when it is opened
-  throw Error({ErrorKind::kUsage, "its scene.json does not say that aligngs wrote this folder, which is therefore not changed", options.scene, "scene",
+  throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed", options.scene, "scene",
                "name a folder for a copy with the priors: -o OUT"});
 }
 
@@ -98,26 +99,29 @@ void run_priors(const CommandContext& context, Options& options) {
 }  // namespace
 
 void add_priors_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("priors", "Fill a scene's depth and class priors with networks");
+  CLI::App* command = program.add_subcommand("priors", "Compute depth and class priors of a scene with networks");
   command->group("Data");
-  command->footer("Example: aligngs priors scene --semantics linear-b --depth vggt\n         aligngs priors scene --semantics m2f --depth none");
+  command->footer(help_footer({.reads = "a scene folder with photos",
+                                .writes = "pred_depths/, pred_confidence/, segmentation_logits/ and priors.json of SCENE, or of the copy OUT",
+                                .example = "aligngs priors scene --semantics linear-b --depth vggt",
+                                .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene folder")->required();
-  command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, where aligngs wrote it)");
-  command->add_option("--depth", options->depth, "vggt, vggt-commercial, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: what is installed")
-      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, if aligngs wrote it)")->group("Output folder");
+  command->add_option("--depth", options->depth, "vggt, vggt-commercial, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the installed one)")
+      ->capture_default_str()->group("Networks");
   command->add_option("--semantics", options->semantics,
-                      "m2f (the method's), linear-s|b|l|g (light), ms-s|b|l|g, none, or auto: the best that is installed")->capture_default_str();
-  command->add_flag("--augment", options->fill.augment, "ms: five sizes, mirrored as well (ten times as long)");
+                      "m2f (the method's), linear-s|b|l|g (light), ms-s|b|l|g, none, or auto (the best installed)")->capture_default_str()->group("Networks");
+  command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")->group("Networks");
   command->add_option("--m2f-heads", options->fill.mask2former_heads,
-                      "m2f: heads of its attention, should the file hold other than 4 sampling points (default: from the tensors)")
-      ->check(CLI::Range(1, 1024));
-  command->add_option("--drop-percent", options->fill.drop_percent, "vggt: share of the depth, that of the lowest confidence, to leave out")
-      ->check(CLI::Range(0.0, 99.0))->capture_default_str();
-  command->add_option("--precision", options->precision, "auto, bfloat16 or float32")
-      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str();
-  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
-  command->add_flag("--overwrite", options->fill.overwrite, "replace priors that are there");
+                      "m2f: number of attention heads, for files without 4 sampling points (default: from the tensors)")
+      ->check(CLI::Range(1, 1024))->group("Networks");
+  command->add_option("--drop-percent", options->fill.drop_percent, "vggt: percentage of the depth to leave out, lowest confidence first")
+      ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group("Networks");
+  command->add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
+      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group("Networks");
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")->check(CLI::PositiveNumber)->group("Machine");
+  command->add_flag("--overwrite", options->fill.overwrite, "replace existing priors")->group("Output folder");
   add_device_option(*command, options->device);
   command->callback([&context, options] { run_priors(context, *options); });
 }

@@ -18,6 +18,16 @@ namespace {
 /// CLI11's exit codes are its own; ours has one for every usage error.
 constexpr int kUsageStatus = static_cast<int>(ErrorKind::kUsage);
 
+/// `aligngs` alone prints this start instead of all commands.
+constexpr const char* kStart =
+    "aligngs turns photos of a room into labelled Gaussian splats and a labelled mesh.\n\n"
+    "  aligngs demo                                                    reconstruct a synthetic room\n"
+    "  aligngs run PHOTOS -o RUN --method colmap --semantics none      your photos, without network weights\n"
+    "  aligngs import CAPTURE -o SCENE, then aligngs run SCENE -o RUN  a posed capture or an RGB-D scan\n"
+    "  aligngs view RUN                                                look at a run in the browser\n"
+    "  aligngs doctor                                                  check this machine\n\n"
+    "`aligngs --help` lists all commands. `aligngs COMMAND --help` shows options and examples.\n";
+
 std::string join(int argc, char** argv) {
   std::string text = "aligngs";
   for (int i = 1; i < argc; ++i) {
@@ -29,10 +39,10 @@ std::string join(int argc, char** argv) {
 }
 
 void add_global_options(CLI::App& program, GlobalOptions& global) {
-  program.add_flag("--json", global.json, "print results as one JSON document on standard output")->group("Everywhere");
+  program.add_flag("--json", global.json, "print the results as one JSON document on standard output")->group("Everywhere");
   program.add_flag("-q,--quiet", global.quiet, "warnings and errors only")->group("Everywhere");
   program.add_flag("-v,--verbose", global.verbose, "debug messages")->group("Everywhere");
-  program.add_flag("--offline", global.offline, "never touch the network")->group("Everywhere");
+  program.add_flag("--offline", global.offline, "forbid all network access")->group("Everywhere");
   program.add_option("--threads", global.threads, "worker threads (default: one per hardware thread)")
       ->check(CLI::Range(0, 1024))->group("Everywhere");
 }
@@ -88,10 +98,14 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 }
 
 int run_program(int argc, char** argv) {
+  if (argc <= 1) {
+    std::fputs(kStart, stderr);
+    return kUsageStatus;
+  }
   CommandContext context;
   context.command_line = join(argc, argv);
-  CLI::App program("aligngs turns a handful of photos of a room into a labelled 3D scene: Gaussian splats,\n"
-                   "a mesh, class labels and measurements of how good they are.\n\n"
+  CLI::App program("aligngs turns photos of a room into a labelled 3D scene: Gaussian splats, a mesh,\n"
+                   "class labels, and measurements of all of them.\n\n"
                    "Example: aligngs demo", "aligngs");
   program.set_version_flag("--version", std::string("aligngs ") + ALIGNGS_VERSION);
   program.require_subcommand(1);
@@ -130,7 +144,7 @@ int run_program(int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& error) {
     return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}), context.global.json);
   } catch (const nlohmann::json::exception& error) {
-    return report_error(Error({ErrorKind::kBadInput, std::string("a JSON file does not have the form that is expected: ") + error.what(), {}, {}, {}}), context.global.json);
+    return report_error(Error({ErrorKind::kBadInput, std::string("a JSON file does not have the expected form: ") + error.what(), {}, {}, {}}), context.global.json);
   } catch (const std::exception& error) {
     return report_error(Error({ErrorKind::kFailed, error.what(), {}, {}, {}}), context.global.json);
   }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "refine/measured_scene.h"
@@ -36,7 +37,7 @@ double exposure_span(const std::vector<Vec3f>& log_gains) {
 
 void print_planes(const std::vector<ScenePlane>& planes, double share, const std::optional<RoomAxes>& axes) {
   if (!planes.empty()) std::printf("%zu planes; %.0f %% of the pixels lie on one\n", planes.size(), 100 * share);
-  if (axes) std::printf("the room is built square: %.0f %% of its planes face along three axes\n", 100 * axes->share);
+  if (axes) std::printf("the room has right angles: %.0f %% of its planes face along three axes\n", 100 * axes->share);
   if (axes && axes->up) std::printf("up is (%.3f, %.3f, %.3f)\n", axes->up->x, axes->up->y, axes->up->z);
 }
 
@@ -125,7 +126,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   }
   std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
               result.bundle.start_median, result.bundle.end_median, result.focal_factor);
-  if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows what is measured around it\n", 100 * report.measured);
+  if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n", 100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
   print_panels(report.panels.size());
   print_exposure(report.log_gains);
@@ -140,29 +141,33 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
 }  // namespace
 
 void add_refine_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("refine", "Correct cameras and prior depth from matches between the photos, or measure depth where there is none");
+  CLI::App* command = program.add_subcommand("refine", "Correct cameras and depth from the photos themselves, or measure missing depth");
   command->group("Data");
-  command->footer("Without prior depth, cameras stay and depth is measured between the scene's points, by multi-view stereo.\n"
-                  "The scene itself is not changed. Test photos are registered against the result afterwards and move nothing.\n"
-                  "Example: aligngs refine scene -o refined && aligngs run refined -o run");
+  command->footer(help_footer({.reads = "a scene folder",
+                                .writes = "REFINED: a copy of the scene with corrected cameras and depth",
+                                .example = "aligngs refine scene -o refined",
+                                .advanced = "aligngs refine scene -o refined --passes 3 --no-planes --own-focal",
+                                .notes = "`aligngs run` and `aligngs demo` do this by default.\n"
+                                         "Without prior depth, cameras stay, and stereo measures depth between the scene's points.\n"
+                                         "Test photos are registered afterwards and move nothing."}));
   auto options = std::make_shared<RefineCommandOptions>();
   command->add_option("scene", options->scene, "scene folder")->required();
-  command->add_option("-o,--output", options->output, "scene folder to write")->required();
-  command->add_flag("--keep-depth", options->keep_depth, "do not correct pred_depths/");
-  command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo only, not by multi-view stereo");
-  command->add_flag("--no-planes", options->no_planes, "do not draw the depth of walls, floor and ceiling to their planes");
-  command->add_flag("--plane-tables", options->tables, "draw the tops of tables, desks and counters to planes, too");
-  command->add_flag("--fuse-labels", options->fuse_labels, "find planes by what most photos call a place, and weigh each pixel by their share");
-  command->add_flag("--no-square", options->no_square, "leave planes as they are found where they show that the room is built square");
-  command->add_flag("--place-screens", options->screens, "place televisions and monitors by their outlines in several photos");
-  command->add_flag("--no-panels", options->no_panels, "do not draw panes, mirrors, screens and pictures to planes of their own");
-  command->add_flag("--no-exposure", options->no_exposure, "do not measure how the photos differ in exposure and white balance");
-  command->add_flag("--keep-test-views", options->keep_tests, "do not register the test photos");
-  command->add_flag("--own-focal", options->own_focal, "every photo keeps a focal length of its own");
-  command->add_option("--passes", options->passes, "times that all of it is done: with better depth more matches are found")
+  command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
+  command->add_flag("--keep-depth", options->keep_depth, "leave pred_depths/ as they are")->group("Depth");
+  command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo, without multi-view stereo")->group("Depth");
+  command->add_flag("--no-planes", options->no_planes, "leave the depth of walls, floor and ceiling off their planes")->group("Planes");
+  command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")->group("Planes");
+  command->add_flag("--fuse-labels", options->fuse_labels, "find planes by the labels of most photos, and weigh each pixel by their share")->group("Planes");
+  command->add_flag("--no-square", options->no_square, "keep planes as found, also in a room with right angles")->group("Planes");
+  command->add_flag("--place-screens", options->screens, "place televisions and monitors by their outlines in several photos")->group("Planes");
+  command->add_flag("--no-panels", options->no_panels, "give panes, mirrors, screens and pictures no planes of their own")->group("Planes");
+  command->add_flag("--no-exposure", options->no_exposure, "leave exposure and white balance unmeasured")->group("Depth");
+  command->add_flag("--keep-test-views", options->keep_tests, "leave the test photos unregistered")->group("Cameras");
+  command->add_flag("--own-focal", options->own_focal, "give every photo a focal length of its own")->group("Cameras");
+  command->add_option("--passes", options->passes, "number of passes; better depth finds more matches")
       ->check(CLI::Range(1, 5))
-      ->capture_default_str();
-  command->add_flag("--overwrite", options->overwrite, "replace a scene that stands there");
+      ->capture_default_str()->group("Depth");
+  command->add_flag("--overwrite", options->overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   command->callback([&context, options] { refine(context, *options); });
 }
 

@@ -1,9 +1,10 @@
-// `aligngs report RUN`: report.html and overview.jpg from what stands in the run folder.
+// `aligngs report RUN`: report.html and overview.jpg from the files of the run folder.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/help_text.h"
 #include "cli/report/html_report.h"
 #include "io/json_text.h"
 #include "train/trained_run.h"
@@ -13,7 +14,10 @@ namespace aligngs {
 void add_report_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("report", "Write report.html: numbers, pictures, charts, settings");
   command->group("Measure");
-  command->footer("Example: aligngs report demo_run");
+  command->footer(help_footer({.reads = "a run folder",
+                                .writes = "RUN/report.html and RUN/overview.jpg",
+                                .example = "aligngs report demo_run",
+                                .advanced = "aligngs report demo_run --json"}));
   auto run = std::make_shared<std::string>();
   command->add_option("run", *run, "run folder")->required();
   command->callback([&context, run] {

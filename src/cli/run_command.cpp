@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/device_option.h"
+#include "cli/help_text.h"
 #include "cli/page_server.h"
 #include "cli/photo_options.h"
 #include "cli/stages/eval_stage.h"
@@ -54,7 +55,7 @@ struct MissingPriors {
   bool any() const { return depth || semantics; }
 };
 
-/// What the scene lacks and the weights here can fill; says what stays empty and how to change that.
+/// Missing priors that installed weights can fill; reports what stays empty and how to change that.
 MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options) {
   const Scene scene = open_scene(folder);
   MissingPriors missing;
@@ -152,25 +153,29 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
 }  // namespace
 
 void add_run_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("run", "Everything: poses and priors of photos, train, render, mesh, measure, report");
+  CLI::App* command = program.add_subcommand("run", "Do everything: poses, priors, training, renders, mesh, figures, report");
   command->group("Reconstruct");
-  command->footer("Example: aligngs run photos -o run --semantics linear-b\n         aligngs run photos -o run --method colmap --semantics none\n"
-                  "         aligngs run scene -o run --preset preview --fail-under psnr=18");
+  command->footer(help_footer({.reads = "a folder of photos, or a scene folder",
+                                .writes = "RUN: splats, mesh, renders, metrics.json, report.html; also RUN/scene, if the run makes a scene of its own",
+                                .example = "aligngs run photos -o run --method colmap --semantics none",
+                                .advanced = "aligngs run scene -o run --preset preview --set train.max_gaussians=100000 --fail-under psnr=18 --view",
+                                .notes = "Does everything from photos to the report. Missing poses and priors are made first.\n"
+                                         "The source is never changed. --resume continues after an interruption."}));
   auto train = std::make_shared<TrainCommandOptions>();
   auto photos = std::make_shared<PhotoCommandOptions>();
   auto options = std::make_shared<RunCommandOptions>();
   command->add_option("source", options->source, "folder of photos, or a scene folder")->required();
-  command->add_option("-o,--output", train->output, "run folder; the scene made of photos is written to its scene/")->required();
+  command->add_option("-o,--output", train->output, "run folder; a scene made of photos is in its scene/")->required()->group("Output folder");
   command->add_option("--semantics", options->semantics,
-                      "class labels where the scene has none: m2f, linear-s|b|l|g, ms-s|b|l|g, none, or auto: the best that is installed")
-      ->capture_default_str();
+                      "class priors, if the scene has none: m2f, linear-s|b|l|g, ms-s|b|l|g, none, or auto (the best installed)")
+      ->capture_default_str()->group("Priors");
   command->add_option("--depth", options->depth,
-                      "depth where the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto: VGGT when it is installed")
-      ->capture_default_str();
+                      "depth priors, if the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (VGGT if installed)")
+      ->capture_default_str()->group("Priors");
   add_refine_options(*command, train);
   add_photo_options(*command, photos);
   add_train_options(*command, train);
-  command->add_option("--fail-under", options->fail_under, "name=number; status 6 when the metric is below (psnr, ssim, fscore, miou)");
+  command->add_option("--fail-under", options->fail_under, "name=number; status 6 if the metric is lower (psnr, ssim, fscore, miou)")->group("Checks");
   command->callback([&context, options, train, photos] {
     options->train = *train;
     options->photos = *photos;

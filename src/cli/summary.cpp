@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "metrics/semantic_metrics.h"
+
 namespace aligngs {
 namespace {
 
@@ -52,14 +54,15 @@ std::string metrics_summary(const Json& metrics) {
   if (semantics.is_null()) {
     text += "labels       not measured: no semantics or no true labels\n";
   } else {
-    const auto both_rules = [](const Json& scores) {
-      const std::string counted = value(scores, "miou", "{:.3f}");
-      return scores.contains("present") ? fmt::format("{} ({} over all classes present)", counted, value(scores["present"], "miou", "{:.3f}")) : counted;
+    const auto line = [](const char* name, const Json& scores, const char* samples) {
+      std::string words = fmt::format("{} mIoU {} over classes with at least {:g} % of the {}", name, value(scores, "miou", "{:.3f}"),
+                                      100 * kLeastClassShare, samples);
+      if (scores.contains("present")) words += fmt::format(", {} over all classes present", value(scores["present"], "miou", "{:.3f}"));
+      return words + fmt::format(", accuracy {}\n", value(scores, "accuracy", "{:.3f}"));
     };
-    text += fmt::format("labels       mIoU {}, accuracy {} (rendered test views)", both_rules(semantics), value(semantics, "accuracy", "{:.3f}"));
-    if (semantics.contains("teacher")) text += fmt::format("; the teacher's own {}", both_rules(semantics["teacher"]));
-    if (semantics.contains("mesh")) text += fmt::format("; mesh mIoU {}", value(semantics["mesh"], "miou", "{:.3f}"));
-    text += "\n";
+    text += line("labels      ", semantics, "pixels");
+    if (semantics.contains("teacher")) text += line("  teacher   ", semantics["teacher"], "pixels");
+    if (semantics.contains("mesh")) text += line("  mesh      ", semantics["mesh"], "points");
   }
   const std::string priors = metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
   if (priors.find("simulated") != std::string::npos) text += "priors       simulated (" + priors + ")\n";

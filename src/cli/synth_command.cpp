@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/help_text.h"
 #include "cli/print_json.h"
 #include "cli/synth_options.h"
 #include "core/log.h"
@@ -65,14 +66,18 @@ nlohmann::json to_json(const AcceptanceReport& report) {
 void add_synth_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("synth", "Make a synthetic furnished room with exact truth and simulated priors");
   command->group("Data");
-  command->footer("Example: aligngs synth room --room kitchen --views 36\n         aligngs synth room --teacher exact");
+  command->footer(help_footer({.reads = "nothing",
+                                .writes = "a scene folder with simulated priors and truth/",
+                                .example = "aligngs synth room --room kitchen --views 36",
+                                .advanced = "aligngs synth room --teacher-seed 2 --level high --labels shuffled --unknown-similarity",
+                                .notes = "The command prints how the simulated priors compare with real networks."}));
   auto options = std::make_shared<SynthCommandOptions>();
   auto output = std::make_shared<std::string>();
   auto overwrite = std::make_shared<bool>(false);
   command->add_option("output", *output, "scene folder to write")->required();
-  command->add_flag("--overwrite", *overwrite, "replace a scene that stands there");
+  command->add_flag("--overwrite", *overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   add_synth_options(*command, options);
-  command->add_option("--seed", options->synth.seed, "the same as --room-seed");
+  command->add_option("--seed", options->synth.seed, "the same as --room-seed")->group("Room");
   command->callback([&context, options, output, overwrite] {
     require_scene_place(*output, *overwrite);
     const SynthScene scene = make_scene(synth_options(*options), context);

@@ -10,18 +10,18 @@ namespace aligngs {
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options) {
   SynthOptions& synth = options->synth;
-  command.add_option("--room", synth.room, "kind of room")->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))->capture_default_str();
-  command.add_option("--views", synth.views, "views in all, test views included")->check(CLI::Range(2, 10000))->capture_default_str();
-  command.add_option("--test-views", options->test_views, "test views among them (default: 8, or a third of fewer than 24 views)")->check(CLI::NonNegativeNumber);
-  command.add_option("--size", options->size, "image size WxH (default 320x240)");
-  command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, walk and teachers")->capture_default_str();
-  command.add_option("--teacher-seed", synth.teacher_seed, "another simulated teacher for the same room");
-  command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")->check(CLI::IsMember({"exact", "simulated"}))->capture_default_str();
-  command.add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str();
-  command.add_option("--depth", options->depth, "which network pred_depths/ imitates")->check(CLI::IsMember({"feedforward", "mono"}))->capture_default_str();
-  command.add_option("--cloud", options->cloud, "sparse/points3D: dense depth, thinned, or corners triangulated with the same cameras")->check(CLI::IsMember({"feedforward", "sfm"}))->capture_default_str();
-  command.add_option("--labels", options->labels, "segmentation_logits/: the teacher's, the true ones, or a placebo")->check(CLI::IsMember({"teacher", "true", "constant", "shuffled"}))->capture_default_str();
-  command.add_flag("--unknown-similarity", synth.unknown_similarity, "the teacher's world has an unknown scale and rotation, as a real network's");
+  command.add_option("--room", synth.room, "kind of room")->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))->capture_default_str()->group("Room");
+  command.add_option("--views", synth.views, "number of views, test views included")->check(CLI::Range(2, 10000))->capture_default_str()->group("Room");
+  command.add_option("--test-views", options->test_views, "number of test views among them (default: 8, or a third of few views)")->check(CLI::NonNegativeNumber)->group("Room");
+  command.add_option("--size", options->size, "image size WxH (default 320x240)")->group("Room");
+  command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")->capture_default_str()->group("Room");
+  command.add_option("--teacher-seed", synth.teacher_seed, "seed of another simulated teacher for the same room")->group("Simulated priors");
+  command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")->check(CLI::IsMember({"exact", "simulated"}))->capture_default_str()->group("Simulated priors");
+  command.add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str()->group("Simulated priors");
+  command.add_option("--depth", options->depth, "kind of network that pred_depths/ imitates")->check(CLI::IsMember({"feedforward", "mono"}))->capture_default_str()->group("Simulated priors");
+  command.add_option("--cloud", options->cloud, "points: thinned dense depth, or corners triangulated with the same cameras")->check(CLI::IsMember({"feedforward", "sfm"}))->capture_default_str()->group("Simulated priors");
+  command.add_option("--labels", options->labels, "segmentation_logits/: of the teacher, true, or a placebo")->check(CLI::IsMember({"teacher", "true", "constant", "shuffled"}))->capture_default_str()->group("Simulated priors");
+  command.add_flag("--unknown-similarity", synth.unknown_similarity, "give the teacher's world an unknown scale and rotation, as real networks do")->group("Simulated priors");
 }
 
 SynthOptions synth_options(const SynthCommandOptions& options) {

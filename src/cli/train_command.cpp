@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/help_text.h"
 #include "cli/page_server.h"
 #include "cli/print_json.h"
 #include "cli/train_options.h"
@@ -48,13 +49,17 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
 void add_train_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("train", "Optimise the Gaussians of a scene");
   command->group("Reconstruct");
-  command->footer("Example: aligngs train scene -o run --preset preview\n         aligngs train -o run --resume -n 10000");
+  command->footer(help_footer({.reads = "a scene folder",
+                                .writes = "RUN: splats, checkpoints, config.toml, events.ndjson",
+                                .example = "aligngs train scene -o run --preset preview",
+                                .advanced = "aligngs train -o run --resume -n 10000",
+                                .notes = "`aligngs run` also renders, meshes and measures."}));
   auto options = std::make_shared<TrainCommandOptions>();
   auto scene = std::make_shared<std::string>();
   auto print_config = std::make_shared<bool>(false);
   command->add_option("scene", *scene, "scene folder (not needed with --resume)");
-  command->add_option("-o,--output", options->output, "run folder");
-  command->add_flag("--print-config", *print_config, "print every setting with its meaning as TOML, and stop");
+  command->add_option("-o,--output", options->output, "run folder")->group("Output folder");
+  command->add_flag("--print-config", *print_config, "print every setting with its meaning as TOML, and end")->group("Training");
   add_train_options(*command, options);
   command->callback([&context, scene, print_config, options] { run_train(context, *scene, *print_config, *options); });
 }

@@ -8,21 +8,24 @@
 namespace aligngs {
 
 void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
-  command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")->check(CLI::PositiveNumber);
+  const char* const training = "Training";
+  const char* const folder = "Output folder";
+  const char* const page = "Page";
+  command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")->check(CLI::PositiveNumber)->group(training);
   command.add_option("--preset", options->preset, "preview, default, paper, high or pgsr")
-      ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}));
-  command.add_option("--config", options->config_file, "TOML file with settings");
-  command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; --print-config lists them)");
-  command.add_option("--seed", options->seed, "seed of everything random")->check(CLI::NonNegativeNumber);
-  command.add_flag("--resume", options->resume, "go on with the run in the output folder; -n beyond its end extends it");
-  command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder");
-  command.add_flag("--require-priors", options->require_priors, "missing depth or semantics are an error (status 4)");
-  command.add_flag("--strict", options->strict, "a photo or view that cannot be used is an error (status 3) instead of being left out");
+      ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}))->group(training);
+  command.add_option("--config", options->config_file, "TOML file with settings")->group(training);
+  command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; `aligngs train --print-config` lists all)")->group(training);
+  command.add_option("--seed", options->seed, "seed of all random numbers")->check(CLI::NonNegativeNumber)->group(training);
+  command.add_flag("--resume", options->resume, "continue the run in the output folder; a larger -n extends it")->group(folder);
+  command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder")->group(folder);
+  command.add_flag("--require-priors", options->require_priors, "missing depth or class priors are an error (status 4)")->group(training);
+  command.add_flag("--strict", options->strict, "a photo or view that cannot be used is an error (status 3); without this it is left out")->group(training);
   add_device_option(command, options->device);
-  command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of what is free)")->check(CLI::PositiveNumber);
-  command.add_flag("--view", options->view, "show the page of `aligngs view` meanwhile, and afterwards until Ctrl-C");
-  command.add_option("--view-port", options->view_port, "its port on 127.0.0.1 (default: the first free one from 7860 on)")
-      ->check(CLI::Range(1, 65535));
+  command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")->check(CLI::PositiveNumber)->group("Machine");
+  command.add_flag("--view", options->view, "serve the page of `aligngs view` during the work, and afterwards until Ctrl-C")->group(page);
+  command.add_option("--view-port", options->view_port, "port of the page on localhost (default: the first free one from 7860)")
+      ->check(CLI::Range(1, 65535))->group(page);
 }
 
 void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOptions>& options) {
@@ -31,10 +34,11 @@ void add_refine_options(CLI::App& command, const std::shared_ptr<TrainCommandOpt
       for (const char* key : {"data.refine_cameras=", "data.measure_depth="}) options->refine_sets.push_back(std::string(key) + value);
     };
   };
-  const std::string what = "correct cameras, focal length and prior depth from matches between the photos first, or measure "
-                           "depth where there is none (see `aligngs refine`)";
-  command.add_flag_function("--refine", set("true"), what + "; all presets but `paper` and `pgsr` do");
-  command.add_flag_function("--no-refine", set("false"), "keep cameras and prior depth as they are");
+  const char* const group = "Refinement before training";
+  const std::string what = "first correct cameras, focal length and prior depth from the photos, or measure missing depth "
+                           "(see `aligngs refine`)";
+  command.add_flag_function("--refine", set("true"), what + "; the default of all presets except `paper` and `pgsr`")->group(group);
+  command.add_flag_function("--no-refine", set("false"), "keep cameras and prior depth as they are")->group(group);
 }
 
 TrainOptions train_options(const TrainCommandOptions& options, const CommandContext& context) {

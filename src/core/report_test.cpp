@@ -1,4 +1,4 @@
-// What people read: errors, durations, sizes and budgets.
+// Texts for people: errors, durations, sizes and budgets.
 #include <gmock/gmock.h>
 
 #include "core/error.h"

@@ -63,7 +63,7 @@ void on_signal(int signal) {
 
 [[noreturn]] void end(int status) {
   remove_temporary_paths();
-  say("stopped; what stood in the output is as it was\n");
+  say("stopped; existing output is intact\n");
   ::_exit(status);
 }
 
@@ -102,7 +102,7 @@ bool stop_requested() { return requested.load(std::memory_order_relaxed); }
 
 void stop_if_requested() {
   if (!stop_requested() || deferrals_here > 0) return;
-  throw Error({ErrorKind::kInterrupted, "stopped by a signal; what stood in the output is as it was", {}, {}, "run the same command again"});
+  throw Error({ErrorKind::kInterrupted, "stopped by a signal; existing output is intact", {}, {}, "run the same command again"});
 }
 
 StopDeferral::StopDeferral() {

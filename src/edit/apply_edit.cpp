@@ -116,7 +116,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   const Vocabulary vocabulary(room.labels);
   const SelectionQuery query = parse_selection(edit.select, vocabulary);
   SelectionOptions options;
-  // What is left of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
+  // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
   if (edit.kind == EditKind::kDelete) options.join = 0.5;
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);

@@ -12,7 +12,7 @@
 
 namespace aligngs {
 
-/// Where a Gaussian of an edited room comes from.
+/// Origin of a Gaussian of an edited room.
 struct GaussianOrigin {
   uint32_t row = 0;     ///< row of the trained model
   bool filled = false;  ///< made by an edit; `row` is the one whose class it has

@@ -1,4 +1,4 @@
-// Which view shows an edit best, and the picture of it.
+// The view that shows an edit best, and its picture.
 #include <algorithm>
 #include <cmath>
 
@@ -91,7 +91,7 @@ Image<uint8_t> side_by_side(const Image<uint8_t>& left, const Image<uint8_t>& ri
 }  // namespace
 
 BeforeAfter EditSession::compare(const EditableRoom& before, const EditableRoom& after) const {
-  // Where little is left (an extraction), look at that; elsewhere at what has changed.
+  // An extraction leaves little: look at that. Otherwise look at the change.
   const bool little_left = 2 * after.origins.size() < before.origins.size();
   const std::vector<Vec3d> changed = little_left ? all_positions(after) : changed_positions(before, after);
   struct Candidate {

@@ -41,7 +41,7 @@ class EditSession {
   const Scene& scene() const { return scene_; }
   const std::filesystem::path& folder() const { return run_; }
 
-  /// What an edit would do, and what it would look like; nothing is written.
+  /// Preview of an edit in figures and as a picture; nothing is written.
   EditReport preview(const EditOperation& edit, BeforeAfter* picture = nullptr);
   /// Applies an edit and writes edits.json and edits/ (scene.ply, scene.labels.ply, classes.json, mesh.ply,
   /// before_after.png; for an extraction also object/). Nothing of the training is touched.

@@ -1,4 +1,4 @@
-// What an edit did, for programs: `aligngs edit --json` and the page show the same.
+// Result of an edit, for programs: `aligngs edit --json` and the page show the same.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

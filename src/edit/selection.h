@@ -1,4 +1,4 @@
-// Which Gaussians a selection means.
+// Gaussians of a selection.
 #pragma once
 
 #include <cstdint>

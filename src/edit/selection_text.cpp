@@ -24,7 +24,7 @@ std::string_view trimmed(std::string_view text) {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-/// Where `word` stands by itself in `text` (any case), from `from` on; npos when nowhere.
+/// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere.
 size_t find_word(std::string_view text, std::string_view word, size_t from = 0) {
   const std::string lower = [&] {
     std::string s(text);

@@ -97,7 +97,7 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
   if (seen.empty())
     throw_bad_input({}, "--select", "no camera sees a true object of these classes", "measure other classes");
   const TriangleMesh chosen = submesh(mesh, flags, 1);
-  // What else is there matters only near the two.
+  // Other surface matters only near the two.
   const auto nearby = [&](const TriangleMesh& all) {
     return near_box(all, {&true_object, &chosen}, 2 * options.threshold);
   };

@@ -1,4 +1,4 @@
-// What stands where a deleted object stood: the plane that carried it, continued over the hole.
+// Filling for a deleted object: the plane that carried it, continued over the hole.
 #pragma once
 
 #include <cstdint>

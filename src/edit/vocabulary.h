@@ -1,4 +1,4 @@
-// What people call things, and which class of a label set they mean.
+// Names that people give to things, and the class of a label set that they mean.
 #pragma once
 
 #include <map>

@@ -56,7 +56,7 @@ void keep_largest(std::vector<Candidate>& candidates, size_t count) {
   candidates.resize(count);
 }
 
-/// Which rows are gone whatever else happens: transparent ones (their copies would be as transparent).
+/// Rows that are removed in any case: transparent ones (their copies would be as transparent).
 bool is_transparent(const GaussianModel& model, size_t i, const DensityRule& rule) {
   return !(opacity(model, i) >= rule.prune_opacity);
 }

@@ -33,7 +33,7 @@ struct RowOrigin {
   Kind kind = Kind::kKeep;
   float offset[3] = {0, 0, 0};  ///< world units, added to the position
   float shrink = 1;             ///< scales are divided by this
-  /// Of a copy; NaN: that of the source.
+  /// Value of a copy; NaN: that of the source.
   float opacity_logit = std::numeric_limits<float>::quiet_NaN();
 };
 

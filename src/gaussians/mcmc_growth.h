@@ -15,7 +15,7 @@ struct McmcRule {
   bool morton_order = false;    ///< the plan's rows in the order of morton_order.h
 };
 
-/// What `copies` equal Gaussians in one place must be like, so that together they look nearly as one of opacity `opacity` did
+/// Shape of `copies` equal Gaussians in one place, so that together they look nearly as one of opacity `opacity` did
 /// (there, equation 9).
 struct SharedShape {
   double opacity;  ///< of each

@@ -26,7 +26,7 @@ class ExpectedIou {
     called_[c] += sign * e_.area[region];
     right_[c] += sign * e_.area[region] * e_.share[region * e_.classes + c];
   }
-  /// What class c gains when the region, which nobody has, is called so.
+  /// Gain of class c when the region, which nobody has, gets its name.
   double gain(size_t region, size_t c) const {
     const double area = e_.area[region], right = area * e_.share[region * e_.classes + c];
     return ratio(called_[c] + area, right_[c] + right, wanted_[c]) - ratio(called_[c], right_[c], wanted_[c]);

@@ -19,7 +19,7 @@ struct LabelRegions {
 };
 LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model, const NeighbourGraph& graph, double reach);
 
-/// What the photos say of each region.
+/// Votes of the photos for each region.
 struct RegionEvidence {
   size_t classes = 0;           ///< C
   std::vector<uint16_t> label;  ///< [R] what the region is called so far; kNoLabel: nothing, and so it stays
@@ -40,7 +40,7 @@ struct NamingOptions {
 /// from the largest to the smallest until no name changes, at most five times; of equal names the one so far stays.
 std::vector<uint16_t> name_regions(const RegionEvidence& evidence, const NamingOptions& options = {});
 
-/// What each Gaussian may be called: up to kTop classes as in SoftLabels.
+/// Possible names of each Gaussian: up to kTop classes as in SoftLabels.
 struct OutlineEvidence {
   size_t classes = 0;            ///< C
   std::vector<double> area;      ///< [N] votes for the Gaussian, pixels of all photos

@@ -20,7 +20,7 @@ std::vector<float> numbered(size_t rows, size_t width) {
   return out;
 }
 
-/// What a plan means, in the plainest way: the oracle.
+/// Meaning of a plan in the plainest way: the oracle.
 std::vector<float> carried_out(const RestructurePlan& plan, size_t width, const std::vector<float>& rows) {
   std::vector<float> out;
   for (const RowOrigin& origin : plan.rows) {

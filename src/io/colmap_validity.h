@@ -1,4 +1,4 @@
-// What a COLMAP model must fulfil, however it was stored. src/io internal: use io/colmap.h.
+// Conditions on a COLMAP model, however it was stored. src/io internal: use io/colmap.h.
 #pragma once
 
 #include <filesystem>

@@ -54,7 +54,7 @@ Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
   const bool swap = orientation_swaps_sides(orientation);
   const int width = swap ? stored.height : stored.width,
             height = swap ? stored.width : stored.height;
-  // Where the stored picture is mirrored, along its own axes, after the exchange of axes is undone.
+  // Mirrored axes of the stored picture, along its own axes, after the exchange of axes is undone.
   const bool flip_x = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool flip_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
   Image<uint8_t> upright(width, height, stored.channels);

@@ -55,7 +55,7 @@ void FolderReplacement::commit() {
     const auto lock = hold_temporary_paths();
     const bool replaced = fs::exists(target_, error);
     if (exchange(temporary_, target_, replaced)) {
-      // What stood there before now has the temporary name, under which it is removed.
+      // The former content now has the temporary name, under which it is removed.
       if (!replaced) forget_temporary_path(temporary_);
     } else {
       move_in_two_steps(replaced, error);

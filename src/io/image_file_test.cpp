@@ -132,7 +132,7 @@ TEST(Jpeg, GrayIsWidenedAndAlphaDropped) {
 TEST(Jpeg, EveryExifOrientationComesOutUpright) {
   const Image<uint8_t> upright = blocks();
   const int w = upright.width, h = upright.height;
-  // Where the stored row r and column c lie in the upright picture, from the EXIF table ("row 0 is
+  // Place of the stored row r and column c in the upright picture, from the EXIF table ("row 0 is
   // the visual ...").
   struct Case {
     int orientation;

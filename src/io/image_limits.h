@@ -1,4 +1,4 @@
-// What a picture may measure at most, and what its file must at least weigh, before memory is taken
+// Largest size of a picture, and smallest size of its file, before memory is taken
 // for it.
 #pragma once
 

@@ -23,7 +23,7 @@ namespace {
 // many bytes, aligned to as many (a huge page).
 constexpr uint64_t kFaultAround = uint64_t(2) << 20;
 
-// Where the handler continues; null outside of a copy. Signals have no other way to pass anything
+// Place at which the handler continues; null outside of a copy. Signals have no other way to pass anything
 // on.
 thread_local sigjmp_buf* volatile copy_in_progress = nullptr;
 struct sigaction previous_handler {};

@@ -21,7 +21,7 @@ constexpr size_t kMaxHeaderBytes = size_t(1)
                                    << 20;  // NumPy writes 118 bytes; version 2 allows 4 GiB
 const char* const kRemedy = "write it again with numpy.save";
 
-/// What the header says, with the dtype taken apart.
+/// Content of the header, with the dtype taken apart.
 struct Layout {
   ArrayHeader header;
   bool fortran_order = false;
@@ -182,7 +182,7 @@ Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::files
   return layout;
 }
 
-/// Where the data begin, as far as the first bytes of a file tell.
+/// Begin of the data, as far as the first bytes of a file tell.
 uint64_t header_end(std::string_view bytes) {
   if (bytes.size() < 12) return 12;
   return bytes[6] == 1 ? 10 + uint64_t(load_number<uint16_t>(bytes.data() + 8, false))

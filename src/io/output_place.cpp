@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of scenes, meshes, splats, pictures, tables and pages.
+/// Extensions of scenes, meshes, splats, pictures, tables and pages.
 constexpr std::array<std::string_view, 22> kKnownExtensions = {".ply",  ".glb",   ".gltf",  ".obj",  ".sog", ".spz",  ".splat", ".ksplat", ".usd", ".usda", ".usdc",
                                                                ".usdz", ".stl",   ".fbx",   ".html", ".htm", ".csv",  ".json",  ".png",    ".jpg", ".jpeg", ".zip"};
 

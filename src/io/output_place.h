@@ -1,4 +1,4 @@
-// Where output may go: never into or over what a command reads.
+// Allowed places of output: never into or over what a command reads.
 #pragma once
 
 #include <filesystem>

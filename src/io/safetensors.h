@@ -20,7 +20,7 @@ struct TensorFile {
   std::map<std::string, std::string> metadata;
 };
 
-/// Where a tensor lies in a file.
+/// Place of a tensor in a file.
 struct TensorPlace {
   std::string dtype;
   std::vector<int64_t> shape;

@@ -45,7 +45,7 @@ struct FusionOptions {
 
 inline constexpr double kTypicalExtent = 3;  ///< metres: half the diagonal of a room of 4.5 x 3 x 2.5 m
 
-/// What was chosen and what came of it.
+/// Chosen values and results.
 struct FusionReport {
   double voxel = 0, truncation = 0, max_depth = 0;     ///< scene units
   double metre = 1;                                    ///< scene units per metre, estimated when not metric

@@ -10,7 +10,7 @@
 
 namespace aligngs {
 
-/// What one view says of a place: the camera and the depth that was fused (H x W, 0: none).
+/// Data of one view about a place: the camera and the depth that was fused (H x W, 0: none).
 struct HoleWitness {
   const Camera* camera = nullptr;
   const ImageF* depth = nullptr;

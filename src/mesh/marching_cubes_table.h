@@ -1,4 +1,4 @@
-// Which edges of a cube are joined to triangles, for each of the 256 patterns of inside and outside corners.
+// Edges of a cube that are joined to triangles, for each of the 256 patterns of inside and outside corners.
 #pragma once
 
 #include <array>

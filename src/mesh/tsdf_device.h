@@ -1,4 +1,4 @@
-// Where the views of a volume are fused when it is not the CPU.
+// Device other than the CPU that fuses the views of a volume.
 #pragma once
 
 #include <string>

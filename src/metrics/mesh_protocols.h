@@ -16,7 +16,7 @@
 
 namespace aligngs {
 
-/// Which poses say what part of the room can be judged.
+/// Poses that decide which part of the room is judged.
 enum class CullingViews { kTraining, kAll };
 /// How the predicted mesh is brought into the world of the truth.
 enum class MeshAlignment {
@@ -52,7 +52,7 @@ struct MeshProtocolOptions {
   IcpOptions icp;
 };
 
-/// What was done to the predicted mesh before measuring.
+/// Alignment of the predicted mesh before measuring.
 struct AlignmentReport {
   Similarity similarity;         ///< predicted -> truth
   double camera_rmse = 0;        ///< metres, of the camera centres; 0 without camera alignment

@@ -148,7 +148,7 @@ std::optional<SurfacePoint> RayScene::nearest(const Vec3d& point, double reach) 
     }
     const Vec3d found = nearest_on_triangle(s.from, corner[0], corner[1], corner[2]);
     const double distance = norm(found - s.from);
-    // Of equally near triangles the first in the list, so that the answer does not depend on the tree.
+    // The first of equally near triangles in the list, so that the answer does not depend on the tree.
     if (distance > s.best.distance || (distance == s.best.distance && arguments->primID >= s.best.triangle)) return false;
     s.best = {found, arguments->primID, distance};
     arguments->query->radius = std::nextafter(static_cast<float>(distance), kInfinity);

@@ -1,4 +1,4 @@
-// What cameras see of a triangle mesh, by ray casting (Embree).
+// Visible parts of a triangle mesh, by ray casting (Embree).
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ struct ChildResult {
 ChildResult run_child(const std::vector<std::string>& arguments, const std::filesystem::path& log,
                       const std::function<void(const std::string&)>& on_line = nullptr);
 
-/// Where PATH has an executable of that name; empty when it has none.
+/// Path of an executable of that name, by PATH; empty when it has none.
 std::filesystem::path find_program(const std::string& name);
 
 }  // namespace aligngs

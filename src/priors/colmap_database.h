@@ -1,4 +1,4 @@
-// What COLMAP found in photos and pairs of photos, read from its database (an SQLite file).
+// Findings of COLMAP in photos and pairs of photos, read from its database (an SQLite file).
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// Where cameras for photos in `photos` are: `given` (a folder, or a transforms.json) when it is not
+/// Place of the cameras for photos in `photos`: `given` (a folder, or a transforms.json) when it is not
 /// empty, else the folder of the photos, then the one above it. Error{kBadInput} naming the places
 /// when there are none.
 std::filesystem::path find_given_cameras(const std::filesystem::path& photos,

@@ -191,7 +191,7 @@ void set_protocols(CURL* curl, const std::string& url) {
 #endif
 }
 
-/// What happened on one connection.
+/// Outcome of one connection.
 struct Outcome {
   bool complete = false;
   bool worth_retrying = false;
@@ -222,14 +222,12 @@ Outcome outcome_of(CURLcode code, const Transfer& transfer, const char* detail) 
 }
 
 std::string remedy_for(long status) {
-  const std::string go_on = "run the same command again: it goes on where this attempt ended";
+  const std::string go_on = "run the same command again: the download resumes";
   if (status == kUnauthorised || status == kForbidden) {
-    return "the publisher asks for a form: fill it in on the web page of the model, then set HF_TOKEN "
-           "to a token of yours that may read it";
+    return "fill in the publisher's form on the web page of the model, then set HF_TOKEN to a token with access";
   }
   if (status == kNotFound) {
-    return "the file has moved: fetch it by hand and `aligngs models import` it, or give a mirror "
-           "with --from URL";
+    return "the file has moved: download it by hand for `aligngs models import`, or name a mirror with --from URL";
   }
   return go_on;
 }
@@ -286,7 +284,7 @@ uint64_t download_to_part(const DownloadRequest& request) {
     if (transfer.failure) std::rethrow_exception(transfer.failure);
     if (stop_requested()) {
       throw Error({ErrorKind::kInterrupted, "the download was stopped", part_of(request.target), "",
-                   "run the same command again: it goes on where this attempt ended"});
+                   "run the same command again: the download resumes"});
     }
     const Outcome outcome = outcome_of(code, transfer, detail);
     if (outcome.complete) break;

@@ -10,7 +10,7 @@ namespace aligngs {
 
 struct DownloadRequest {
   std::string url;
-  /// Where it goes; until it is complete it is `<target>.part`, and `<target>.part.etag` remembers
+  /// Target file; until it is complete it is `<target>.part`, and `<target>.part.etag` remembers
   /// which version of the file that is.
   std::filesystem::path target;
   uint64_t expected_bytes = 0;  ///< 0: whatever the server says

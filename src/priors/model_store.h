@@ -1,4 +1,4 @@
-// Where weights lie on this machine: Hugging Face's cache, our own folder, torch's cache.
+// Places of weights on this machine: Hugging Face's cache, our own folder, torch's cache.
 #pragma once
 
 #include <filesystem>
@@ -36,7 +36,7 @@ class ModelStore {
   explicit ModelStore(ModelStoreOptions options) : options_(std::move(options)) {}
 
   const ModelStoreOptions& options() const { return options_; }
-  /// Where download and import put a file.
+  /// Place to which download and import write a file.
   std::filesystem::path own_path(const PublishedModel& model, const ModelFile& file) const;
   /// Looks at the disk only; the first place that has the file wins: Hugging Face's cache, whose
   /// files other programs of the user read as well, then ours, then torch's.
@@ -55,7 +55,7 @@ class ModelStore {
   std::string digest(const PublishedModel& model, const ModelFile& file,
                      const LocatedModelFile& located) const;
 
-  /// What stands beside a file: `<file>.json` in our folder, also for files that lie elsewhere.
+  /// The record beside a file: `<file>.json` in our folder, also for files that lie elsewhere.
   struct Record {
     std::string path, sha256, source;
     uint64_t bytes = 0;

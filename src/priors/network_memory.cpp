@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint64_t kFloat = 4;  // bytes
 constexpr int64_t kPatch = 14;  // pixels, of every DINOv2
-/// Of what is in use, what the allocator keeps beyond it: freed maps of other sizes. Measured: 8 to
+/// Memory that the allocator keeps beyond the used share: freed maps of other sizes. Measured: 8 to
 /// 14 %.
 constexpr double kAllocatorShare = 0.15;
 constexpr uint64_t kProgram = 50'000'000;  // bytes: code, libraries, photos on their way
@@ -38,7 +38,7 @@ uint64_t weight_bytes(const nn::Weights& weights, const NetworkMemoryOptions& op
 
 bool never(const std::string&) { return false; }
 
-/// What a transformer works on: the stream, an update of it, operands of attention, and rows of the
+/// Working memory of a transformer: the stream, an update of it, operands of attention, and rows of the
 /// widest layer for each thread.
 uint64_t transformer_bytes(const nn::Weights& backbone, uint64_t tokens, uint64_t kept_layers,
                            const NetworkMemoryOptions& options) {

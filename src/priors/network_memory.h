@@ -1,4 +1,4 @@
-// What a network will need in memory, from the shapes of its weights and the size of what it is
+// Memory of a network, from the shapes of its weights and the size of what it is
 // shown: asked before any weight is loaded.
 #pragma once
 

@@ -139,8 +139,8 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   report.placed = poses.model.images.size();
   report.reprojection_error = poses.reprojection_error;
   require_enough_placed(source, photos, poses.unplaced, options.strict,
-                 "neighbouring photos should share about 60 % of what they show and be taken from "
-                 "different places, sharp and evenly lit; or try --method vggt, which needs less overlap");
+                 "take sharp, evenly lit photos from different places, each sharing about 60 % with a neighbour; "
+                 "or try --method vggt, which needs less overlap");
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";

@@ -56,7 +56,7 @@ std::string digest_of(const ModelStore& store, const PublishedModel& model) {
   return all;
 }
 
-/// What a prior that stands in the folder means for filling it.
+/// Effect of a prior that is already in the folder.
 enum class Standing { kAbsent, kKeep, kReplace };
 
 Standing standing(const Scene& scene, const std::string& what, fs::path View::*map, bool overwrite,

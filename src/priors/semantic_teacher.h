@@ -20,7 +20,7 @@ struct SemanticTeacher {
 /// How a photo is shown to the network of a model.
 nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment);
 
-/// What load_semantic_teacher() and the largest of `photos` (pixels) will need. Reads the headers
+/// Memory for load_semantic_teacher() and the largest of `photos` (pixels). Reads the headers
 /// of the weight files only; Error{kWeights} when they are missing.
 void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
                          bool augment, const std::vector<NetworkInput>& photos,

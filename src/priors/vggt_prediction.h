@@ -36,7 +36,7 @@ struct VggtInputs {
 /// white to 518 x 518.
 VggtInputs vggt_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
 
-/// What running the network will need beside the photos, item by item.
+/// Memory for running the network beside the photos, item by item.
 void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision,
                      size_t frames, int width, int height);
 

@@ -26,7 +26,7 @@ struct Hit {
 
 inline bool in_doorway(double y, double z) { return z > kDoorNear && z < kDoorFar && y > kDoorTop; }
 
-/// Where a ray from inside the room ends.
+/// End of a ray from inside the room.
 inline Hit trace(const Vec3d& origin, const Vec3d& ray) {
   const double side = ((ray.x > 0 ? kSide : -kSide) - origin.x) / ray.x, end = ((ray.z > 0 ? kEnd : -kEnd) - origin.z) / ray.z;
   const double height = ((ray.y > 0 ? kFloor : kCeiling) - origin.y) / ray.y;

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-/// What a bent depth looks like: too far at the left, too near at the right.
+/// A bent depth: too far at the left, too near at the right.
 double bend(double x, double y) { return 0.06 * (0.5 - x) + 0.02 * y; }
 
 std::vector<DepthSample> samples_of_bend(int count, double noise) {

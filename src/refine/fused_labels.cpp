@@ -51,7 +51,7 @@ class Votes {
   int total_ = 0;
 };
 
-/// What another photo calls a place; kNoLabel where it does not show it.
+/// Label of a place in another photo; kNoLabel where it does not show it.
 uint16_t label_of(const Vec3d& x, const PlaneView& view, double agreement) {
   const std::optional<PixelIndex> pixel = pixel_showing(x, view.camera, view.depth, agreement);
   return pixel ? view.labels.at(pixel->x, pixel->y) : kNoLabel;

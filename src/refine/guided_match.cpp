@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCoarseStep = 2;  // pixels of the first search; corners are some pixels wide
 
-/// Where a parabola through three scores has its top, in steps from the middle one.
+/// Top of a parabola through three scores, in steps from the middle one.
 double parabola_top(double left, double middle, double right) {
   const double curvature = left - 2 * middle + right;
   return curvature < 0 ? std::clamp(0.5 * (left - right) / curvature, -0.5, 0.5) : 0;

@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// What matching needs of a photo; all maps H x W x 1 of the camera's size.
+/// Input of matching for a photo; all maps H x W x 1 of the camera's size.
 struct MatchView {
   Camera camera;
   ImageF luma;   ///< [0, 1]

@@ -26,7 +26,7 @@ struct StereoSettings {
   int least_patch = 50;        ///< pixels: smaller patches of confirmed depth without a jump are chance; 0 keeps all
 };
 
-/// What the photos say about one of them.
+/// Measurements of the photos about one of them.
 struct StereoResult {
   ImageF log_factor;    ///< H x W, on the prior depth, spread over all of it
   ImageF own_factor;    ///< H x W: the pixel's own measurement of it, where the certainty is not 0

@@ -33,14 +33,14 @@ struct LabelledDepthReport {
   double on_planes = 0;  ///< share of the pixels that lie on one of either
 };
 
-/// What labels say is flat.
+/// Surfaces that are flat by their labels.
 struct FlatClasses {
   std::vector<PlaneClass> planes;  ///< per class (plane_classes())
   std::vector<PanelClass> panels;  ///< per class (panel_classes()); empty: panels are not looked for
 };
 
 /// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo, kNoLabel = none.
-/// Where nothing flat is found nothing changes. Deterministic for any number of threads.
+/// Without flat surfaces nothing changes. Deterministic for any number of threads.
 LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
                                   const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool,
                                   std::vector<PhotoDepth>& depths);

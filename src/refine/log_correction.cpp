@@ -16,7 +16,7 @@ constexpr int kSmallest = 16;       // pixels; a smaller problem is solved from 
 
 bool is_depth(float z) { return z > 0 && std::isfinite(z); }
 
-/// What is to be solved, at one resolution.
+/// The system to solve, at one resolution.
 struct Level {
   ImageF depth, given, weight, luma;
   double none;  ///< LogCorrectionSettings::none of a pixel of this size

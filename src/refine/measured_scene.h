@@ -25,7 +25,7 @@ struct MeasureSceneOptions {
   ProgressStyle progress;
 };
 
-/// What a report of no views means.
+/// Message for a report of no views.
 inline constexpr const char* kNothingMeasured = "no depth can be measured: no two photos show the same from places far enough apart";
 
 struct MeasureSceneReport {

@@ -1,4 +1,4 @@
-// Where the outline of a flat thing runs in one photo, and whether edges of another photo run where a plane says that it should.
+// Outline of a flat thing in one photo, and whether edges of another photo run where a plane says that it should.
 #pragma once
 
 #include <cstdint>

@@ -90,7 +90,7 @@ class PanelsInView {
 
 constexpr int32_t kNobody = -1;
 
-/// Of which panel each pixel of the mask is, by the nearest measured pixel along the mask; kNobody where its region has none.
+/// Panel of each pixel of the mask, by the nearest measured pixel along the mask; kNobody where its region has none.
 Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes, const Image<uint8_t>& mask,
                       const PanelDepthSettings& s) {
   Image<int32_t> owner(mask.width, mask.height, 1);

@@ -8,7 +8,7 @@
 
 namespace aligngs {
 
-/// Where a thing that is called so can be.
+/// Possible places of a thing with that label.
 enum class PanelClass : uint8_t {
   kNone,    ///< no panel
   kInWall,  ///< panes and pictures: at most a little before a wall, so that the curtains that a teacher takes for the pane are none
@@ -35,7 +35,7 @@ std::vector<PanelClass> panel_classes(const LabelSet& labels);
 std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
                                const PanelDepthSettings& settings);
 
-/// What panels say of a pixel that is called one, in place of what `measurements` (one per view) has; their `plane` becomes 0 there. `planes` are
+/// Effect of panels on a pixel with such a label, instead of `measurements` (one per view); their `plane` becomes 0 there. `planes` are
 /// those that the panels were found with. A pixel is of the panel that the nearest measured pixel of its region is of; where none is measured, of
 /// the first that its ray meets. What would be behind the wall without one is in it (another pass of stereo then looks there). Deterministic for
 /// any number of threads.

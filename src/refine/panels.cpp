@@ -107,7 +107,7 @@ Points inliers(const Points& points, const Plane& plane, const PanelSettings& s)
   return out;
 }
 
-/// Where half of the weight lies on either side.
+/// Place with half of the weight on either side.
 double weighted_median(std::vector<std::pair<double, double>> value_and_weight) {
   std::sort(value_and_weight.begin(), value_and_weight.end());
   double whole = 0, sum = 0;
@@ -204,7 +204,7 @@ void add_panels_of(Points points, const std::vector<ScenePlane>& planes, const s
     const Points near = inliers(points, plane, s);
     if (near.size() < s.least_points || support(near, plane, s) < s.least_share * whole) return;
     if (const std::optional<Panel> panel = panel_on(plane, near, planes, s)) panels.push_back(*panel);
-    // What lies a little farther off is the same surface, measured worse.
+    // Points a little farther off are the same surface, measured worse.
     std::erase_if(points, [&](const PanelPoint& p) { return std::abs(plane.distance(p.position)) < 2 * s.inlier * p.depth; });
   }
 }

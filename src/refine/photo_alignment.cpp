@@ -22,7 +22,7 @@ constexpr int kLeastSize = 24;             // pixels: smaller pictures show noth
 constexpr int kBrightnessRounds = 6;
 constexpr double kGainHold = 1e-4;  // variance of grey beside which a photo has no contrast
 
-/// What a photo says at one size.
+/// Data of a photo at one size.
 struct Level {
   Camera camera;  ///< size and lens
   ImageF grey, mask;

@@ -1,4 +1,4 @@
-// Where exactly a photo was taken, by comparing it with what a finished scene shows from there. The scene stays as it is.
+// Exact pose of a photo, by comparing it with the finished scene from there. The scene stays as it is.
 #pragma once
 
 #include <functional>

@@ -31,7 +31,7 @@ std::optional<DepthRange> range_of(const Camera& camera, const std::vector<Vec3f
   return DepthRange{depths[stray], depths[depths.size() - 1 - stray]};
 }
 
-/// Of every photo; all alike (0, 0) when there are too few points for any.
+/// Range of every photo; all alike (0, 0) when there are too few points for any.
 std::vector<DepthRange> ranges_of(const std::vector<MatchView>& views, const std::vector<Vec3f>& points) {
   std::vector<std::optional<DepthRange>> own;
   std::vector<double> nearest, farthest;

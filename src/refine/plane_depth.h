@@ -69,14 +69,14 @@ struct PlaneDepthResult {
   double share = 0;  ///< of the pixels with depth that lie on a plane
 };
 
-/// What a class says of the place of a surface.
+/// Meaning of a class for the place of a surface.
 struct PlaneClass {
   PlaneKind kind = PlaneKind::kNone;
   bool glass = false;  ///< its depth says nothing of the plane
   bool proud = false;  ///< it stands a little before the plane
 };
 
-/// Which named surfaces are planes.
+/// Named surfaces that are planes.
 enum class PlaneSurfaces {
   kLayout,         ///< wall, floor and ceiling: rugs lie on the floor; doors, pictures, windows and mirrors are part of walls
   kLayoutAndTables ///< and the tops of tables, desks and counters
@@ -93,7 +93,7 @@ std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const s
 PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
                                 const PlaneDepthSettings& settings, ThreadPool& pool);
 
-/// What `planes` say of each pixel.
+/// Effect of `planes` on each pixel.
 std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
                                                 const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings, ThreadPool& pool);
 

@@ -128,7 +128,7 @@ class Refinement {
   void solve(const BundleSettings& settings) {
     BundleProblem bundle = problem();
     BundleReport report = adjust_bundle(bundle, settings);
-    if (adjusted_) {  // the report starts with the cameras as they came
+    if (adjusted_) {  // the report starts with the cameras of the input
       report.start_rms = bundle_.start_rms;
       report.start_median = bundle_.start_median;
     }

@@ -31,7 +31,7 @@ struct RefineSettings : ResectionSettings {
   bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
 };
 
-/// What became of a view.
+/// Outcome of a view.
 struct RefinedView {
   Camera camera;
   DepthGrid depth;         ///< correction of its prior depth; none for test views
@@ -48,7 +48,7 @@ void measure_change(const Camera& prior, RefinedView& view);
 struct RefineResult {
   std::vector<RefinedView> views;
   PointCloud points;       ///< tracks of at least three photos, coloured
-  BundleReport bundle;     ///< start: the cameras as they came; end: of the last round
+  BundleReport bundle;     ///< start: the cameras of the input; end: of the last round
   double focal_factor = 1; ///< of the last adjustment
   size_t tracks = 0;
 };

@@ -28,7 +28,7 @@ bool uses_planes(const Scene& scene, const RefineSceneOptions& options) {
   return options.correct_depth && options.planes && scene.has_semantics();
 }
 
-/// What refinement works on: the training photos, then, if asked for, the test photos.
+/// Photos of refinement: the training photos, then, if asked for, the test photos.
 struct Photos {
   std::vector<RefineView> views;
   std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for
@@ -227,7 +227,7 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
     report.cameras = refine_cameras(views, robust_extent(scene), options.settings, pool,
                                     [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
   }
-  if (!first) {  // the report is about the cameras as they came
+  if (!first) {  // the report starts with the cameras of the input
     report.cameras.bundle.start_rms = before.bundle.start_rms;
     report.cameras.bundle.start_median = before.bundle.start_median;
     report.cameras.focal_factor *= before.focal_factor;

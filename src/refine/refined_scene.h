@@ -20,11 +20,11 @@ struct RefineSceneOptions {
   bool correct_depth = true;     ///< pred_depths/ of the training views are multiplied by their DepthGrid
   bool stereo = true;            ///< and then by what multi-view stereo finds with the refined cameras
   PlaneDepthSettings plane_settings;
-  bool planes = true;            ///< and drawn to the planes of walls, floor and ceiling, where the scene has labels
+  bool planes = true;            ///< and moved to the planes of walls, floor and ceiling, if the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
   bool fuse_labels = false;      ///< planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
   PanelDepthSettings panel_settings;
-  bool panels = true;            ///< where planes are looked for: panes, mirrors, screens and pictures are drawn to planes of their own
+  bool panels = true;            ///< where planes are looked for: panes, mirrors, screens and pictures get planes of their own
   ScreenSettings screen_settings;  ///< of those of screens, which edges in several photos tell
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
@@ -48,7 +48,7 @@ struct RefineSceneReport {
 
 /// Reads the scene, refines, writes the new folder complete or not at all. Needs metric prior depth of all training views
 /// (Error{kBadInput} otherwise: without it nothing says where to look for a match). The points of the
-/// scene stay as they came: training scales each photo's depth to them (docs/defaults.md says what that does).
+/// scene stay unchanged: training scales each photo's depth to them (docs/decisions/0001-surface.md has what that does).
 RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 

@@ -1,4 +1,4 @@
-// Where a photo was taken, from the points of other photos' tracks, which it does not move.
+// Pose of a photo, from the points of other photos' tracks, which it does not move.
 #pragma once
 
 #include <vector>

@@ -66,7 +66,7 @@ Mat3d nearer(const Mat3d& axes, const std::vector<ScenePlane>& planes, double le
   return orthogonal(normalized(axes.column(0) + cross(*omega, axes.column(0))), axes.column(1) + cross(*omega, axes.column(1)));
 }
 
-/// What floors face and ceilings face away from.
+/// Direction that floors face and ceilings face away from.
 std::optional<Vec3d> up_of(const std::vector<ScenePlane>& planes, const Mat3d& axes, double least_cosine) {
   Vec3d sum;
   for (const ScenePlane& plane : planes) {

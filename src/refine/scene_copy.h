@@ -1,4 +1,4 @@
-// What the scene folders written by this module have in common: a copy of another scene, something of it replaced.
+// Common part of the scene folders written by this module: a copy of another scene, something of it replaced.
 #pragma once
 
 #include <filesystem>

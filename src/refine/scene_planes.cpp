@@ -144,7 +144,7 @@ void find_planes_of(PlaneKind kind, const std::vector<PlanePoint>& points, const
     plane = refine(points, near, plane, s);
     near = members(points, left, plane, s);
     plane = refine(points, near, plane, s);
-    // What lies a little farther off is the same surface with a worse depth, and would come again as a plane beside it.
+    // Points a little farther off are the same surface with a worse depth, and would come again as a plane beside it.
     const Indices taken = members(points, left, plane, s, 2);
     if (taken.empty()) return;
     left = without(left, taken);

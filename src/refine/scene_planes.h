@@ -8,7 +8,7 @@
 
 namespace aligngs {
 
-/// What a plane is the surface of. Points of one kind never make a plane of another.
+/// Kind of surface of a plane. Points of one kind never make a plane of another.
 enum class PlaneKind : uint8_t { kNone, kWall, kFloor, kCeiling, kTable };
 
 /// One place on a surface, as one photo has it.

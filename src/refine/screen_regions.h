@@ -1,4 +1,4 @@
-// What one photo's labels call a screen: each connected region, its outline and where it is today.
+// Screens by one photo's labels: each connected region, its outline and its current place.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a screen rests on: a wall that it hangs at, or the top of what it stands on.
+// Support of a screen: a wall that it hangs at, or the top below it.
 #pragma once
 
 #include <vector>

@@ -21,7 +21,7 @@ constexpr int kShownStride = 2;       // pixels between those that a region and 
 
 using Regions = std::vector<ScreenRegion>;
 
-/// What all steps look at.
+/// Shared input of all steps.
 struct Photos {
   const std::vector<PlaneView>& views;
   const std::vector<ScenePlane>& planes;
@@ -33,7 +33,7 @@ struct Photos {
 
 Vec3d ray_in_world(const Camera& camera, double u, double v) { return transpose_times(camera.world_to_camera.rotation, camera.ray(u, v)); }
 
-/// Of the middle of a region, z = 1.
+/// Ray of the middle of a region, z = 1.
 Vec3d middle_ray(const Photos& photos, const ScreenRegion& region) { return ray_in_world(photos.camera(region), region.centre.x, region.centre.y); }
 
 Vec3d middle_at(const Photos& photos, const ScreenRegion& region, double depth) {
@@ -256,7 +256,7 @@ class Placer {
  private:
   double supported(const Panel& panel) const { return support_.hangs(panel) || support_.stands(panel) ? photos_.settings.supported : 0; }
 
-  /// Of one region alone.
+  /// Result of one region alone.
   double score(size_t region, const WorldPlane& plane) const {
     return agreement_of(photos_, regions_[region], plane) + supported(rectangle(photos_, regions_, {region}, plane));
   }

@@ -28,7 +28,7 @@ class SearchPhotos {
   const MatchView& match(size_t photo) const { return *photos_[photo].match; }
   /// Empty = corners anywhere.
   const ImageF& mask(size_t photo) const;
-  /// What photos overlap by: one entry per photo.
+  /// Overlap of photos: one entry per photo.
   std::vector<const MatchView*> matches() const;
 
   /// A place in the photo that was given, from one in the photo that is searched, and back.

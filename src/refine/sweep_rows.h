@@ -1,11 +1,11 @@
-// What stereo_sweep.h does with one row of pixels after the other; each compiled for several instruction sets.
+// Steps of stereo_sweep.h for one row of pixels after the other; each compiled for several instruction sets.
 #pragma once
 
 #include "core/vec.h"
 
 namespace aligngs {
 
-/// Of one pixel, or summed over a window: how many count, this photo's luma and the other's, their squares, their product.
+/// Sums of one pixel or of a window: how many count, this photo's luma and the other's, their squares, their product.
 struct WindowTerms {
   float *count, *own, *own2, *other, *other2, *product;
 };

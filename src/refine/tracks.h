@@ -30,7 +30,7 @@ struct TrackSettings {
   double largest_turn = 90;     ///< degrees between viewing directions
 };
 
-/// Which corners of a photo are taken when they are looked for within `search` of the image width. A small photo gets fewer
+/// Choice of a photo's corners for a search within `search` of the image width. A small photo gets fewer
 /// than one of 320 x 240; a larger one no more, but as far apart in proportion: each is placed more exactly there, and takes longer
 /// to look for. A wide search makes do with fewer.
 CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& luma, double search);
@@ -40,7 +40,7 @@ CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& l
 /// (`SearchPhotos`), so that its places are rougher. The same for any number of threads.
 std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool);
 
-/// Where the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`; Observation::point is
+/// Places at which the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`; Observation::point is
 /// the track's index.
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
                                      const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool);

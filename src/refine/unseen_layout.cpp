@@ -14,12 +14,12 @@ namespace {
 // A plane of more squares than this is no wall of a room: its extent or the size of the squares is wrong.
 constexpr double kMostCells = 4e6;
 
-/// What the photos say of a square.
+/// Evidence of the photos about a square.
 enum class Seen : uint8_t { kNothing, kSurface, kThrough };
 
 bool usable(float z) { return z > 0 && std::isfinite(z); }
 
-/// Where surfaces are, in the world, and how far from their camera.
+/// Surfaces in the world, and how far from their camera.
 struct Surfaces {
   std::vector<Vec3d> points;
   std::vector<double> depths;
@@ -90,7 +90,7 @@ Grid grid_on(const ScenePlane& plane, const Surfaces& surfaces, const std::vecto
   return grid;
 }
 
-/// What all photos together say of a square, and how it looks where they show it.
+/// Evidence of all photos about a square, and its look where they show it.
 struct Square {
   Seen seen = Seen::kNothing;
   Vec3f color;                ///< mean over the photos that show the plane's own kind there

@@ -1,4 +1,4 @@
-// Which photos see the same things.
+// Photos that see the same things.
 #pragma once
 
 #include <optional>

@@ -39,7 +39,7 @@ bool at_silhouette(const ImageF& depth, int x, int y, double jump) {
 
 enum class Verdict { kNothing, kAgrees, kSeesThrough };
 
-/// What one view says about a world point. Of the four pixels around its projection the one that agrees best
+/// Evidence of one view about a world point. The one of the four pixels around its projection that agrees best
 /// counts: on a slanted surface the nearest pixel alone may be off by half a footprint. The point is seen
 /// through only when all valid ones of the four lie farther away.
 Verdict judge(const DepthCloudView& view, const Vec3d& world, const DepthCloudOptions& options) {

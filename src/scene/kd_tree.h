@@ -37,7 +37,7 @@ class KdTree {
  private:
   static constexpr size_t kLeafSize = 12;  // points; the usual optimum in three dimensions
 
-  /// What nanoflann asks of a data set.
+  /// Interface of a data set for nanoflann.
   struct Cloud {
     std::vector<Vec3<Real>> points;
     size_t kdtree_get_point_count() const { return points.size(); }

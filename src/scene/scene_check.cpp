@@ -29,7 +29,7 @@ constexpr size_t kMinForMedians = 4;    ///< views below which "unlike the other
 /// softmax of values within [0, 2] among 150 classes reaches at most 0.047: such numbers are hardly logits.
 constexpr float kScoreLike = 2;
 
-/// What decoding the files of one view found.
+/// Findings of decoding the files of one view.
 struct ViewFindings {
   std::vector<SceneProblem> problems;
   double sharpness = -1, luminance = -1;  ///< negative: the image could not be read

@@ -22,7 +22,7 @@ struct DisparityEvidence {
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
 
 /// Warnings from cameras and points alone: views that see few points or share few with any other view, cameras
-/// that (nearly) stand in one place.
+/// that are (nearly) in one place.
 std::vector<SceneProblem> check_geometry(const Scene& scene);
 
 /// Indices of the points that project into the image, less those clearly behind others (a coarse depth test).

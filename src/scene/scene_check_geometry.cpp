@@ -1,4 +1,4 @@
-// What cameras and points alone say about a scene: the geometric part of scene_check.h.
+// Checks of a scene by cameras and points alone: the geometric part of scene_check.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -84,7 +84,7 @@ void check_baselines(const Scene& scene, std::vector<SceneProblem>& problems) {
   const Vec3d first = scene.views[scene.train[0]].camera.centre();
   for (int i : scene.train) largest = std::max(largest, norm(scene.views[i].camera.centre() - first));
   if (scene.train.size() > 1 && largest < limit) {
-    problems.push_back({scene.folder, "poses", "all training cameras stand in one place: nothing can be triangulated",
+    problems.push_back({scene.folder, "poses", "all training cameras are in one place, so nothing can be triangulated",
                         "take photos from different places", false});
   }
 }

@@ -11,7 +11,7 @@
 
 namespace aligngs {
 
-/// What scene.json says of folders that this program wrote, which it may replace when asked to (scene_place.h).
+/// Mark in scene.json of folders that this program wrote, which it may replace when asked to (scene_place.h).
 inline constexpr const char* kWrittenBy = "written_by";
 inline constexpr const char* kThisProgram = "aligngs";
 

@@ -45,7 +45,7 @@ void require_scene_place(const fs::path& folder, bool overwrite, const std::vect
   if (!fs::is_directory(folder)) refuse("this is a file", "choose another folder");
   if (fs::is_empty(folder)) return;
   if (!is_own_scene(folder)) {
-    refuse("this folder is not empty, and its scene.json does not say that aligngs wrote it: it is never replaced",
+    refuse("this folder is not empty, and aligngs did not write it, as its scene.json shows: it is never replaced",
            "choose another folder, or remove this one yourself");
   }
   if (!overwrite) refuse("there is a scene already", "choose another folder, or add --overwrite to replace the scene in it");

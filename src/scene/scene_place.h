@@ -1,4 +1,4 @@
-// Which folders a scene may take: free ones, and those that hold a scene of this program's making.
+// Folders that a scene may take: free ones, and those that hold a scene of this program's making.
 #pragma once
 
 #include <filesystem>

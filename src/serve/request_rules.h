@@ -1,4 +1,4 @@
-// Which requests the page's server answers: everything that protects a local server from other web sites.
+// Requests that the page's server answers: everything that protects a local server from other web sites.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ std::optional<std::string> decode_request_path(std::string_view target);
 /// Value of `name` in the query of a request target, undecoded; empty when absent.
 std::string_view query_value(std::string_view target, std::string_view name);
 
-/// What a request that changes something must carry.
+/// Headers of a request that changes something.
 struct PostHeaders {
   std::string_view host, origin, token, content_type;
 };

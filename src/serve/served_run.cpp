@@ -69,7 +69,7 @@ Json scene_classes(const fs::path& scene) {
   return classes;
 }
 
-/// What `aligngs run` does, in order, and how far this run is.
+/// Stages of `aligngs run`, in order, and the progress of this run.
 Json stages_of(const fs::path& root, const Json& run, bool active) {
   struct Stage {
     const char *name, *product;

@@ -1,4 +1,4 @@
-// What the page may see of a run: a description of it, its files, its photos and its events.
+// Visible parts of a run for the page: a description of it, its files, its photos and its events.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ class ServedRun {
   /// edits ("original" is then what was trained), else what was trained. "version" changes with these files; "active"
   /// tells whether a process works on the run, "editable" whether edits can be made; "stages" lists {"name", "state":
   /// "done" | "now" | "waiting"}; "up" is the unit up vector or null; "views" tells per picture name which renders exist.
-  /// What cannot be read (a file that is being replaced) is null.
+  /// Unreadable parts (a file that is being replaced) are null.
   std::string state() const;
 
   /// A file of the run folder; of a single PLY only the file itself.

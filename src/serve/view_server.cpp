@@ -39,7 +39,7 @@ constexpr auto kWatchTime = 500ms;     // between looks at the run folder
 constexpr auto kSnapshotTime = 2000ms;  // between requests for live snapshots; the trainer may take longer
 constexpr int kMaxListeners = 32;  // open event streams
 
-/// What a handler failed with, as an error that can be told to the page.
+/// Failure of a handler, as an error for the page.
 Error error_of(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
@@ -186,7 +186,7 @@ struct ViewServer::State {
         workers.get_executor(), [&handler]() -> awaitable<Result> { co_return handler(); }, use_awaitable);
   }
 
-  /// What went wrong as JSON. Asking for nonsense is the page's fault, the rest is ours.
+  /// The error as JSON. Asking for nonsense is the page's fault, the rest is ours.
   http::response<http::string_body> refuse(const Request& request, const Error& error) const {
     const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
     const nlohmann::json body = {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}};

@@ -63,7 +63,7 @@ SemanticFigures measure_semantics(const SynthScene& scene, ThreadPool& pool) {
       }
     }
   });
-  // Of the wrong pixels: is the point wrong in more than half of all views that see it?
+  // For a wrong pixel: is the point wrong in more than half of all views that see it?
   pool.parallel_for(n, 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const RenderedView& view = scene.views[i].truth;

@@ -1,4 +1,4 @@
-// Which ADE20K classes a segmentation network takes for which others in rooms.
+// ADE20K classes that a segmentation network confuses with others in rooms.
 #pragma once
 
 #include <cstdint>

@@ -79,7 +79,7 @@ FreeSpace::FreeSpace(const RoomModel& room) {
       if (camera_[i]) places_.push_back(centre_of(static_cast<int>(i)));
     }
   }
-  if (places_.empty()) throw Error({ErrorKind::kFailed, "the room leaves no floor to stand on", {}, {}, "try another seed"});
+  if (places_.empty()) throw Error({ErrorKind::kFailed, "the room has no free floor for the camera", {}, {}, "try another seed"});
 }
 
 int FreeSpace::cell_of(const Vec2d& p) const {

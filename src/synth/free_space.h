@@ -1,4 +1,4 @@
-// Which places of a room a hand-held camera can be at, and walks between them.
+// Places of a room that a hand-held camera can be at, and walks between them.
 #pragma once
 
 #include <utility>

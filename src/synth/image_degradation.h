@@ -1,4 +1,4 @@
-// What a phone's camera does to a perfect picture.
+// Effects of a phone's camera on a perfect picture.
 #pragma once
 
 #include "core/image.h"
@@ -6,7 +6,7 @@
 
 namespace aligngs {
 
-/// What a hand-held camera does to photos of a room; the shares are judgement.
+/// Effects of a hand-held camera on photos of a room; the shares are judgement.
 struct ImageDegradationSettings {
   double noise = 1.5 / 255;      ///< standard deviation at medium brightness; grows with the square root of it
   double blur = 1.5;             ///< largest width of the blur (full width at half maximum), pixels

@@ -1,4 +1,4 @@
-// Where things stand: wall frames, the room's shell with its openings, and free floor.
+// Places of things: wall frames, the room's shell with its openings, and free floor.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What the four room builders share (internal to src/synth).
+// Shared parts of the four room builders (internal to src/synth).
 #pragma once
 
 #include "synth/furniture.h"

@@ -11,7 +11,7 @@ namespace aligngs {
 namespace {
 
 
-/// Where a photo sees the point.
+/// Place of the point in a photo.
 struct Sighting {
   size_t view;
   Vec2d pixel;

@@ -30,7 +30,7 @@ BentDepth bent_depth(const RenderedView& view, const WorldBend& bend, const Shar
   const auto along_ray = [&](const Vec3d& surface, const Vec3d& normal, const Vec3d& direction) {
     const double depth = (bent_pose * surface).z, slope = dot(normal, direction) / norm(direction);
     if (std::fabs(slope) <= 0.15) return depth;
-    // Where the surface's tangent plane meets this pixel's own ray.
+    // Intersection of the surface's tangent plane with this pixel's own ray.
     const double t = dot(normal, surface - bent_to_world.translation) / dot(normal, direction);
     return std::clamp(t, 0.9 * depth, 1.1 * depth);
   };
@@ -274,7 +274,7 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
       const BentDepth depth = bent_depth(view, bend, misjudged, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
-      // Where a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about
+      // Region in which a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about
       // 0.5, and the mean of the clamped sign map 0.72.
       const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.36;
       t.depth = mix_across_edges(depth.misjudged, jumps, s.edge_width);

@@ -43,7 +43,7 @@ struct GeometryTeacherSettings {
 };
 GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level);
 
-/// What the network says of one view.
+/// Output of the network for one view.
 struct TeacherView {
   Camera camera;      ///< pose and focal length with their errors
   ImageF depth;       ///< in the teacher's world units along z; 0 where it says nothing

@@ -21,7 +21,7 @@ constexpr double kUnknown = 0.3;        // score sum below which a pixel counts 
 constexpr double kSmallShare = 0.015;   // of the image: objects below are missed more often
 constexpr double kLargeShare = 0.06;    // of the image: objects above are hardly ever missed
 
-/// What one query sees: an object, or all surface of one stuff class.
+/// Content of one query: an object, or all surface of one stuff class.
 struct Region {
   uint16_t label = 0;
   int key = 0;                 // object index, or -1 - label for stuff

@@ -33,7 +33,7 @@ enum class TextureKind : uint8_t {
   kWicker,         ///< basket work
 };
 
-/// What a surface looks like. Colours are linear RGB albedo in [0, 1].
+/// Look of a surface. Colours are linear RGB albedo in [0, 1].
 struct Material {
   TextureKind kind = TextureKind::kPlain;
   Vec3f a{0.8f, 0.8f, 0.8f}, b, c;  ///< main, second and third colour of the pattern

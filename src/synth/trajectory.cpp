@@ -113,7 +113,7 @@ std::vector<uint32_t> points_in_view(const Planner& p, const Station& s, const C
   return out;
 }
 
-/// What the count-th sight of a point is worth: two views matter most, a third helps.
+/// Worth of the count-th sight of a point: two views matter most, a third helps.
 double worth(int count) {
   static constexpr double kWorth[] = {1.0, 0.9, 0.35, 0.15};
   return count < 4 ? kWorth[count] : 0.04;
@@ -196,7 +196,7 @@ Rigidd between(const Camera& a, const Camera& b, double t, const Vec3d& eye) {
   return {r, -(r * eye)};
 }
 
-/// What a possible test view shows, from a grid of 32 x 24 rays.
+/// Content of a possible test view, from a grid of 32 x 24 rays.
 struct ViewContent {
   double seen = 0;      ///< share of its surface that at least one training view sees
   int objects = 0;      ///< that fill 1 % of it or more
@@ -347,7 +347,7 @@ std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptio
   const std::vector<Station> training = plan_training(planner);
   const int far_wanted = options.test_views / 2, near_wanted = options.test_views - far_wanted;
   std::vector<Camera> far = plan_far(planner, training, far_wanted);
-  // Where a room has no place that is far and yet seen, further views near the path take the missing ones.
+  // If a room has no place that is far and yet seen, further views near the path take the missing ones.
   const int missing = far_wanted - static_cast<int>(far.size());
   std::vector<NearView> near = plan_near(planner, training, near_wanted + missing);
   if (near.size() + far.size() < static_cast<size_t>(options.test_views)) {

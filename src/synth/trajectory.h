@@ -1,4 +1,4 @@
-// Where a person with a phone would take pictures of a room, and test views near to and far from them.
+// Places from which a person with a phone takes pictures of a room, and test views near to and far from them.
 #pragma once
 
 #include <vector>
@@ -37,7 +37,7 @@ inline constexpr double kSeenShare = 0.9;
 
 /// Views in the order of the walk (training and near test views), then the far test views. Eye height 1.1 to
 /// 1.7 m; directions are chosen so that most of the surface is seen by two training views or more.
-/// Throws Error{kFailed} when the room leaves no floor to stand on.
+/// Throws Error{kFailed} when the room has no free floor.
 std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptions& options, ThreadPool& pool);
 
 /// Whether `camera` sees the world point: in the image, in front, not hidden. `slack`: metres of tolerance.

@@ -16,7 +16,7 @@ struct WorldBendOptions {
 
 /// x -> x + f(x): four sinusoidal modes with wavelengths of 1.5 to 4 m, and a bend of one horizontal axis onto an
 /// arc. Surfaces and cameras share it, which is why a network's fusion looks crisp
-/// and is wrong all the same.
+/// and is still wrong.
 class WorldBend {
  public:
   WorldBend() = default;  ///< no deformation

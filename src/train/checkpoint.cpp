@@ -248,7 +248,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   if (meta("crc32") != sum) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
   if (meta("fingerprint") != fingerprint) {
     throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
-                    "give the scene the run began with, or start anew with --overwrite");
+                    "give the scene the run began with, or start again with --overwrite");
   }
   TrainingState state;
   state.iteration = metadata_number<int64_t>(file, "iteration", path);

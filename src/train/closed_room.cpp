@@ -22,7 +22,7 @@ constexpr float kThickness = 0.1f;     // of a Gaussian / its width, as in a sta
 constexpr float kWidth = 0.7f;         // standard deviation / edge of a square: neighbours overlap without ripples
 constexpr float kSureLogit = 8;        // of the class against all others: 0.95 among 150 classes
 
-/// What a training view shows of the trained scene.
+/// Trained scene in a training view.
 LayoutView look(const Engine& engine, const GuideView& view, const RenderOptions& options) {
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(view.camera.width, view.camera.height));
   LayoutView out;

@@ -10,7 +10,7 @@ namespace {
 
 class ClosedRoomTraining : public box_room::RoomTraining {
  protected:
-  /// What a run says of its steps.
+  /// Events of a run.
   std::string events_of_run(const std::string& closed) const {
     TrainOptions o = run_of("run", 2);
     o.config.sets = {"train.closed_room=" + closed, "densify.enabled=false",  // without growth the start is the cap

@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-/// The same error, with the file and line in which the wrong setting stands.
+/// The same error, with the file and line of the wrong setting.
 [[noreturn]] void rethrow_with_place(const Error& error, const std::filesystem::path& path, int line) {
   Error::Details details = error.details();
   details.path = path;

@@ -10,7 +10,7 @@
 
 namespace aligngs {
 
-/// Where the settings of a run come from; later ones win: preset, config file, sets, iterations, seed.
+/// Sources of the settings of a run; later ones win: preset, config file, sets, iterations, seed.
 struct ConfigSources {
   std::string preset;                   ///< empty: the file's train.preset, else "default"
   std::filesystem::path config_file;    ///< empty: none
@@ -30,7 +30,7 @@ TrainConfig resolve_config(const ConfigSources& sources);
 void apply_config_file(const std::filesystem::path& path, TrainConfig& config);
 /// Applies one "key=value".
 void apply_config_set(const std::string& assignment, TrainConfig& config);
-/// What single ranges cannot say: start before stop, and so on. Error{kUsage}.
+/// Conditions between settings: start before stop, and so on. Error{kUsage}.
 void check_config(const TrainConfig& config);
 
 /// The whole configuration as TOML, grouped, every key with its documentation as a comment.

@@ -30,7 +30,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.normal_boundary", field<&C::loss, &L::normal_boundary>, 0, 1e6, "", with_pgsr(ours_paper(0.0, 0.01), 0.0),
        "weight of the paper's L_nb at label edges"},
       {"loss.crease", field<&C::loss, &L::crease>, 0, 1e6, "", all(0.0),
-       "weight of the one-sided normal supervision at label edges that can stand for L_nb (0.02 was tried); needs metric prior depth"},
+       "weight of the one-sided normal supervision at label edges, an alternative to L_nb (0.02 was tried); needs "
+       "metric prior depth"},
       {"loss.normal_start", field<&C::loss, &L::normal_start>, 0, kIterationsMax, "", with_pgsr(ours_paper(500, 1500), 1633),
        "[ref] L_ng, L_nb and crease act after this iteration"},
       {"loss.prior_normal", field<&C::loss, &L::prior_normal>, 0, 1e6, "", ours_paper(0.05, 0.0),
@@ -38,8 +39,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.prior_normal_end", field<&C::loss, &L::prior_normal_end>, 0, 1e6, "", ours_paper(0.01, 0.0),
        "the same at the end of the schedule; log-linear between"},
       {"loss.plane_weight", field<&C::loss, &L::plane_weight>, 0, 16, "", all(0.0),
-       "weight of the plane of a wall, floor or ceiling beside prior depth of weight 1 as what the depth and normal terms draw to (1 was tried); "
-       "planes are fitted to the rendered depth and labels; needs metric prior depth and labels; 0 = off"},
+       "weight of fitted planes of walls, floor and ceiling as a target, beside prior depth of weight 1 (1 was "
+       "tried); needs metric prior depth and labels; 0 = off"},
       {"loss.plane_every", field<&C::loss, &L::plane_every>, 1, kIterationsMax, "", all(1000), "[ref] iterations between these fits"},
       {"loss.multi_view_geometric", field<&C::loss, &L::multi_view_geometric>, 0, 1e6, "", with_pgsr(all(0.0), 0.03),
        "weight of the reprojection error (pixels) of rendered depth into a neighbouring view and back"},
@@ -50,8 +51,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.multi_view_every", field<&C::loss, &L::multi_view_every>, 1, kIterationsMax, "", all(1),
        "they act in iterations divisible by this; 1 = every iteration"},
       {"loss.paper_normals", field<&C::loss, &L::paper_normals>, 0, 0, "", with_pgsr(ours_paper(false, true), false),
-       "L_ng and L_nb in the printed form, without guards at discontinuities, over pixels that have a normal: alpha above 0.5, "
-       "normals that do not cancel, not the border (docs/method.md)"},
+       "L_ng and L_nb in the printed form, without guards at discontinuities, over pixels with a normal "
+       "(docs/method.md)"},
       {"loss.opacity_l1", field<&C::loss, &L::opacity_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),
        "weight of the mean opacity (takes the place of opacity resets)"},
       {"loss.scale_l1", field<&C::loss, &L::scale_l1>, 0, 1e6, "", ours_paper(0.01, 0.0),
@@ -61,12 +62,13 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.hard", field<&C::semantic, &S::hard>, 0, 1e6, "", all(0.1),
        "weight of the cross-entropy with the teacher's best class"},
       {"semantic.pixel_share", field<&C::semantic, &S::pixel_share>, 0.25, 1, "", ours_paper(0.25, 1.0),
-       "share of the pixels whose semantic loss a step takes, 1, 0.5 or 0.25: squares of a fifth of the image that change from visit to visit"},
+       "share of the pixels for the semantic loss of a step: 1, 0.5 or 0.25, in squares that change from visit to "
+       "visit"},
       {"semantic.blend", field<&C::semantic, &S::blend>, 0, 0, "probabilities|logits",
        ours_paper("probabilities", "logits"), "what is blended along the ray"},
       {"semantic.coupling", field<&C::semantic, &S::coupling>, 0, 0, "bounded|plain|opacity", ours_paper("bounded", "plain"),
-       "how the semantic loss reaches geometry: a bounded surrogate, the plain gradient of the printed loss, or, as a control, "
-       "a push on opacity that knows no classes"},
+       "path of the semantic loss to geometry: bounded surrogate, plain gradient of the printed loss, or a push "
+       "on opacity without classes as a control"},
       {"semantic.coupling_strength", field<&C::semantic, &S::coupling_strength>, 0, 1e6, "", ours_paper(0.0, 1.0),
        "share of the photometric gradient (0.1 was tried); plain: factor (0 = the release, 1 = the paper)"},
       {"semantic.coupling_start", field<&C::semantic, &S::coupling_start>, 0, kIterationsMax, "", ours_paper(1000, 0),
@@ -81,10 +83,10 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "labels are drawn with each Gaussian's probabilities, smoothed over its neighbours, to this power; 0, or semantic.blend = "
        "\"logits\": rows as trained"},
       {"semantic.object_labels", field<&C::semantic, &S::object_labels>, 0, 0, "", ours_paper(true, false),
-       "labels are drawn as the training photos vote for whole objects, so that a small thing that several photos agree on keeps its "
-       "name; off, or semantic.blend = \"logits\": each Gaussian for itself"},
+       "after training the photos vote for the labels of whole objects, so small objects keep their names; off, "
+       "or semantic.blend = \"logits\": each Gaussian for itself"},
       {"semantic.active_top", field<&C::semantic, &S::active_top>, 0, 65535, "", ours_paper(2, 0),
-       "classes that no view's teacher ever ranks among its so many best train as one remainder; 0 = every class alone"},
+       "classes outside this many best ones of every view's teacher train as one remainder; 0 = every class alone"},
   };
 }
 

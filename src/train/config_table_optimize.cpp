@@ -9,8 +9,8 @@ std::vector<ConfigKey> densify_optimizer_keys() {
   return {
       {"densify.enabled", field<&C::densify, &D::enabled>, 0, 0, "", all(true), "adaptive density control"},
       {"densify.strategy", field<&C::densify, &D::strategy>, 0, 0, "adaptive|mcmc", all("adaptive"),
-       "how the number of Gaussians changes: clone, split and prune (3DGS), or move dead ones to living ones up to a cap "
-       "(3DGS-MCMC; set densify.max_gaussians, loss.opacity_l1 and loss.scale_l1 with it)"},
+       "growth: clone, split and prune (3DGS), or move dead Gaussians to living ones (3DGS-MCMC; set "
+       "densify.max_gaussians, loss.opacity_l1 and loss.scale_l1 with it)"},
       {"densify.growth", field<&C::densify, &D::growth>, 1, 10, "", all(1.05),
        "mcmc: number of Gaussians after a call / before, until the cap"},
       {"densify.noise", field<&C::densify, &D::noise>, 0, 1e9, "", all(5e5),
@@ -38,11 +38,11 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"densify.max_growth", field<&C::densify, &D::max_growth>, 0, 1e6, "", each(1.5, 2.5, 0.0, 2.5),
        "cap on the number of Gaussians / number at a start from prior depth (other starts: / the limit on starts); 0 = none"},
       {"densify.max_gaussians", field<&C::densify, &D::max_gaussians>, 0, 1e8, "", all(0),
-       "cap on the number of Gaussians; 0: from max_growth, or (paper) 6000000 and half the training pixels, less in a "
-       "run shorter than the reference; lowered to what memory holds"},
+       "cap on the number of Gaussians; 0: from max_growth, or (paper) 6000000 and half the training pixels, "
+       "fewer in short runs; memory may lower it"},
       {"densify.morton_order", field<&C::densify, &D::morton_order>, 0, 0, "", all(true),
-       "the start and each call put the Gaussians in the order of a Morton curve through space, for speed; rows that grow "
-       "later then meet other random numbers"},
+       "sort the Gaussians along a Morton curve at the start and at each call, for speed; later rows get other "
+       "random numbers"},
       {"densify.residual_quantile", field<&C::densify, &D::residual_quantile>, 0, 1, "", each(0.9, 0.0, 0.0, 0.0),
        "after a start from prior depth, grow only above this quantile of the photometric residual; 0 = everywhere"},
       {"densify.unsupported_min", field<&C::densify, &D::unsupported_min>, 0, 1, "", each(0.5, 0.0, 0.0, 0.0),
@@ -79,10 +79,10 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"optimizer.aspect_max", field<&C::optimizer, &O::aspect_max>, 0, 1e6, "", ours_paper(6.0, 0.0),
        "hard limit on largest / middle scale; 0 = off"},
       {"optimizer.scale_min_pixels", field<&C::optimizer, &O::scale_min_pixels>, 0, 100, "", ours_paper(0.7, 0.0),
-       "hard limit on the two larger scales from below, every hundredth of 7000 iterations: pixels of the training view that sees the "
-       "Gaussian sharpest; 0 = off"},
+       "lower limit on the two larger scales, in pixels of the sharpest training view; applied every hundredth of "
+       "7000 iterations; 0 = off"},
       {"optimizer.pose_rotation", field<&C::optimizer, &O::pose_rotation>, 0, 1, "", all(0.0),
-       "learning rate of the training cameras' rotations, radians; the first camera stands still"},
+       "learning rate of the training cameras' rotations, radians; the first camera stays fixed"},
       {"optimizer.pose_translation", field<&C::optimizer, &O::pose_translation>, 0, 1, "", all(0.0),
        "learning rate of their places / extent; both 0 = cameras stay as they are"},
       {"optimizer.pose_end", field<&C::optimizer, &O::pose_end>, 1e-6, 1, "", all(0.03),

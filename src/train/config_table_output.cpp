@@ -12,11 +12,12 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "checkpoints kept, newest first"},
 
       {"mesh.depth", field<&C::mesh, &M::depth>, 0, 0, "agreeing|median|plane|expected", ours_paper("agreeing", "plane"),
-       "which rendered depth is fused; agreeing: plane depth where it agrees with the median depth, else that"},
+       "rendered depth to fuse; agreeing: plane depth where it agrees with the median depth, else the median "
+       "depth"},
       {"mesh.depth_agreement", field<&C::mesh, &M::depth_agreement>, 0, 1, "", all(0.01),
        "relative difference up to which plane depth agrees with median depth"},
       {"mesh.plane_reach", field<&C::mesh, &M::plane_reach>, 0, 0.5, "", ours_paper(0.03, 0.0),
-       "relative distance up to which walls, floor and ceiling, by their labels, are drawn to their planes; 0 = off"},
+       "relative distance up to which labelled walls, floor and ceiling move to their planes; 0 = off"},
       {"mesh.smoothing", field<&C::mesh, &M::smoothing>, 0, 100, "", ours_paper(5.0, 0.0),
        "pixels over which depth follows the rendered normals; 0 = off"},
       {"mesh.tangent_distance", field<&C::mesh, &M::tangent_distance>, 0, 0, "", ours_paper(true, false),

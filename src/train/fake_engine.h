@@ -17,7 +17,7 @@ class FakeEngine final : public Engine {
  public:
   /// Called with each step's number; the result is put into the report. For injecting failures.
   std::function<NonFinite(int64_t step)> before_step;
-  /// What own_memory() says.
+  /// Result of own_memory().
   std::optional<OwnMemory> memory;
 
   std::string device_name() const override { return "fake"; }

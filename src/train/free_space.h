@@ -11,7 +11,7 @@
 
 namespace aligngs {
 
-/// What one training view knows about free space. Maps have the camera's size; pointers are borrowed.
+/// Free space of one training view. Maps have the camera's size; pointers are borrowed.
 struct FreeSpaceView {
   Camera camera;
   const ImageF* prior_depth = nullptr;   ///< metric prior, 0 = none; null: no prior

@@ -1,4 +1,4 @@
-// Which training views serve each other as neighbours in the multi-view terms (PGSR, Chen et al.
+// Training views that serve each other as neighbours in the multi-view terms (PGSR, Chen et al.
 // 2024), and which of them a step takes.
 #pragma once
 

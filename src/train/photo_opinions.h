@@ -1,4 +1,4 @@
-// What each training photo says of each Gaussian that it shows, and how far it is to be believed.
+// Opinion of each training photo about each Gaussian that it shows, and its weight.
 #pragma once
 
 #include <cstdint>

@@ -132,7 +132,7 @@ PlaneTargets fit_plane_targets(const Engine& engine, const PlaneFitRequest& requ
 void draw_to_planes(const PlaneTargets& targets, double strength, std::vector<TrainingView>& views) {
   if (targets.empty()) return;
   if (targets.views.size() != views.size()) {
-    throw Error({ErrorKind::kFailed, "the planes are of another number of views", {}, "planes", "start anew with --overwrite"});
+    throw Error({ErrorKind::kFailed, "the planes are of another number of views", {}, "planes", "start again with --overwrite"});
   }
   for (size_t i = 0; i < views.size(); ++i) draw_view(targets.views[i], strength, views[i]);
 }

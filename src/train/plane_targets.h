@@ -13,7 +13,7 @@
 
 namespace aligngs {
 
-/// Which plane each pixel of a training view lies on, at the working resolution. Everything in the camera's frame of the time of the fit.
+/// Plane of each pixel of a training view, at the working resolution. Everything in the camera's frame of the time of the fit.
 struct ViewPlanes {
   std::vector<CameraPlane> planes;
   Image<uint8_t> plane;    ///< 1 + index into `planes`; 0: none
@@ -21,7 +21,7 @@ struct ViewPlanes {
   float depth_scale = 1;   ///< a_v of the view then (prior_alignment.h)
 };
 
-/// What the last fit found, one entry per training view; empty before the first one.
+/// Result of the last fit, one entry per training view; empty before the first one.
 struct PlaneTargets {
   std::vector<ViewPlanes> views;
   bool empty() const { return views.empty(); }

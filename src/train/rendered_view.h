@@ -1,4 +1,4 @@
-// What the Gaussians show of a training view, between steps.
+// Rendered training view, between steps.
 #pragma once
 
 #include "engine/engine.h"

@@ -1,4 +1,4 @@
-// Which settings a run has: new, resumed, or extended.
+// Settings of a run: new, resumed, or extended.
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -33,7 +33,7 @@ ResolvedRun resolve_run(const TrainOptions& options) {
     const std::vector<std::string> differences = config_differences(resolved.config, wanted);
     if (!differences.empty()) {
       throw Error({ErrorKind::kUsage, "a resumed run keeps its settings, but others are given: " + differences.front(),
-                   folder.config(), {}, "leave them out, or start anew with --overwrite"});
+                   folder.config(), {}, "leave them out, or start again with --overwrite"});
     }
   }
   bool finished = false;
@@ -45,7 +45,7 @@ ResolvedRun resolve_run(const TrainOptions& options) {
   const int64_t end = options.config.iterations.value_or(old_end);
   if (end < old_end) {
     throw Error({ErrorKind::kUsage, fmt::format("the run has {} iterations, fewer cannot be asked for", old_end),
-                 folder.config(), "-n", "leave -n out, or start anew with --overwrite"});
+                 folder.config(), "-n", "leave -n out, or start again with --overwrite"});
   }
   if (end > old_end) {
     if (resolved.config.train.schedule_iterations == 0) resolved.config.train.schedule_iterations = old_end;

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a run writes into its folder; scene/ (an input that may stand there) is not in the list.
+/// Files that a run writes into its folder; scene/, a possible input, is not in the list.
 constexpr std::array<std::string_view, 21> kProducts = {
     "run.json",      "config.toml", "events.ndjson", "checkpoints", "scene.ply",    "scene.labels.ply", "scene.glb",
     "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",
@@ -48,7 +48,7 @@ void RunFolder::check(RunMode mode) const {
   }
   if (mode == RunMode::kNew && has_run()) {
     throw Error({ErrorKind::kUsage, "the folder already holds a run", folder_, "-o",
-                 "use --resume to go on with it, --overwrite to replace it, or name another folder"});
+                 "use --resume to continue it, --overwrite to replace it, or name another folder"});
   }
   for (const auto& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();

@@ -1,4 +1,4 @@
-// The run folder: who may write into it, and what stands where (design, section 4).
+// The run folder: who may write into it, and which file is where.
 #pragma once
 
 #include <filesystem>

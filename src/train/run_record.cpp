@@ -96,7 +96,7 @@ bool is_run_record(const fs::path& path) {
 
 RunRecord read_run_record(const fs::path& path) {
   const Json json = parse_json(read_file(path, kLargestRecord));
-  if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start anew with --overwrite");
+  if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start again with --overwrite");
   RunRecord r;
   r.status = text_of(json, "status");
   r.stage = text_of(json, "stage");

@@ -1,4 +1,4 @@
-// run.json: what a run is, where it stands and why it ended.
+// run.json: what a run is, its stage, and why it ended.
 #pragma once
 
 #include <cstdint>

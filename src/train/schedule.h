@@ -1,4 +1,4 @@
-// What each iteration of a run does: settings and facts about the scene in, numbers for one step out.
+// Plan of each iteration of a run: settings and facts about the scene in, numbers for one step out.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace aligngs {
 
-/// What pred_depths/ may be used for.
+/// Use of pred_depths/.
 enum class PriorDepthKind {
   kNone,
   kMetric,   ///< one scale in all views: start, L_z, prior normals, free space
   kRelative  ///< monocular: only its correlation with the rendered depth (L_d)
 };
 
-/// What the schedule needs to know about the scene and the start.
+/// Facts about the scene and the start for the schedule.
 struct ScheduleFacts {
   int training_views = 1;
   int image_side = 0;             ///< pixels along the larger side of the largest training image
@@ -60,7 +60,7 @@ class Schedule {
   /// that a resumed run sees the same views.
   double view_scale(int64_t iteration) const;
 
-  /// Of the training cameras in the step of this iteration.
+  /// Rates of the training cameras in the step of this iteration.
   PoseRates pose_rates(int64_t iteration) const;
 
   /// Share of the Gaussians that the step of this iteration leaves out.
@@ -70,7 +70,7 @@ class Schedule {
   /// densify.strategy is mcmc: McmcRule instead of DensityRule, and noise after every step.
   bool uses_mcmc() const { return config_.densify.enabled && config_.densify.strategy == "mcmc"; }
   McmcRule mcmc_rule() const;
-  /// Of the step of this iteration; 0 without mcmc.
+  /// Value for the step of this iteration; 0 without mcmc.
   double position_noise(int64_t iteration) const;
   int64_t iterations() const { return config_.train.iterations; }
 

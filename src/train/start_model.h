@@ -1,4 +1,4 @@
-// Where the Gaussians of a run start: fused prior depth, the scene's cloud, or random points.
+// Start of the Gaussians of a run: fused prior depth, the scene's cloud, or random points.
 #pragma once
 
 #include <vector>

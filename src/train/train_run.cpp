@@ -330,7 +330,7 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
     run.record_failure(error.kind() == ErrorKind::kInterrupted ? "stopped" : "failed", error.details().message);
     if (error.kind() != ErrorKind::kInterrupted) throw;
     Error::Details details = error.details();
-    details.remedy = "go on with: " + resume_command_of(options);
+    details.remedy = "resume with: " + resume_command_of(options);
     throw Error(details);
   } catch (const std::bad_alloc&) {
     run.record_failure("failed", "memory ran out");

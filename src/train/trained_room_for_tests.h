@@ -21,7 +21,7 @@ inline uint16_t label_at(const Vec3f& p) {
   return p.y > kFloor - 0.03 ? kFloorLabel : p.y < kCeiling + 0.03 ? kCeilingLabel : kWallLabel;
 }
 
-/// What the photos show, a point for each pixel of every `stride` rows and columns.
+/// Points of the photos, a point for each pixel of every `stride` rows and columns.
 inline PointCloud shown_points(int stride) {
   PointCloud cloud;
   for (const LayoutView& view : photos()) {

@@ -36,7 +36,7 @@ TrainedRun read_trained_run(const fs::path& folder, const fs::path& scene, Check
   }
   std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), run.record.fingerprint, parts);
   if (!state && fs::exists(paths.scene_ply())) {
-    throw_bad_input(paths.checkpoints(), "", "the checkpoints of this run are gone or damaged; scene.ply alone has no labels to go on with",
+    throw_bad_input(paths.checkpoints(), "", "the checkpoints of this run are gone or damaged; scene.ply alone has no labels to resume with",
                     "put them back, or train again with `aligngs train ... --overwrite`; scene.ply opens in any viewer of Gaussians");
   }
   if (!state) throw_bad_input(paths.checkpoints(), "", "nothing has been trained here yet", "run `aligngs train ... --resume` first");

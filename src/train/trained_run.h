@@ -17,7 +17,7 @@ struct TrainedRun {
   TrainingState state;  ///< of the newest good checkpoint
 };
 
-/// Error{kBadInput} unless a run.json stands in the folder.
+/// Error{kBadInput} unless the folder has a run.json.
 void require_run_folder(const std::filesystem::path& folder);
 
 /// `scene` says where the scene went when it is not where run.json says; may be empty. A scene that has changed since it was trained is

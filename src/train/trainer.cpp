@@ -79,7 +79,7 @@ TrainingState Trainer::run(TrainingState state) {
   const StopDeferral until_checkpoint;  // stop_here() writes one first
   state_ = std::move(state);
   if (state_.depth_scales.size() != in_.guides.size()) {
-    throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start anew with --overwrite");
+    throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start again with --overwrite");
   }
   if (state_.engine.model.size() > 0) {
     engine_.load_state(state_.engine);
@@ -94,7 +94,7 @@ TrainingState Trainer::run(TrainingState state) {
   schedule_ = Schedule(in_.config, in_.facts);
 
   if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
-    throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views", "start anew with --overwrite");
+    throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views", "start again with --overwrite");
   }
   view_scale_ = schedule_.view_scale(state_.iteration + 1);
   if (state_.planes.empty()) {
@@ -281,14 +281,14 @@ void Trainer::stop_here() {
   if (checkpointed_ != state_.iteration) write_state();
   throw Error({ErrorKind::kInterrupted, fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
                                                     in_.config.train.iterations),
-               folder_.path(), {}, "go on with: " + in_.resume_command});
+               folder_.path(), {}, "resume with: " + in_.resume_command});
 }
 
 void Trainer::obey() {
   if (now_seconds() < look_at_) return;
   obey_once();
   if (control_.asked(RunControl::Flag::kPause)) {
-    log_info("paused at iteration {}; to go on, remove {}", state_.iteration, control_.file(RunControl::Flag::kPause).string());
+    log_info("paused at iteration {}; remove {} to continue", state_.iteration, control_.file(RunControl::Flag::kPause).string());
     record_.status = "paused";
     record_.updated = utc_now();
     write_run_record(folder_.record(), record_);

@@ -13,7 +13,7 @@
 
 namespace aligngs {
 
-/// What a run may use, decided from the scene and the settings before any pixel is loaded.
+/// Usable priors of a run, decided from the scene and the settings before any pixel is loaded.
 struct PriorUse {
   PriorDepthKind depth = PriorDepthKind::kNone;
   bool semantics = false;
@@ -35,7 +35,7 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
 /// Camera of a view at the working resolution.
 Camera working_camera(const Scene& scene, const TrainConfig& config, int view);
 
-/// What upkeep between the steps needs of a view after the engine has taken it.
+/// Data of a view for upkeep between the steps, after the engine has taken it.
 struct GuideView {
   std::string name;
   Camera camera;

@@ -1,4 +1,4 @@
-// What happens between steps: growing and pruning, free space, the scales of the prior depth.
+// Work between steps: growing and pruning, free space, the scales of the prior depth.
 #pragma once
 
 #include <vector>

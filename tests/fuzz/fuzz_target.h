@@ -1,4 +1,4 @@
-// What every fuzz target has in common: Error is a parser's right answer to bad bytes, anything
+// Common part of all fuzz targets: Error is a parser's right answer to bad bytes, anything
 // else is a finding.
 #pragma once
 

@@ -29,7 +29,7 @@ struct Mode {
   double label_limit;  ///< fraction of labels that may differ
 };
 
-/// What every case of a network is run in; the others in the first only. None: skip everything.
+/// Precisions in which every case of a network runs; the others in the first only. None: skip everything.
 const std::vector<Mode>& modes();
 
 class Case {

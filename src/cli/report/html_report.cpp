@@ -13,6 +13,7 @@
 #include "cli/report/svg_chart.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
+#include "metrics/semantic_metrics.h"
 
 namespace aligngs {
 
@@ -56,7 +57,7 @@ std::string summary(const Json& metrics) {
          card("normal error (degrees)", number(metrics, "geometry.surface.normal_error_median_deg", "{:.1f}")) +
          card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
          card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
-         card("mIoU", number(metrics, "semantics.miou", "{:.3f}")) +
+         card(fmt::format("mIoU, classes with at least {:g} % of the pixels", 100 * kLeastClassShare), number(metrics, "semantics.miou", "{:.3f}")) +
          card("mIoU, all classes present", number(metrics, "semantics.present.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
          card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
 }
@@ -159,7 +160,7 @@ std::string notes(const Json& run, const Json& metrics) {
   std::string html;
   const std::string priors = metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
   if (priors.find("simulated") != std::string::npos) {
-    html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) + "): these numbers say nothing about real networks.</p>";
+    html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) + "): these figures do not show how real networks would do.</p>";
   }
   if (run.contains("warnings") && run["warnings"].is_array()) {
     for (const Json& w : run["warnings"]) {

@@ -6,7 +6,7 @@
 
 namespace aligngs {
 
-/// Builds the page from what stands in the run folder: run.json, metrics.json, events.ndjson, config.toml and
+/// Builds the page from files of the run folder: run.json, metrics.json, events.ndjson, config.toml and
 /// renders/test. What is missing is named in the page, not an error.
 std::string html_report(const std::filesystem::path& run);
 

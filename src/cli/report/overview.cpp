@@ -1,7 +1,9 @@
 #include "cli/report/overview.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "cli/report/picture_title.h"
 #include "io/image_file.h"
 
 namespace aligngs {
@@ -37,9 +39,10 @@ std::vector<std::string> rendered_views(const fs::path& run, const std::string& 
 void write_overview(const fs::path& run) {
   const std::vector<std::string> names = rendered_views(run, "test");
   if (names.empty()) return;
-  std::vector<std::string> kinds;
-  for (const char* kind : {"gt", "rgb", "depth", "normal", "label"}) {
-    if (fs::exists(run / "renders" / "test" / kind)) kinds.push_back(kind);
+  std::vector<std::pair<std::string, std::string>> kinds;  // folder and title
+  for (const auto& [kind, title] : {std::pair("gt", "photo"), std::pair("rgb", "render"), std::pair("depth", "depth"),
+                                    std::pair("normal", "normals"), std::pair("label", "labels")}) {
+    if (fs::exists(run / "renders" / "test" / kind)) kinds.emplace_back(kind, title);
   }
   const int rows = std::min<int>(kRows, static_cast<int>(names.size()));
   Image<uint8_t> canvas;
@@ -47,13 +50,15 @@ void write_overview(const fs::path& run) {
     // Spread over the test views: the first few are often neighbours.
     const std::string& name = names[size_t(r) * (names.size() - 1) / std::max(1, rows - 1)];
     for (size_t k = 0; k < kinds.size(); ++k) {
-      const fs::path file = run / "renders" / "test" / kinds[k] / (name + ".png");
+      const fs::path file = run / "renders" / "test" / kinds[k].first / (name + ".png");
       if (!fs::exists(file)) continue;
       const Image<uint8_t> picture = read_image(file);
       if (canvas.empty()) {
-        canvas = Image<uint8_t>(static_cast<int>(kinds.size()) * (picture.width + kGap) - kGap, rows * (picture.height + kGap) - kGap, 3, 255);
+        canvas = Image<uint8_t>(static_cast<int>(kinds.size()) * (picture.width + kGap) - kGap, kTitleHeight + rows * (picture.height + kGap) - kGap, 3, 255);
       }
-      paste(picture, canvas, static_cast<int>(k) * (picture.width + kGap), r * (picture.height + kGap));
+      const int x = static_cast<int>(k) * (picture.width + kGap);
+      if (r == 0) draw_title(canvas, x, 0, kinds[k].second);
+      paste(picture, canvas, x, kTitleHeight + r * (picture.height + kGap));
     }
   }
   if (!canvas.empty()) write_jpeg(run / "overview.jpg", canvas, kQuality);

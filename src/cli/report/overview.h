@@ -1,4 +1,4 @@
-// One picture of a run: a few test views, each as photo, render, depth, normals and labels.
+// One picture of a run: a few test views, each as photo, render, depth, normals and labels, under titles.
 #pragma once
 
 #include <filesystem>

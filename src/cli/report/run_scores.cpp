@@ -43,8 +43,8 @@ const std::array<ScoreColumn, kScoreCount>& score_columns() {
       {"on structure", "structure_normal_error_deg", "geometry.surface.structure_normal_error_median_deg", 2},
       {"roughness (deg)", "roughness_deg", "geometry.surface.roughness_median_deg", 2},
       {"pinholes", "pinholes", "geometry.surface.pinholes", 4},
-      {"mIoU", "miou", "semantics.miou", 3},
-      {"mIoU, all present", "miou_present", "semantics.present.miou", 3},
+      {"mIoU (classes from 0.1 %)", "miou", "semantics.miou", 3},
+      {"mIoU (all present)", "miou_present", "semantics.present.miou", 3},
       {"seconds", "seconds", "train.seconds", 0},
       {"Gaussians", "gaussians", "train.gaussians", 0},
   }};

@@ -69,7 +69,7 @@ struct ViewMetrics {
   Json nvs, semantics = nullptr;
 };
 
-/// Where the photos were taken is a fact about the scene, so the true cameras decide when there are any.
+/// True cameras decide where the photos were taken, if there are any.
 std::vector<Camera> true_training_cameras(const Scene& scene) {
   std::vector<Camera> cameras;
   for (const int view : scene.train) cameras.push_back(scene.evaluation_cameras[static_cast<size_t>(view)]);
@@ -92,7 +92,7 @@ Json pose_error(const Camera& camera, const Camera& truth, const Similarity& to_
           {"degrees", rotation_angle_between_degrees(moved.rotation, truth.world_to_camera.rotation)}};
 }
 
-/// What the picture gains where the test photo itself says where it was taken; the scene stays as it is.
+/// Gain of the picture with the pose fitted to the test photo itself; the scene is frozen.
 void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, const Similarity& to_truth, Json& entry) {
   RenderOptions options = run.render_options();
   options.labels = false;
@@ -186,7 +186,7 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
                                 [&](const Json& v) { return v["extrapolates"] == extrapolating; })}};
   }
   if (labelled) result.semantics = semantic_json(confusion.scores(), run.scene.labels);
-  // What the training has to beat: the teacher run on the test photos themselves.
+  // The yardstick of the training: the teacher run on the test photos themselves.
   if (judged) result.semantics["teacher"] = semantic_json(taught.scores(), run.scene.labels);
   return result;
 }

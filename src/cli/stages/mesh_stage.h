@@ -12,7 +12,7 @@
 
 namespace aligngs {
 
-/// What is fused over the training views.
+/// Depth that is fused over the training views.
 enum class DepthSource {
   kRendered,  ///< depth of the Gaussians
   kPrior,     ///< pred_depths/ with the run's cameras: the yardstick that a method must beat to have added anything

@@ -17,7 +17,7 @@
 namespace aligngs {
 namespace {
 
-/// Says in run.json what is being made, for those who look on.
+/// Writes the current stage to run.json, for viewers.
 void enter_stage(const std::filesystem::path& run, const char* stage) {
   RunRecord record = read_run_record(run / "run.json");
   record.stage = stage;
@@ -25,7 +25,7 @@ void enter_stage(const std::filesystem::path& run, const char* stage) {
   write_run_record(run / "run.json", record);
 }
 
-/// For those who look on and for the report.
+/// For viewers and for the report.
 void warn(const std::filesystem::path& run, const std::string& message) {
   log_warning("{}", message);
   RunRecord record = read_run_record(run / "run.json");
@@ -34,13 +34,13 @@ void warn(const std::filesystem::path& run, const std::string& message) {
   write_run_record(run / "run.json", record);
 }
 
-/// Between stages: everything so far stands on disk, so stopping here loses nothing.
+/// Between stages: everything so far is on disk, so stopping here loses nothing.
 void stop_here_if_asked(const std::filesystem::path& run) {
   if (RunControl(run).take(RunControl::Flag::kStop)) request_stop();
   stop_if_requested();
 }
 
-/// What comes after training; metrics.json as JSON.
+/// The stages after training; returns metrics.json.
 nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
   enter_stage(options.run, "render");

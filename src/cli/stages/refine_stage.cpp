@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What measuring and refining a scene have in common.
+/// Common part of measuring and refining a scene.
 template <class Options>
 Options options_of(const TrainConfig& config, const CommandContext& context) {
   Options options;
@@ -54,15 +54,15 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   const Scene opened = open_scene(scene);
   if (opened.prior_source == kStereoDepth) return false;  // with these very cameras
   if (opened.prior_source == kSensorDepth) {
-    log_info("cameras stay as they are: the depth is a sensor's, and they came with it (`aligngs refine` corrects them all the same)");
+    log_info("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)");
     return false;
   }
   if (decide_prior_use(opened, config).depth != PriorDepthKind::kMetric) {
-    log_info("cameras stay as they are: without metric prior depth in use nothing says where to look for matches");
+    log_info("cameras stay unrefined: the search for matches needs metric prior depth");
     return false;
   }
   if (!bundle_adjustment_available()) {
-    log_warning("cameras stay as they are: this program was built without Ceres (libceres-dev)");
+    log_warning("cameras stay unrefined: this program was built without Ceres (libceres-dev)");
     return false;
   }
   return true;
@@ -80,7 +80,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);
   const auto misplaced = std::count_if(result.views.begin(), result.views.end(), [](const RefinedView& v) { return v.misplaced; });
-  if (misplaced > 0) log_info("{} photos did not fit where their cameras had them, and were found elsewhere by the others", misplaced);
+  if (misplaced > 0) log_info("{} misplaced photos were found at other places, by the points of the others", misplaced);
   if (!report.planes.empty()) {
     log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }

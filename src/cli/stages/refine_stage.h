@@ -1,4 +1,4 @@
-// What is done to a scene before a run, into the run's own scene folder: depth measured, or cameras and prior depth refined.
+// Work on a scene before a run, into the run's own scene folder: depth measured, or cameras and prior depth refined.
 #pragma once
 
 #include <filesystem>

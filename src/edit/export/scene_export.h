@@ -20,7 +20,7 @@ struct ExportReport {
   size_t gaussians = 0, objects = 0;  ///< objects: nodes or groups, where the format has them
 };
 
-/// What of the room a GLB holds.
+/// Parts of the room in a GLB.
 enum class RoomParts { kAll, kMesh, kSplats };
 
 /// Writes one format, atomically file by file. Error{kUsage} for an unknown format (with a suggestion) or a mesh format

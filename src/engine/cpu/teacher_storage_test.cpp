@@ -95,7 +95,7 @@ std::vector<Row> as_top16(std::vector<Row> rows) {
   return rows;
 }
 
-/// What benchmarks/README.md says, two digits; MB per teacher of 320 x 240, half the size of a photo.
+/// The figures of benchmarks/README.md, two digits; MB per teacher of 320 x 240, half the size of a photo.
 struct TableRow {
   double mean, median, largest;
 };

@@ -12,7 +12,7 @@
 namespace aligngs {
 
 struct ImportOptions {
-  // Which frames train and test. At most one of views, stride and train_names; none of them: the split that came with the
+  // Choice of the frames that train and test. At most one of views, stride and train_names; none of them: the split that came with the
   // capture, else all frames train (a capture of more than kMaxUnselected frames is thinned to kDefaultViews).
   int views = 0;                         ///< so many well-spread sharp views
   int stride = 0;                        ///< every n-th frame

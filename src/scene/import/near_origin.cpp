@@ -67,8 +67,8 @@ void place_near_origin(Capture& capture) {
   back.scale = 1 / scale;
   back.translation = shift;
   capture.to_original = back;
-  capture.notes.push_back(fmt::format("the world was moved by ({:.6g}, {:.6g}, {:.6g}) and scaled by {:g}, since its cameras lie at about ({:.6g}, {:.6g}, {:.6g}) "
-                                      "and spread over {:.3g}; scene.json keeps the way back",
+  capture.notes.push_back(fmt::format("the world was moved by ({:.6g}, {:.6g}, {:.6g}) and scaled by {:g}; its cameras are at about ({:.6g}, {:.6g}, {:.6g}) "
+                                      "and spread over {:.3g}; to_original in scene.json undoes it",
                                       -shift.x, -shift.y, -shift.z, scale, place.middle.x, place.middle.y, place.middle.z, 2 * place.extent));
 }
 

@@ -67,7 +67,7 @@ std::string TransformsFields::text(const char* key) const {
 void TransformsFields::refuse_unsupported() const {
   for (const char* key : {"ftheta_p0", "latlong", "equirectangular", "orthographic"}) {
     const Json* value = find(key);
-    if (value && !(value->is_boolean() && !value->get<bool>())) throw_bad_input(file_, key, "this lens is no view of a pinhole camera", kUndistort);
+    if (value && !(value->is_boolean() && !value->get<bool>())) throw_bad_input(file_, key, "this lens is no pinhole view", kUndistort);
   }
 }
 

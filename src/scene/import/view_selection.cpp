@@ -171,7 +171,7 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
   std::vector<Sample> samples;
   for (const auto& part : parts) samples.insert(samples.end(), part.begin(), part.end());
 
-  // Which samples each candidate sees, once.
+  // Samples that each candidate sees, once.
   std::vector<std::vector<uint32_t>> sees(m);
   pool.parallel_for(m, 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
