@@ -69,7 +69,7 @@ std::vector<ConfigKey> densify_optimizer_keys() {
        "learning rate of the view-dependent colour"},
       {"optimizer.opacity", field<&C::optimizer, &O::opacity>, 0, 10, "", all(0.05), "learning rate of opacity logits"},
       {"optimizer.scale", field<&C::optimizer, &O::scale>, 0, 10, "", all(5e-3), "learning rate of log scales"},
-      {"optimizer.rotation", field<&C::optimizer, &O::rotation>, 0, 10, "", all(1e-3), "learning rate of quaternions"},
+      {"optimizer.rotation", field<&C::optimizer, &O::rotation>, 0, 10, "", ours_paper(3e-4, 1e-3), "learning rate of quaternions"},
       {"optimizer.semantic", field<&C::optimizer, &O::semantic>, 0, 10, "", ours_paper(4e-2, 1e-3),
        "learning rate of semantic rows"},
       {"optimizer.skip_invisible_semantics", field<&C::optimizer, &O::skip_invisible_semantics>, 0, 0, "",

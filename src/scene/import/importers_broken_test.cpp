@@ -69,14 +69,14 @@ class BrokenCaptures : public testing::TestWithParam<Layout> {};
 TEST_P(BrokenCaptures, EndWellOrWithATypedErrorAndNoOutput) {
   const char* seconds = std::getenv("ALIGNGS_FUZZ_SECONDS");
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds ? std::atoi(seconds) : 0);
-  constexpr uint64_t kSeeds = 150;
+  const uint64_t seeds = random_captures(150);
   const fs::path folder = scratch_folder(fmt::format("broken_{}", GetParam().name));
   set_log_level(LogLevel::kSilent);
   ThreadPool pool(1);
   ImportOptions options;
   options.progress.enabled = false;
   uint64_t refused = 0, seed = 0;
-  for (; (seed < kSeeds || std::chrono::steady_clock::now() < end) && !HasFailure(); ++seed) {
+  for (; (seed < seeds || std::chrono::steady_clock::now() < end) && !HasFailure(); ++seed) {
     fs::remove_all(folder);
     const Written written = GetParam().write(seed, folder / "source");
     Random random(seed);
@@ -101,7 +101,7 @@ TEST_P(BrokenCaptures, EndWellOrWithATypedErrorAndNoOutput) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, BrokenCaptures, testing::ValuesIn(random_layouts()),
-                         [](const testing::TestParamInfo<Layout>& info) { return std::string(info.param.name); });
+                         [](const auto& layout) { return std::string(layout.param.name); });
 
 }  // namespace
 }  // namespace aligngs

@@ -21,6 +21,15 @@ inline fs::path scratch_folder(const std::string& name) {
   return (fs::is_directory(memory) ? memory : fs::temp_directory_path()) / fmt::format("aligngs_{}_{}", name, getpid());
 }
 
+/// How many captures a test draws: a sixth under the sanitizers, which are slower by as much.
+inline uint64_t random_captures(uint64_t many) {
+#ifdef __SANITIZE_ADDRESS__
+  return many / 6;
+#else
+  return many;
+#endif
+}
+
 /// A folder in one layout, and what is to come out of it beside the capture's own truth.
 struct Written {
   RandomCapture capture;

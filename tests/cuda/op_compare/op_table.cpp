@@ -44,8 +44,8 @@ Limit with_large_flips(Limit limit) {
   limit.flips = cuda::CudaTolerance().large_flips;
   return limit;
 }
-Limit with_patch_flips(Limit limit) {
-  limit.flips = cuda::CudaTolerance().patch_flips;
+Limit with_two_view_flips(Limit limit) {
+  limit.flips = cuda::CudaTolerance().two_view_flips;
   return limit;
 }
 Limit absolute(Limit limit) {

@@ -26,8 +26,8 @@ Limit tight(double value);
 Limit loose(double value);
 /// The same where one decision changes an entry much (CudaTolerance::large_flips).
 Limit with_large_flips(Limit limit);
-/// The same for gradients of patches (CudaTolerance::patch_flips).
-Limit with_patch_flips(Limit limit);
+/// The same for gradients of the multi-view terms (CudaTolerance::two_view_flips).
+Limit with_two_view_flips(Limit limit);
 /// The same in the channel's unit and without exceptions, for single numbers.
 Limit absolute(Limit limit);
 
