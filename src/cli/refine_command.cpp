@@ -17,7 +17,7 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false, screens = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false, no_screens = false;
   bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
@@ -94,7 +94,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   refine_options.fuse_labels = options.fuse_labels;
   refine_options.plane_settings.square = !options.no_square;
   refine_options.panels = !options.no_panels;
-  refine_options.screen_settings.enabled = options.screens;
+  refine_options.screen_settings.enabled = !options.no_screens;
   refine_options.exposure = !options.no_exposure;
   refine_options.register_tests = !options.keep_tests;
   refine_options.settings.share_focal = !options.own_focal;
@@ -159,7 +159,7 @@ void add_refine_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")->group("Planes");
   command->add_flag("--fuse-labels", options->fuse_labels, "find planes by the labels of most photos, and weigh each pixel by their share")->group("Planes");
   command->add_flag("--no-square", options->no_square, "keep planes as found, also in a room with right angles")->group("Planes");
-  command->add_flag("--place-screens", options->screens, "place televisions and monitors by their outlines in several photos")->group("Planes");
+  command->add_flag("--no-screens", options->no_screens, "do not place televisions and monitors by their outlines in several photos")->group("Planes");
   command->add_flag("--no-panels", options->no_panels, "give panes, mirrors, screens and pictures no planes of their own")->group("Planes");
   command->add_flag("--no-exposure", options->no_exposure, "leave exposure and white balance unmeasured")->group("Depth");
   command->add_flag("--keep-test-views", options->keep_tests, "leave the test photos unregistered")->group("Cameras");

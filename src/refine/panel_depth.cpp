@@ -18,8 +18,8 @@ struct NamedClass {
 // Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no panel.
 constexpr NamedClass kNamedClasses[] = {
     {"windowpane", PanelClass::kInWall}, {"painting", PanelClass::kInWall}, {"poster", PanelClass::kInWall}, {"bulletin board", PanelClass::kInWall},
-    {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},   {"mirror", PanelClass::kFree},   {"television", PanelClass::kFree},
-    {"monitor", PanelClass::kFree},      {"crt screen", PanelClass::kFree},
+    {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},   {"mirror", PanelClass::kFree},   {"television", PanelClass::kScreen},
+    {"monitor", PanelClass::kScreen},    {"crt screen", PanelClass::kScreen},
 };
 
 PanelClass class_at(const PlaneView& view, const std::vector<PanelClass>& classes, int x, int y) {
@@ -79,7 +79,7 @@ class PanelsInView {
     return panels_[panel].contains(centre_ + ray * (distance / slope)) ? distance / slope : 0;
   }
   size_t count() const { return panels_.size(); }
-  bool can_be(size_t panel, PanelClass c) const { return c == PanelClass::kFree || (c == PanelClass::kInWall && in_wall_[panel]); }
+  bool can_be(size_t panel, PanelClass c) const { return c == PanelClass::kFree || c == PanelClass::kScreen || (c == PanelClass::kInWall && in_wall_[panel]); }
 
  private:
   const std::vector<Panel>& panels_;

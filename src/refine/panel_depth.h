@@ -12,7 +12,8 @@ namespace aligngs {
 enum class PanelClass : uint8_t {
   kNone,    ///< no panel
   kInWall,  ///< panes and pictures: at most a little before a wall, so that the curtains that a teacher takes for the pane are none
-  kFree,    ///< mirrors and screens
+  kFree,    ///< mirrors: anywhere
+  kScreen,  ///< televisions and monitors: anywhere, and where no photo can match them their outlines tell the place (screens.h)
 };
 
 struct PanelDepthSettings {

@@ -146,7 +146,8 @@ TEST(PanelDepth, PanesMirrorsScreensAndPicturesAreTheClasses) {
   const std::vector<PanelClass> classes = panel_classes(labels);
   const auto of = [&](const char* name) { return classes[static_cast<size_t>(labels.find(name))]; };
   for (const char* name : {"windowpane", "painting", "blind"}) EXPECT_EQ(of(name), PanelClass::kInWall) << name;
-  for (const char* name : {"mirror", "television", "monitor"}) EXPECT_EQ(of(name), PanelClass::kFree) << name;
+  EXPECT_EQ(of("mirror"), PanelClass::kFree);
+  for (const char* name : {"television", "monitor", "crt screen"}) EXPECT_EQ(of(name), PanelClass::kScreen) << name;
   for (const char* name : {"wall", "curtain", "door"}) EXPECT_EQ(of(name), PanelClass::kNone) << name;
 }
 

@@ -15,7 +15,7 @@ std::map<uint32_t, ScreenRegion> connected(const Image<uint16_t>& labels, const 
   const int width = labels.width, height = labels.height;
   const auto is_screen = [&](int x, int y) {
     const uint16_t label = labels.at(x, y);
-    return label < classes.size() && classes[label] == PanelClass::kFree;
+    return label < classes.size() && classes[label] == PanelClass::kScreen;
   };
   const auto index = [&](int x, int y) { return static_cast<uint32_t>(y * width + x); };
   DisjointSets sets(labels.pixels());

@@ -17,7 +17,7 @@ inline constexpr double kHalfWidth = 0.45, kHigh = -0.1;         ///< of the scr
 inline constexpr double kHanging = 2.95, kStanding = 2.75;       ///< its distance
 inline constexpr double kLowHanging = 0.35, kLowStanding = 0.45; ///< its lower edge: a foot lifts a standing one off the top
 inline constexpr uint16_t kOtherLabel = 0, kScreenLabel = 1;
-inline const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kFree};
+inline const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kScreen};
 inline constexpr int kWidth = 320, kHeight = 240;
 
 /// The screen's rectangle turned by `turn` radians about the vertical line through its middle, at the distance z.

@@ -319,7 +319,8 @@ std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std:
     const auto most = std::max_element(best.begin(), best.end(), [](const Placement& a, const Placement& b) { return a.total() < b.total(); });
     if (most->regions.empty()) break;  // no plane has anybody's agreement
     const Placement placement = placer.refine(std::move(*most));
-    if (placement.agreement >= settings.least_agreement && placer.beats_today(placement, panels)) placer.replace(placement, panels);
+    const bool held = placement.supported > 0 || !settings.must_be_supported;
+    if (held && placement.agreement >= settings.least_agreement && placer.beats_today(placement, panels)) placer.replace(placement, panels);
     std::erase_if(left, [&](size_t i) { return std::find(placement.regions.begin(), placement.regions.end(), i) != placement.regions.end(); });
   }
   return panels;

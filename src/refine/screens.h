@@ -10,7 +10,7 @@
 namespace aligngs {
 
 struct ScreenSettings {
-  bool enabled = false;          ///< off: with stereo it moved a window of the development bedroom 22 cm into the room
+  bool enabled = false;           ///< `aligngs refine` and `run` switch it on; measured scenes (measured_scene.h) were not tried with it
   ScreenRegionSettings regions;
   SupportSettings support;
   double range = 0.45;            ///< |log| of the depth around today's that planes are tried at: networks are up to a third off
@@ -24,10 +24,11 @@ struct ScreenSettings {
   double behind = 0.02;           ///< of the depth: how far behind a wall nothing is
   double least_agreement = 0.35;  ///< of outlines on the plane; where no screen is it is 0.1 to 0.3
   double supported = 0.05;        ///< what standing on or hanging at something counts beside the agreement
+  bool must_be_supported = true;  ///< a plane on which the screen neither stands nor hangs is none
   double margin = 0.1;            ///< by which a plane must beat where the screen is today
 };
 
-/// Finds for each screen (PanelClass::kFree) the plane on which its outlines agree best in all photos of it. Tried are planes around today's depth,
+/// Finds for each screen (PanelClass::kScreen) the plane on which its outlines agree best in all photos of it. Tried are planes around today's depth,
 /// parallel to a wall of `planes` or turned as the depth is, and none behind a wall. A plane whose rectangle hangs at a wall, or stands on something
 /// level, has an advantage. It becomes a panel, in place of those that the screen lay on, if it beats where the screen is today by a margin: each
 /// photo's own depth, or the panel of `panels` that it lies on. Otherwise nothing changes; so it does where too few photos show the screen.

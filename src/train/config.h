@@ -23,6 +23,7 @@ struct DataConfig {
   bool refine_fused_labels = false;  ///< which are found by the labels of most photos
   bool refine_square = false;     ///< and turned to the axes of the room
   bool refine_panels = false;     ///< and panes, mirrors, screens and pictures by planes of their own
+  bool refine_screens = false;    ///< of those, televisions and monitors by their outlines in several photos
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
   bool refine_exposure = false;   ///< `run` and `demo`: measure the photos' exposures there

@@ -27,6 +27,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_planes: turn planes to the axes of a room with right angles"},
       {"data.refine_panels", field<&C::data, &DataConfig::refine_panels>, 0, 0, "", ours_paper(true, false),
        "with data.refine_planes: panes, mirrors, screens and pictures lie in planes of their own measurements"},
+      {"data.refine_screens", field<&C::data, &DataConfig::refine_screens>, 0, 0, "", ours_paper(true, false),
+       "with data.refine_panels: place televisions and monitors by their outlines in several photos"},
       {"data.refine_exposure", field<&C::data, &DataConfig::refine_exposure>, 0, 0, "", ours_paper(true, false),
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
       {"data.exposure", field<&C::data, &DataConfig::exposure>, 0, 0, "", with_pgsr(ours_paper(true, false), false),

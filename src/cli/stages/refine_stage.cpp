@@ -72,6 +72,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
   options.fuse_labels = config.data.refine_fused_labels;
+  options.screen_settings.enabled = config.data.refine_screens;
   options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
