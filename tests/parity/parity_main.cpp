@@ -30,7 +30,13 @@ const std::map<std::string, Kind> kKinds = {{"dinov2_vit", {run_vit, true}},
                                             {"msdeform", {run_deformable_attention, true}},
                                             {"ops", {run_ops, true}},
                                             {"preprocess", {run_preprocess, false}},
-                                            {"loader", {run_loader, false}}};
+                                            {"loader", {run_loader, false}},
+                                            {"da3", {run_da3, true}},
+                                            {"da3_metric", {run_da3_metric, true}},
+                                            {"da3_nested", {run_da3_nested, true}},
+                                            {"da3_camera", {run_da3_camera, false}},
+                                            {"da3_raypose", {run_da3_raypose, false}},
+                                            {"da3_preprocess", {run_da3_preprocess, false}}};
 
 bool run_case_in_all_modes(const fs::path& folder, ThreadPool& pool) {
   bool good = true;
