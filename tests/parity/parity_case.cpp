@@ -168,6 +168,24 @@ Image<uint8_t> image_of(const FloatArray& a) {
   return image;
 }
 
+Image<uint8_t> image_of_nchw(const FloatArray& a) {
+  const int channels = int(a.shape.at(1));
+  Image<uint8_t> image(int(a.shape.at(3)), int(a.shape.at(2)), channels);
+  for (size_t c = 0; c < size_t(channels); ++c) {
+    for (size_t p = 0; p < image.pixels(); ++p)
+      image.data[p * size_t(channels) + c] = uint8_t(a.data[c * image.pixels() + p]);
+  }
+  return image;
+}
+
+std::vector<float> nchw(const Image<uint8_t>& image) {
+  std::vector<float> out;
+  for (size_t c = 0; c < size_t(image.channels); ++c) {
+    for (size_t p = 0; p < image.pixels(); ++p) out.push_back(float(image.data[p * size_t(image.channels) + c]));
+  }
+  return out;
+}
+
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array) {
   const auto& s = array.shape;
   const int64_t images = s.at(0), channels = s.at(1), height = s.at(2), width = s.at(3);

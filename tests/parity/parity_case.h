@@ -110,6 +110,9 @@ nn::SlidingWindow sliding_window(const Json& config);
 
 /// An image of 8 bits [height, width, channels].
 Image<uint8_t> image_of(const FloatArray& array);
+/// The same of a first image of [images, channels, height, width], and back.
+Image<uint8_t> image_of_nchw(const FloatArray& array);
+std::vector<float> nchw(const Image<uint8_t>& image);
 /// Values of an NCHW array as maps, one per image, and back.
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array);
 std::vector<float> nchw(const std::vector<nn::FeatureMap>& maps);
@@ -135,5 +138,7 @@ void run_da3_nested(Case& test, nn::Compute& compute);
 void run_da3_camera(Case& test, nn::Compute& compute);
 void run_da3_raypose(Case& test, nn::Compute& compute);
 void run_da3_preprocess(Case& test, nn::Compute& compute);
+void run_eomt(Case& test, nn::Compute& compute);
+void run_lingbot(Case& test, nn::Compute& compute);
 
 }  // namespace aligngs::parity
