@@ -99,9 +99,12 @@ TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weight
   std::vector<float> weight = weights.load("mlp.w1.weight", {hidden, c});
   const std::vector<float> more = weights.load("mlp.w2.weight", {hidden, c});
   weight.insert(weight.end(), more.begin(), more.end());
-  std::vector<float> bias = weights.load("mlp.w1.bias", {hidden});
-  const std::vector<float> more_bias = weights.load("mlp.w2.bias", {hidden});
-  bias.insert(bias.end(), more_bias.begin(), more_bias.end());
+  std::vector<float> bias;
+  if (weights.has("mlp.w1.bias")) {
+    bias = weights.load("mlp.w1.bias", {hidden});
+    const std::vector<float> more_bias = weights.load("mlp.w2.bias", {hidden});
+    bias.insert(bias.end(), more_bias.begin(), more_bias.end());
+  }
   fc1_ = Linear(compute, weight, 2 * hidden, c, std::move(bias));
 }
 

@@ -116,7 +116,8 @@ void run_panoptic(Case& test, nn::Compute& compute, const nn::Eomt& network) {
     options.class_threshold = thresholds.at(i).at(0);
     options.overlap_threshold = thresholds.at(i).at(1);
     options.stuff = test.config().at("stuff_classes").get<std::vector<int>>();
-    compare_segments(test, nn::panoptic_map(network.exact(), prediction, padded, photo.width, photo.height, options), i);
+    compare_segments(test, nn::panoptic_map(network.exact(), prediction, padded, photo.width, photo.height, options),
+                     i);
   }
   compare_rows(test, "out_semantic_scores", nn::eomt_scores(compute, network, photo, photo.height, photo.width),
                kSemanticScores);
@@ -135,6 +136,8 @@ void run_eomt(Case& test, nn::Compute& compute) {
       pixels.at("image_mean").get_to(options.mean);
       pixels.at("image_std").get_to(options.deviation);
     }
+    if (std::string(file) == "hf_model.safetensors" && test.has("hf_config.json"))
+      options.query_blocks = Json::parse(read_file(test.folder() / "hf_config.json")).at("num_blocks");
     options.heads = config.at("heads").get<int64_t>();
     const nn::Eomt network(compute, nn::eomt_weights(WeightFile::open(test.folder() / file)), options);
     if (task == "semantic") {

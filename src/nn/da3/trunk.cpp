@@ -136,7 +136,11 @@ Da3Trunk::Da3Trunk(const Compute& compute, const Weights& weights, const Da3Trun
                  "heads of " + std::to_string(vit_.channels() / heads_) + " channels cannot be turned by place",
                  {}, "backbone.pretrained", "set the number of heads"});
   }
-  if (alternate_from_ < 0) return;
+  if (alternate_from_ < 0) {
+    if (options.alternate_from || !weights.has("camera_token")) return;
+    throw Error({ErrorKind::kWeights, "no block normalises its queries, so where views begin to mix is unknown", {},
+                 "backbone.pretrained.blocks", "these are not the weights of this network"});
+  }
   camera_token_ = Matrix(2, vit_.channels());
   camera_token_.data = weights.load("camera_token", {1, 2, vit_.channels()});
 }
