@@ -84,7 +84,7 @@ Json models_with(const std::map<std::string, WeightInfo>& tensors) {
   Json names = Json::array();
   for (const PublishedModel& model : published_models()) {
     for (const ModelFile& file : model.files) {
-      if (tensors.count(file.probe) > 0) names.push_back(model.name);
+      if (tensors.count(file.probe) > 0 || tensors.count(file.other_probe) > 0) names.push_back(model.name);
     }
   }
   return names;

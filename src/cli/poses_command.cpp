@@ -13,7 +13,7 @@
 namespace aligngs {
 namespace {
 
-/// Without its weights the default method cannot run: the other one is worth a line.
+/// Without its weights a network cannot run: the method without one is worth a line.
 [[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
   Error::Details details = error.details();
   details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
@@ -43,7 +43,8 @@ void print_report(const CommandContext& context, const std::string& scene, const
 void add_poses_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos: a scene folder with poses and a cloud");
   command->group("Data");
-  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method colmap --test-every 8\n"
+  command->footer("Example: aligngs poses photos -o scene\n         aligngs poses photos -o scene --method da3\n"
+                  "         aligngs poses photos -o scene --method colmap --test-every 8\n"
                   "         aligngs poses photos -o scene --method given --cameras sparse/0");
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
@@ -58,10 +59,10 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options, photos, scene] {
     try {
       ScenePhotosOptions poses = photo_options(*options, context);
-      if (poses.method == PosesMethod::kVggt) put_networks_on(options->device, options->precision, true, poses);
+      if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);
       print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kWeights && options->method == "vggt") offer_colmap(error, *photos, *scene);
+      if (error.kind() == ErrorKind::kWeights && (options->method == "vggt" || options->method == "da3")) offer_colmap(error, *photos, *scene);
       throw;
     }
   });
