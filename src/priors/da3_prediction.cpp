@@ -63,7 +63,7 @@ void add_da3_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision
   const auto token = uint64_t(weights.dimension("head.projects.0.weight", 1));
   const uint64_t pixels = uint64_t(width) * uint64_t(height);
   const uint64_t patches = pixels / (nn::kDa3Patch * nn::kDa3Patch), tokens = frames * (patches + 1);
-  constexpr uint64_t kKept = 4, kStream = 4;  // layers for the dense head; copies of the stream
+  constexpr uint64_t kKept = 4, kStream = 2;  // layers for the dense head; copies of the stream
   budget.add("tokens kept for the dense head", kKept * tokens * token * 4);
   // The head begins when the tokens are done: the larger of the two counts.
   const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);

@@ -171,7 +171,7 @@ void add_eomt_memory(MemoryBudget& budget, const nn::Weights& weights, double as
   const uint64_t tokens = transformer_bytes(backbone, places + 1 + registers + queries, 0, options);
   const uint64_t pixels = places * patch * patch;
   const auto photo = uint64_t(double(pixels) * aspect);
-  add_work(budget, "tokens and maps of one window", std::max(maps, tokens) + pixels * classes * kFloat);
+  add_work(budget, "tokens, maps or values of one window", std::max({maps, tokens, pixels * classes * kFloat}));
   budget.add("values of the whole photo", photo * classes * kFloat);
 }
 
