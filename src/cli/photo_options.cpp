@@ -30,6 +30,7 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
   command.add_option("--drop-percent", poses.drop_percent, "vggt, da3: share of the depth, that of the lowest confidence, to leave out")
       ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group(group);
   command.add_flag("--shared-focal", poses.shared_focal, "vggt, da3: one focal length for all photos (one camera, no zoom)")->group(group);
+  command.add_flag("--camera-from-rays", poses.camera_from_rays, "da3: cameras from the rays that the network predicts, also with a principal point off the middle")->group(group);
   command.add_option("--max-points", poses.max_points, "vggt, da3: points of the cloud at most")
       ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
   command.add_option("--cameras", options->cameras,
@@ -67,6 +68,8 @@ std::string poses_model(const PhotoCommandOptions& options) {
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {
   if (!options.cameras.empty() && options.method != "given")
     throw_usage("--cameras goes with --method given", "add --method given, or leave --cameras out");
+  if (options.poses.camera_from_rays && options.method != "da3")
+    throw_usage("--camera-from-rays goes with --method da3", "add --method da3, or leave --camera-from-rays out");
   ScenePhotosOptions poses = options.poses;
   poses.method = method_of(options.method);
   poses.cameras = options.cameras;

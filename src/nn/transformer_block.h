@@ -27,8 +27,9 @@ class TransformerBlock {
   struct Config {
     int64_t channels = 0, heads = 0;
     float eps = 1e-6f;  ///< of norm1 and norm2
-    /// The weights pair value i of a head with i + head_dim / 2, y and x side by side in each half
-    /// (DINOv3's rotation). Queries and keys are stored in the order of Rope2d; their products stay.
+    /// The weights pair value i of a head with i + head_dim / 2, as DINOv3's rotation does: y and x
+    /// lie side by side in each half. Loading puts queries and keys in the order of Rope2d, which
+    /// changes no product of theirs.
     bool halves_paired = false;
   };
   TransformerBlock(const Compute& compute, const Weights& weights, const Config& config);

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "nn/da3/ray_pose.h"
 #include "nn/preprocess/da3_images.h"
 #include "scene/photo_fit.h"
 
@@ -31,6 +32,17 @@ nn::NetworkCamera network_camera(const Camera& camera, const nn::ImagePlacement&
   out.cx = camera.cx * placement.scale_x + placement.offset_x;
   out.cy = camera.cy * placement.scale_y + placement.offset_y;
   return out;
+}
+
+nn::NetworkCamera camera_from_rays(const Photo& photo, const nn::Da3Frame& frame) {
+  try {
+    return nn::pose_from_rays(frame.rays, frame.depth.width, frame.depth.height).camera;
+  } catch (const Error& error) {
+    Error::Details details = error.details();
+    details.path = photo.file;
+    details.remedy = "leave out --camera-from-rays";
+    throw Error(details);
+  }
 }
 
 }  // namespace
@@ -80,8 +92,11 @@ std::vector<PredictedView> predict_da3_views(nn::Compute& compute, const nn::Da3
   const std::vector<nn::FeatureMap> images = network_images(inputs);
   std::vector<PredictedView> views(photos.size());
   Progress progress(options.progress, "Depth Anything 3", photos.size());
-  network(compute, images, {}, [&](int64_t frame, nn::Da3Frame predicted) {
+  nn::Da3Request request;
+  request.rays = options.from_rays;
+  network(compute, images, request, [&](int64_t frame, nn::Da3Frame predicted) {
     const auto i = size_t(frame);
+    if (options.from_rays) predicted.camera = camera_from_rays(photos[i], predicted);
     views[i] = view_of_photo(photos[i], predicted.camera, predicted.depth, inputs.placements[i]);
     progress.update(i + 1);
   });

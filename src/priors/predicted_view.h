@@ -23,11 +23,11 @@ struct ViewPredictionOptions {
   /// All views get the median focal length: for photos of one camera without zoom.
   bool shared_focal = false;
   ProgressStyle progress;
+  bool from_rays = false;  ///< Depth Anything 3: cameras from its rays, not from its camera decoder
 };
 
-/// A view of `photo` from the network's camera and its map [H, W, 2] of depth and confidence. Error{kFailed} when the
-/// camera is impossible (a field of view of 0 or of half a turn and more, numbers that are not finite), naming the
-/// photo.
+/// A view of `photo` from the network's camera and its map [H, W, 2] of depth and confidence. Error{kFailed} names the
+/// photo when the camera is impossible: numbers that are not finite, a field of view of nothing or of half a turn.
 PredictedView view_of_photo(const Photo& photo, const nn::NetworkCamera& camera, const nn::FeatureMap& depth,
                             const nn::ImagePlacement& placement);
 /// The first camera, which networks predict near the identity, becomes it; then shared_focal.

@@ -225,7 +225,8 @@ std::vector<PredictedView> views_by_da3(const std::vector<Photo>& photos, const 
   require_memory(budget, "Depth Anything 3", photos.size());
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Da3 network(compute, weights);
-  return predict_da3_views(compute, network, photos, std::move(inputs), {options.shared_focal, options.progress});
+  return predict_da3_views(compute, network, photos, std::move(inputs),
+                           {options.shared_focal, options.progress, options.camera_from_rays});
 }
 
 void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,

@@ -29,6 +29,7 @@ struct ScenePhotosOptions {
   std::string model = "vggt-1b";   ///< name of the weights, of the method's network
   double drop_percent = 20;        ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
+  bool camera_from_rays = false;   ///< Depth Anything 3
   size_t max_points = 250000;      ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor

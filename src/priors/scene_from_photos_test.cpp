@@ -18,6 +18,7 @@ namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Networks of the published structure and tiny sizes with random weights.
@@ -149,6 +150,17 @@ TEST_F(FromPhotos, DepthAnything3MakesASceneThatOpensAndChecks) {
   for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
   EXPECT_NEAR(norm(scene.views[0].camera.world_to_camera.translation), 0, 1e-9);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+}
+
+TEST_F(FromPhotos, RaysThatAreThoseOfNoCameraNameThePhoto) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  options.camera_from_rays = true;
+  // The camera of rays of random weights is one that no photo has.
+  EXPECT_THAT(error_of(ErrorKind::kFailed, [&] { make(); }), AllOf(HasSubstr("a.jpg"), HasSubstr("impossible camera")));
+  EXPECT_FALSE(fs::exists(folder / "scene"));
 }
 
 TEST_F(FromPhotos, DepthAnything3SeesTheMiddleOfPhotosOfOtherShapes) {

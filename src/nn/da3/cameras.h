@@ -20,8 +20,8 @@ NetworkCamera decode_da3_camera(const PoseEncoding& encoding, int64_t width, int
 /// Whether all numbers are finite and both fields of view lie between 1 and 179 degrees.
 bool da3_camera_is_plausible(const NetworkCamera& camera, int64_t width, int64_t height);
 
-/// The same cameras in the frame of the first, their distances from it divided by the lower median of all distances
-/// (that of the first, 0, included; at least 0.1). At least one camera; rotations are orthonormal.
+/// The same cameras in the frame of the first. Distances from it are divided by their lower median, at least 0.1; the
+/// distance 0 of the first counts too. At least one camera; rotations are orthonormal.
 std::vector<NetworkCamera> normalised_cameras(std::vector<NetworkCamera> cameras);
 
 /// Given cameras brought to predicted ones.
