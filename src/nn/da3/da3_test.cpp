@@ -144,7 +144,7 @@ TEST_F(Da3Test, TheAnyViewPartOfANestedFileIsFound) {
 }
 
 TEST_F(Da3Test, TheSharedNormIsTakenFromTheLevelThatHasIt) {
-  const std::string norm = "model.head.scratch.output_conv2_aux.", level = "2.weight";
+  const std::string norm = "model.head.scratch.output_conv2_aux.";
   Da3Request request;
   request.rays = true;
   const Values before = run(network(), 1, request)[0].rays.data;
