@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/log.h"
 #include "io/image_file.h"
 #include "nn/da3/ray_pose.h"
 #include "nn/preprocess/da3_images.h"
@@ -55,7 +56,16 @@ Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
     inputs.images[i] = nn::da3_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), {},
                                      &inputs.placements[i]);
   });
+  std::vector<double> pixels;
+  for (const Image<uint8_t>& image : inputs.images) pixels.push_back(double(image.pixels()));
   nn::da3_common_size(inputs.images, &inputs.placements);
+  constexpr double kWorthALine = 0.75;  // of a photo
+  size_t cut = 0;
+  for (size_t i = 0; i < photos.size(); ++i) cut += double(inputs.images[i].pixels()) < kWorthALine * pixels[i];
+  if (cut > 0) {
+    log_warning("the network sees only the middle of {} of {} photos, because their shapes differ; vggt sees all of them",
+                cut, photos.size());
+  }
   return inputs;
 }
 

@@ -119,6 +119,19 @@ TEST_F(Da3Test, GivenCamerasThatNoPhotoHasAreBadInput) {
   EXPECT_THROW(run(network(), 3, request), Error);  // two cameras of three images
 }
 
+TEST_F(Da3Test, AReferenceThatCannotBeOneIsAUsageError) {
+  const Da3 da3 = network();
+  Da3Request request;
+  request.reference = 3;
+  EXPECT_THROW(run(da3, 3, request), Error);
+  request.reference = 0;
+  NetworkCamera camera;
+  camera.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  camera.fx = camera.fy = 40;
+  request.cameras = {camera, camera, camera};
+  EXPECT_THROW(run(da3, 3, request), Error);  // the first of given cameras is it
+}
+
 TEST_F(Da3Test, TheNumberOfThreadsChangesNoBit) {
   for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
     std::vector<Values> depths;

@@ -166,6 +166,10 @@ Da3Tokens Da3Trunk::operator()(Compute& compute, const std::vector<FeatureMap>& 
   const bool posed = request.camera_tokens.rows > 0;
   if (posed && (request.camera_tokens.rows != out.views || request.camera_tokens.columns != x.columns))
     throw_bad_input({}, "cameras", "their number is not that of the images", "give one camera per image, or none");
+  if (posed && alternate_from_ < 0)
+    throw_usage("this network takes no cameras", "give none, or use an any-view network");
+  if (request.reference && (posed || alternate_from_ < 1))
+    throw_usage("a reference view goes with an any-view network and without given cameras", "name none");
   if (request.reference && (*request.reference < 0 || *request.reference >= out.views))
     throw_usage("the reference is no view of this scene", "name one of the images");
 

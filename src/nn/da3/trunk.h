@@ -26,7 +26,8 @@ struct Da3TrunkOptions {
 struct Da3TrunkRequest {
   Matrix camera_tokens;  ///< [views, channels] of given cameras; empty: none are given
   Da3ReferenceRule rule = Da3ReferenceRule::kSaddleBalanced;
-  std::optional<int64_t> reference;  ///< a view that is the reference whatever the rule
+  /// A view that is the reference whatever the rule; not with given cameras, of which the first is it.
+  std::optional<int64_t> reference;
   /// Sees the tokens [views * (1 + patches), channels] after each block, in the order of work: the reference first.
   std::function<void(int, const Matrix&)> visit;
 };
