@@ -1,8 +1,9 @@
 // Time and memory of the full-size networks on random weights, and the speed of their layer types.
-// Usage: network_benchmark layers|vggt|m2f|dpt [--frames N] [--size WxH] [--threads T] [--fp32]
+// Usage: network_benchmark layers|vggt|m2f|dpt|da3|eomt [--frames N] [--size WxH] [--threads T] [--fp32]
 //                          [--weights FOLDER]
 // Files of random weights are written to the folder (default: a folder of the system's for
-// temporary files) where they are absent: 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt.
+// temporary files) where they are absent: 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt,
+// 0.3 GB for da3, 0.6 GB for eomt.
 #include <time.h>
 
 #include <algorithm>
@@ -17,7 +18,10 @@
 #include "core/random.h"
 #include "nn/attention.h"
 #include "nn/cpu/matrix_backend.h"
+#include "nn/da3/da3.h"
 #include "nn/depther.h"
+#include "nn/eomt/eomt_weights.h"
+#include "nn/eomt/semantic.h"
 #include "nn/mask2former.h"
 #include "nn/random_weights.h"
 #include "nn/vggt.h"
@@ -133,6 +137,35 @@ void run_dpt(nn::Compute& compute, const Arguments& a) {
   report("ViT-L DPT, one image", loading, time_of([&] { (*network)(compute, image); }));
 }
 
+void run_da3(nn::Compute& compute, const Arguments& a) {
+  const fs::path path = weights_at(a, "da3_base.safetensors", nn::da3_tensors(nn::da3_size('b')));
+  std::unique_ptr<nn::Da3> network;
+  const double loading = seconds_of([&] { network = std::make_unique<nn::Da3>(compute, nn::Weights::open(path)); });
+  const int64_t width = a.width > 0 ? a.width : 504, height = a.height > 0 ? a.height : 378;
+  const std::vector<nn::FeatureMap> images(size_t(a.frames), random_image(width, height, -2, 2));
+  double first = 0;
+  const auto start = std::chrono::steady_clock::now();
+  const Elapsed running = time_of([&] {
+    (*network)(compute, images, {}, [&](int64_t frame, nn::Da3Frame) {
+      if (frame > 0) return;
+      first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+  });
+  std::printf("first view done after %.1f s, the others' dense heads %.1f s\n", first, running.wall - first);
+  report("DA3-Base", loading, running);
+}
+
+void run_eomt(nn::Compute& compute, const Arguments& a) {
+  const fs::path path = weights_at(a, "eomt_large_512.safetensors", nn::eomt_tensors());
+  std::unique_ptr<nn::Eomt> network;
+  const double loading = seconds_of(
+      [&] { network = std::make_unique<nn::Eomt>(compute, nn::eomt_weights(WeightFile::open(path))); });
+  const int width = a.width > 0 ? int(a.width) : 640, height = a.height > 0 ? int(a.height) : 480;
+  const Image<uint8_t> photo(width, height, 3, 128);
+  report("EoMT-L, one photo", loading,
+         time_of([&] { nn::eomt_scores(compute, *network, photo, height / 8, width / 8); }));
+}
+
 /// The best of several runs in GFLOP/s.
 void rate(const char* name, double flop, const std::function<void()>& work) {
   Elapsed best{1e30, 1e30};
@@ -238,7 +271,9 @@ void run(const Arguments& a) {
   if (a.what == "vggt") return run_vggt(compute, a);
   if (a.what == "m2f") return run_mask2former(compute, a);
   if (a.what == "dpt") return run_dpt(compute, a);
-  throw_usage("say what to run: layers, vggt, m2f or dpt");
+  if (a.what == "da3") return run_da3(compute, a);
+  if (a.what == "eomt") return run_eomt(compute, a);
+  throw_usage("say what to run: layers, vggt, m2f, dpt, da3 or eomt");
 }
 
 }  // namespace

@@ -17,6 +17,11 @@ nn::TensorList tensors_of(const PublishedModel& model, size_t file) {
   const auto is = [&](const char* family) { return model.name.rfind(family, 0) == 0; };
   if (is("vggt-")) return nn::vggt_tensors({});
   if (is("ade20k-m2f")) return nn::mask2former_tensors({});
+  if (is("da3metric-")) return nn::da3_metric_tensors();
+  if (is("da3-")) return nn::da3_tensors(nn::da3_size(model.name[4]));
+  if (is("eomt-l-panoptic")) return nn::eomt_tensors({{1024, 24, false, 4, 40}, 200});
+  if (is("eomt-")) return nn::eomt_tensors();
+  if (is("lingbot-")) return nn::lingbot_tensors();
   if (is("lpips-")) return file == 0 ? nn::vgg16_tensors() : nn::lpips_tensors();
   const nn::VitSize size = nn::vit_size(model.name.back());
   if (is("dinov2-")) return nn::dinov2_tensors(size);

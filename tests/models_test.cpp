@@ -142,6 +142,28 @@ TEST_F(ModelsProgram, PosesWithoutWeightsOffersColmap) {
   EXPECT_FALSE(fs::exists(folder / "scene"));
 }
 
+TEST_F(ModelsProgram, PosesByDepthAnything3NameItsOwnWeightsAndLicence) {
+  const std::string command = "poses " + photos() + " -o " + out("scene");
+  const ProcessResult base = run(command + " --method da3");
+  EXPECT_EQ(base.status, 4);
+  EXPECT_THAT(base.err, AllOf(HasSubstr("aligngs models download da3-base"), HasSubstr("Apache-2.0"), HasSubstr("--method colmap")));
+  EXPECT_THAT(run(command + " --method da3 --poses-model da3-large").err, HasSubstr("non-commercial"));
+  EXPECT_EQ(run(command + " --method da3 --poses-model vggt-1b").status, 2);
+  EXPECT_EQ(run(command + " --poses-model da3-base").status, 2);
+  EXPECT_EQ(run(command + " --camera-from-rays").status, 2);
+  EXPECT_FALSE(fs::exists(folder / "scene"));
+}
+
+TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {
+  for (const char* const tensor : {"network.q.weight", "query.weight"}) {
+    write_file_atomically(folder / "eomt.bin", file_with(tensor));
+    EXPECT_THAT(run("info " + out("eomt.bin")).out, HasSubstr("eomt-l"));
+    EXPECT_EQ(run("models import eomt-l " + out("eomt.bin")).status, 0) << tensor;
+  }
+  write_file_atomically(folder / "other.bin", file_with("neck.convs.0.weight"));
+  EXPECT_NE(run("models import eomt-l " + out("other.bin")).status, 0);
+}
+
 TEST_F(ModelsProgram, RunOnPhotosWithoutWeightsSaysWhichCommandGetsThem) {
   const ProcessResult result = run("run " + photos() + " -o " + out("run"));
   EXPECT_EQ(result.status, 4);

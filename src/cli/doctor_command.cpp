@@ -142,7 +142,7 @@ std::vector<Check> run_checks(const ModelStore& store) {
   for (Check& check : check_weights(store)) checks.push_back(std::move(check));
   const bool colmap = on_path("colmap");
   checks.push_back({"colmap program", true, colmap ? "found" : "not found",
-                    colmap ? "" : "one of the two ways to find cameras for your own photos (the other: VGGT): apt-get install colmap"});
+                    colmap ? "" : "a way to find cameras for your own photos without a network (VGGT, Depth Anything 3): apt-get install colmap"});
   return checks;
 }
 

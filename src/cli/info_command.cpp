@@ -85,7 +85,7 @@ Json models_with(const std::map<std::string, WeightInfo>& tensors) {
   Json names = Json::array();
   for (const PublishedModel& model : published_models()) {
     for (const ModelFile& file : model.files) {
-      if (tensors.count(file.probe) > 0) names.push_back(model.name);
+      if (tensors.count(file.probe) > 0 || tensors.count(file.other_probe) > 0) names.push_back(model.name);
     }
   }
   return names;
@@ -167,7 +167,7 @@ Json info_of(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
   if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
-  if (extension == ".pt" || extension == ".pth") return info_of_torch(path);
+  if (extension == ".pt" || extension == ".pth" || extension == ".bin") return info_of_torch(path);  // pytorch_model.bin
   if (extension == ".safetensors") return info_of_safetensors(path);
   const ImageInfo image = read_image_info(path);
   return {{"kind", "image"}, {"width", image.width}, {"height", image.height}, {"channels", image.channels}, {"bits", image.bit_depth}};

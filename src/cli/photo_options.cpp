@@ -6,22 +6,32 @@
 #include "core/log.h"
 
 namespace aligngs {
+namespace {
+
+PosesMethod method_of(const std::string& name) {
+  if (name == "da3") return PosesMethod::kDa3;
+  if (name == "colmap") return PosesMethod::kColmap;
+  return name == "given" ? PosesMethod::kGiven : PosesMethod::kVggt;
+}
+
+}  // namespace
 
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
   ScenePhotosOptions& poses = options->poses;
   const char* const group = "Cameras of photos";
-  command.add_option("--method", options->method, "vggt (a network, needs weights), colmap (a program, needs overlap) or given (your own cameras)")
-      ->check(CLI::IsMember({"vggt", "colmap", "given"}))->capture_default_str()->group(group);
+  command.add_option("--method", options->method, "vggt or da3 (networks, need weights), colmap (a program, needs overlap) or given (your own cameras)")
+      ->check(CLI::IsMember({"vggt", "da3", "colmap", "given"}))->capture_default_str()->group(group);
   command.add_option("--max-size", poses.max_side, "longer side of the photos in pixels; larger photos are shrunk")
       ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
   command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all photos train)")
       ->check(CLI::Range(2, 1000000))->group(group);
-  command.add_option("--poses-model", options->model, "vggt: weights")
-      ->check(CLI::IsMember({"vggt-1b", "vggt-1b-commercial"}))->capture_default_str()->group(group);
-  command.add_option("--drop-percent", poses.drop_percent, "vggt: percentage of the depth to leave out, lowest confidence first")
+  command.add_option("--poses-model", options->model, "vggt, da3: weights (default: vggt-1b, da3-base)")
+      ->check(CLI::IsMember({"vggt-1b", "vggt-1b-commercial", "da3-small", "da3-base", "da3-large", "da3-giant"}))->group(group);
+  command.add_option("--drop-percent", poses.drop_percent, "vggt, da3: percentage of the depth to leave out, lowest confidence first")
       ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group(group);
-  command.add_flag("--shared-focal", poses.shared_focal, "vggt: one focal length for all photos (one camera, no zoom)")->group(group);
-  command.add_option("--max-points", poses.max_points, "vggt: largest number of points")
+  command.add_flag("--shared-focal", poses.shared_focal, "vggt, da3: one focal length for all photos (one camera, no zoom)")->group(group);
+  command.add_flag("--camera-from-rays", poses.camera_from_rays, "da3: cameras from the predicted rays, with a principal point of their own")->group(group);
+  command.add_option("--max-points", poses.max_points, "vggt, da3: largest number of points")
       ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
   command.add_option("--cameras", options->cameras,
                      "given: COLMAP model or transforms.json (default: the one beside the photos)")->group(group);
@@ -45,13 +55,25 @@ nn::Precision precision_of(const std::string& name) {
   return default_precision();
 }
 
+std::string poses_model(const PhotoCommandOptions& options) {
+  const bool da3 = options.method == "da3";
+  if (options.model.empty()) return da3 ? "da3-base" : "vggt-1b";
+  if ((options.model.rfind("da3-", 0) == 0) != da3) {
+    throw_usage(options.model + " is no network of --method " + options.method,
+                std::string("with it goes --method ") + (da3 ? "vggt" : "da3"));
+  }
+  return options.model;
+}
+
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context) {
   if (!options.cameras.empty() && options.method != "given")
     throw_usage("--cameras goes with --method given", "add --method given, or leave --cameras out");
+  if (options.poses.camera_from_rays && options.method != "da3")
+    throw_usage("--camera-from-rays goes with --method da3", "add --method da3, or leave --camera-from-rays out");
   ScenePhotosOptions poses = options.poses;
-  poses.method = options.method == "colmap" ? PosesMethod::kColmap : options.method == "given" ? PosesMethod::kGiven : PosesMethod::kVggt;
+  poses.method = method_of(options.method);
   poses.cameras = options.cameras;
-  poses.model = options.model;
+  poses.model = poses_model(options);
   poses.shared_camera = !options.per_photo_camera;
   poses.precision = precision_of(options.precision);
   poses.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);

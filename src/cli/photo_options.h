@@ -11,7 +11,8 @@
 namespace aligngs {
 
 struct PhotoCommandOptions {
-  std::string method = "vggt", model = "vggt-1b", precision = "auto", cameras, device = "auto";
+  std::string method = "vggt", precision = "auto", cameras, device = "auto";
+  std::string model;  ///< empty: the method's own, see poses_model()
   bool per_photo_camera = false;
   double memory_gigabytes = 0;
   ScenePhotosOptions poses;
@@ -20,6 +21,10 @@ struct PhotoCommandOptions {
 /// Adds --method, --max-size, --test-every, --drop-percent, --shared-focal, ... to a command.
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options);
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context);
+
+/// Which weights find the cameras, or with another method would find depth: the one asked for, else the method's default.
+/// Error{kUsage} when it is none of the method's.
+std::string poses_model(const PhotoCommandOptions& options);
 
 /// bfloat16 where the processor multiplies it fast, else float32.
 nn::Precision default_precision();

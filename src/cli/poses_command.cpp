@@ -14,7 +14,7 @@
 namespace aligngs {
 namespace {
 
-/// Without its weights the default method cannot run: the other one is worth a line.
+/// Without its weights a network cannot run: the method without one is worth a line.
 [[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
   Error::Details details = error.details();
   details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
@@ -48,7 +48,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
                                 .writes = "SCENE: a scene folder with cameras and a cloud",
                                 .example = "aligngs poses photos -o scene --method colmap",
                                 .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
-                                .notes = "`vggt` needs its weights: aligngs models download vggt-1b"}));
+                                .notes = "`vggt` and `da3` need weights: aligngs models download vggt-1b, or da3-base"}));
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();
@@ -62,10 +62,10 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options, photos, scene] {
     try {
       ScenePhotosOptions poses = photo_options(*options, context);
-      if (poses.method == PosesMethod::kVggt) put_networks_on(options->device, options->precision, true, poses);
+      if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);
       print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kWeights && options->method == "vggt") offer_colmap(error, *photos, *scene);
+      if (error.kind() == ErrorKind::kWeights && (options->method == "vggt" || options->method == "da3")) offer_colmap(error, *photos, *scene);
       throw;
     }
   });

@@ -53,7 +53,7 @@ void run_priors(const CommandContext& context, Options& options) {
   const PublishedModel* semantics = nullptr;
   if (options.depth == "auto") {
     if (!scene.has_prior_depth()) {
-      for (const char* const name : {"vggt-1b", "vggt-1b-commercial", "nyu-dpt-l", "nyu-dpt-b", "nyu-dpt-s"}) {
+      for (const char* const name : {"vggt-1b", "vggt-1b-commercial", "da3-base", "da3-small", "nyu-dpt-l", "nyu-dpt-b", "nyu-dpt-s"}) {
         if (!depth && store.installed(published_model(name))) depth = &published_model(name);
       }
     }
@@ -108,15 +108,15 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene folder")->required();
   command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, if aligngs wrote it)")->group("Output folder");
-  command->add_option("--depth", options->depth, "vggt, vggt-commercial, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the installed one)")
+  command->add_option("--depth", options->depth, "vggt, vggt-commercial, da3-small|base (in the units of the cameras), dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the installed one)")
       ->capture_default_str()->group("Networks");
   command->add_option("--semantics", options->semantics,
-                      "m2f (the method's), linear-s|b|l|g (light), ms-s|b|l|g, none, or auto (the best installed)")->capture_default_str()->group("Networks");
+                      "m2f (the method's), eomt-l, eomt-l-panoptic, linear-s|b|l|g (light), lingbot-s (light), ms-s|b|l|g, none, or auto (the best installed)")->capture_default_str()->group("Networks");
   command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")->group("Networks");
   command->add_option("--m2f-heads", options->fill.mask2former_heads,
                       "m2f: number of attention heads, for files without 4 sampling points (default: from the tensors)")
       ->check(CLI::Range(1, 1024))->group("Networks");
-  command->add_option("--drop-percent", options->fill.drop_percent, "vggt: percentage of the depth to leave out, lowest confidence first")
+  command->add_option("--drop-percent", options->fill.drop_percent, "vggt, da3: percentage of the depth to leave out, lowest confidence first")
       ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group("Networks");
   command->add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
       ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group("Networks");

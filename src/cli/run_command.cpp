@@ -33,10 +33,12 @@ struct RunCommandOptions {
   std::vector<std::string> fail_under;
 };
 
+bool is_network(const PhotoCommandOptions& photos) { return photos.method == "vggt" || photos.method == "da3"; }
+
 /// Weights that were asked for by name must be there before anything else starts.
 void require_weights(const ModelStore& store, const RunCommandOptions& options, bool photos) {
   try {
-    if (photos && options.photos.method == "vggt") store.require(published_model(options.photos.model));
+    if (photos && is_network(options.photos)) store.require(published_model(poses_model(options.photos)));
     if (options.semantics != "auto" && options.semantics != "none") store.require(semantic_model(options.semantics));
     if (options.depth != "auto" && options.depth != "none") store.require(depth_model(options.depth));
   } catch (const Error& error) {
@@ -61,7 +63,7 @@ MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, co
   MissingPriors missing;
   if (options.depth != "none" && !scene.has_prior_depth()) {
     if (options.depth != "auto") missing.depth = &depth_model(options.depth);
-    else if (store.installed(published_model(options.photos.model))) missing.depth = &published_model(options.photos.model);
+    else if (const PublishedModel& model = published_model(poses_model(options.photos)); store.installed(model)) missing.depth = &model;
   }
   if (options.semantics != "none" && !scene.has_semantics()) {
     missing.semantics = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
@@ -98,7 +100,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
   if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
   const bool photos = options.photos.method == "given" || !may_hold_colmap_model(source);
-  if (photos && options.photos.method == "vggt" && fs::exists(source / "transforms.json")) {
+  if (photos && is_network(options.photos) && fs::exists(source / "transforms.json")) {
     throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                 options.source, options.train.output));
@@ -133,7 +135,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
     ScenePhotosOptions poses = photo_options(options.photos, context);
-    if (poses.method == PosesMethod::kVggt) put_networks_on(options.train.device, options.photos.precision, false, poses);
+    if (uses_network(poses.method)) put_networks_on(options.train.device, options.photos.precision, false, poses);
     poses.overwrite = fs::exists(scene);
     poses.strict = options.train.strict;
     fs::create_directories(run);
@@ -167,10 +169,10 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   command->add_option("source", options->source, "folder of photos, or a scene folder")->required();
   command->add_option("-o,--output", train->output, "run folder; a scene made of photos is in its scene/")->required()->group("Output folder");
   command->add_option("--semantics", options->semantics,
-                      "class priors, if the scene has none: m2f, linear-s|b|l|g, ms-s|b|l|g, none, or auto (the best installed)")
+                      "class priors, if the scene has none: m2f, eomt-l, eomt-l-panoptic, linear-s|b|l|g, lingbot-s, ms-s|b|l|g, none, or auto (the best installed)")
       ->capture_default_str()->group("Priors");
   command->add_option("--depth", options->depth,
-                      "depth priors, if the scene has none: vggt, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (VGGT if installed)")
+                      "depth priors, if the scene has none: vggt, da3-small|base, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the network of --method if installed)")
       ->capture_default_str()->group("Priors");
   add_refine_options(*command, train);
   add_photo_options(*command, photos);

@@ -233,7 +233,8 @@ std::map<std::string, std::string> published(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     const size_t space = line.find(' ');
     if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
-    tensors[line.substr(0, space)] = line.substr(space + 1);
+    const size_t end = line.find(']');  // a type may follow
+    tensors[line.substr(0, space)] = line.substr(space + 1, end == std::string::npos ? end : end - space);
   }
   return tensors;
 }
@@ -253,7 +254,14 @@ TEST(RandomWeights, HaveTheNamesAndShapesOfThePublishedFiles) {
       {"dinov2_vitb14_reg4_pretrain.txt", dinov2_tensors(vit_size('b', 4))},
       {"dinov2_vitl14_pretrain.txt", dinov2_tensors(vit_size('l'))},
       {"dinov2_vitg14_pretrain.txt", dinov2_tensors(vit_size('g'))},
-      {"dinov2_vitl14_nyu_dpt_head.txt", dpt_head_tensors(vit_size('l'))}};
+      {"dinov2_vitl14_nyu_dpt_head.txt", dpt_head_tensors(vit_size('l'))},
+      {"da3_small.txt", da3_tensors(da3_size('s'))},
+      {"da3_base.txt", da3_tensors(da3_size('b'))},
+      {"da3_metric_large.txt", da3_metric_tensors()},
+      {"eomt_large_512_ade20k.txt", eomt_tensors()},
+      {"eomt_large_512_ade20k_hf.txt", eomt_huggingface_tensors()},
+      {"eomt_large_640_ade20k_panoptic.txt", eomt_tensors({{1024, 24, false, 4, 40}, 200})},
+      {"lingbot_vits16_ade20k_linear.txt", lingbot_tensors()}};
   for (const auto& [file, tensors] : lists) {
     std::map<std::string, std::string> expected = published(file);
     for (const SafetensorsStream::Entry& tensor : tensors) {

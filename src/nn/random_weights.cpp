@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "nn/tensor_names.h"
 
 namespace aligngs::nn {
 namespace {
@@ -20,7 +21,9 @@ struct Distribution {
 
 Distribution distribution_of(const std::string& name, const std::vector<int64_t>& shape) {
   // Small steps from the bias below: cameras that photographs could have.
-  if (ends_with(name, "pose_branch.fc2.weight")) return {0, 0.002};
+  if (ends_with(name, "pose_branch.fc2.weight") || name.find("cam_dec.fc_") != std::string::npos) return {0, 0.002};
+  if (ends_with(name, "pixel_mean")) return {0.45, 0.03};
+  if (ends_with(name, "pixel_std")) return {0.225, 0.003};
   if (ends_with(name, "running_var") || (ends_with(name, ".weight") && shape.size() == 1))
     return {1, 0.1};
   if (name.find("gamma") != std::string::npos) return {0.1, 0.02};
@@ -31,91 +34,29 @@ Distribution distribution_of(const std::string& name, const std::vector<int64_t>
   return {0, std::sqrt(3 / std::max(inputs, 1.0))};
 }
 
-/// The four iterations of VGGT's camera head each add a quarter of the pose encoding: the identity,
-/// fields of view of 1 and 1.2 rad.
-void set_pose_bias(const SafetensorsStream::Entry& tensor, std::vector<float>& values) {
-  const std::vector<float> quarter = {0, 0, 0, 0, 0, 0, 0.25f, 0.25f, 0.3f};
-  if (!ends_with(tensor.name, "pose_branch.fc2.bias") || values.size() != quarter.size()) return;
-  for (size_t i = 0; i < quarter.size(); ++i) values[i] = quarter[i] + 0.1f * values[i];
+/// Values that have to be what they are: cameras near the identity with fields of view of 1 and 1.2 rad (the four
+/// iterations of VGGT's camera head add a quarter each), no attention masks, the periods of a rotation.
+void set_fixed_values(const SafetensorsStream::Entry& tensor, std::vector<float>& values) {
+  const auto near = [&](const std::vector<float>& wanted) {
+    for (size_t i = 0; i < std::min(wanted.size(), values.size()); ++i) values[i] = wanted[i] + 0.1f * values[i];
+  };
+  if (ends_with(tensor.name, "camera_head.pose_branch.fc2.bias")) near({0, 0, 0, 0, 0, 0, 0.25f, 0.25f, 0.3f});
+  if (ends_with(tensor.name, "cam_dec.fc_qvec.bias")) near({0, 0, 0, 1});
+  if (ends_with(tensor.name, "cam_dec.fc_fov.0.bias")) near({1, 1.2f});
+  if (ends_with(tensor.name, "attn_mask_probs")) std::fill(values.begin(), values.end(), 0.0f);
+  if (ends_with(tensor.name, "bias_mask")) {
+    for (size_t i = 0; i < values.size(); ++i) values[i] = i / (values.size() / 3) == 1 ? 0.0f : 1.0f;  // no keys
+  }
+  if (ends_with(tensor.name, "rope_embed.periods")) {
+    constexpr double kBase = 100;
+    for (size_t i = 0; i < values.size(); ++i) values[i] = float(std::pow(kBase, double(i) / double(values.size())));
+  }
 }
 
-class Names {
- public:
-  explicit Names(std::string prefix) : prefix_(std::move(prefix)) {}
-  void add(const std::string& name, std::vector<int64_t> shape) {
-    list.push_back({prefix_ + name, std::move(shape)});
-  }
-  void linear(const std::string& name, int64_t outputs, int64_t inputs) {
-    add(name + ".weight", {outputs, inputs});
-    add(name + ".bias", {outputs});
-  }
-  void convolution(const std::string& name, int64_t outputs, int64_t inputs, int64_t kernel,
-                   bool bias = true) {
-    add(name + ".weight", {outputs, inputs, kernel, kernel});
-    if (bias) add(name + ".bias", {outputs});
-  }
-  void norm(const std::string& name, int64_t channels) {
-    add(name + ".weight", {channels});
-    add(name + ".bias", {channels});
-  }
-  void batch_norm(const std::string& name, int64_t channels) {
-    norm(name, channels);
-    add(name + ".running_mean", {channels});
-    add(name + ".running_var", {channels});
-  }
-  void append(const TensorList& more) { list.insert(list.end(), more.begin(), more.end()); }
-
-  TensorList list;
-
- private:
-  std::string prefix_;
-};
-
-struct BlockNames {
-  int64_t channels, hidden;
-  bool gated = false, split_gate = false, head_norms = false;
-  int64_t heads = 1;
-};
-
-void add_block(Names& names, const std::string& p, const BlockNames& b) {
-  const int64_t c = b.channels;
-  names.norm(p + "norm1", c);
-  names.linear(p + "attn.qkv", 3 * c, c);
-  if (b.head_norms) {
-    names.norm(p + "attn.q_norm", c / b.heads);
-    names.norm(p + "attn.k_norm", c / b.heads);
-  }
-  names.linear(p + "attn.proj", c, c);
-  names.add(p + (b.split_gate ? "gamma1" : "ls1.gamma"), {c});
-  names.norm(p + "norm2", c);
-  if (b.split_gate) {
-    names.linear(p + "mlp.w1", b.hidden, c);
-    names.linear(p + "mlp.w2", b.hidden, c);
-  } else {
-    names.linear(p + (b.gated ? "mlp.w12" : "mlp.fc1"), b.gated ? 2 * b.hidden : b.hidden, c);
-  }
-  names.linear(p + (b.gated ? "mlp.w3" : "mlp.fc2"), c, b.hidden);
-  names.add(p + (b.split_gate ? "gamma2" : "ls2.gamma"), {c});
-}
-
-void add_dense_head(Names& names, const std::string& p, const VggtSize& size, int64_t outputs) {
+void add_dense_head(TensorNames& names, const std::string& p, const VggtSize& size, int64_t outputs) {
   const int64_t inputs = 2 * size.encoder.channels, f = size.features;
   names.norm(p + "norm", inputs);
-  for (size_t j = 0; j < 4; ++j) {
-    const std::string n = std::to_string(j), m = std::to_string(j + 1);
-    const int64_t c = size.levels[j];
-    names.convolution(p + "projects." + n, c, inputs, 1);
-    constexpr int64_t kKernels[] = {4, 2, 0, 3};
-    if (kKernels[j] > 0) names.convolution(p + "resize_layers." + n, c, c, kKernels[j]);
-    names.convolution(p + "scratch.layer" + m + "_rn", f, c, 3, false);
-    const std::string r = p + "scratch.refinenet" + m + ".";
-    names.convolution(r + "out_conv", f, f, 1);
-    for (const char* const unit : {"resConfUnit1", "resConfUnit2"}) {
-      if (j == 3 && unit[11] == '1') continue;  // the coarsest has nothing to add
-      for (const char* const conv : {".conv1", ".conv2"})
-        names.convolution(r + unit + conv, f, f, 3);
-    }
-  }
+  add_pyramid(names, p, {inputs, f, size.levels, ""});
   constexpr int64_t kLast = 32;
   names.convolution(p + "scratch.output_conv1", f / 2, f, 3);
   names.convolution(p + "scratch.output_conv2.0", kLast, f / 2, 3);
@@ -126,7 +67,7 @@ struct DeformableSize {
   int64_t channels, inner, heads, levels;
 };
 
-void add_deformable(Names& names, const std::string& p, const DeformableSize& d) {
+void add_deformable(TensorNames& names, const std::string& p, const DeformableSize& d) {
   constexpr int64_t kPoints = 4;
   const int64_t samples = d.heads * d.levels * kPoints;
   names.linear(p + "sampling_offsets", 2 * samples, d.channels);
@@ -135,7 +76,7 @@ void add_deformable(Names& names, const std::string& p, const DeformableSize& d)
   names.linear(p + "output_proj", d.channels, d.inner);
 }
 
-void add_adapter(Names& names, const Mask2FormerSize& size) {
+void add_adapter(TensorNames& names, const Mask2FormerSize& size) {
   const int64_t c = size.backbone.channels, s = size.inplane;
   names.add("level_embed", {3, c});
   const int64_t widths[] = {s, 2 * s, 4 * s, 4 * s};
@@ -195,7 +136,7 @@ VitSize vit_size(char letter, int64_t registers) {
 
 TensorList dinov2_tensors(const VitSize& size, const std::string& prefix) {
   constexpr int64_t kPatch = 14;
-  Names names(prefix);
+  TensorNames names(prefix);
   const int64_t c = size.channels;
   names.add("cls_token", {1, 1, c});
   names.add("pos_embed", {1, 1 + size.grid * size.grid, c});
@@ -210,7 +151,7 @@ TensorList dinov2_tensors(const VitSize& size, const std::string& prefix) {
 }
 
 TensorList dpt_head_tensors(const VitSize& size, int64_t features) {
-  Names names("decode_head.");
+  TensorNames names("decode_head.");
   const int64_t c = size.channels, f = features;
   for (int64_t j = 0; j < 4; ++j) {
     const std::string n = std::to_string(j), r = "reassemble_blocks.";
@@ -237,20 +178,20 @@ TensorList dpt_head_tensors(const VitSize& size, int64_t features) {
 }
 
 TensorList bn_head_tensors(int64_t inputs, int64_t classes) {
-  Names names("decode_head.");
+  TensorNames names("decode_head.");
   names.batch_norm("bn", inputs);
   names.convolution("conv_seg", classes, inputs, 1);
   return names.list;
 }
 
 TensorList linear_depth_tensors(int64_t inputs, int64_t bins) {
-  Names names("decode_head.");
+  TensorNames names("decode_head.");
   names.convolution("conv_depth", bins, inputs, 1);
   return names.list;
 }
 
 TensorList vgg16_tensors(const std::vector<int64_t>& widths) {
-  Names names("");
+  TensorNames names("");
   const std::vector<std::vector<int>> stages = {
       {0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
   int64_t inputs = 3;
@@ -264,14 +205,14 @@ TensorList vgg16_tensors(const std::vector<int64_t>& widths) {
 }
 
 TensorList lpips_tensors(const std::vector<int64_t>& widths) {
-  Names names("");
+  TensorNames names("");
   for (size_t s = 0; s < widths.size(); ++s)
     names.add("lin" + std::to_string(s) + ".model.1.weight", {1, widths[s], 1, 1});
   return names.list;
 }
 
 TensorList vggt_tensors(const VggtSize& size) {
-  Names names("");
+  TensorNames names("");
   const int64_t c = size.encoder.channels, heads = std::max<int64_t>(c / 64, 1);
   const int64_t registers = size.encoder.registers;
   names.add("aggregator.camera_token", {1, 2, 1, c});
@@ -298,7 +239,7 @@ TensorList vggt_tensors(const VggtSize& size) {
 }
 
 TensorList mask2former_tensors(const Mask2FormerSize& size) {
-  Names backbone("backbone.");
+  TensorNames backbone("backbone.");
   const int64_t c = size.backbone.channels, f = size.features;
   backbone.add("pos_embed", {1, 1 + size.backbone.grid * size.backbone.grid, c});
   backbone.add("cls_token", {1, 1, c});
@@ -309,7 +250,7 @@ TensorList mask2former_tensors(const Mask2FormerSize& size) {
   }
   add_adapter(backbone, size);
 
-  Names head("decode_head.");
+  TensorNames head("decode_head.");
   const std::string d = "pixel_decoder.";
   for (int i = 0; i < 3; ++i) {
     const std::string n = d + "input_convs." + std::to_string(i);
@@ -363,7 +304,7 @@ void write_random_weights(const std::filesystem::path& path, const TensorList& t
       constexpr uint64_t kBatch = uint64_t(1) << 20;  // values in memory at a time
       values.resize(size_t(std::min(left, kBatch)));
       for (float& v : values) v = float(random.uniform(d.mean - d.spread, d.mean + d.spread));
-      set_pose_bias(tensor, values);
+      set_fixed_values(tensor, values);
       out.append(values.data(), values.size());
       left -= values.size();
     }

@@ -35,6 +35,35 @@ struct Mask2FormerSize {
   int64_t queries = 100, classes = 150, encoder_layers = 6, decoder_layers = 9;
 };
 
+/// Depth Anything 3, any-view; the default is Base.
+struct Da3Size {
+  VitSize encoder{768, 12, false, 0, 37};
+  int64_t heads = 12;
+  int64_t alternate_from = 4;  ///< the first block with norms of queries and keys
+  int64_t features = 128, camera_depth = 4;
+  std::vector<int64_t> levels = {96, 192, 384, 768};
+};
+Da3Size da3_size(char letter);  ///< 's', 'b', 'l'
+
+/// DA3METRIC-LARGE and DA3MONO-LARGE.
+struct Da3MetricSize {
+  VitSize encoder{1024, 24, false, 0, 37};
+  int64_t features = 256;
+  std::vector<int64_t> levels = {256, 512, 1024, 1024};
+};
+
+/// EoMT-L, semantic at 512. Panoptic at 640: 200 queries, 40 places per side.
+struct EomtSize {
+  VitSize encoder{1024, 24, false, 4, 32};
+  int64_t queries = 100, query_blocks = 4, classes = 150;
+};
+
+/// LingBot-Vision-S with its linear head.
+struct LingbotSize {
+  VitSize encoder{384, 12, false, 4, 0};
+  int64_t heads = 6, classes = 150;
+};
+
 /// Names and shapes as published. `prefix` stands before every name.
 TensorList dinov2_tensors(const VitSize& size, const std::string& prefix = "");
 TensorList dpt_head_tensors(const VitSize& size, int64_t features = 256);
@@ -47,6 +76,11 @@ TensorList vgg16_tensors(const std::vector<int64_t>& widths = {64, 128, 256, 512
 TensorList lpips_tensors(const std::vector<int64_t>& widths = {64, 128, 256, 512, 512});
 TensorList vggt_tensors(const VggtSize& size);  ///< without the tracker
 TensorList mask2former_tensors(const Mask2FormerSize& size);
+TensorList da3_tensors(const Da3Size& size);
+TensorList da3_metric_tensors(const Da3MetricSize& size = {});
+TensorList eomt_tensors(const EomtSize& size = {});              ///< the publisher's names
+TensorList eomt_huggingface_tensors(const EomtSize& size = {});  ///< Hugging Face's
+TensorList lingbot_tensors(const LingbotSize& size = {});        ///< LibreYOLO's file
 
 /// Writes them to a safetensors file in half precision, one after the other. Values are such that
 /// activations stay of the order of one, and VGGT's cameras are ones that photographs could have;

@@ -1,5 +1,7 @@
 #include "nn/transformer_block.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "nn/attention.h"
 #include "nn/network_device.h"
@@ -7,13 +9,50 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kHeadNormEps = 1e-5f;  // of VGGT's q_norm and k_norm
+constexpr float kHeadNormEps = 1e-5f;  // of q_norm and k_norm, in VGGT and DA3
 
 std::vector<float> layer_scale(const Weights& weights, const char* name, const char* other,
                                int64_t channels) {
   if (weights.has(name)) return weights.load(name, {channels});
   if (weights.has(other)) return weights.load(other, {channels});
   return {};
+}
+
+/// Rows of queries and keys [2 * heads * dim, ...] of `size` values each, quarters 0 1 2 3 of every
+/// head as 0 2 1 3: pairs (i, i + dim / 2) become Rope2d's.
+void pair_within_axes(std::vector<float>& values, int64_t heads, int64_t dim, int64_t size) {
+  const int64_t quarter = dim / 4 * size;
+  for (int64_t h = 0; h < 2 * heads; ++h) {
+    const auto first = values.begin() + h * dim * size;
+    std::swap_ranges(first + quarter, first + 2 * quarter, first + 2 * quarter);
+  }
+}
+
+Linear load_qkv(const Compute& compute, const Weights& weights,
+                const TransformerBlock::Config& config) {
+  const std::string name = "attn.qkv", mask_name = name + ".bias_mask";
+  const int64_t c = config.channels;
+  if (!config.halves_paired && !weights.has(mask_name))
+    return Linear(compute, weights, name, 3 * c, c);
+  std::vector<float> weight = weights.load(name + ".weight", {3 * c, c}), bias;
+  if (weights.has(name + ".bias")) bias = weights.load(name + ".bias", {3 * c});
+  if (weights.has(mask_name) && !bias.empty()) {
+    const std::vector<float> mask = weights.load(mask_name, {3 * c});
+    for (size_t i = 0; i < bias.size(); ++i) bias[i] *= mask[i];
+  }
+  if (config.halves_paired) {
+    if (c / config.heads % 4 != 0 || weights.has("attn.q_norm.weight")) {
+      throw Error({ErrorKind::kWeights,
+                   "heads of " + std::to_string(c / config.heads) +
+                       " channels, or with norms of their own, cannot be turned in pairs of halves",
+                   {},
+                   name,
+                   "these are not the weights of this network"});
+    }
+    pair_within_axes(weight, config.heads, c / config.heads, c);
+    if (!bias.empty()) pair_within_axes(bias, config.heads, c / config.heads, 1);
+  }
+  return Linear(compute, weight, 3 * c, c, std::move(bias));
 }
 
 const float* or_null(const Values& values) {
@@ -36,7 +75,7 @@ TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weight
   }
   norm1_ = LayerNorm(weights, "norm1", c, config.eps);
   norm2_ = LayerNorm(weights, "norm2", c, config.eps);
-  qkv_ = Linear(compute, weights, "attn.qkv", 3 * c, c);
+  qkv_ = load_qkv(compute, weights, config);
   proj_ = Linear(compute, weights, "attn.proj", c, c);
   if (weights.has("attn.q_norm.weight")) {
     q_norm_ = LayerNorm(weights, "attn.q_norm", c / config.heads, kHeadNormEps);
@@ -60,9 +99,12 @@ TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weight
   std::vector<float> weight = weights.load("mlp.w1.weight", {hidden, c});
   const std::vector<float> more = weights.load("mlp.w2.weight", {hidden, c});
   weight.insert(weight.end(), more.begin(), more.end());
-  std::vector<float> bias = weights.load("mlp.w1.bias", {hidden});
-  const std::vector<float> more_bias = weights.load("mlp.w2.bias", {hidden});
-  bias.insert(bias.end(), more_bias.begin(), more_bias.end());
+  std::vector<float> bias;
+  if (weights.has("mlp.w1.bias")) {
+    bias = weights.load("mlp.w1.bias", {hidden});
+    const std::vector<float> more_bias = weights.load("mlp.w2.bias", {hidden});
+    bias.insert(bias.end(), more_bias.begin(), more_bias.end());
+  }
   fc1_ = Linear(compute, weight, 2 * hidden, c, std::move(bias));
 }
 

@@ -1,4 +1,4 @@
-// The pre-norm transformer block of DINOv2 and VGGT.
+// The pre-norm transformer block of DINOv2, and of the networks that are built of it.
 #pragma once
 
 #include <vector>
@@ -20,12 +20,17 @@ struct TokenPlaces {
 
 /// x += ls1 * proj(attention(norm1(x))); x += ls2 * ffn(norm2(x)). What the weights hold decides on
 /// the rest: normalised queries and keys (attn.q_norm), LayerScale (ls1.gamma or gamma1, none), and
-/// the feed-forward part (mlp.fc1 with GELU, SwiGLU as mlp.w12 or as mlp.w1 and mlp.w2).
+/// the feed-forward part (mlp.fc1 with GELU, SwiGLU as mlp.w12 or as mlp.w1 and mlp.w2), biases that
+/// do not count (attn.qkv.bias_mask).
 class TransformerBlock {
  public:
   struct Config {
     int64_t channels = 0, heads = 0;
     float eps = 1e-6f;  ///< of norm1 and norm2
+    /// The weights pair value i of a head with i + head_dim / 2, as DINOv3's rotation does: y and x
+    /// lie side by side in each half. Loading puts queries and keys in the order of Rope2d, which
+    /// changes no product of theirs.
+    bool halves_paired = false;
   };
   TransformerBlock(const Compute& compute, const Weights& weights, const Config& config);
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "nn/ops/blocks.h"
-#include "nn/ops/position_encoding.h"
 #include "nn/ops/resize.h"
 
 namespace aligngs::nn {
@@ -13,14 +12,6 @@ namespace {
 constexpr float kEps = 1e-5f;           // of the LayerNorms with weights
 constexpr float kModulatedEps = 1e-6f;  // of the one without
 constexpr int kIterations = 4;
-constexpr float kEmbeddingRatio = 0.1f;  // of the uv embedding
-
-/// x += 0.1 uv embedding.
-void add_uv_embedding(FeatureMap& x, double aspect) {
-  FeatureMap uv = uv_embedding(x.height, x.width, x.channels, aspect);
-  for (float& v : uv.data) v *= kEmbeddingRatio;
-  add_values(x.data, uv.data);
-}
 
 }  // namespace
 
@@ -90,27 +81,10 @@ float dense_confidence(float v) { return 1 + std::exp(v); }
 
 VggtDenseHead::VggtDenseHead(const Compute& compute, const Weights& weights,
                              DenseActivation activation)
-    : activation_(activation) {
-  const int64_t inputs = weights.dimension("norm.weight", 0);
-  norm_ = LayerNorm(weights, "norm", inputs, kEps);
-  const int64_t features = weights.dimension("scratch.layer1_rn.weight", 0);
-  for (int j = 0; j < 4; ++j) {
-    const std::string n = std::to_string(j);
-    levels_.emplace_back(compute, weights, j,
-                         DptLevel::Names{"projects." + n, "resize_layers." + n,
-                                         "scratch.layer" + std::to_string(j + 1) + "_rn"},
-                         inputs, features);
-    const std::string p = "scratch.refinenet" + std::to_string(j + 1) + ".";
-    const auto unit = [&](const std::string& name) {
-      return ResidualUnit(compute, weights, p + name + ".conv1", p + name + ".conv2", features,
-                          true);
-    };
-    Fusion fusion;
-    if (j < 3) fusion.unit1 = unit("resConfUnit1");
-    fusion.unit2 = unit("resConfUnit2");
-    fusion.out = Linear(compute, weights, p + "out_conv", features, features);
-    fusions_.push_back(std::move(fusion));
-  }
+    : activation_(activation),
+      pyramid_(compute, weights, {true}),
+      fusion_(compute, weights, {"", true}) {
+  const int64_t features = pyramid_.features();
   const int64_t half = weights.dimension("scratch.output_conv1.weight", 0);
   const int64_t last = weights.dimension("scratch.output_conv2.0.weight", 0);
   output1_ = Convolution(compute, weights, "scratch.output_conv1", {half, features, 3, 1, 1});
@@ -119,45 +93,25 @@ VggtDenseHead::VggtDenseHead(const Compute& compute, const Weights& weights,
                     weights.dimension("scratch.output_conv2.2.weight", 0), last);
 }
 
-FeatureMap VggtDenseHead::level(Compute& compute, const AggregatedTokens& tokens, int64_t frame,
-                                size_t index) const {
-  const Matrix& layer = tokens.layers[index];
-  const int64_t patches = tokens.grid_height * tokens.grid_width;
-  Matrix part(patches, layer.columns);
-  copy_block(part.data, {}, layer.data, {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
-             patches * layer.columns);
-  Matrix normed = norm_(compute, part);
-  const DptLevel& level = levels_[index];
-  FeatureMap map =
-      level.project(compute, FeatureMap(tokens.grid_height, tokens.grid_width, std::move(normed)));
-  add_uv_embedding(map, double(tokens.grid_width) / double(tokens.grid_height));
-  return level.features(compute, level.resize(compute, std::move(map)));
-}
-
 FeatureMap VggtDenseHead::operator()(Compute& compute, const AggregatedTokens& tokens,
                                      int64_t frame) const {
   constexpr int64_t kPatch = 14;
-  std::vector<FeatureMap> maps;
-  for (size_t j = 0; j < levels_.size(); ++j) maps.push_back(level(compute, tokens, frame, j));
-  FeatureMap out;
-  for (size_t j = levels_.size(); j-- > 0;) {
-    const Fusion& fusion = fusions_[j];
-    if (j + 1 == levels_.size()) {
-      out = std::move(maps[j]);
-    } else {
-      add_map(out, fusion.unit1(compute, maps[j]));
-    }
-    out = fusion.unit2(compute, out);
-    const int64_t height = j > 0 ? maps[j - 1].height : 2 * out.height;
-    const int64_t width = j > 0 ? maps[j - 1].width : 2 * out.width;
-    // A 1x1 convolution and bilinear resizing commute (the weights of a resampling sum to one): the
-    // convolution is done on the smaller map.
-    out = resize_bilinear_map(compute, fusion.out(compute, out), height, width, true);
+  const double aspect = double(tokens.grid_width) / double(tokens.grid_height);
+  std::vector<FeatureMap> levels;
+  constexpr size_t kLevels = 4;  // the camera head's layer may follow
+  for (size_t j = 0; j < std::min(kLevels, tokens.layers.size()); ++j) {
+    const Matrix& layer = tokens.layers[j];
+    FeatureMap map(tokens.grid_height, tokens.grid_width, layer.columns);
+    copy_block(map.data, {}, layer.data,
+               {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
+               map.places() * layer.columns);
+    levels.push_back(std::move(map));
   }
+  FeatureMap out = fusion_(compute, pyramid_(compute, std::move(levels), aspect));
   out = output1_(compute, out);
   out = resize_bilinear_map(compute, out, tokens.grid_height * kPatch, tokens.grid_width * kPatch,
                             true);
-  add_uv_embedding(out, double(tokens.grid_width) / double(tokens.grid_height));
+  add_uv_embedding(out, aspect);
   out = output3_(compute, output2_(compute, out, {false, Activation::kRelu}));
   for (int64_t i = 0; i < out.places(); ++i) {
     float* v = out.data.data() + i * out.channels;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nn/dpt_parts.h"
+#include "nn/dpt_pyramid.h"
 #include "nn/vggt_aggregator.h"
 #include "nn/vggt_pose.h"
 
@@ -48,17 +48,9 @@ class VggtDenseHead {
   FeatureMap operator()(Compute& compute, const AggregatedTokens& tokens, int64_t frame) const;
 
  private:
-  FeatureMap level(Compute& compute, const AggregatedTokens& tokens, int64_t frame,
-                   size_t index) const;
-
   DenseActivation activation_;
-  LayerNorm norm_;
-  std::vector<DptLevel> levels_;
-  struct Fusion {
-    ResidualUnit unit1, unit2;
-    Linear out;
-  };
-  std::vector<Fusion> fusions_;  ///< refinenet1 first
+  DptPyramid pyramid_;
+  DptFusion fusion_;
   Convolution output1_, output2_;
   Linear output3_;
 };

@@ -4,16 +4,14 @@
 #include <array>
 #include <cstdint>
 
+#include "nn/network_camera.h"
+
 namespace aligngs::nn {
 
 /// [tx, ty, tz, qx, qy, qz, qw, fov_h, fov_w], angles in radians.
 using PoseEncoding = std::array<float, 9>;
 
-struct VggtCamera {
-  std::array<double, 9> rotation{};       ///< row-major, world to camera (OpenCV axes)
-  std::array<double, 3> translation{};    ///< world to camera
-  double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels of the network's input
-};
+using VggtCamera = NetworkCamera;
 
 /// The rotation of a quaternion that need not have unit length; the identity for one of length 0.
 std::array<double, 9> rotation_from_xyzw(const std::array<double, 4>& q);

@@ -1,5 +1,6 @@
 // DINOv2 vision transformers (ViT-S, B, L, g; with and without registers), and the variants of them
-// inside VGGT and Mask2Former.
+// inside VGGT, Mask2Former, DA3, EoMT and LingBot-Vision. A network that changes what happens between
+// the blocks calls embed() and the blocks itself.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,9 @@ enum class PositionRule {
   kScaleOffset,  ///< bicubic, called with a scale factor of (grid + 0.1) / trained (no registers)
   kAntialiased,  ///< antialiased bicubic by size (registers, VGGT)
   kAntialiasedScaleOffset,  ///< antialiased bicubic with such a scale factor
-  kPlain         ///< bicubic by size (Mask2Former's backbone)
+  kPlain,        ///< bicubic by size (Mask2Former's backbone)
+  kPatchTable,   ///< a table of the patches alone that is never resized (EoMT)
+  kNone          ///< nothing is added (LingBot-Vision, whose queries and keys turn instead)
 };
 
 /// What the weights do not tell. The defaults are those of the published models.
@@ -25,6 +28,9 @@ struct VitOptions {
   double position_offset = 0.1;          ///< of the rules with a scale factor
   float eps = 1e-6f;                     ///< of the LayerNorms
   bool patches_cut = false;  ///< sides need not be multiples of the patch; the rest is cut
+  float norm_eps = 0;        ///< of the final norm; 0: as in the blocks
+  /// Queries and keys of the patches turn with their place, by rope_embed.periods of the weights.
+  bool rotated = false;
 };
 
 /// Tokens of all images of a batch, in the order cls, registers, patches (row-major).
@@ -57,16 +63,22 @@ class Vit {
 
   /// What the blocks are given.
   VitTokens embed(Compute& compute, const std::vector<FeatureMap>& images) const;
-  /// cls (row 0) and patches of the position embedding for a grid.
+  /// cls (row 0) and patches of the position embedding for a grid. Error{kBadInput} for a grid that
+  /// a table of the patches alone does not have.
   Matrix positions(Compute& compute, int64_t grid_height, int64_t grid_width) const;
+  /// By which queries and keys turn on a grid; none: they do not.
+  std::optional<TokenPlaces> rotation(int64_t grid_height, int64_t grid_width) const;
 
  private:
+  void load_positions(const Weights& weights);
+
   VitOptions options_;
   PositionRule rule_ = PositionRule::kScaleOffset;
   int64_t channels_ = 0;
   Convolution patch_embed_;
   std::vector<float> cls_, registers_;
   Matrix position_;  ///< cls, then the trained square grid
+  std::vector<float> periods_;  ///< of the rotation
   std::vector<TransformerBlock> blocks_;
   LayerNorm norm_;
 };

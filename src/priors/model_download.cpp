@@ -35,7 +35,7 @@ bool digest_agrees(const ModelFile& file, const std::string& sha256) {
 std::string probe_problem(const fs::path& path, const ModelFile& file) {
   try {
     const auto tensors = WeightFile::open(path)->tensors();
-    if (tensors.count(file.probe) == 0 && tensors.count("neck.convs.0.weight") == 0)
+    if (tensors.count(file.probe) == 0 && tensors.count(file.other_probe) == 0)
       return "it holds no tensor \"" + file.probe + "\"";
     return "";
   } catch (const Error& error) {

@@ -112,9 +112,66 @@ PublishedModel lpips() {
   return model;
 }
 
+/// Depth Anything 3. `repository`: on Hugging Face; large and giant are not for commercial use.
+PublishedModel da3(const std::string& name, const std::string& repository, const std::string& purpose, uint64_t bytes,
+                   bool exact, const std::string& probe) {
+  const std::string page = "https://huggingface.co/depth-anything/" + repository;
+  const bool commercial = name != "da3-large" && name != "da3-giant";
+  PublishedModel model;
+  model.name = name;
+  model.purpose = purpose;
+  model.licence = {commercial ? "Apache-2.0" : "CC-BY-NC-4.0", page, commercial ? "" : "non-commercial use only",
+                   false};
+  model.files = {{"model.safetensors", page + "/resolve/main/model.safetensors", "depth-anything/" + repository, {},
+                  bytes, exact, "", probe}};
+  return model;
+}
+
+/// Sizes of small and base follow from their tensors; those of the metric and the large network are published.
+void add_da3(std::vector<PublishedModel>& models) {
+  const std::string cameras = "cameras and depth from photos alone (Depth Anything 3, ";
+  const std::string any = "model.cam_dec.fc_t.weight", sky = "model.head.scratch.sky_output_conv2.0.weight";
+  models.push_back(da3("da3-small", "DA3-SMALL", cameras + "Small)", 137248940, false, any));
+  models.push_back(da3("da3-base", "DA3-BASE", cameras + "Base)", 541518028, false, any));
+  models.push_back(da3("da3-large", "DA3-LARGE-1.1", cameras + "Large)", 1643843860, true, any));
+  models.push_back(da3("da3-giant", "DA3-GIANT-1.1", cameras + "Giant)", 4600 * kMegabyte, false, any));
+  models.push_back(da3("da3metric-large", "DA3METRIC-LARGE", "metric depth and sky of one photo (Depth Anything 3)",
+                       1336734448, true, sky));
+}
+
+PublishedModel eomt(const std::string& name, const std::string& repository, const std::string& purpose,
+                    uint64_t bytes) {
+  const std::string page = "https://huggingface.co/tue-mps/" + repository;
+  PublishedModel model;
+  model.name = name;
+  model.purpose = purpose;
+  model.licence = {"MIT", page, "the licence of the code; look at the page for that of the weights", false};
+  model.files = {{"pytorch_model.bin", page + "/resolve/main/pytorch_model.bin", "tue-mps/" + repository,
+                  {"model.safetensors"}, bytes, false, "", "network.q.weight", "query.weight"}};
+  return model;
+}
+
+PublishedModel lingbot() {
+  const std::string repository = "LibreYOLO/LibreLingBotVisions-sem", file = "LibreLingBotVisions-sem.pt";
+  PublishedModel model;
+  model.name = "lingbot-s";
+  model.purpose = "150 classes, a light choice (LingBot-Vision-S with a linear head)";
+  model.licence = {"Apache-2.0", "https://huggingface.co/" + repository, "", false};
+  model.files = {{file, "https://huggingface.co/" + repository + "/resolve/main/" + file, repository, {},
+                  87 * kMegabyte, false, "", "backbone.rope_embed.periods"}};
+  return model;
+}
+
 std::vector<PublishedModel> make_models() {
   constexpr uint64_t kClasses = 150, kFloatBytes = 4, kHeadOverhead = 4000;
-  std::vector<PublishedModel> models = {vggt(), commercial_vggt(), mask2former()};
+  std::vector<PublishedModel> models = {vggt(), commercial_vggt()};
+  add_da3(models);
+  models.push_back(mask2former());
+  models.push_back(eomt("eomt-l", "ade20k_semantic_eomt_large_512", "150 classes of ADE20K (EoMT-L, windows of 512)",
+                        1264 * kMegabyte));
+  models.push_back(eomt("eomt-l-panoptic", "ade20k_panoptic_eomt_large_640",
+                        "150 classes of ADE20K, things one by one (EoMT-L, windows of 640)", 1267 * kMegabyte));
+  models.push_back(lingbot());
   for (const Dinov2Size& size : kDinov2Sizes) {
     models.push_back(head(size, "ade20k-linear", "ade20k_linear", "150 classes, the light choice",
                           (kClasses + 4) * size.channels * kFloatBytes + kHeadOverhead,
@@ -131,6 +188,7 @@ std::vector<PublishedModel> make_models() {
     // The same weights, backbone included, as transformers stores them.
     models.back().files[0].huggingface = std::string("facebook/dpt-dinov2-") + size.word + "-nyu";
     models.back().files[0].also = {"model.safetensors", "pytorch_model.bin"};
+    models.back().files[0].other_probe = "neck.convs.0.weight";
   }
   for (const Dinov2Size& size : kDinov2Sizes) {
     constexpr uint64_t kBins = 256, kLayers = 4;

@@ -24,6 +24,7 @@ struct ModelFile {
   bool exact_size = false;         ///< false: `bytes` is rounded
   std::string sha256;              ///< published digest or its first digits; empty: none is published
   std::string probe;               ///< a tensor that tells such a file from others
+  std::string other_probe = {};    ///< the same in another layout of names; may be empty
 };
 
 struct PublishedModel {

@@ -149,6 +149,46 @@ void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
                kImages * pixels * kFloat);
 }
 
+void add_eomt_memory(MemoryBudget& budget, const nn::Weights& weights, double aspect,
+                     const NetworkMemoryOptions& options) {
+  // As nn/eomt/eomt.cpp has it: the heads of the queries are float32 whatever the precision.
+  const auto exact = [](const std::string& name) {
+    return contains(name, "class_head.") || contains(name, "mask_head.");
+  };
+  budget.add("weights of the network", weight_bytes(weights, options, exact));
+  const nn::Weights backbone = weights.sub("encoder.backbone.");
+  const auto channels = uint64_t(backbone.dimension("cls_token", 2));
+  const auto queries = uint64_t(weights.dimension("q.weight", 0));
+  const auto classes = uint64_t(weights.dimension("class_head.weight", 0)) - 1;
+  const auto patch = uint64_t(backbone.dimension("patch_embed.proj.weight", 2));
+  const nn::Shape table = backbone.shape("pos_embed");
+  const auto places = uint64_t(table[table.size() - 2]);  // of the window's grid
+  const uint64_t registers = backbone.has("register_tokens") ? uint64_t(backbone.dimension("register_tokens", 1)) : 0;
+  // The peak is the last upscaling: its input, the grown map and the mixed one, and the masks made of it.
+  constexpr uint64_t kFinest = 16, kMaps = 3;  // places at 1/4 per patch of 16
+  const uint64_t finest = places * kFinest;
+  const uint64_t maps = (kMaps * finest + finest / 4) * channels * kFloat + finest * queries * kFloat;
+  const uint64_t tokens = transformer_bytes(backbone, places + 1 + registers + queries, 0, options);
+  const uint64_t pixels = places * patch * patch;
+  const auto photo = uint64_t(double(pixels) * aspect);
+  add_work(budget, "tokens, maps or values of one window", std::max({maps, tokens, pixels * classes * kFloat}));
+  budget.add("values of the whole photo", photo * classes * kFloat);
+}
+
+void add_lingbot_memory(MemoryBudget& budget, const nn::Weights& weights, const NetworkInput& window,
+                        const NetworkMemoryOptions& options) {
+  budget.add("weights of the network", weight_bytes(weights, options, never));
+  const nn::Weights backbone = weights.sub("backbone.");
+  const auto classes = uint64_t(weights.dimension("predict.weight", 0));
+  const int64_t patch = std::max<int64_t>(backbone.dimension("patch_embed.proj.weight", 2), 1);
+  const uint64_t places = uint64_t((window.width / patch) * (window.height / patch));
+  const auto registers = uint64_t(backbone.dimension("register_tokens", 1));
+  constexpr uint64_t kFiner = 4;  // the stored map has four values per patch
+  add_work(budget, "tokens and values of one photo",
+           transformer_bytes(backbone, places + 1 + registers, 1, options) + places * (1 + kFiner) * classes * kFloat +
+               uint64_t(window.width) * uint64_t(window.height) * 3 * kFloat);
+}
+
 NetworkInput largest_planned_image(const nn::SegmentationPlan& plan, int photo_width,
                                    int photo_height) {
   NetworkInput largest;

@@ -32,6 +32,13 @@ void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
                               const nn::Weights& head, const NetworkInput& image,
                               const NetworkMemoryOptions& options);
 
+/// EoMT on a photo whose long side is `aspect` times the short one. `weights`: nn::eomt_weights().
+void add_eomt_memory(MemoryBudget& budget, const nn::Weights& weights, double aspect,
+                     const NetworkMemoryOptions& options);
+/// LingBot-Vision on one window. `weights`: nn::lingbot_weights().
+void add_lingbot_memory(MemoryBudget& budget, const nn::Weights& weights, const NetworkInput& window,
+                        const NetworkMemoryOptions& options);
+
 /// The largest image that `plan` makes of a photo, and the part of it that the network sees at
 /// once.
 NetworkInput largest_planned_image(const nn::SegmentationPlan& plan, int photo_width,

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "nn/eomt/eomt_weights.h"
 #include "nn/random_weights.h"
+#include "priors/da3_prediction.h"
 #include "priors/vggt_prediction.h"
 
 namespace aligngs {
@@ -53,6 +55,21 @@ TEST(NetworkMemory, AgreesWithMeasuredPeaks) {
   MemoryBudget vggt;
   add_vggt_memory(vggt, published(nn::vggt_tensors({})), nn::Precision::kBfloat16, 20, 518, 392);
   expect_near(vggt, 3.81);
+
+  constexpr NetworkMemoryOptions kFloat32{nn::Precision::kFloat32, 2};
+  const nn::Weights base = published(nn::da3_tensors(nn::da3_size('b')));
+  MemoryBudget da3, da3_exact;
+  add_da3_memory(da3, base, nn::Precision::kBfloat16, 20, 504, 378);
+  expect_near(da3, 1.09);
+  add_da3_memory(da3_exact, base, nn::Precision::kFloat32, 20, 504, 378);
+  expect_near(da3_exact, 1.31);
+
+  const nn::Weights large = nn::eomt_weights(std::make_shared<HeaderOnly>(nn::eomt_tensors()));
+  MemoryBudget eomt, eomt_exact;
+  add_eomt_memory(eomt, large, 4. / 3, kBfloat16);
+  expect_near(eomt, 1.16);
+  add_eomt_memory(eomt_exact, large, 4. / 3, kFloat32);
+  expect_near(eomt_exact, 1.78);
 }
 
 TEST(NetworkMemory, APhotoOfSeveralWindowsNeedsRoomForAllItsValues) {

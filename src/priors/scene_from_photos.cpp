@@ -14,6 +14,7 @@
 #include "io/resample.h"
 #include "nn/preprocess/pillow_resize.h"
 #include "nn/weights.h"
+#include "priors/da3_prediction.h"
 #include "priors/given_poses.h"
 #include "priors/vggt_prediction.h"
 #include "scene/depth_cloud.h"
@@ -140,7 +141,7 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   report.reprojection_error = poses.reprojection_error;
   require_enough_placed(source, photos, poses.unplaced, options.strict,
                  "take sharp, evenly lit photos from different places, each sharing about 60 % with a neighbour; "
-                 "or try --method vggt, which needs less overlap");
+                 "or try --method vggt or da3, which need less overlap");
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
@@ -165,24 +166,24 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
 }
 
 /// Depth of low confidence is no value, for the cloud and as a prior.
-void drop_unsure_depth(std::vector<VggtView>& views, double percent) {
+void drop_unsure_depth(std::vector<PredictedView>& views, double percent) {
   if (percent <= 0) return;
   const float least = confidence_at(views, percent);
-  for (VggtView& view : views) {
+  for (PredictedView& view : views) {
     for (size_t i = 0; i < view.depth.data.size(); ++i) {
       if (!(view.confidence.data[i] >= least)) view.depth.data[i] = 0;
     }
   }
 }
 
-PointCloud cloud_of(const std::vector<VggtView>& views, const std::vector<Photo>& photos,
+PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<Photo>& photos,
                     size_t max_points, ThreadPool& pool) {
   // Confidence has no upper limit: relative to what the better half of the pixels reach.
   const float reference = std::max(confidence_at(views, 75), 1e-6f);
   std::vector<ImageF> colors(views.size()), weights(views.size());
   std::vector<DepthCloudView> cloud_views;
   pool.parallel_for(views.size(), 1, [&](size_t i, size_t, int) {
-    const VggtView& view = views[i];
+    const PredictedView& view = views[i];
     Image<uint8_t> bytes = nn::pillow_rgb_on_white(read_image(photos[i].file));
     colors[i] = resize_area(to_float(bytes), view.depth.width, view.depth.height);
     weights[i] = ImageF(view.depth.width, view.depth.height, 1);
@@ -190,7 +191,7 @@ PointCloud cloud_of(const std::vector<VggtView>& views, const std::vector<Photo>
       weights[i].data[k] = std::clamp(view.confidence.data[k] / reference, 0.f, 1.f);
   });
   for (size_t i = 0; i < views.size(); ++i) {
-    const VggtView& view = views[i];
+    const PredictedView& view = views[i];
     cloud_views.push_back({view.camera.resized(view.depth.width, view.depth.height), &view.depth,
                            &colors[i], &weights[i]});
   }
@@ -200,24 +201,40 @@ PointCloud cloud_of(const std::vector<VggtView>& views, const std::vector<Photo>
   return fuse_depth_cloud(cloud_views, options, pool).cloud;
 }
 
-void scene_by_vggt(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
-                   const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
-  const PublishedModel& model = published_model(options.model);
-  const fs::path file = store.require(model).at(0);
-  const nn::Weights weights = nn::Weights::open(file);
+void require_memory(const MemoryBudget& budget, const char* network, size_t photos) {
+  log_info("memory for {} on {} photos:\n{}", network, photos, budget.table());
+  budget.require(network, "use fewer photos, or --method colmap");
+}
+
+std::vector<PredictedView> views_by_vggt(const std::vector<Photo>& photos, const nn::Weights& weights,
+                                         const ScenePhotosOptions& options, ThreadPool& pool) {
   VggtInputs inputs = vggt_inputs(photos, pool);
   MemoryBudget budget(options.memory_limit);
-  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
-                  inputs.images[0].height);
-  log_info("memory for VGGT on {} photos:\n{}", photos.size(), budget.table());
-  budget.require("VGGT", "use fewer photos, or --method colmap");
-  std::vector<VggtView> views;
-  {
-    nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-    const nn::Vggt network(compute, weights);
-    views = predict_vggt_views(compute, network, photos, std::move(inputs),
-                               {options.shared_focal, options.progress});
-  }
+  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
+  require_memory(budget, "VGGT", photos.size());
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
+  const nn::Vggt network(compute, weights);
+  return predict_vggt_views(compute, network, photos, std::move(inputs), {options.shared_focal, options.progress});
+}
+
+std::vector<PredictedView> views_by_da3(const std::vector<Photo>& photos, const nn::Weights& weights,
+                                        const ScenePhotosOptions& options, ThreadPool& pool) {
+  Da3Inputs inputs = da3_inputs(photos, pool);
+  MemoryBudget budget(options.memory_limit);
+  add_da3_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
+  require_memory(budget, "Depth Anything 3", photos.size());
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
+  const nn::Da3 network(compute, weights);
+  return predict_da3_views(compute, network, photos, std::move(inputs),
+                           {options.shared_focal, options.progress, options.camera_from_rays});
+}
+
+void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, const ModelStore& store,
+                      const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
+  const PublishedModel& model = published_model(options.model);
+  const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
+  std::vector<PredictedView> views = options.method == PosesMethod::kDa3 ? views_by_da3(photos, weights, options, pool)
+                                                                         : views_by_vggt(photos, weights, options, pool);
   drop_unsure_depth(views, options.drop_percent);
 
   SceneWriter writer(scene, options.overwrite);
@@ -265,10 +282,10 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
   fs::path cameras;
   if (options.method == PosesMethod::kGiven)
     cameras = find_given_cameras(listed.folder, options.cameras);
-  if (options.method == PosesMethod::kVggt) store.require(published_model(options.model));
-  if (options.method != PosesMethod::kVggt && listed.photos.size() < kFewestPlaced) {
+  if (uses_network(options.method)) store.require(published_model(options.model));
+  if (!uses_network(options.method) && listed.photos.size() < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
-                    fmt::format("take at least {}, or use --method vggt", kFewestPlaced));
+                    fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
   }
   require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict, "photos");
   ThreadPool pool(options.threads);
@@ -282,9 +299,9 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
     WorkFolder work(scene);
     const std::vector<Photo> photos =
         prepare_photos(listed.photos, work.path() / "images", options.max_side, pool);
-    if (options.method == PosesMethod::kVggt) {
+    if (uses_network(options.method)) {
       report.method = options.model;
-      scene_by_vggt(photos, scene, store, options, pool, report);
+      scene_by_network(photos, scene, store, options, pool, report);
     } else {
       report.method = "colmap";
       scene_by_colmap(source, photos, work, scene, options, pool, report);

@@ -1,4 +1,4 @@
-// Photos in, a scene folder out: cameras and a cloud found by VGGT or COLMAP, or given.
+// Photos in, a scene folder out: cameras and a cloud found by a network or COLMAP, or given.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,10 @@
 
 namespace aligngs {
 
-enum class PosesMethod { kVggt, kColmap, kGiven };
+enum class PosesMethod { kVggt, kDa3, kColmap, kGiven };
+
+/// Whether a network finds the cameras.
+inline bool uses_network(PosesMethod method) { return method == PosesMethod::kVggt || method == PosesMethod::kDa3; }
 
 struct ScenePhotosOptions {
   PosesMethod method = PosesMethod::kVggt;
@@ -22,10 +25,11 @@ struct ScenePhotosOptions {
   bool overwrite = false;
   bool strict = false;  ///< a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
 
-  // VGGT.
-  std::string model = "vggt-1b";   ///< name of the weights
+  // VGGT and Depth Anything 3.
+  std::string model = "vggt-1b";   ///< name of the weights, of the method's network
   double drop_percent = 20;        ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
+  bool camera_from_rays = false;   ///< Depth Anything 3
   size_t max_points = 250000;      ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
@@ -42,14 +46,14 @@ struct ScenePhotosOptions {
 };
 
 struct ScenePhotosReport {
-  std::string method;  ///< "vggt-1b", "colmap", "given"
+  std::string method;  ///< "vggt-1b", "da3-base", "colmap", "given"
   size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
   std::vector<LeftOut> unplaced;  ///< photos that are not in the scene, and why
   double reprojection_error = 0;  ///< pixels; COLMAP
   double seconds = 0;
 };
 
-/// Error{kUsage} when the scene exists; Error{kWeights} when VGGT's weights are missing;
+/// Error{kUsage} when the scene exists; Error{kWeights} when the network's weights are missing;
 /// Error{kResources} when memory will not do; Error{kBadInput} with a reason per photo when fewer
 /// than three photos, or fewer than half of them, could be placed.
 ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,

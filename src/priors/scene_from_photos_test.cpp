@@ -18,6 +18,7 @@ namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Networks of the published structure and tiny sizes with random weights.
@@ -61,6 +62,27 @@ class FromPhotos : public testing::Test {
     size.features = 8;
     size.levels = {8, 8, 8, 8};
     nn::write_random_weights(weights_of("vggt-1b"), nn::vggt_tensors(size), 1);
+  }
+  void install_da3(const char* model = "da3-base") const {
+    nn::Da3Size size;
+    size.encoder = {64, 12, false, 0, 5};
+    size.heads = 1;
+    size.features = 8;
+    size.camera_depth = 1;
+    size.levels = {8, 8, 8, 8};
+    nn::write_random_weights(weights_of(model), nn::da3_tensors(size), 1);
+  }
+  void install_label_networks() const {
+    nn::EomtSize eomt;
+    eomt.encoder = {64, 4, false, 4, 4};  // windows of 64 pixels
+    eomt.queries = 6;
+    eomt.query_blocks = 2;
+    nn::write_random_weights(weights_of("eomt-l"), nn::eomt_tensors(eomt), 1);
+    nn::write_random_weights(weights_of("eomt-l-panoptic"), nn::eomt_huggingface_tensors(eomt), 1);
+    nn::LingbotSize lingbot;
+    lingbot.encoder = {64, 2, false, 4, 0};
+    lingbot.heads = 1;
+    nn::write_random_weights(weights_of("lingbot-s"), nn::lingbot_tensors(lingbot), 1);
   }
   void install_linear() const {
     const nn::VitSize size{64, 4, false, 0, 5};
@@ -110,6 +132,75 @@ TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
   const Rigidd& first = scene.views[0].camera.world_to_camera;
   EXPECT_NEAR(norm(first.translation), 0, 1e-9);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+}
+
+TEST_F(FromPhotos, DepthAnything3MakesASceneThatOpensAndChecks) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  const ScenePhotosReport report = make();
+  EXPECT_EQ(report.method, "da3-base");
+  EXPECT_EQ(report.placed, 3u);
+  EXPECT_GT(report.points, 0u);
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_TRUE(scene.has_prior_depth());
+  EXPECT_TRUE(scene.cloud.has_normals());
+  EXPECT_EQ(scene.prior_source, "da3-base");
+  for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
+  EXPECT_NEAR(norm(scene.views[0].camera.world_to_camera.translation), 0, 1e-9);
+  EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+}
+
+TEST_F(FromPhotos, RaysThatAreThoseOfNoCameraNameThePhoto) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  options.camera_from_rays = true;
+  // The camera of rays of random weights is one that no photo has.
+  EXPECT_THAT(error_of(ErrorKind::kFailed, [&] { make(); }), AllOf(HasSubstr("a.jpg"), HasSubstr("impossible camera")));
+  EXPECT_FALSE(fs::exists(folder / "scene"));
+}
+
+TEST_F(FromPhotos, DepthAnything3SeesTheMiddleOfPhotosOfOtherShapes) {
+  write_photo("a.jpg", 120, 90);
+  write_photo("b.jpg", 90, 120);
+  write_photo("c.jpg", 64, 64);
+  install_da3("da3-small");
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-small";
+  make();
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_EQ(scene.views[1].camera.height, 120);
+  EXPECT_NEAR(scene.views[1].camera.cy, 60, 1);
+  const FloatArray depth = read_npy(folder / "scene" / "pred_depths" / "b.npy");
+  EXPECT_GT(depth.shape[0], depth.shape[1]);
+  EXPECT_EQ(depth.data.front(), 0) << "above what the network was shown";
+}
+
+TEST_F(FromPhotos, DepthAnything3FillsTheDepthOfASceneInTheUnitsOfItsCameras) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  make();
+  fill.overwrite = true;
+  const ModelStore store(store_options);
+  EXPECT_EQ(fill_depth(folder / "scene", store, depth_model("da3"), fill).written, 3u);
+  EXPECT_EQ(read_priors_json(folder / "scene" / "priors.json").depth->settings.at("units"), "of the cameras");
+  EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+  fill.memory_limit = 1'000'000;
+  error_of(ErrorKind::kResources, [&] { fill_depth(folder / "scene", store, depth_model("da3"), fill); });
+}
+
+TEST_F(FromPhotos, WithoutWeightsOfDepthAnything3ItSaysHowToGetThem) {
+  three_photos();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-large";
+  const std::string text = error_of(ErrorKind::kWeights, [&] { make(); });
+  EXPECT_THAT(text, HasSubstr("aligngs models download da3-large"));
+  EXPECT_THAT(text, HasSubstr("non-commercial"));
 }
 
 TEST_F(FromPhotos, PhotosOfAnySizeAndOrientationGoTogether) {
@@ -208,6 +299,34 @@ TEST_F(FromPhotos, LinearSemanticsAreLogitsThatTheSceneLoads) {
   const ViewData data = load_view(scene, 0);
   EXPECT_EQ(data.semantics.channels, 150);
   EXPECT_EQ(data.semantics.height, 64);  // short side 512, one value per 8 pixels
+}
+
+TEST_F(FromPhotos, EomtAndLingbotFillSemanticsAsWhatTheyAre) {
+  three_photos();
+  install_vggt();
+  install_label_networks();
+  make();
+  const ModelStore store(store_options);
+  struct Expected {
+    const char* name;
+    SemanticKind kind;
+    int height;  ///< one value per 8 pixels of the short side that the network is shown
+  };
+  for (const Expected& e : {Expected{"eomt-l", SemanticKind::kScores, 8},
+                            Expected{"eomt-l-panoptic", SemanticKind::kScores, 8},
+                            Expected{"lingbot-s", SemanticKind::kLogits, 64}}) {
+    fill.overwrite = true;
+    EXPECT_EQ(fill_semantics(folder / "scene", store, semantic_model(e.name), fill).written, 3u);
+    const Scene scene = open_scene(folder / "scene");
+    EXPECT_EQ(scene.semantic_kind, e.kind);
+    EXPECT_EQ(scene.semantic_source, e.name);
+    const ViewData data = load_view(scene, 0);
+    EXPECT_EQ(data.semantics.channels, 150);
+    EXPECT_EQ(data.semantics.height, e.height);
+    fill.memory_limit = 1'000'000;
+    error_of(ErrorKind::kResources, [&] { fill_semantics(folder / "scene", store, semantic_model(e.name), fill); });
+    fill.memory_limit = 0;
+  }
 }
 
 TEST_F(FromPhotos, MapsOfTheSameNetworkAreKept) {

@@ -16,6 +16,7 @@
 #include "nn/depther.h"
 #include "nn/huggingface.h"
 #include "nn/preprocess/pillow_resize.h"
+#include "priors/da3_prediction.h"
 #include "priors/network_memory.h"
 #include "priors/semantic_teacher.h"
 #include "priors/vggt_prediction.h"
@@ -96,7 +97,8 @@ class PriorFill {
     write_confidence_map(file, map);
   }
 
-  /// Until the last step priors.json does not say what made the maps, so that those of an end in between are of unknown origin.
+  /// Until the last step priors.json does not say what made the maps, so that those of an end in between are of
+  /// unknown origin.
   void finish(std::optional<PriorJson> PriorsJson::*entry, const PriorsJson& notes) {
     PriorsJson unknown = notes;
     unknown.*entry = std::nullopt;
@@ -128,22 +130,10 @@ std::vector<Photo> photos_of(const Scene& scene) {
   return photos;
 }
 
-void fill_with_vggt(const Scene& scene, const ModelStore& store, const PublishedModel& model,
-                    PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
-                    ScenePriorsReport& report) {
-  const std::vector<Photo> photos = photos_of(scene);
-  const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
-  VggtInputs inputs = vggt_inputs(photos, pool);
-  MemoryBudget budget(options.memory_limit);
-  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
-                  inputs.images[0].height);
-  budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
-  notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
-  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  const nn::Vggt network(compute, weights);
-  const std::vector<VggtView> views = predict_vggt_views(compute, network, photos,
-                                                         std::move(inputs), {false, options.progress});
-  const float least = options.drop_percent > 0 ? confidence_at(views, options.drop_percent) : 0;
+/// Depth and confidence of all training views; depth of the lowest confidence is left out.
+void write_network_depth(const Scene& scene, const std::vector<Photo>& photos, const std::vector<PredictedView>& views,
+                         const PriorsJson& notes, double drop_percent, ScenePriorsReport& report) {
+  const float least = drop_percent > 0 ? confidence_at(views, drop_percent) : 0;
   PriorFill fill(scene, "pred_depths", true);
   for (size_t i = 0; i < views.size(); ++i) {
     ImageF depth = views[i].depth;
@@ -157,6 +147,43 @@ void fill_with_vggt(const Scene& scene, const ModelStore& store, const Published
     ++report.written;
   }
   fill.finish(&PriorsJson::depth, notes);
+}
+
+void fill_with_vggt(const Scene& scene, const ModelStore& store, const PublishedModel& model,
+                    PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
+                    ScenePriorsReport& report) {
+  const std::vector<Photo> photos = photos_of(scene);
+  const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
+  VggtInputs inputs = vggt_inputs(photos, pool);
+  MemoryBudget budget(options.memory_limit);
+  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
+                  inputs.images[0].height);
+  budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
+  notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
+  const nn::Vggt network(compute, weights);
+  const std::vector<PredictedView> views = predict_vggt_views(compute, network, photos,
+                                                         std::move(inputs), {false, options.progress});
+  write_network_depth(scene, photos, views, notes, options.drop_percent, report);
+}
+
+/// Depth in the units of the scene's cameras, which the network reads.
+void fill_with_da3(const Scene& scene, const ModelStore& store, const PublishedModel& model, PriorsJson notes,
+                   const ScenePriorsOptions& options, ThreadPool& pool, ScenePriorsReport& report) {
+  const std::vector<Photo> photos = photos_of(scene);
+  std::vector<Camera> cameras;
+  for (const int i : scene.train) cameras.push_back(scene.views[size_t(i)].camera);
+  const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
+  Da3Inputs inputs = da3_inputs(photos, pool);
+  MemoryBudget budget(options.memory_limit);
+  add_da3_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
+  budget.require("Depth Anything 3", "use fewer views, --depth da3-small, or more memory with --memory");
+  notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
+  nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
+  const nn::Da3 network(compute, weights);
+  const std::vector<PredictedView> views =
+      da3_depth_of_cameras(compute, network, photos, cameras, std::move(inputs), options.progress);
+  write_network_depth(scene, photos, views, notes, options.drop_percent, report);
 }
 
 struct DepthWeights {
@@ -235,6 +262,7 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
 
 const PublishedModel& semantic_model(const std::string& choice) {
   if (choice == "m2f") return published_model("ade20k-m2f");
+  if (choice == "eomt-l" || choice == "eomt-l-panoptic" || choice == "lingbot-s") return published_model(choice);
   if (begins(choice, "ms")) return sized_model(choice, "ms", "ade20k-ms");
   return sized_model(choice, "linear", "ade20k-linear");
 }
@@ -242,13 +270,15 @@ const PublishedModel& semantic_model(const std::string& choice) {
 const PublishedModel& depth_model(const std::string& choice) {
   if (choice == "vggt") return published_model("vggt-1b");
   if (choice == "vggt-commercial") return published_model("vggt-1b-commercial");
+  if (choice == "da3") return published_model("da3-base");
+  if (begins(choice, "da3-")) return published_model(choice);
   if (begins(choice, "dpt")) return sized_model(choice, "dpt", "nyu-dpt");
   return sized_model(choice, "linear", "nyu-linear4");
 }
 
 const PublishedModel* installed_semantic_model(const ModelStore& store) {
-  for (const char* const name : {"ade20k-m2f", "ade20k-linear-g", "ade20k-linear-l",
-                                 "ade20k-linear-b", "ade20k-linear-s"}) {
+  for (const char* const name : {"ade20k-m2f", "eomt-l", "eomt-l-panoptic", "ade20k-linear-g", "ade20k-linear-l",
+                                 "ade20k-linear-b", "lingbot-s", "ade20k-linear-s"}) {
     const PublishedModel& model = published_model(name);
     if (store.installed(model)) return &model;
   }
@@ -267,11 +297,12 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
     return report;
   }
   ThreadPool pool(options.threads);
-  const bool vggt = begins(model.name, "vggt");
+  const bool vggt = begins(model.name, "vggt"), da3 = begins(model.name, "da3-");
   notes.depth = PriorJson{model.name, "", {}};
-  if (vggt) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
-  notes.depth->settings["units"] = vggt ? "arbitrary" : "metres";
+  if (vggt || da3) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
+  notes.depth->settings["units"] = vggt ? "arbitrary" : da3 ? "of the cameras" : "metres";
   if (vggt) fill_with_vggt(scene, store, model, notes, options, pool, report);
+  else if (da3) fill_with_da3(scene, store, model, notes, options, pool, report);
   else fill_with_depther(scene, store, model, notes, options, pool, report);
   return report;
 }
@@ -296,9 +327,9 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
                      ? "give it more memory with --memory, or leave classes out: --semantics none"
                      : "use a light network (--semantics linear-s), or more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  const SemanticTeacher teacher = load_semantic_teacher(compute, store, model, options.augment,
+  const std::unique_ptr<SemanticTeacher> teacher = load_semantic_teacher(compute, store, model, options.augment,
                                                         options.mask2former_heads);
-  const int64_t classes = teacher.network->classes();
+  const int64_t classes = teacher->classes();
   if (scene.labels.size() != int(classes)) {
     throw_bad_input(folder / "labels.csv", "classes",
                     fmt::format("the scene has {} classes, the network knows {}",
@@ -307,14 +338,14 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
   }
   notes.semantics = PriorJson{model.name, digest_of(store, model), {}};
   if (options.augment) notes.semantics->settings["augmented"] = "yes";
-  notes.kind = teacher.kind;
+  notes.kind = teacher->kind();
   PriorFill fill(scene, "segmentation_logits", false);
   Progress progress(options.progress, "semantics", scene.train.size());
   for (const int i : scene.train) {
     stop_if_requested();
     const View& view = scene.views[size_t(i)];
-    const TeacherMapSize size = teacher_map_size(teacher, view.camera.width, view.camera.height);
-    const nn::FeatureMap map = teacher_map(compute, teacher, rgb_of(view), size.width, size.height);
+    const TeacherMapSize size = teacher->map_size(view.camera.width, view.camera.height);
+    const nn::FeatureMap map = teacher->map(compute, rgb_of(view), size.width, size.height);
     std::vector<uint16_t> half(map.data.size());  // [classes][height][width]
     const int64_t places = map.places();
     for (int64_t p = 0; p < places; ++p) {

@@ -11,13 +11,28 @@
 
 namespace aligngs {
 
-struct SemanticTeacher {
-  std::unique_ptr<nn::SegmentationNetwork> network;
-  nn::SegmentationPlan plan;
-  SemanticKind kind = SemanticKind::kLogits;
+struct TeacherMapSize {
+  int width = 0, height = 0;
 };
 
-/// How a photo is shown to the network of a model.
+/// A network, and how it is shown a photo.
+class SemanticTeacher {
+ public:
+  virtual ~SemanticTeacher() = default;
+  virtual int64_t classes() const = 0;
+  /// What the numbers of map() are.
+  virtual SemanticKind kind() const = 0;
+  /// Values [height, width, classes] of a photo (RGB).
+  virtual nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const = 0;
+  /// Pixels of the short side of what the network is shown.
+  virtual int short_side() const = 0;
+
+  /// Size of the stored map: one value per 8 pixels of what the network is shown. Linear heads see patches of 14 or 16,
+  /// Mask2Former and EoMT decide at 1/4.
+  TeacherMapSize map_size(int photo_width, int photo_height) const;
+};
+
+/// How a photo is shown to the network of a model that slides windows of a plan over it.
 nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment);
 
 /// Memory for load_semantic_teacher() and the largest of `photos` (pixels). Reads the headers
@@ -29,20 +44,8 @@ void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const Pu
 /// Loads the network from the store. Error{kWeights} when its weights are missing. `augment`: of
 /// the multi-scale heads; `mask2former_heads`: of attention in Mask2Former's head, which its
 /// tensors do not tell; 0: as many as its deformable attention has.
-SemanticTeacher load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
-                                      const PublishedModel& model, bool augment,
-                                      int mask2former_heads = 0);
-
-/// Values [height, width, classes] of a photo (RGB): logits, scores, or with several ratios or
-/// mirrored the logarithm of the averaged probabilities (which softmax turns back into them).
-nn::FeatureMap teacher_map(nn::Compute& compute, const SemanticTeacher& teacher,
-                           const Image<uint8_t>& rgb, int width, int height);
-
-/// Size of the stored map: one value per 8 pixels of what the network is shown; linear heads see
-/// patches of 14, Mask2Former decides at 1/4.
-struct TeacherMapSize {
-  int width = 0, height = 0;
-};
-TeacherMapSize teacher_map_size(const SemanticTeacher& teacher, int photo_width, int photo_height);
+std::unique_ptr<SemanticTeacher> load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
+                                                       const PublishedModel& model, bool augment,
+                                                       int mask2former_heads = 0);
 
 }  // namespace aligngs

@@ -4,28 +4,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/image.h"
 #include "core/memory_budget.h"
 #include "core/progress.h"
 #include "nn/compute.h"
 #include "nn/preprocess/vggt_images.h"
 #include "nn/vggt.h"
 #include "priors/photo_folder.h"
-#include "scene/camera.h"
+#include "priors/predicted_view.h"
 
 namespace aligngs {
-
-struct VggtView {
-  Camera camera;      ///< at the size of the photo; the first view's pose is the identity
-  ImageF depth;       ///< scene units (arbitrary), aspect of the photo; 0: outside of the network's view
-  ImageF confidence;  ///< 1 (none) upwards, same size; 0 where depth is
-};
-
-struct VggtPredictionOptions {
-  /// All views get the median focal length: for photos of one camera without zoom.
-  bool shared_focal = false;
-  ProgressStyle progress;
-};
 
 /// The photos as the network is given them, and where each lies in its input.
 struct VggtInputs {
@@ -42,23 +29,8 @@ void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Preci
 
 /// Error{kFailed} when a predicted camera is impossible (a field of view of 0 or of half a turn and
 /// more, numbers that are not finite), naming the photo.
-std::vector<VggtView> predict_vggt_views(nn::Compute& compute, const nn::Vggt& network,
+std::vector<PredictedView> predict_vggt_views(nn::Compute& compute, const nn::Vggt& network,
                                          const std::vector<Photo>& photos, VggtInputs inputs,
-                                         const VggtPredictionOptions& options);
-
-/// The camera of a photo of width x height from the camera of the network's input.
-Camera camera_of_photo(const nn::VggtCamera& predicted, const nn::VggtPlacement& placement,
-                       int width, int height);
-
-/// The part of the network's map that shows the photo, resampled to the photo's aspect; its longer
-/// side is that of the part. Bilinear within a surface, the nearest value across a step of depth.
-struct PhotoMaps {
-  ImageF depth, confidence;
-};
-PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::VggtPlacement& placement, int width,
-                        int height);
-
-/// The value below which `percent` % of the positive values of all maps lie; 0 without any.
-float confidence_at(const std::vector<VggtView>& views, double percent);
+                                         const ViewPredictionOptions& options);
 
 }  // namespace aligngs

@@ -103,7 +103,7 @@ TEST(VggtPrediction, InvalidDepthStaysWithoutAValue) {
 }
 
 TEST(VggtPrediction, ConfidenceIsRankedOverAllViews) {
-  std::vector<VggtView> views(2);
+  std::vector<PredictedView> views(2);
   for (int v = 0; v < 2; ++v) {
     views[size_t(v)].confidence = ImageF(10, 5, 1);
     for (int i = 0; i < 50; ++i) views[size_t(v)].confidence.data[size_t(i)] = float(1 + 50 * v + i);

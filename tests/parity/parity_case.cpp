@@ -66,18 +66,22 @@ Case::Distance Case::distance(const std::string& name, const std::vector<float>&
 
 void Case::judge(const std::string& name, const std::vector<float>& values,
                  const std::vector<float>& reference, double limit) {
+  const Limits mode{mode_.max_limit, mode_.rms_limit};
+  judge(name, values, reference, limit >= 0 ? Limits{limit, limit} : mode);
+}
+
+void Case::judge(const std::string& name, const std::vector<float>& values,
+                 const std::vector<float>& reference, const Limits& limits) {
   if (values.size() != reference.size()) return fail(name, "another number of values");
   const auto [max_error, rms_error, different] = distance_of(values, reference);
   if (max_error >= worst_) {
     worst_ = max_error;
     worst_name_ = name;
   }
-  const double max_limit = limit >= 0 ? limit : mode_.max_limit;
-  const double rms_limit = limit >= 0 ? limit : mode_.rms_limit;
-  if (!(max_error <= max_limit) || !(rms_error <= rms_limit)) {
+  if (!(max_error <= limits.max) || !(rms_error <= limits.rms)) {
     char text[160];
     std::snprintf(text, sizeof text, "max %.2e (limit %.0e), rms %.2e (limit %.0e)", max_error,
-                  max_limit, rms_error, rms_limit);
+                  limits.max, rms_error, limits.rms);
     fail(name, text);
   }
 }
@@ -85,6 +89,13 @@ void Case::judge(const std::string& name, const std::vector<float>& values,
 void Case::compare(const std::string& name, const std::vector<float>& values, const Shape& shape) {
   std::vector<float> expected;
   if (reference(name, shape, expected)) judge(name, values, expected);
+}
+
+void Case::compare(const std::string& name, const std::vector<float>& values, const Shape& shape,
+                   const std::optional<Limits>& rounded) {
+  if (exact()) return compare(name, values, shape);
+  std::vector<float> expected;
+  if (reference(name, shape, expected) && rounded) judge(name, values, expected, *rounded);
 }
 
 void Case::compare_exactly(const std::string& name, const std::vector<float>& values,
@@ -149,6 +160,30 @@ nn::SlidingWindow sliding_window(const Json& config) {
     return {};
   const Json &crop = config.at("crop"), &stride = config.at("stride");
   return {crop.at(0), crop.at(1), stride.at(0), stride.at(1)};
+}
+
+Image<uint8_t> image_of(const FloatArray& a) {
+  Image<uint8_t> image(int(a.shape.at(1)), int(a.shape.at(0)), int(a.shape.at(2)));
+  for (size_t i = 0; i < a.data.size(); ++i) image.data[i] = uint8_t(a.data[i]);
+  return image;
+}
+
+Image<uint8_t> image_of_nchw(const FloatArray& a) {
+  const int channels = int(a.shape.at(1));
+  Image<uint8_t> image(int(a.shape.at(3)), int(a.shape.at(2)), channels);
+  for (size_t c = 0; c < size_t(channels); ++c) {
+    for (size_t p = 0; p < image.pixels(); ++p)
+      image.data[p * size_t(channels) + c] = uint8_t(a.data[c * image.pixels() + p]);
+  }
+  return image;
+}
+
+std::vector<float> nchw(const Image<uint8_t>& image) {
+  std::vector<float> out;
+  for (size_t c = 0; c < size_t(image.channels); ++c) {
+    for (size_t p = 0; p < image.pixels(); ++p) out.push_back(float(image.data[p * size_t(image.channels) + c]));
+  }
+  return out;
 }
 
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array) {

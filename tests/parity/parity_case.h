@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "core/image.h"
 #include "io/npy.h"
 #include "nn/compute.h"
 #include "nn/sliding_window.h"
@@ -44,9 +46,19 @@ class Case {
   FloatArray array(const std::string& name);  ///< name.npy, an input
   nn::Weights weights(const std::string& file) const { return nn::Weights::open(folder_ / file); }
 
+  /// How far values of one output may lie from the reference, where the limits of the mode do not fit.
+  struct Limits {
+    double max, rms;
+  };
+  bool exact() const { return mode_.options.precision == nn::Precision::kFloat32; }
+
   /// Compares with name.npy where it is there. Labels: the fraction that differs counts; exact:
   /// none may differ.
   void compare(const std::string& name, const std::vector<float>& values, const Shape& shape);
+  /// In float32 as above. In bfloat16 within `rounded`; none: only the shape counts, because rounding can move such an
+  /// output anywhere.
+  void compare(const std::string& name, const std::vector<float>& values, const Shape& shape,
+               const std::optional<Limits>& rounded);
   void compare_labels(const std::string& name, const std::vector<float>& labels,
                       const Shape& shape);
   void compare_exactly(const std::string& name, const std::vector<float>& values,
@@ -62,6 +74,8 @@ class Case {
   /// The comparison itself; `limit` < 0: those of the mode.
   void judge(const std::string& name, const std::vector<float>& values,
              const std::vector<float>& reference, double limit = -1);
+  void judge(const std::string& name, const std::vector<float>& values,
+             const std::vector<float>& reference, const Limits& limits);
   void fail(const std::string& name, const std::string& why);
 
   /// Values of one image, or scene, of several: joined with those collected before under that name
@@ -94,6 +108,11 @@ nn::VitOptions vit_options(const Json& config);
 /// The windows of a segmentation case; without sizes, or in mode "whole", the whole image.
 nn::SlidingWindow sliding_window(const Json& config);
 
+/// An image of 8 bits [height, width, channels].
+Image<uint8_t> image_of(const FloatArray& array);
+/// The same of a first image of [images, channels, height, width], and back.
+Image<uint8_t> image_of_nchw(const FloatArray& array);
+std::vector<float> nchw(const Image<uint8_t>& image);
 /// Values of an NCHW array as maps, one per image, and back.
 std::vector<nn::FeatureMap> maps_of(const FloatArray& array);
 std::vector<float> nchw(const std::vector<nn::FeatureMap>& maps);
@@ -113,5 +132,13 @@ void run_deformable_attention(Case& test, nn::Compute& compute);
 void run_ops(Case& test, nn::Compute& compute);
 void run_preprocess(Case& test, nn::Compute& compute);
 void run_loader(Case& test, nn::Compute& compute);
+void run_da3(Case& test, nn::Compute& compute);
+void run_da3_metric(Case& test, nn::Compute& compute);
+void run_da3_nested(Case& test, nn::Compute& compute);
+void run_da3_camera(Case& test, nn::Compute& compute);
+void run_da3_raypose(Case& test, nn::Compute& compute);
+void run_da3_preprocess(Case& test, nn::Compute& compute);
+void run_eomt(Case& test, nn::Compute& compute);
+void run_lingbot(Case& test, nn::Compute& compute);
 
 }  // namespace aligngs::parity

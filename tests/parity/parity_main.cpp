@@ -1,7 +1,7 @@
 // Runs every case of the parity data: outputs of the publishers' own programs, to be matched.
 // Each folder below that of the environment variable ALIGNGS_PARITY_DIR is a case. Without the
-// variable these are the cases that come with the sources, and those of ../shared/parity where it
-// is there. Exit status 0: all match, 1: something does not, or there is nothing to run, 77: there is
+// variable these are the cases that come with the sources, and those of ../shared/parity and
+// ../shared/parity_new where they are there. Exit status 0: all match, 1: something does not, or there is nothing to run, 77: there is
 // no device for modes that need one.
 #include <algorithm>
 #include <cstdio>
@@ -30,7 +30,15 @@ const std::map<std::string, Kind> kKinds = {{"dinov2_vit", {run_vit, true}},
                                             {"msdeform", {run_deformable_attention, true}},
                                             {"ops", {run_ops, true}},
                                             {"preprocess", {run_preprocess, false}},
-                                            {"loader", {run_loader, false}}};
+                                            {"loader", {run_loader, false}},
+                                            {"da3", {run_da3, true}},
+                                            {"da3_metric", {run_da3_metric, true}},
+                                            {"da3_nested", {run_da3_nested, true}},
+                                            {"da3_camera", {run_da3_camera, false}},
+                                            {"da3_raypose", {run_da3_raypose, false}},
+                                            {"da3_preprocess", {run_da3_preprocess, false}},
+                                            {"eomt", {run_eomt, true}},
+                                            {"lingbot_linear", {run_lingbot, true}}};
 
 bool run_case_in_all_modes(const fs::path& folder, ThreadPool& pool) {
   bool good = true;
@@ -81,9 +89,11 @@ int run() {
   if (const char* const variable = std::getenv("ALIGNGS_PARITY_DIR")) {
     roots = {fs::path(variable)};
   } else {
-    const fs::path sources = ALIGNGS_SOURCE_DIR, shared = sources / "../shared/parity";
+    const fs::path sources = ALIGNGS_SOURCE_DIR;
     roots = {sources / "tests/data/parity"};
-    if (fs::is_directory(shared)) roots.push_back(shared);
+    for (const char* const folder : {"../shared/parity", "../shared/parity_new"}) {
+      if (fs::is_directory(sources / folder)) roots.push_back(sources / folder);
+    }
   }
   ThreadPool pool;
   size_t count = 0;

@@ -10,12 +10,6 @@
 namespace aligngs::parity {
 namespace {
 
-Image<uint8_t> image_of(const FloatArray& a) {  // [height, width, channels]
-  Image<uint8_t> image(int(a.shape.at(1)), int(a.shape.at(0)), int(a.shape.at(2)));
-  for (size_t i = 0; i < a.data.size(); ++i) image.data[i] = uint8_t(a.data[i]);
-  return image;
-}
-
 /// Part of an axis as Python writes it, "start:stop:step"; what is left out counts as there.
 std::vector<int64_t> slice_of(const std::string& text, int64_t length) {
   std::array<int64_t, 3> part = {0, length, 1};

@@ -94,6 +94,16 @@ ResampleAxis area_axis(int64_t inputs, int64_t outputs) {
   return axis;
 }
 
+ResampleAxis part_of_axis(const ResampleAxis& axis, int64_t begin, int64_t count) {
+  const int64_t from = axis.first[size_t(begin)], to = axis.first[size_t(begin + count)];
+  ResampleAxis part;
+  part.inputs = axis.inputs;
+  for (int64_t i = begin; i <= begin + count; ++i) part.first.push_back(axis.first[size_t(i)] - from);
+  part.index.assign(axis.index.begin() + from, axis.index.begin() + to);
+  part.weight.assign(axis.weight.begin() + from, axis.weight.begin() + to);
+  return part;
+}
+
 FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& vertical,
                     const ResampleAxis& horizontal) {
   FeatureMap y(vertical.outputs(), horizontal.outputs(), x.channels);

@@ -30,6 +30,9 @@ ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs, double st
 /// Means over the inputs that output i covers in part or whole (mode area).
 ResampleAxis area_axis(int64_t inputs, int64_t outputs);
 
+/// Outputs [begin, begin + count) of an axis.
+ResampleAxis part_of_axis(const ResampleAxis& axis, int64_t begin, int64_t count);
+
 FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& vertical,
                     const ResampleAxis& horizontal);
 FeatureMap resize_bilinear_map(Compute& compute, const FeatureMap& x, int64_t height, int64_t width,

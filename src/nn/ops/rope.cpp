@@ -1,17 +1,31 @@
 #include "nn/ops/rope.h"
 
 #include <cmath>
+#include <utility>
 
 namespace aligngs::nn {
 
-Rope2d::Rope2d(int64_t head_dim, int64_t largest, double frequency) : quarter_(head_dim / 4) {
-  std::vector<float> cosines, sines;
+namespace {
+
+std::vector<double> integer_angles(int64_t quarter, int64_t largest, double frequency) {
+  std::vector<double> angles;
   for (int64_t p = 0; p <= largest; ++p) {
-    for (int64_t j = 0; j < quarter_; ++j) {
-      const double angle = double(p) * std::pow(frequency, -double(j) / double(quarter_));
-      cosines.push_back(float(std::cos(angle)));
-      sines.push_back(float(std::sin(angle)));
-    }
+    for (int64_t j = 0; j < quarter; ++j)
+      angles.push_back(double(p) * std::pow(frequency, -double(j) / double(quarter)));
+  }
+  return angles;
+}
+
+}  // namespace
+
+Rope2d::Rope2d(int64_t head_dim, int64_t largest, double frequency)
+    : Rope2d(head_dim, integer_angles(head_dim / 4, largest, frequency)) {}
+
+Rope2d::Rope2d(int64_t head_dim, const std::vector<double>& angles) : quarter_(head_dim / 4) {
+  std::vector<float> cosines, sines;
+  for (const double angle : angles) {
+    cosines.push_back(float(std::cos(angle)));
+    sines.push_back(float(std::sin(angle)));
   }
   cos_ = std::move(cosines);
   sin_ = std::move(sines);

@@ -19,14 +19,21 @@ double cubic(double t) {
   return 0;
 }
 
+double triangle(double t) { return std::max(1 - std::abs(t), 0.0); }
+
+struct Filter {
+  double (*weight)(double);
+  double reach;  ///< beyond it the weight is 0
+};
+
 struct Taps {
   int first = 0;
   std::vector<int64_t> weights;
 };
 
-std::vector<Taps> taps_of(int inputs, int outputs) {
+std::vector<Taps> taps_of(int inputs, int outputs, const Filter& filter) {
   const double scale = double(inputs) / outputs, widening = std::max(scale, 1.0);
-  const double support = 2 * widening;
+  const double support = filter.reach * widening;
   std::vector<Taps> all(static_cast<size_t>(outputs));
   for (int i = 0; i < outputs; ++i) {
     const double centre = (i + 0.5) * scale;
@@ -35,7 +42,7 @@ std::vector<Taps> taps_of(int inputs, int outputs) {
     std::vector<double> weights;
     double total = 0;
     for (int k = low; k < high; ++k) {
-      weights.push_back(cubic((k + 0.5 - centre) / widening));
+      weights.push_back(filter.weight((k + 0.5 - centre) / widening));
       total += weights.back();
     }
     Taps& taps = all[size_t(i)];
@@ -55,16 +62,14 @@ uint8_t mix(const uint8_t* from, size_t stride, const Taps& taps) {
   return uint8_t(std::clamp<int64_t>(sum >> kBits, 0, 255));
 }
 
-}  // namespace
-
-Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int height) {
+Image<uint8_t> resized(const Image<uint8_t>& image, int width, int height, const Filter& filter) {
   if (width <= 0 || height <= 0 || image.empty())
     throw Error({ErrorKind::kFailed, "resizing to or from nothing", {}, "size", ""});
   Image<uint8_t> wide = image;
   const int channels = image.channels;
   if (width != image.width) {
     wide = Image<uint8_t>(width, image.height, channels);
-    const std::vector<Taps> taps = taps_of(image.width, width);
+    const std::vector<Taps> taps = taps_of(image.width, width, filter);
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (int c = 0; c < channels; ++c) {
@@ -76,7 +81,7 @@ Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int
   }
   if (height == image.height) return wide;
   Image<uint8_t> out(width, height, channels);
-  const std::vector<Taps> taps = taps_of(image.height, height);
+  const std::vector<Taps> taps = taps_of(image.height, height, filter);
   const size_t line = size_t(width) * size_t(channels);
   for (int y = 0; y < height; ++y) {
     const uint8_t* from = wide.pixel(0, taps[size_t(y)].first);
@@ -84,6 +89,16 @@ Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int
     for (size_t i = 0; i < line; ++i) to[i] = mix(from + i, line, taps[size_t(y)]);
   }
   return out;
+}
+
+}  // namespace
+
+Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int height) {
+  return resized(image, width, height, {cubic, 2});
+}
+
+Image<uint8_t> pillow_resize_bilinear(const Image<uint8_t>& image, int width, int height) {
+  return resized(image, width, height, {triangle, 1});
 }
 
 Image<uint8_t> pillow_rgb_on_white(const Image<uint8_t>& image) {

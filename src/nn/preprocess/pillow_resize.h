@@ -1,4 +1,4 @@
-// Pillow's bicubic resize of 8-bit images, bit for bit.
+// Pillow's resizes of 8-bit images, bit for bit.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,8 @@ namespace aligngs::nn {
 /// Antialiased cubic (a = -0.5), weights in 22-bit fixed point, rounded to 8 bits between the
 /// horizontal and the vertical pass; a pass is left out where the size stays.
 Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int height);
+/// The same with a triangle in place of the cubic: BILINEAR, antialiased when shrinking.
+Image<uint8_t> pillow_resize_bilinear(const Image<uint8_t>& image, int width, int height);
 
 /// An RGBA image over a white background, as Image.alpha_composite and convert("RGB") do it; an RGB
 /// or grey image as RGB.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "nn/preprocess/image_placement.h"
 
 namespace aligngs::nn {
 
@@ -16,10 +17,7 @@ enum class VggtFit {
   kPad    ///< longer side 518, padded with white to 518 x 518
 };
 
-/// Where a photograph came to lie: u = x * scale_x + offset_x in pixels of the result.
-struct VggtPlacement {
-  double scale_x = 1, scale_y = 1, offset_x = 0, offset_y = 0;
-};
+using VggtPlacement = ImagePlacement;
 
 /// RGB of 8 bits. Grey and RGBA images are accepted (alpha over white).
 Image<uint8_t> vggt_image(const Image<uint8_t>& photo, VggtFit fit,
