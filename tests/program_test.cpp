@@ -17,8 +17,8 @@ using testing::HasSubstr;
 using testing_support::ProcessResult;
 using testing_support::run_aligngs;
 
-constexpr std::array<const char*, 21> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
-                                                   "eval", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench"};
+constexpr std::array<const char*, 23> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
+                                                   "eval", "room", "scale", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench"};
 
 class Program : public testing::Test {
  protected:

@@ -44,7 +44,7 @@ TEST_F(Unlabelled, EveryFormatIsExported) {
 }
 
 TEST_F(Unlabelled, OnlyTheLabelsThemselvesAndNamesAreRefused) {
-  for (const char* arguments : {"export RUN -f labels.ply", "edit RUN --select bed --delete"}) {
+  for (const char* arguments : {"export RUN -f labels.ply", "edit RUN --select bed --delete", "room RUN"}) {
     std::string command = arguments;
     command.replace(command.find("RUN"), 3, quoted(trained()));
     const ProcessResult result = aligngs(command);

@@ -47,6 +47,8 @@ void add_priors_command(CLI::App& program, CommandContext& context);
 void add_train_command(CLI::App& program, CommandContext& context);
 void add_render_command(CLI::App& program, CommandContext& context);
 void add_mesh_command(CLI::App& program, CommandContext& context);
+void add_room_command(CLI::App& program, CommandContext& context);
+void add_scale_command(CLI::App& program, CommandContext& context);
 void add_eval_command(CLI::App& program, CommandContext& context);
 void add_report_command(CLI::App& program, CommandContext& context);
 void add_compare_command(CLI::App& program, CommandContext& context);

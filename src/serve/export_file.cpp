@@ -1,6 +1,13 @@
 #include "serve/export_file.h"
 
+#include <algorithm>
+#include <optional>
+
+#include "core/error.h"
+#include "edit/export/aligned_room.h"
 #include "gaussians/instances.h"
+#include "room/plan/plan_files.h"
+#include "room/room_json.h"
 #include "serve/html_export.h"
 #include "train/run_folder.h"
 
@@ -10,6 +17,7 @@ const std::vector<std::string>& run_export_formats() {
   static const std::vector<std::string> formats = [] {
     std::vector<std::string> all = export_formats();
     all.push_back("html");
+    all.insert(all.end(), plan_formats().begin(), plan_formats().end());
     return all;
   }();
   return formats;
@@ -17,20 +25,41 @@ const std::vector<std::string>& run_export_formats() {
 
 namespace {
 
+bool is_plan(const std::string& format) { return std::find(plan_formats().begin(), plan_formats().end(), format) != plan_formats().end(); }
+
+/// RUN/room.json.
+std::optional<MeasuredRoom> room_of(const std::filesystem::path& run) {
+  const std::filesystem::path file = run / "room.json";
+  return std::filesystem::exists(file) ? std::optional(read_room(file)) : std::nullopt;
+}
+
 /// scene.ply and scene.labels.ply are the run's own.
 std::string default_name(const std::string& format, bool edited) {
+  if (is_plan(format)) return format;
   const bool own = format == "ply" || format == "labels.ply";
   return (edited ? "scene.edited." : own ? "scene.export." : "scene.") + format;
 }
 
 }  // namespace
 
-RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file, RoomParts parts) {
+RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file, RoomParts parts,
+                     bool keep_frame) {
   require_export_format(format, run_export_formats());
   RunExport out;
   out.edits = original ? 0 : session.stack().size();
   out.file = !file.empty() ? file : session.folder() / (default_name(format, out.edits > 0));
   RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
+  const bool moves = !keep_frame && format != "html";
+  const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
+  if (is_plan(format)) {
+    if (!measured) {
+      throw_bad_input(session.folder() / "room.json", "", "this run has no description of its room, of which a plan is drawn",
+                      "make it with: aligngs room " + session.folder().string());
+    }
+    write_plan(out.file, format, *measured);
+    out.report = {{out.file}, 0, measured->boxes.size()};
+    return out;
+  }
   const EditableRoom& room = original ? session.original() : session.room();
   if (format == "html") {
     HtmlSceneInfo info;
@@ -40,7 +69,8 @@ RunExport export_run(EditSession& session, const std::string& format, bool origi
     write_html(out.file, room, info);
     out.report = {{out.file}, room.gaussians.model.size(), list_instances(room.gaussians.model, room.gaussians.labels).size()};
   } else {
-    out.report = export_room(room, format, out.file, session.pool(), parts);
+    out.aligned = measured.has_value();
+    out.report = export_room(out.aligned ? aligned(room, measured->to_room) : room, format, out.file, session.pool(), parts);
   }
   return out;
 }

@@ -10,19 +10,21 @@
 
 namespace aligngs {
 
-/// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "html".
+/// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "html", "plan.svg", "plan.dxf", "plan.pdf".
 const std::vector<std::string>& run_export_formats();
 
 struct RunExport {
   std::filesystem::path file;
   ExportReport report;
   size_t edits = 0;  ///< of the run's stack that the file has
+  bool aligned = false;  ///< the file is in the room's own frame
 };
 
 /// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run
 /// (scene.export.ply and scene.export.labels.ply: those without "export" are the run's own), or scene.edited.<format> for an
-/// edited room. Error{kUsage} for a file of the run or its scene, and errors as export_room's.
+/// edited room, and RUN/<format> for a plan. Where the run has room.json, splats and meshes stand in the room's own frame (edit/export/aligned_room.h)
+/// unless `keep_frame`; the page of html keeps the cameras' frame. Error{kBadInput} for a plan without room.json. Error{kUsage} for a file of the run or its scene, and errors as export_room's.
 RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file,
-                     RoomParts parts = RoomParts::kAll);
+                     RoomParts parts = RoomParts::kAll, bool keep_frame = false);
 
 }  // namespace aligngs

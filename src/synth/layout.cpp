@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kReveal = 0.16;   // depth of a window niche, metres
 constexpr double kPane = 0.11;     // how far behind the wall the glass lies
+constexpr double kDoorFrame = 0.07;  // width of a door's frame; the upper one is above the opening
 
 /// The wall's surface around its windows, as rectangles that share the texture coordinates (s, z).
 void wall_surface(MeshBuilder& b, const RoomPlan& plan, int wall) {
@@ -78,7 +79,7 @@ void window(MeshBuilder& b, const RoomStyle& s, const WallOpening& o) {
 
 void door(MeshBuilder& b, const RoomStyle& s, const WallOpening& o) {
   Random& r = b.random();
-  const double frame = 0.07, leaf = 0.022;
+  const double frame = kDoorFrame, leaf = 0.022;
   b.begin("door");
   const Material wood = another(r.chance(0.5) ? s.second_wood : s.lacquer, r);
   b.use(wood);
@@ -137,6 +138,7 @@ void build_shell(MeshBuilder& b, const RoomStyle& s, const RoomPlan& plan) {
       if (!o.is_door) niche(b, s, o);
     }
     for (const WallOpening& o : plan.walls[wall].openings) {
+      b.room().openings.push_back({wall, o.s0, o.s1, o.z0, o.z1 + (o.is_door ? kDoorFrame : 0), o.is_door});
       if (o.is_door) door(b, s, o);
       else window(b, s, o);
     }

@@ -33,6 +33,13 @@ struct Footprint {
   double bottom = 0;  ///< > 0 for something that hangs: one can stand under it
 };
 
+/// A window's hole in a wall, or a door with its frame. Walls are numbered as in synth/layout.h; lengths along the wall and above the floor, metres.
+struct RoomOpening {
+  int wall = 0;
+  double left = 0, right = 0, bottom = 0, top = 0;
+  bool is_door = false;
+};
+
 /// Metres; the frame in which it is built has the floor at z = 0, z up and a corner at the origin.
 /// Triangles wind counter-clockwise seen from outside an object, or from inside the room.
 struct RoomModel {
@@ -48,6 +55,7 @@ struct RoomModel {
   std::vector<Material> materials;
   std::vector<AreaLight> lights;
   std::vector<Footprint> footprints;
+  std::vector<RoomOpening> openings;
   Rigidd room_to_world;  ///< identity until move_to_world
 
   /// Applies a rigid motion to geometry and lights, so that positions are world coordinates.

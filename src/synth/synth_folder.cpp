@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include "core/half.h"
+#include "room/room_json.h"
 #include "scene/scene_writer.h"
+#include "synth/room_truth.h"
 #include "synth/synth_scene.h"
 
 namespace aligngs {
@@ -81,7 +83,9 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.priors = priors_of(scene);
   parts.cloud = scene.cloud;
   parts.truth_mesh = scene.mesh;
-  writer.finish(parts);
+  writer.write(parts);
+  write_room(writer.folder() / "truth" / "room.json", room_truth(scene.room));
+  writer.commit();
 }
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {

@@ -7,6 +7,7 @@
 #include "cli/report/html_report.h"
 #include "cli/stages/eval_stage.h"
 #include "cli/stages/render_stage.h"
+#include "cli/stages/room_stage.h"
 #include "cli/summary.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -40,6 +41,17 @@ void stop_here_if_asked(const std::filesystem::path& run) {
   stop_if_requested();
 }
 
+/// room.json where the run has labels. A room that cannot be described is no reason to fail: everything else is there.
+void describe(OpenRun& run, const TrainOptions& options) {
+  if (!run.has_labels()) return;
+  try {
+    room_run(run, options.scene);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::kInterrupted) throw;
+    warn(options.run, std::string("there is no room.json: ") + error.what());
+  }
+}
+
 /// The stages after training; returns metrics.json.
 nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactory& make_tsdf_device) {
   const RunLock lock(options.run);
@@ -65,6 +77,9 @@ nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactor
   const nlohmann::json metrics = evaluate_run(run, eval);
   enter_stage(options.run, "report");
   write_report(options.run);
+
+  enter_stage(options.run, "room");
+  describe(run, options);
 
   RunRecord record = read_run_record(options.run / "run.json");
   record.stage = "done";

@@ -1,0 +1,150 @@
+#include "cli/stages/room_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/log.h"
+#include "edit/edit_session.h"
+#include "edit/export/object_meshes.h"
+#include "room/room_json.h"
+#include "train/rendered_view.h"
+#include "train/trained_run.h"
+#include "train/training_set.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kLongestSide = 640;       // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
+constexpr float kSolidOpacity = 0.3f;   // of a Gaussian whose centre is taken for a surface
+
+/// Of each object the mean probability of its class, by class and instance.
+double confidence_of(const LabelledGaussians& g, int label, int instance) {
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < g.labels.label.size(); ++i) {
+    if (g.labels.label[i] != label || g.labels.instance[i] != instance) continue;
+    sum += g.labels.confidence[i] / 255.0;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+ScaleSource scale_source_of(const Scene& scene) {
+  if (!scene.metric) return ScaleSource::kUnknown;
+  if (scene.prior_source == kSensorDepth) return ScaleSource::kSensor;
+  return scene.prior_source == "exact" ? ScaleSource::kTruth : ScaleSource::kNetwork;
+}
+
+PlaneView look(OpenRun& run, int view) {
+  Camera camera = run.working_camera(view);
+  const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
+  camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))), std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
+  RenderOptions options = run.render_options();
+  options.geometry = options.labels = true;
+  // The near plane of training, as for the mesh.
+  options.raster.near_plane = near_plane_of_view(run.scene, run.config, view);
+  return plane_view_of(camera, run.engine->render(camera, options));
+}
+
+}  // namespace
+
+std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool& pool) {
+  const std::vector<RoomClass> classes = room_classes(room.labels);
+  const LabelledGaussians& g = room.gaussians;
+  std::vector<ObjectPoints> out;
+  if (!g.has_labels()) return out;
+  const auto is_furniture = [&classes](int label) { return label >= 0 && static_cast<size_t>(label) < classes.size() && classes[static_cast<size_t>(label)].furniture; };
+  if (!room.mesh.empty() && !room.mesh.labels.empty()) {
+    for (const ObjectMesh& object : object_meshes(room, pool)) {
+      if (!is_furniture(object.label) || object.instance == 0) continue;
+      ObjectPoints points{object.class_name, object.instance, {}, confidence_of(g, object.label, object.instance)};
+      for (const Vec3f& p : object.mesh.vertices) points.points.push_back(p.cast<double>());
+      out.push_back(std::move(points));
+    }
+    return out;
+  }
+  for (const Instance& object : list_instances(g.model, g.labels)) {
+    if (!is_furniture(object.label)) continue;
+    ObjectPoints points{room.labels.classes[static_cast<size_t>(object.label)].name, object.number, {}, confidence_of(g, object.label, object.number)};
+    for (size_t i = 0; i < g.model.size(); ++i) {
+      if (g.labels.label[i] != object.label || g.labels.instance[i] != object.number || opacity_of(g.model, i) < kSolidOpacity) continue;
+      points.points.push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
+    }
+    out.push_back(std::move(points));
+  }
+  return out;
+}
+
+MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects) {
+  if (!run.has_labels()) {
+    throw_bad_input(run.folder, "labels", "this run was trained without semantics: walls cannot be told from furniture",
+                    "train a scene that has segmentation_logits/");
+  }
+  RoomInputs inputs;
+  for (const int view : run.scene.train) inputs.views.push_back(look(run, view));
+  inputs.labels = &run.scene.labels;
+  inputs.up = run.scene.up;
+  inputs.objects = std::move(objects);
+  if (run.scene.metric) inputs.metres_per_unit = 1;
+  inputs.scale_source = scale_source_of(run.scene);
+  return find_room(inputs, {}, *run.pool);
+}
+
+MeasuredRoom read_run_room(const std::filesystem::path& run) {
+  require_run_folder(run);
+  if (!std::filesystem::exists(run / "room.json")) {
+    throw_bad_input(run / "room.json", "", "this run has no description of its room", "make it with: aligngs room " + run.string());
+  }
+  return read_room(run / "room.json");
+}
+
+MeasuredRoom with_scale_of_scene(const MeasuredRoom& room, const std::filesystem::path& run) {
+  if (room.scale_source != ScaleSource::kGiven) throw_usage("the scale of this run was not given by hand", "there is nothing to take back");
+  const TrainedRun trained = read_trained_run(run, {}, CheckpointParts::kWithoutEngineArrays);
+  MeasuredRoom out = rescaled(room, 1 / room.to_room.scale);
+  out.metric = trained.scene.metric;
+  out.scale_source = scale_source_of(trained.scene);
+  return out;
+}
+
+MeasuredRoom room_run(OpenRun& run, const std::filesystem::path& scene) {
+  std::vector<ObjectPoints> objects;
+  if (run.has_labels()) {
+    EditSession session(run.folder, {scene, run.pool->size()});
+    objects = furniture_points(session.room(), session.pool());
+  }
+  MeasuredRoom room = describe_room(run, std::move(objects));
+  const std::filesystem::path file = run.folder / "room.json";
+  if (std::filesystem::exists(file)) {
+    const MeasuredRoom before = read_room(file);
+    if (before.scale_source == ScaleSource::kGiven) {
+      room = rescaled(std::move(room), before.to_room.scale / room.to_room.scale);
+      room.metric = true;
+      room.scale_source = ScaleSource::kGiven;
+    }
+  }
+  write_room(file, room);
+  for (const std::string& warning : room.warnings) log_warning("room: {}", warning);
+  return room;
+}
+
+std::string room_summary(const MeasuredRoom& room) {
+  const char* unit = room.metric ? "m" : "scene units";
+  const char* square = room.metric ? "m²" : "square scene units";
+  std::string lengths;
+  for (const MeasuredWall& wall : room.walls) lengths += fmt::format("{}{:.2f}{}", lengths.empty() ? "" : ", ", wall.length(), wall.assumed ? " (assumed)" : "");
+  std::string text = fmt::format("ceiling      {:.2f} {}\nfloor area   {:.2f} {}\nperimeter    {:.2f} {}\nwalls        {} {}\n", room.height, unit, room.area(), square,
+                                 room.perimeter(), unit, lengths, unit);
+  if (room.lowest < room.height) text += fmt::format("lowest       {:.2f} {}\n", room.lowest, unit);
+  for (size_t i = 0; i < room.openings.size(); ++i) {
+    const MeasuredOpening& o = room.openings[i];
+    text += fmt::format("{:<12} {:.2f} x {:.2f} {} at {:.2f} on {}\n", opening_name(room, i), o.right - o.left, o.top - o.bottom, unit, o.bottom,
+                        wall_name(static_cast<size_t>(o.wall)));
+  }
+  text += fmt::format("furniture    {} boxes\nscale        {}\n", room.boxes.size(), name_of(room.scale_source));
+  return text;
+}
+
+}  // namespace aligngs

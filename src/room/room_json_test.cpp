@@ -1,0 +1,81 @@
+#include "room/room_json.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/json_text.h"
+#include "room/sample_room_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+class RoomJson : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::remove(file_); }
+  /// What reading room.json says after `change` of its document.
+  template <class Change>
+  std::string error_after(Change&& change) {
+    nlohmann::ordered_json document = parse_ordered_json(room_json(sample_room::make()));
+    change(document);
+    write_file_atomically(file_, json_document(document));
+    try {
+      read_room(file_);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      return error.details().field;
+    }
+    return "no error";
+  }
+  std::filesystem::path file_ = std::filesystem::path(testing::TempDir()) / "aligngs_room.json";
+};
+
+TEST_F(RoomJson, WhatIsWrittenIsRead) {
+  const MeasuredRoom room = sample_room::make();
+  write_room(file_, room);
+  EXPECT_EQ(room_json(read_room(file_)), room_json(room));
+}
+
+TEST_F(RoomJson, ARoomWithoutUnitKeepsThatAndItsMatrix) {
+  MeasuredRoom room = rescaled(sample_room::make(), 0.25);
+  room.metric = false;
+  room.scale_source = ScaleSource::kUnknown;
+  write_room(file_, room);
+  const MeasuredRoom read = read_room(file_);
+  EXPECT_FALSE(read.metric);
+  EXPECT_NEAR(read.to_room.scale, 0.25, 1e-12);
+  const Vec3d p{3, -1, 2};
+  EXPECT_NEAR(norm(read.to_room * p - room.to_room * p), 0, 1e-12);
+}
+
+TEST_F(RoomJson, HolesAreDoorsAndWindowsAlone) {
+  const nlohmann::json document = parse_json(room_json(sample_room::make()));
+  EXPECT_EQ(document["walls"][0]["holes"].size(), 1u);
+  EXPECT_EQ(document["walls"][1]["holes"].size(), 1u);
+  EXPECT_EQ(document["walls"][2]["holes"].size(), 0u) << "a picture is no hole";
+}
+
+TEST_F(RoomJson, ErrorsNameTheField) {
+  EXPECT_EQ(error_after([](auto& d) { d.erase("schema"); }), "schema");
+  EXPECT_EQ(error_after([](auto& d) { d["schema"] = kRoomSchema + 1; }), "schema");
+  EXPECT_EQ(error_after([](auto& d) { d["walls"][0]["to"][0] = nullptr; }), "to");
+  EXPECT_EQ(error_after([](auto& d) { d["walls"][0]["to"] = {9, 9}; }), "walls");
+  EXPECT_EQ(error_after([](auto& d) { d["walls"].erase(1); d["walls"].erase(1); }), "walls");
+  EXPECT_EQ(error_after([](auto& d) { d["openings"][0]["wall"] = "wall.9"; }), "wall");
+  EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["size"] = "large"; }), "size");
+  EXPECT_EQ(error_after([](auto& d) { d["scale"]["source"] = "guess"; }), "source");
+  EXPECT_EQ(error_after([](auto& d) { d["frame"]["world_to_room"][0] = {0, 0, 0, 0}; }), "world_to_room");
+}
+
+TEST_F(RoomJson, AFileThatIsNoJsonIsAnError) {
+  write_file_atomically(file_, "walls");
+  EXPECT_THROW(read_room(file_), Error);
+  std::filesystem::remove(file_);
+  EXPECT_THROW(read_room(file_), Error);
+}
+
+}  // namespace
+}  // namespace aligngs

@@ -1,0 +1,20 @@
+// The scale of a room from a length that the user knows.
+#pragma once
+
+#include <string>
+
+#include "room/measured_room.h"
+
+namespace aligngs {
+
+enum class KnownSide { kWidth, kHeight, kDepth, kLength };
+
+/// The measured length of a side of what has that name: "door.1", "door" where there is only one, "wall.2" (length and height), "ceiling" (height),
+/// "sofa.1". Error{kUsage} with the names that there are for a name that is unknown or that several things have, and for a side that it has not.
+double measured_side(const MeasuredRoom& room, const std::string& name, KnownSide side);
+
+/// The room with lengths such that `measured` becomes `metres`. Error{kUsage} unless both are positive and finite, and the scale changes by less than a
+/// factor of a million.
+MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres);
+
+}  // namespace aligngs
