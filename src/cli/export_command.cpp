@@ -26,7 +26,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                                          "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json."}));
   struct Options {
     std::string run, scene, format, output, only;
-    bool original = false, keep_frame = false;
+    bool original = false, keep_frame = false, original_coordinates = false;
   };
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
@@ -36,6 +36,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   command->add_option("--only", options->only, "glb: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
   command->add_flag("--original", options->original, "leave out the edits of the run");
   command->add_flag("--keep-frame", options->keep_frame, "leave coordinates as they are (default: as room.json has them, if the run has it)");
+  command->add_flag("--original-coordinates", options->original_coordinates, "coordinates of the files that the scene was imported from")->excludes("--keep-frame");
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
     require_export_format(options->format, run_export_formats());
@@ -44,7 +45,10 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
     EditSession session(options->run, {options->scene, context.global.threads});
-    const RunExport made = export_run(session, options->format, options->original, options->output, parts, options->keep_frame);
+    const RunExport made = export_run(session, options->format, options->original, options->output, parts,
+                                      options->original_coordinates ? ExportCoordinates::kOriginal
+                                      : options->keep_frame         ? ExportCoordinates::kScene
+                                                                    : ExportCoordinates::kRoom);
     const ExportReport& report = made.report;
     const std::filesystem::path& file = made.file;
     const uint64_t bytes = std::filesystem::file_size(report.files.front());

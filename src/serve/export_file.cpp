@@ -5,9 +5,11 @@
 
 #include "core/error.h"
 #include "edit/export/aligned_room.h"
+#include "edit/export/moved_room.h"
 #include "gaussians/instances.h"
 #include "room/plan/plan_files.h"
 #include "room/room_json.h"
+#include "scene/scene_json.h"
 #include "serve/html_export.h"
 #include "train/run_folder.h"
 
@@ -43,13 +45,13 @@ std::string default_name(const std::string& format, bool edited) {
 }  // namespace
 
 RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file, RoomParts parts,
-                     bool keep_frame) {
+                     ExportCoordinates coordinates) {
   require_export_format(format, run_export_formats());
   RunExport out;
   out.edits = original ? 0 : session.stack().size();
   out.file = !file.empty() ? file : session.folder() / (default_name(format, out.edits > 0));
   RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
-  const bool moves = !keep_frame && format != "html";
+  const bool moves = coordinates == ExportCoordinates::kRoom && format != "html";
   const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {
     if (!measured) {
@@ -70,7 +72,11 @@ RunExport export_run(EditSession& session, const std::string& format, bool origi
     out.report = {{out.file}, room.gaussians.model.size(), list_instances(room.gaussians.model, room.gaussians.labels).size()};
   } else {
     out.aligned = measured.has_value();
-    out.report = export_room(out.aligned ? aligned(room, measured->to_room) : room, format, out.file, session.pool(), parts);
+    const std::filesystem::path scene_json = session.scene().folder / "scene.json";
+    const std::optional<Similarity> original_world =
+        coordinates == ExportCoordinates::kOriginal ? read_scene_json(scene_json).to_original : std::nullopt;
+    const EditableRoom& placed = out.aligned ? aligned(room, measured->to_room) : original_world ? in_original_coordinates(room, *original_world, scene_json) : room;
+    out.report = export_room(placed, format, out.file, session.pool(), parts);
   }
   return out;
 }

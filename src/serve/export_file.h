@@ -13,6 +13,13 @@ namespace aligngs {
 /// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "html", "plan.svg", "plan.dxf", "plan.pdf".
 const std::vector<std::string>& run_export_formats();
 
+/// The world of an exported room.
+enum class ExportCoordinates {
+  kRoom,      ///< of room.json if the run has one, else the scene's
+  kScene,     ///< the scene's own
+  kOriginal,  ///< of the files that the scene was imported from: to_original of scene.json, else the scene's own
+};
+
 struct RunExport {
   std::filesystem::path file;
   ExportReport report;
@@ -23,8 +30,9 @@ struct RunExport {
 /// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run
 /// (scene.export.ply and scene.export.labels.ply: those without "export" are the run's own), or scene.edited.<format> for an
 /// edited room, and RUN/<format> for a plan. Where the run has room.json, splats and meshes stand in the room's own frame (edit/export/aligned_room.h)
-/// unless `keep_frame`; the page of html keeps the cameras' frame. Error{kBadInput} for a plan without room.json. Error{kUsage} for a file of the run or its scene, and errors as export_room's.
+/// unless `coordinates` asks for others; the page of html keeps the cameras' frame. Error{kBadInput} for a plan without room.json, and for original
+/// coordinates that the files cannot hold (in_original_coordinates). Error{kUsage} for a file of the run or its scene, and errors as export_room's.
 RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file,
-                     RoomParts parts = RoomParts::kAll, bool keep_frame = false);
+                     RoomParts parts = RoomParts::kAll, ExportCoordinates coordinates = ExportCoordinates::kRoom);
 
 }  // namespace aligngs

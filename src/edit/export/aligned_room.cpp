@@ -1,8 +1,6 @@
 #include "edit/export/aligned_room.h"
 
-#include <cmath>
-
-#include "edit/export/upright.h"
+#include "edit/export/moved_room.h"
 
 namespace aligngs {
 
@@ -12,18 +10,7 @@ Similarity export_frame(const Similarity& to_room) {
 }
 
 EditableRoom aligned(const EditableRoom& room, const Similarity& to_room) {
-  const Similarity frame = export_frame(to_room);
-  EditableRoom out = room;
-  GaussianModel& model = out.gaussians.model;
-  model = rotated(room.gaussians.model, frame.rotation);
-  const float grown = static_cast<float>(std::log(frame.scale));
-  for (size_t i = 0; i < model.positions.size(); ++i) {
-    model.positions[i] = static_cast<float>(frame.scale * static_cast<double>(model.positions[i]) + frame.translation[static_cast<int>(i % 3)]);
-  }
-  for (float& s : model.log_scales) s += grown;
-  out.gaussians.extent *= frame.scale;
-  for (Vec3f& v : out.mesh.vertices) v = (frame * v.cast<double>()).cast<float>();
-  for (Vec3f& n : out.mesh.normals) n = (frame.rotation * n.cast<double>()).cast<float>();
+  EditableRoom out = moved(room, export_frame(to_room));
   out.up = Vec3d{0, -1, 0};
   return out;
 }

@@ -1,0 +1,58 @@
+#include "edit/export/moved_room.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "edit/export/upright.h"
+
+namespace aligngs {
+
+namespace {
+
+/// Diagonal of the box around the Gaussians.
+double size_of(const GaussianModel& model) {
+  Vec3d low, high;
+  for (size_t i = 0; i < model.positions.size(); ++i) {
+    const int axis = static_cast<int>(i % 3);
+    const double p = model.positions[i];
+    low[axis] = i < 3 ? p : std::min(low[axis], p);
+    high[axis] = i < 3 ? p : std::max(high[axis], p);
+  }
+  return norm(high - low);
+}
+
+}  // namespace
+
+EditableRoom moved(const EditableRoom& room, const Similarity& to) {
+  EditableRoom out = room;
+  GaussianModel& model = out.gaussians.model;
+  model = rotated(room.gaussians.model, to.rotation);
+  const float grown = static_cast<float>(std::log(to.scale));
+  for (size_t i = 0; i < model.positions.size(); ++i) {
+    model.positions[i] = static_cast<float>(to.scale * static_cast<double>(model.positions[i]) + to.translation[static_cast<int>(i % 3)]);
+  }
+  for (float& s : model.log_scales) s += grown;
+  out.gaussians.extent *= to.scale;
+  for (Vec3f& v : out.mesh.vertices) v = (to * v.cast<double>()).cast<float>();
+  for (Vec3f& n : out.mesh.normals) n = (to.rotation * n.cast<double>()).cast<float>();
+  if (out.up) out.up = to.rotation * *out.up;
+  return out;
+}
+
+EditableRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original, const std::filesystem::path& scene_json) {
+  constexpr double kLargestShare = 1e-4;  // of the room: half a millimetre in a room of five metres
+  const Vec3d& t = to_original.translation;
+  const double largest = std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)});
+  const double spacing = largest * std::numeric_limits<float>::epsilon(), size = to_original.scale * size_of(room.gaussians.model);
+  if (spacing > kLargestShare * size) {
+    throw_bad_input(scene_json, "to_original", fmt::format("coordinates near {:.4g} do not fit the files' 32-bit floats: points would move by {:.2g}", largest, spacing),
+                    "export without --original-coordinates, and apply to_original of scene.json in the other program");
+  }
+  return moved(room, to_original);
+}
+
+}  // namespace aligngs
