@@ -13,14 +13,14 @@ Similarity similarity(double scale, const Vec3d& translation) { return {scale, M
 TEST(MovedRoom, OriginalCoordinatesUndoTheMoveOfAnImport) {
   ThreadPool pool(2);
   const EditableRoom room = small_room::make(pool);
-  const EditableRoom out = in_original_coordinates(room, similarity(0.001, {0.5, -2, 3}), "scene.json");
+  const EditableRoom out = in_original_coordinates(room, similarity(0.001, {0.05, -0.2, 0.3}), "scene.json");
   const float *a = room.gaussians.model.positions.data(), *b = out.gaussians.model.positions.data();
-  EXPECT_NEAR(b[0], 0.001 * a[0] + 0.5, 1e-6);
-  EXPECT_NEAR(b[1], 0.001 * a[1] - 2, 1e-6);
-  EXPECT_NEAR(b[2], 0.001 * a[2] + 3, 1e-6);
+  EXPECT_NEAR(b[0], 0.001 * a[0] + 0.05, 1e-6);
+  EXPECT_NEAR(b[1], 0.001 * a[1] - 0.2, 1e-6);
+  EXPECT_NEAR(b[2], 0.001 * a[2] + 0.3, 1e-6);
   EXPECT_NEAR(out.gaussians.model.log_scales[0] - room.gaussians.model.log_scales[0], std::log(0.001), 1e-5);
   ASSERT_FALSE(room.mesh.vertices.empty());
-  EXPECT_NEAR(out.mesh.vertices[0].y, 0.001 * room.mesh.vertices[0].y - 2, 1e-6);
+  EXPECT_NEAR(out.mesh.vertices[0].y, 0.001 * room.mesh.vertices[0].y - 0.2, 1e-6);
 }
 
 TEST(MovedRoom, MapCoordinatesDoNotFitTheFiles) {
