@@ -107,7 +107,8 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   prepare.paper = config.loss.paper_normals;
   const LossConfig& loss = config.loss;
   prepare.prior_normals = use.depth == PriorDepthKind::kMetric && loss.prior_normal + loss.crease > 0;
-  prepare.semantic_weights = config.semantic.coupling == "bounded" && config.semantic.coupling_strength > 0;
+  // The control of the bounded coupling pushes as much and where it does, so it has the same omega.
+  prepare.semantic_weights = is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
   const LoadOptions load = load_options(config, use);
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
