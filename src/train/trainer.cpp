@@ -21,7 +21,6 @@
 namespace aligngs {
 namespace {
 
-constexpr float kResetOpacity = 0.01f;   // 3DGS opacity reset
 constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
 constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
 constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
