@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -283,8 +284,29 @@ TEST_F(FromPhotos, AnUnknownNetworkIsAUsageError) {
 TEST_F(FromPhotos, TheBestInstalledTeacherIsChosen) {
   const ModelStore store(store_options);
   EXPECT_EQ(installed_semantic_model(store), nullptr);
+  EXPECT_EQ(installed_depth_model(store), nullptr);
   install_linear();
-  EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-linear-s");
+  EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-ms-s");
+  EXPECT_EQ(installed_depth_model(store)->name, "nyu-linear4-s");
+  install_vggt();
+  EXPECT_EQ(installed_depth_model(store)->name, "vggt-1b");
+}
+
+TEST_F(FromPhotos, AutoPicksAnyNetworkThatIsTheOnlyOne) {
+  const auto picked = [&](const PublishedModel& model, const auto& choose) {
+    fs::remove_all(store_options.folder);
+    const ModelStore store(store_options);
+    for (const PublishedModel* part : with_needs(model)) {
+      for (const ModelFile& file : part->files) {
+        fs::create_directories(store.own_path(*part, file).parent_path());
+        std::ofstream(store.own_path(*part, file)) << "weights";
+      }
+    }
+    const PublishedModel* chosen = choose(store);
+    return chosen ? chosen->name : "none";
+  };
+  for (const std::string& word : semantic_choices()) EXPECT_EQ(picked(semantic_model(word), installed_semantic_model), semantic_model(word).name);
+  for (const std::string& word : depth_choices()) EXPECT_EQ(picked(depth_model(word), installed_depth_model), depth_model(word).name);
 }
 
 }  // namespace

@@ -246,11 +246,28 @@ const PublishedModel& depth_model(const std::string& choice) {
   return sized_model(choice, "linear", "nyu-linear4");
 }
 
+const std::vector<std::string>& semantic_choices() {
+  static const std::vector<std::string> words = {"m2f",  "ms-g",     "linear-g", "ms-l",    "linear-l",
+                                                 "ms-b", "linear-b", "ms-s",     "linear-s"};
+  return words;
+}
+
+const std::vector<std::string>& depth_choices() {
+  static const std::vector<std::string> words = {"vggt",     "vggt-commercial", "dpt-g",    "linear-g", "dpt-l",
+                                                 "linear-l", "dpt-b",           "linear-b", "dpt-s",    "linear-s"};
+  return words;
+}
+
 const PublishedModel* installed_semantic_model(const ModelStore& store) {
-  for (const char* const name : {"ade20k-m2f", "ade20k-linear-g", "ade20k-linear-l",
-                                 "ade20k-linear-b", "ade20k-linear-s"}) {
-    const PublishedModel& model = published_model(name);
-    if (store.installed(model)) return &model;
+  for (const std::string& word : semantic_choices()) {
+    if (const PublishedModel& model = semantic_model(word); store.installed(model)) return &model;
+  }
+  return nullptr;
+}
+
+const PublishedModel* installed_depth_model(const ModelStore& store) {
+  for (const std::string& word : depth_choices()) {
+    if (const PublishedModel& model = depth_model(word); store.installed(model)) return &model;
   }
   return nullptr;
 }
