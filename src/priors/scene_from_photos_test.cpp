@@ -107,10 +107,12 @@ TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
   EXPECT_TRUE(scene.has_prior_depth());
   EXPECT_TRUE(scene.cloud.has_normals());
   EXPECT_EQ(scene.prior_source, "vggt-1b");
+  EXPECT_EQ(read_priors_json(folder / "scene" / "priors.json").depth_scale, DepthScale::kScene);
   for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
   const Rigidd& first = scene.views[0].camera.world_to_camera;
   EXPECT_NEAR(norm(first.translation), 0, 1e-9);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+  EXPECT_EQ(open_scene(folder / "scene").depth_scale, DepthScale::kOwn);
 }
 
 TEST_F(FromPhotos, PhotosOfAnySizeAndOrientationGoTogether) {
@@ -238,6 +240,7 @@ TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
   const PriorsJson notes = read_priors_json(folder / "scene" / "priors.json");
   constexpr size_t kDigest = 64;
   EXPECT_EQ(notes.depth->weights.size(), 2 * kDigest + 1) << "of backbone and head";
+  EXPECT_EQ(notes.depth_scale, DepthScale::kMetres);
   const ViewData data = load_view(scene, 0);
   for (const float z : data.prior_depth.data) EXPECT_TRUE(z > 0 && z <= 10);
   EXPECT_FALSE(fs::exists(folder / "scene" / "pred_confidence")) << "was that of VGGT's depth";
@@ -252,6 +255,7 @@ TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
       fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
   EXPECT_EQ(report.written, 3u);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+  EXPECT_EQ(open_scene(folder / "scene").depth_scale, DepthScale::kOwn);
 }
 
 TEST_F(FromPhotos, NetworksThatDoNotFitInMemoryAreRefusedBeforeAnythingIsReplaced) {

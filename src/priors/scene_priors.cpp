@@ -99,7 +99,7 @@ class PriorFill {
   /// Until the last step priors.json does not say what made the maps, so that those of an end in between are of unknown origin.
   void finish(std::optional<PriorJson> PriorsJson::*entry, const PriorsJson& notes) {
     PriorsJson unknown = notes;
-    unknown.*entry = std::nullopt;
+    unknown.*entry = std::nullopt;  // and with it its scale or kind
     stop_if_requested();
     const StopDeferral until_done;
     write_priors_json(scene_.folder / "priors.json", unknown);
@@ -287,7 +287,7 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
   const bool vggt = begins(model.name, "vggt");
   notes.depth = PriorJson{model.name, "", {}};
   if (vggt) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
-  notes.depth->settings["units"] = vggt ? "arbitrary" : "metres";
+  notes.depth_scale = vggt ? DepthScale::kOwn : DepthScale::kMetres;
   if (vggt) fill_with_vggt(scene, store, model, notes, options, pool, report);
   else fill_with_depther(scene, store, model, notes, options, pool, report);
   return report;

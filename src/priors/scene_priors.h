@@ -47,7 +47,7 @@ const PublishedModel* installed_semantic_model(const ModelStore& store);
 const PublishedModel* installed_depth_model(const ModelStore& store);
 
 /// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
-/// scale, which training aligns per view; that of the others is in metres.
+/// scale (DepthScale::kOwn); that of the others is in metres. Training lays both on the scene.
 /// Error{kUsage} when other priors are there and overwrite is not set.
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store,
                              const PublishedModel& model, const ScenePriorsOptions& options);

@@ -14,8 +14,8 @@ namespace aligngs {
 /// Use of pred_depths/.
 enum class PriorDepthKind {
   kNone,
-  kMetric,   ///< one scale in all views: start, L_z, prior normals, free space
-  kRelative  ///< monocular: only its correlation with the rendered depth (L_d)
+  kMetric,   ///< in scene units, as made or as placed (scene/depth_placement.h): start, L_z, prior normals, free space
+  kRelative  ///< only its correlation with the rendered depth (L_d)
 };
 
 /// Facts about the scene and the start for the schedule.

@@ -181,7 +181,7 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
   }
   if (schedule_.raises_scales(iteration)) raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
   if (schedule_.aligns_prior_depth(iteration)) {
-    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
+    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.free_scales, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
   }
   if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
   if (schedule_.closes_room(iteration)) close_room_now(iteration, events);

@@ -39,15 +39,15 @@ Scene scene_with(const std::string& depth_source) {
   return scene;
 }
 
-TEST(TrainingSet, PriorKindFollowsItsSource) {
-  const TrainConfig config = make_preset(Preset::kDefault);
+TEST(TrainingSet, UseOfPriorDepthFollowsTheSetting) {
   Scene scene = scene_with("simulated");
-  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kMetric);
-  scene.prior_source = "DINOv2 DPT head, NYU";
-  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kRelative);
-  TrainConfig told = config;
-  told.data.prior_depth = "metric";
+  TrainConfig told = make_preset(Preset::kDefault);
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kMetric);
+  told.data.prior_depth = "relative";
+  EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kRelative);
+  told.data.prior_depth = "metric";
+  scene.depth_scale = DepthScale::kPerView;  // by its name alone
+  EXPECT_EQ(decide_prior_use(scene, told).placement.count(PlacedBy::kCameras), scene.train.size());
   told.data.prior_depth = "none";
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kNone);
   EXPECT_TRUE(decide_prior_use(scene, told).warnings.empty());  // it was asked for
