@@ -112,7 +112,6 @@ TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
   const Rigidd& first = scene.views[0].camera.world_to_camera;
   EXPECT_NEAR(norm(first.translation), 0, 1e-9);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
-  EXPECT_EQ(open_scene(folder / "scene").depth_scale, DepthScale::kOwn);
 }
 
 TEST_F(FromPhotos, PhotosOfAnySizeAndOrientationGoTogether) {
