@@ -231,6 +231,14 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
   write_file_atomically(file, json_document(json));
 }
 
+/// Depth of test views is not read, so that it would keep a scale that the scene no longer states.
+void remove_test_depth(const Scene& scene, const fs::path& folder) {
+  for (const int v : scene.test) {
+    const fs::path& map = scene.views[static_cast<size_t>(v)].prior_depth;
+    if (!map.empty()) fs::remove(folder / "pred_depths" / map.filename());
+  }
+}
+
 /// The corrected depth is in scene units, whatever it was before.
 void note_scene_depth(const fs::path& folder) {
   PriorsJson priors = read_priors_json(folder / "priors.json");
@@ -308,7 +316,10 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
     write_depth(scene, scene.train[i], placement.views[i].factor, log_factors[i], folder);
   }
-  if (options.correct_depth) note_scene_depth(folder);
+  if (options.correct_depth) {
+    if (placement.scale != DepthScale::kScene) remove_test_depth(scene, folder);
+    note_scene_depth(folder);
+  }
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);
   mark_as_own(folder);
