@@ -3,10 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/median.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
+#include "io/npy.h"
 #include "refine/bundle_adjustment.h"
 #include "scene/scene.h"
+#include "scene/scene_json.h"
 #include "support/process.h"
 #include "support/small_scene.h"
 
@@ -50,6 +53,33 @@ TEST_F(RefineCommand, ASceneThatStandsThereIsNotReplacedUnasked) {
   ASSERT_EQ(refine("").status, 0);
   EXPECT_EQ(refine("").status, 2);
   EXPECT_EQ(refine("--overwrite").status, 0);
+}
+
+/// The median of the positive values of a view's pred_depths/.
+double median_depth(const fs::path& scene, const std::string& view) {
+  std::vector<double> depths;
+  for (const float z : read_npy(scene / "pred_depths" / (view + ".npy")).data) {
+    if (z > 0) depths.push_back(static_cast<double>(z));
+  }
+  return median_of(depths);
+}
+
+TEST_F(RefineCommand, DepthOfAnotherScaleComesOutInTheUnitsOfTheScene) {
+  const fs::path scene = root() / "scene";
+  const std::string view = open_scene(scene).views[static_cast<size_t>(open_scene(scene).train[0])].name;
+  const double before = median_depth(scene, view);
+  for (const auto& entry : fs::directory_iterator(scene / "pred_depths")) {
+    FloatArray depth = read_npy(entry.path());
+    for (float& z : depth.data) z *= 2.7f;
+    write_npy_float32(entry.path(), depth.shape, depth.data.data());
+  }
+  PriorsJson priors = read_priors_json(scene / "priors.json");
+  priors.depth_scale = DepthScale::kOwn;
+  write_priors_json(scene / "priors.json", priors);
+  const ProcessResult result = refine("");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(open_scene(root() / "refined").depth_scale, DepthScale::kScene);
+  EXPECT_NEAR(median_depth(root() / "refined", view) / before, 1, 0.1);
 }
 
 TEST_F(RefineCommand, WithoutPriorDepthItIsMeasured) {

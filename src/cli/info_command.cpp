@@ -23,6 +23,7 @@
 #include "io/weight_file.h"
 #include "priors/model_registry.h"
 #include "scene/scene.h"
+#include "scene/scene_json.h"
 
 namespace aligngs {
 
@@ -156,7 +157,7 @@ Json info_of_scene(const fs::path& folder) {
           {"up", scene.up ? Json{scene.up->x, scene.up->y, scene.up->z} : Json(nullptr)},
           {"axes", "camera: x right, y down, z forward; poses world to camera"},
           {"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()}, {"image_sizes", sizes},
-          {"points", scene.cloud.size()}, {"prior_depth", scene.has_prior_depth()}, {"prior_source", scene.prior_source},
+          {"points", scene.cloud.size()}, {"prior_depth", scene.has_prior_depth()}, {"prior_source", scene.prior_source}, {"prior_scale", scene.has_prior_depth() ? name_of(scene.depth_scale) : ""},
           {"semantics", scene.has_semantics()}, {"classes", scene.labels.size()}, {"extent", robust_extent(scene)},
           {"truth_mesh", !scene.truth_mesh.empty()}, {"fingerprint", scene_fingerprint(scene)}};
 }

@@ -52,11 +52,7 @@ void run_priors(const CommandContext& context, Options& options) {
   const PublishedModel* depth = nullptr;
   const PublishedModel* semantics = nullptr;
   if (options.depth == "auto") {
-    if (!scene.has_prior_depth()) {
-      for (const char* const name : {"vggt-1b", "vggt-1b-commercial", "da3-base", "da3-small", "nyu-dpt-l", "nyu-dpt-b", "nyu-dpt-s"}) {
-        if (!depth && store.installed(published_model(name))) depth = &published_model(name);
-      }
-    }
+    if (!scene.has_prior_depth()) depth = installed_depth_model(store);
   } else if (options.depth != "none") {
     depth = &depth_model(options.depth);
     store.require(*depth);
@@ -108,10 +104,10 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene folder")->required();
   command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, if aligngs wrote it)")->group("Output folder");
-  command->add_option("--depth", options->depth, "vggt, vggt-commercial, da3-small|base (in the units of the cameras), dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the installed one)")
+  command->add_option("--depth", options->depth, words_in_help(depth_choices()) + ", none, or auto (the first of these that is installed)")
       ->capture_default_str()->group("Networks");
   command->add_option("--semantics", options->semantics,
-                      "m2f (the method's), eomt-l, eomt-l-panoptic, linear-s|b|l|g (light), lingbot-s (light), ms-s|b|l|g, none, or auto (the best installed)")->capture_default_str()->group("Networks");
+                      words_in_help(semantic_choices()) + ", none, or auto (the first of these that is installed); m2f is the method's, linear and lingbot are light")->capture_default_str()->group("Networks");
   command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")->group("Networks");
   command->add_option("--m2f-heads", options->fill.mask2former_heads,
                       "m2f: number of attention heads, for files without 4 sampling points (default: from the tensors)")

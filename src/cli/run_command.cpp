@@ -58,12 +58,14 @@ struct MissingPriors {
 };
 
 /// Missing priors that installed weights can fill; reports what stays empty and how to change that.
-MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options) {
+/// Depth that a run can measure in the photos is not left to networks that see one photo at a time.
+MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, const RunCommandOptions& options, const TrainConfig& config) {
   const Scene scene = open_scene(folder);
   MissingPriors missing;
   if (options.depth != "none" && !scene.has_prior_depth()) {
     if (options.depth != "auto") missing.depth = &depth_model(options.depth);
     else if (const PublishedModel& model = published_model(poses_model(options.photos)); store.installed(model)) missing.depth = &model;
+    else if (!should_measure(folder, config)) missing.depth = installed_depth_model(store);
   }
   if (options.semantics != "none" && !scene.has_semantics()) {
     missing.semantics = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
@@ -123,7 +125,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   // Served before all that takes long. Which scene a new run gets follows from that; its run.json says it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, begun ? scene : fs::path(), train.threads);
   if (!begun && !photos) {
-    if (const MissingPriors missing = missing_priors(source, store, options); missing.any()) {
+    if (const MissingPriors missing = missing_priors(source, store, options, config); missing.any()) {
       write_scene_copy(source, own, true);
       basis = scene = own;
       fill_priors(own, missing, store, options, context);
@@ -141,7 +143,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     fs::create_directories(run);
     const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
     log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
-    fill_priors(scene, missing_priors(scene, store, options), store, options, context);
+    fill_priors(scene, missing_priors(scene, store, options, config), store, options, context);
     if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
     refine = should_refine(scene, config);
   }
@@ -169,10 +171,11 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   command->add_option("source", options->source, "folder of photos, or a scene folder")->required();
   command->add_option("-o,--output", train->output, "run folder; a scene made of photos is in its scene/")->required()->group("Output folder");
   command->add_option("--semantics", options->semantics,
-                      "class priors, if the scene has none: m2f, eomt-l, eomt-l-panoptic, linear-s|b|l|g, lingbot-s, ms-s|b|l|g, none, or auto (the best installed)")
+                      "class priors, if the scene has none: " + words_in_help(semantic_choices()) + ", none, or auto (the first of these that is installed)")
       ->capture_default_str()->group("Priors");
   command->add_option("--depth", options->depth,
-                      "depth priors, if the scene has none: vggt, da3-small|base, dpt-s|b|l|g, linear-s|b|l|g, none, or auto (the network of --method if installed)")
+                      "depth priors, if the scene has none: " + words_in_help(depth_choices()) +
+                          ", none, or auto (the weights of --poses-model; without them depth measured from points, or the first of these that is installed)")
       ->capture_default_str()->group("Priors");
   add_refine_options(*command, train);
   add_photo_options(*command, photos);

@@ -39,14 +39,18 @@ enum class SemanticCoupling {
   kBounded, ///< ours, for experiments: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
-/// Whether the coupling is scaled to a share of the photometric gradient.
+/// "plain", "bounded" or "opacity", as the setting semantic.coupling has them.
+inline SemanticCoupling semantic_coupling_named(std::string_view name) {
+  return name == "plain" ? SemanticCoupling::kPlain : name == "opacity" ? SemanticCoupling::kOpacity : SemanticCoupling::kBounded;
+}
+/// Whether the coupling is scaled to a share of the photometric gradient and weighted by omega.
 constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
 
 /// Weights and switches of the losses; a weight of 0 turns a term off and costs nothing.
 struct LossSettings {
   float l1_weight = 0.8f;         ///< photometric L1
   float ssim_weight = 0.2f;       ///< 1 - SSIM
-  float flatten_weight = 100.0f;  ///< mean over visible Gaussians of the smallest scale, already divided by the extent
+  float flatten_weight = 100.0f;  ///< mean over visible Gaussians of the smallest scale / extent (StepRequest::extent)
 
   float semantic_soft_weight = 1.0f;  ///< KL(teacher || student), mean over valid pixels
   float semantic_hard_weight = 0.1f;  ///< cross-entropy with the teacher's arg-max, mean over valid pixels

@@ -264,6 +264,7 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
                 {{"drop_percent", fmt::format("{:g}", options.drop_percent)},
                  {"shared_focal", options.shared_focal ? "yes" : "no"},
                  {"confidence", "pred_confidence/"}}};
+  parts.priors.depth_scale = DepthScale::kScene;  // the cameras are those of the same pass
   writer.finish(parts);
   report.placed = views.size();
   report.points = parts.cloud.size();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -128,6 +129,7 @@ TEST_F(FromPhotos, VggtMakesASceneThatOpensAndChecks) {
   EXPECT_TRUE(scene.has_prior_depth());
   EXPECT_TRUE(scene.cloud.has_normals());
   EXPECT_EQ(scene.prior_source, "vggt-1b");
+  EXPECT_EQ(read_priors_json(folder / "scene" / "priors.json").depth_scale, DepthScale::kScene);
   for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
   const Rigidd& first = scene.views[0].camera.world_to_camera;
   EXPECT_NEAR(norm(first.translation), 0, 1e-9);
@@ -356,6 +358,7 @@ TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
   const PriorsJson notes = read_priors_json(folder / "scene" / "priors.json");
   constexpr size_t kDigest = 64;
   EXPECT_EQ(notes.depth->weights.size(), 2 * kDigest + 1) << "of backbone and head";
+  EXPECT_EQ(notes.depth_scale, DepthScale::kMetres);
   const ViewData data = load_view(scene, 0);
   for (const float z : data.prior_depth.data) EXPECT_TRUE(z > 0 && z <= 10);
   EXPECT_FALSE(fs::exists(folder / "scene" / "pred_confidence")) << "was that of VGGT's depth";
@@ -370,6 +373,7 @@ TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
       fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
   EXPECT_EQ(report.written, 3u);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+  EXPECT_EQ(open_scene(folder / "scene").depth_scale, DepthScale::kOwn);
 }
 
 TEST_F(FromPhotos, NetworksThatDoNotFitInMemoryAreRefusedBeforeAnythingIsReplaced) {
@@ -402,8 +406,29 @@ TEST_F(FromPhotos, AnUnknownNetworkIsAUsageError) {
 TEST_F(FromPhotos, TheBestInstalledTeacherIsChosen) {
   const ModelStore store(store_options);
   EXPECT_EQ(installed_semantic_model(store), nullptr);
+  EXPECT_EQ(installed_depth_model(store), nullptr);
   install_linear();
-  EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-linear-s");
+  EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-ms-s");
+  EXPECT_EQ(installed_depth_model(store)->name, "nyu-linear4-s");
+  install_vggt();
+  EXPECT_EQ(installed_depth_model(store)->name, "vggt-1b");
+}
+
+TEST_F(FromPhotos, AutoPicksAnyNetworkThatIsTheOnlyOne) {
+  const auto picked = [&](const PublishedModel& model, const auto& choose) {
+    fs::remove_all(store_options.folder);
+    const ModelStore store(store_options);
+    for (const PublishedModel* part : with_needs(model)) {
+      for (const ModelFile& file : part->files) {
+        fs::create_directories(store.own_path(*part, file).parent_path());
+        std::ofstream(store.own_path(*part, file)) << "weights";
+      }
+    }
+    const PublishedModel* chosen = choose(store);
+    return chosen ? chosen->name : "none";
+  };
+  for (const std::string& word : semantic_choices()) EXPECT_EQ(picked(semantic_model(word), installed_semantic_model), semantic_model(word).name);
+  for (const std::string& word : depth_choices()) EXPECT_EQ(picked(depth_model(word), installed_depth_model), depth_model(word).name);
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ class PriorFill {
   /// unknown origin.
   void finish(std::optional<PriorJson> PriorsJson::*entry, const PriorsJson& notes) {
     PriorsJson unknown = notes;
-    unknown.*entry = std::nullopt;
+    unknown.*entry = std::nullopt;  // and with it its scale or kind
     stop_if_requested();
     const StopDeferral until_done;
     write_priors_json(scene_.folder / "priors.json", unknown);
@@ -276,11 +276,28 @@ const PublishedModel& depth_model(const std::string& choice) {
   return sized_model(choice, "linear", "nyu-linear4");
 }
 
+const std::vector<std::string>& semantic_choices() {
+  static const std::vector<std::string> words = {"m2f",  "eomt-l",   "eomt-l-panoptic", "ms-g",      "linear-g", "ms-l",
+                                                  "linear-l", "ms-b", "linear-b",        "lingbot-s", "ms-s",     "linear-s"};
+  return words;
+}
+
+const std::vector<std::string>& depth_choices() {
+  static const std::vector<std::string> words = {"vggt",     "vggt-commercial", "da3-base", "da3-small", "dpt-g",    "linear-g", "dpt-l",
+                                                 "linear-l", "dpt-b",           "linear-b", "dpt-s",    "linear-s"};
+  return words;
+}
+
 const PublishedModel* installed_semantic_model(const ModelStore& store) {
-  for (const char* const name : {"ade20k-m2f", "eomt-l", "eomt-l-panoptic", "ade20k-linear-g", "ade20k-linear-l",
-                                 "ade20k-linear-b", "lingbot-s", "ade20k-linear-s"}) {
-    const PublishedModel& model = published_model(name);
-    if (store.installed(model)) return &model;
+  for (const std::string& word : semantic_choices()) {
+    if (const PublishedModel& model = semantic_model(word); store.installed(model)) return &model;
+  }
+  return nullptr;
+}
+
+const PublishedModel* installed_depth_model(const ModelStore& store) {
+  for (const std::string& word : depth_choices()) {
+    if (const PublishedModel& model = depth_model(word); store.installed(model)) return &model;
   }
   return nullptr;
 }
@@ -300,7 +317,7 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
   const bool vggt = begins(model.name, "vggt"), da3 = begins(model.name, "da3-");
   notes.depth = PriorJson{model.name, "", {}};
   if (vggt || da3) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
-  notes.depth->settings["units"] = vggt ? "arbitrary" : da3 ? "of the cameras" : "metres";
+  notes.depth_scale = vggt ? DepthScale::kOwn : da3 ? DepthScale::kScene : DepthScale::kMetres;
   if (vggt) fill_with_vggt(scene, store, model, notes, options, pool, report);
   else if (da3) fill_with_da3(scene, store, model, notes, options, pool, report);
   else fill_with_depther(scene, store, model, notes, options, pool, report);

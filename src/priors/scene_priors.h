@@ -37,11 +37,17 @@ struct ScenePriorsReport {
 const PublishedModel& semantic_model(const std::string& choice);
 const PublishedModel& depth_model(const std::string& choice);
 
-/// The best of those that are installed: m2f, then linear heads from large to small; null: none.
+/// The words above that name a network, in the order in which "auto" prefers them: whole networks first, then heads from
+/// large to small backbones, of one backbone the one that reads more layers.
+const std::vector<std::string>& semantic_choices();
+const std::vector<std::string>& depth_choices();
+
+/// The first of those that are installed; null: none.
 const PublishedModel* installed_semantic_model(const ModelStore& store);
+const PublishedModel* installed_depth_model(const ModelStore& store);
 
 /// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
-/// scale, which training aligns per view; that of the others is in metres.
+/// scale (DepthScale::kOwn); that of the others is in metres. Training lays both on the scene.
 /// Error{kUsage} when other priors are there and overwrite is not set.
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store,
                              const PublishedModel& model, const ScenePriorsOptions& options);

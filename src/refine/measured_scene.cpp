@@ -79,6 +79,7 @@ void write_depth(const std::string& name, const Camera& camera, const PhotoDepth
 void note_depth(const fs::path& folder, double measured) {
   PriorsJson priors = read_priors_json(folder / "priors.json");
   priors.depth = PriorJson{kStereoDepth, "", {{"measured", fmt::format("{:.3f}", measured)}}};
+  priors.depth_scale = DepthScale::kScene;
   write_priors_json(folder / "priors.json", priors);
 }
 

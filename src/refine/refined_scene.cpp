@@ -14,7 +14,9 @@
 #include "refine/fused_labels.h"
 #include "refine/scene_copy.h"
 #include "scene/colmap_model.h"
+#include "scene/depth_placement.h"
 #include "scene/prior_maps.h"
+#include "scene/scene_json.h"
 #include "scene/scene_place.h"
 #include "scene/view_data.h"
 
@@ -34,7 +36,7 @@ struct Photos {
   std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for
 };
 
-Photos load_photos(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool) {
+Photos load_photos(const Scene& scene, const DepthPlacement& placement, const RefineSceneOptions& options, ThreadPool& pool) {
   std::vector<int> indices = scene.train;
   const size_t training = indices.size();
   const bool labels = uses_planes(scene, options);
@@ -46,6 +48,7 @@ Photos load_photos(const Scene& scene, const RefineSceneOptions& options, Thread
     for (size_t i = begin; i < end; ++i) {
       LoadOptions load;
       load.prior_depth = i < training;  // a test view's prior is not read
+      if (i < training) load.depth_factor = placement.views[i].factor;
       load.semantics = labels && i < training;
       ViewData data = load_view(scene, indices[i], load);
       RefineView& view = photos.views[i];
@@ -71,6 +74,19 @@ void require_depth(const Scene& scene) {
   }
 }
 
+/// The factors of the prior depth to scene units. Every photo needs one.
+DepthPlacement placed_depth(const Scene& scene) {
+  require_depth(scene);
+  DepthPlacement placement = place_prior_depth(scene);
+  for (size_t i = 0; i < placement.views.size(); ++i) {
+    if (placement.views[i].factor > 0) continue;
+    throw_bad_input(scene.folder / "priors.json", scene.views[static_cast<size_t>(scene.train[i])].name,
+                    fmt::format("nothing tells the scale of this view's prior depth ({})", describe(placement)),
+                    "give the scene points (sparse/points3D), or depth that was made with its cameras");
+  }
+  return placement;
+}
+
 /// The grid's log factor at every pixel.
 ImageF grid_factor(const DepthGrid& grid, int width, int height) {
   ImageF out(width, height, 1);
@@ -92,12 +108,13 @@ void apply(const ImageF& log_factor, ImageF& depth) {
   }
 }
 
-void write_depth(const Scene& scene, int view, const ImageF& log_factor, const fs::path& folder) {
+void write_depth(const Scene& scene, int view, double factor, const ImageF& log_factor, const fs::path& folder) {
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
   if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
   ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
   map.data = stored.data;
+  for (float& z : map.data) z *= static_cast<float>(factor);
   apply(log_factor, map);
   write_npy_float32(folder / "pred_depths" / v.prior_depth.filename(), {map.height, map.width}, map.data.data());
 }
@@ -214,6 +231,23 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
   write_file_atomically(file, json_document(json));
 }
 
+/// Depth of test views is not read, so that it would keep a scale that the scene no longer states.
+void remove_test_depth(const Scene& scene, const fs::path& folder) {
+  for (const int v : scene.test) {
+    const fs::path& map = scene.views[static_cast<size_t>(v)].prior_depth;
+    if (!map.empty()) fs::remove(folder / "pred_depths" / map.filename());
+  }
+}
+
+/// The corrected depth is in scene units, whatever it was before.
+void note_scene_depth(const fs::path& folder) {
+  PriorsJson priors = read_priors_json(folder / "priors.json");
+  if (!priors.depth) priors.depth.emplace();  // of unknown origin
+  priors.depth->settings.erase("units");
+  priors.depth_scale = DepthScale::kScene;
+  write_priors_json(folder / "priors.json", priors);
+}
+
 /// One pass over all photos: cameras, then depth. The photos' views come out as they are known afterwards.
 void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPool& pool, Photos& photos,
                  std::vector<ImageF>& log_factors, RefineSceneReport& report) {
@@ -255,16 +289,17 @@ std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const
 }  // namespace
 
 RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
-  require_depth(scene);
+  const DepthPlacement placement = placed_depth(scene);
   const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
-  Photos photos = load_photos(scene, options, pool);
+  Photos photos = load_photos(scene, placement, options, pool);
   const std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
   const auto index_of = [&](size_t i) { return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]); };
   std::vector<ImageF> log_factors;
   for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
+  report.depth_placement = describe(placement);
   for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, photos, log_factors, report);
   if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;
@@ -279,7 +314,11 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   write_used_split(scene, folder);
   write_sparse(scene, cameras, scene.cloud, folder);
   for (size_t i = 0; options.correct_depth && i < training; ++i) {
-    write_depth(scene, scene.train[i], log_factors[i], folder);
+    write_depth(scene, scene.train[i], placement.views[i].factor, log_factors[i], folder);
+  }
+  if (options.correct_depth) {
+    if (placement.scale != DepthScale::kScene) remove_test_depth(scene, folder);
+    note_scene_depth(folder);
   }
   if (options.exposure) write_training_exposure(scene, report.log_gains, folder);
   note_refinement(report.cameras, folder);

@@ -334,6 +334,8 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   scene.source = description.source;
   const PriorsJson priors = read_priors_json(folder / "priors.json");
   if (priors.depth) scene.prior_source = priors.depth->model;
+  scene.depth_scale = depth_scale_of(priors, description.refined);
+  scene.depth_scale_stated = priors.depth_scale.has_value();
   if (priors.semantics) scene.semantic_source = priors.semantics->model;
   scene.semantic_kind = priors.kind.value_or(SemanticKind::kLogits);
   scene.semantic_kind_stated = priors.kind.has_value();

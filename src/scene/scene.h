@@ -20,6 +20,14 @@ enum class SemanticKind {
   kProbabilities,  ///< used as they are
 };
 
+/// Unit of the numbers in pred_depths/ (scene/depth_placement.h brings them to that of the scene).
+enum class DepthScale {
+  kScene,    ///< scene units: made or corrected together with these cameras, or a sensor's
+  kMetres,   ///< metres, by a network that sees one photo at a time
+  kOwn,      ///< one unknown scale for all views: a network that sees all photos, whose cameras are not those of the scene
+  kPerView,  ///< an unknown scale for every view
+};
+
 /// One photo of the scene. Paths are absolute; an empty path means that the map is absent.
 struct View {
   std::string name;  ///< stem of the image file: up to the last dot
@@ -43,6 +51,8 @@ struct Scene {
   std::optional<Vec3d> up;       ///< unit, world
   std::string source;            ///< scene.json source: what made this scene
   std::string prior_source;      ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports
+  DepthScale depth_scale = DepthScale::kScene;  ///< priors.json depth.scale, or what an older file means (scene_json.h)
+  bool depth_scale_stated = false;  ///< priors.json has depth.scale
   std::string semantic_source;   ///< priors.json semantics.model, likewise
   SemanticKind semantic_kind = SemanticKind::kLogits;
   bool semantic_kind_stated = false;  ///< priors.json says the kind; false: taken as logits, as in the paper

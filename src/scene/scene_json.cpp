@@ -1,5 +1,7 @@
 #include "scene/scene_json.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -113,6 +115,34 @@ const char* name_of(SemanticKind kind) {
   return "logits";
 }
 
+const char* name_of(DepthScale scale) {
+  switch (scale) {
+    case DepthScale::kMetres:
+      return "metres";
+    case DepthScale::kOwn:
+      return "own";
+    case DepthScale::kPerView:
+      return "per_view";
+    case DepthScale::kScene:
+      break;
+  }
+  return "scene";
+}
+
+DepthScale depth_scale_of(const PriorsJson& priors, bool refined) {
+  if (priors.depth_scale) return *priors.depth_scale;
+  if (!priors.depth || refined) return DepthScale::kScene;
+  const auto units = priors.depth->settings.find("units");
+  if (units != priors.depth->settings.end() && units->second == "arbitrary") return DepthScale::kOwn;
+  if (units != priors.depth->settings.end() && units->second == "metres") return DepthScale::kMetres;
+  std::string name = priors.depth->model;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const char* monocular : {"dpt", "mono", "midas", "dinov2", "depth-anything-v2", "relative"}) {
+    if (name.find(monocular) != std::string::npos) return DepthScale::kPerView;
+  }
+  return DepthScale::kScene;
+}
+
 SceneJson read_scene_json(const std::filesystem::path& path) {
   SceneJson scene;
   const json object = read_object(path);
@@ -125,6 +155,7 @@ SceneJson read_scene_json(const std::filesystem::path& path) {
   scene.source = text_of(object, "source", path);
   scene.up_source = text_of(object, "up_source", path);
   scene.to_original = to_original_of(object, path);
+  scene.refined = object.contains("cameras_refined");
   const auto up = object.find("up");
   if (up == object.end() || up->is_null()) return scene;
   Vec3d v;
@@ -155,6 +186,15 @@ PriorsJson read_priors_json(const std::filesystem::path& path) {
   if (object.is_null()) return priors;
   priors.depth = prior_of(object, "depth", path);
   priors.semantics = prior_of(object, "semantics", path);
+  if (priors.depth) {
+    const std::string scale = text_of(object["depth"], "scale", path);
+    for (DepthScale known : {DepthScale::kScene, DepthScale::kMetres, DepthScale::kOwn, DepthScale::kPerView}) {
+      if (scale == name_of(known)) priors.depth_scale = known;
+    }
+    if (!scale.empty() && !priors.depth_scale) {
+      throw_bad_input(path, "depth.scale", "'" + scale + "' is unknown", "write \"scene\", \"metres\", \"own\" or \"per_view\"");
+    }
+  }
   if (!priors.semantics) return priors;
   const std::string kind = text_of(object["semantics"], "kind", path);
   for (SemanticKind known : {SemanticKind::kLogits, SemanticKind::kScores, SemanticKind::kProbabilities}) {
@@ -214,6 +254,7 @@ void write_exposure_json(const std::filesystem::path& path, const ExposureJson& 
 void write_priors_json(const std::filesystem::path& path, const PriorsJson& priors) {
   json object = json::object();
   if (priors.depth) object["depth"] = json_of(*priors.depth);
+  if (priors.depth && priors.depth_scale) object["depth"]["scale"] = name_of(*priors.depth_scale);
   if (priors.semantics) object["semantics"] = json_of(*priors.semantics);
   if (priors.semantics && priors.kind) object["semantics"]["kind"] = name_of(*priors.kind);
   write_object(path, object);

@@ -24,6 +24,7 @@ struct SceneJson {
   std::string up_source;    ///< where `up` comes from; empty: not known
   /// From this world to that of the files it was imported from, where it was moved or scaled; the rotation is the identity.
   std::optional<Similarity> to_original;
+  bool refined = false;  ///< `aligngs refine` corrected cameras and prior depth together ("cameras_refined"); read only
 };
 
 /// split.json: {"train": [names], "test": [names]}; a list that is absent is nullopt.
@@ -38,9 +39,11 @@ struct PriorJson {
   std::map<std::string, std::string> settings;  ///< anything worth knowing later
 };
 
-/// priors.json: {"depth": {...}, "semantics": {..., "kind": "logits" | "scores" | "probabilities"}}.
+/// priors.json: {"depth": {..., "scale": "scene" | "metres" | "own" | "per_view"},
+///               "semantics": {..., "kind": "logits" | "scores" | "probabilities"}}.
 struct PriorsJson {
   std::optional<PriorJson> depth, semantics;
+  std::optional<DepthScale> depth_scale;
   std::optional<SemanticKind> kind;
 };
 
@@ -61,5 +64,11 @@ void write_priors_json(const std::filesystem::path& path, const PriorsJson& prio
 void write_exposure_json(const std::filesystem::path& path, const ExposureJson& exposure);
 
 const char* name_of(SemanticKind kind);
+const char* name_of(DepthScale scale);
+
+/// Scale of prior depth: as priors.json states it. Files of before it could be stated say it by depth.settings.units, which
+/// `aligngs priors` wrote ("arbitrary": own, "metres": metres), else by the model's name: names of monocular networks mean
+/// per_view. All others, and depth that `aligngs refine` corrected, are in scene units.
+DepthScale depth_scale_of(const PriorsJson& priors, bool refined);
 
 }  // namespace aligngs

@@ -64,12 +64,50 @@ TEST(SceneJson, WrittenPriorsReadBackEqual) {
   priors.depth = PriorJson{"sensor", "", {{"unit", "metres"}}};
   priors.semantics = PriorJson{"simulated", "abc", {}};
   priors.kind = SemanticKind::kScores;
+  priors.depth_scale = DepthScale::kOwn;
   const auto path = json_file("priors.json", "");
   write_priors_json(path, priors);
   const PriorsJson back = read_priors_json(path);
   EXPECT_EQ(back.depth->settings.at("unit"), "metres");
   EXPECT_EQ(back.semantics->weights, "abc");
   EXPECT_EQ(back.kind, SemanticKind::kScores);
+  EXPECT_EQ(back.depth_scale, DepthScale::kOwn);
+}
+
+TEST(SceneJson, EveryDepthScaleHasANameThatReadsBack) {
+  for (const DepthScale scale : {DepthScale::kScene, DepthScale::kMetres, DepthScale::kOwn, DepthScale::kPerView}) {
+    PriorsJson priors;
+    priors.depth = PriorJson{"any", "", {}};
+    priors.depth_scale = scale;
+    const auto path = json_file("priors.json", "");
+    write_priors_json(path, priors);
+    EXPECT_EQ(read_priors_json(path).depth_scale, scale) << name_of(scale);
+  }
+}
+
+TEST(SceneJson, OlderFilesSayTheScaleOfDepthByUnitsOrName) {
+  const auto scale_of = [](const std::string& model, const std::string& units, bool refined = false) {
+    PriorsJson priors;
+    priors.depth = PriorJson{model, "", {}};
+    if (!units.empty()) priors.depth->settings["units"] = units;
+    return depth_scale_of(priors, refined);
+  };
+  EXPECT_EQ(scale_of("nyu-dpt-b", "metres"), DepthScale::kMetres);
+  EXPECT_EQ(scale_of("nyu-linear4-b", "metres"), DepthScale::kMetres) << "as the other head of the same network";
+  EXPECT_EQ(scale_of("vggt-1b", "arbitrary"), DepthScale::kOwn);
+  EXPECT_EQ(scale_of("vggt-1b", ""), DepthScale::kScene) << "made with the scene's cameras";
+  EXPECT_EQ(scale_of("vggt-1b", "arbitrary", true), DepthScale::kScene) << "corrected with the scene's cameras";
+  EXPECT_EQ(scale_of("DINOv2 DPT head, NYU", ""), DepthScale::kPerView);
+  EXPECT_EQ(scale_of("MiDaS", ""), DepthScale::kPerView);
+  EXPECT_EQ(scale_of("sensor", ""), DepthScale::kScene);
+  EXPECT_EQ(depth_scale_of({}, false), DepthScale::kScene);
+}
+
+TEST(SceneJson, AStatedScaleWinsOverUnitsAndName) {
+  PriorsJson priors;
+  priors.depth = PriorJson{"mono", "", {{"units", "arbitrary"}}};
+  priors.depth_scale = DepthScale::kMetres;
+  EXPECT_EQ(depth_scale_of(priors, true), DepthScale::kMetres);
 }
 
 TEST(SceneJson, WrittenExposureReadsBackEqual) {
@@ -90,6 +128,7 @@ TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_split_json, R"({"test": [1]})").find("test"), std::string::npos);
   EXPECT_NE(message_of(read_split_json, "{}").find("neither"), std::string::npos);
   EXPECT_NE(message_of(read_priors_json, R"({"semantics": {"kind": "x"}})").find("semantics.kind"), std::string::npos);
+  EXPECT_NE(message_of(read_priors_json, R"({"depth": {"scale": "feet"}})").find("depth.scale"), std::string::npos);
   EXPECT_NE(message_of(read_exposure_json, "{}").find("log_gains"), std::string::npos);
   EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1]}})").find("log_gains.a"), std::string::npos);
   EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1, 1e9]}})").find("log_gains.a"), std::string::npos);

@@ -52,7 +52,7 @@ void load_image(const View& view, ViewData& data) {
   for (float& m : data.mask.data) m = m >= 0.5f ? 1.0f : 0.0f;
 }
 
-void load_depth(const View& view, ViewData& data) {
+void load_depth(const View& view, double factor, ViewData& data) {
   FloatArray array = read_map(view.prior_depth);
   const MapShape shape = depth_map_shape(array.shape, view.prior_depth);
   require_same_aspect(shape, view.camera.width, view.camera.height, view.prior_depth, "shape");
@@ -62,7 +62,7 @@ void load_depth(const View& view, ViewData& data) {
   depth.channels = 1;
   depth.data = std::move(array.data);
   for (float& z : depth.data) {
-    if (!(std::isfinite(z) && z > 0)) z = 0;
+    z = std::isfinite(z) && z > 0 ? z * static_cast<float>(factor) : 0.0f;
   }
   const bool resize = data.camera.width != depth.width || data.camera.height != depth.height;
   data.prior_depth = resize ? resize_depth(depth, data.camera.width, data.camera.height) : std::move(depth);
@@ -123,7 +123,7 @@ ViewData load_view(const Scene& scene, int view, const LoadOptions& options) {
       source.camera.resized(scaled(source.camera.width, options.scale), scaled(source.camera.height, options.scale));
   load_image(source, data);
   if (options.exposure) divide_exposure(source.log_gain, data.color);
-  if (options.prior_depth && !source.prior_depth.empty()) load_depth(source, data);
+  if (options.prior_depth && !source.prior_depth.empty()) load_depth(source, options.depth_factor, data);
   if (options.semantics && !source.semantics.empty()) load_semantics(scene, source, options, data);
   return data;
 }

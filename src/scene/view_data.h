@@ -35,7 +35,7 @@ struct ViewData {
   Camera camera;       ///< resized to the working resolution
   ImageF color;        ///< H x W x 3, sRGB in [0, 1]
   ImageF mask;         ///< H x W x 1, 1 = use this pixel; empty when the image has no alpha channel
-  ImageF prior_depth;  ///< H x W x 1, 0 = no value; empty when absent
+  ImageF prior_depth;  ///< H x W x 1, times LoadOptions::depth_factor, 0 = no value; empty when absent
   SemanticTarget semantics;    ///< empty when absent
   Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel if unknown; empty when absent
 };
@@ -43,6 +43,7 @@ struct ViewData {
 struct LoadOptions {
   double scale = 1;             ///< working resolution / image resolution, e.g. 0.5 for preset `preview`
   bool prior_depth = true;
+  double depth_factor = 1;      ///< prior depth is multiplied by it (scene/depth_placement.h)
   bool semantics = true;
   bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
   bool exposure = false;        ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike

@@ -76,6 +76,7 @@ TriangleMesh truth_of(const Scene& scene) {
 PriorsJson priors_of(const SimulatedPriorOptions& options) {
   PriorsJson priors;
   priors.depth = PriorJson{fmt::format("simulated feed-forward ({})", teacher_level_name(options.level)), "", {}};
+  priors.depth_scale = DepthScale::kScene;
   priors.depth->settings["poses"] = priors.depth->model;
   priors.depth->settings["seed"] = std::to_string(options.seed);
   return priors;

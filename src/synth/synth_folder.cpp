@@ -18,6 +18,8 @@ PriorsJson priors_of(const SynthScene& scene) {
   const auto number = [](double x) { return fmt::format("{:g}", x); };
   PriorsJson priors;
   priors.depth = PriorJson{depth_teacher_name(o), "", {}};
+  const bool mono = !exact && o.depth_teacher == DepthTeacher::kMono;
+  priors.depth_scale = mono ? DepthScale::kMetres : DepthScale::kScene;
   auto& d = priors.depth->settings;
   d["poses"] = geometry_teacher_name(o);
   d["world"] = o.unknown_similarity && !exact ? "unknown scale and rotation" : "metric, true scale and rotation";

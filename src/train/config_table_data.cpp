@@ -9,8 +9,8 @@ std::vector<ConfigKey> data_init_train_keys() {
       {"data.scale", field<&C::data, &DataConfig::scale>, 0.05, 1, "", each(0.5, 1.0, 1.0, 1.0),
        "working resolution / image resolution"},
       {"data.prior_depth", field<&C::data, &DataConfig::prior_depth>, 0, 0, "auto|metric|relative|none", with_pgsr(all("auto"), "none"),
-       "content of pred_depths/: depth of one scale in all views (metric), monocular depth (relative); auto: by "
-       "priors.json"},
+       "use of pred_depths/: in scene units for start, losses and free space (metric), or its correlation alone (relative); auto: "
+       "metric where its scale (priors.json) can be brought to the scene's, to 5 %"},
       {"data.measure_depth", field<&C::data, &DataConfig::measure_depth>, 0, 0, "", ours_paper(true, false),
        "`aligngs run` measures depth in the photos of a scene that has cameras and points and no prior depth (`aligngs refine`)"},
       {"data.refine_cameras", field<&C::data, &DataConfig::refine_cameras>, 0, 0, "", ours_paper(true, false),

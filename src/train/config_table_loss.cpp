@@ -9,7 +9,7 @@ std::vector<ConfigKey> loss_semantic_keys() {
   return {
       {"loss.l1", field<&C::loss, &L::l1>, 0, 1e6, "", all(0.8), "weight of the photometric L1"},
       {"loss.ssim", field<&C::loss, &L::ssim>, 0, 1e6, "", all(0.2), "weight of 1 - SSIM"},
-      {"loss.flatten", field<&C::loss, &L::flatten>, 0, 1e6, "", ours_paper(10.0, 100.0),
+      {"loss.flatten", field<&C::loss, &L::flatten>, 0, 1e6, "", ours_paper(3.0, 100.0),
        "weight of the mean smallest scale / extent of the visible Gaussians"},
       {"loss.pearson", field<&C::loss, &L::pearson>, 0, 1e6, "", with_pgsr(all(0.5), 0.0),
        "weight of L_d, 1 - Pearson(depth, prior); acts on relative prior depth, and on metric one when loss.log_depth is 0"},

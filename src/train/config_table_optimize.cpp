@@ -48,7 +48,9 @@ std::vector<ConfigKey> densify_optimizer_keys() {
       {"densify.unsupported_min", field<&C::densify, &D::unsupported_min>, 0, 1, "", each(0.5, 0.0, 0.0, 0.0),
        "after a start from prior depth, grow only where this share of the weight lacks agreeing prior depth; 0 = everywhere"},
       {"densify.opacity_reset_every", field<&C::densify, &D::opacity_reset_every>, 0, kIterationsMax, "",
-       ours_paper(0, 3000), "[ref] iterations between opacity resets to 0.01 while density control acts; 0 = never"},
+       ours_paper(0, 3000),
+       "[ref] iterations between opacity resets to 0.01 while density control acts, but none in the last steps, in which opacity "
+       "would not recover (272 at the usual rate); 0 = never"},
       {"densify.free_space_every", field<&C::densify, &D::free_space_every>, 0, kIterationsMax, "", ours_paper(500, 0),
        "[ref] iterations between removals of Gaussians that float in free space; 0 = never"},
       {"densify.free_space_prior", field<&C::densify, &D::free_space_prior>, 0, 1, "", all(0.04),

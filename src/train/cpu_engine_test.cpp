@@ -1,14 +1,13 @@
 // The whole of train_run with the real engine, on a scene of a few hundred pixels.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "scene/test_scene_folder.h"
 #include "train/resumed_runs_for_tests.h"
 #include "train/run_folder.h"
+#include "train/textured_scene_for_tests.h"
 #include "train/train_run.h"
 
 namespace aligngs {
@@ -17,31 +16,12 @@ namespace {
 namespace fs = std::filesystem;
 using test_train::expect_resumes;
 
-/// The slope of test_scene with a texture that belongs to its surface, so that the views agree on it.
-fs::path write_textured_scene() {
-  const fs::path folder = test_scene::fresh_folder("textured");
-  SceneWriter writer(folder, false);
-  for (int i = 0; i < 3; ++i) {
-    SceneViewParts view = test_scene::view_parts(i);
-    for (int y = 0; y < view.image.height; ++y) {
-      for (int x = 0; x < view.image.width; ++x) {
-        const Vec3d p = view.camera.unproject(x + 0.5, y + 0.5, view.prior_depth.at(x, y));
-        const double wave[3] = {std::sin(9 * p.x), std::sin(7 * p.y + 4 * p.x), std::cos(11 * p.y)};
-        for (int c = 0; c < 3; ++c) view.image.at(x, y, c) = static_cast<uint8_t>(128 + 100 * wave[c]);
-      }
-    }
-    writer.add_view(view);
-  }
-  writer.finish(test_scene::scene_parts());
-  return folder;
-}
-
 class TrainOnCpu : public testing::Test {
  protected:
   void SetUp() override {
     set_log_level(LogLevel::kSilent);
     clear_stop_request();
-    static const fs::path scene = write_textured_scene();
+    static const fs::path scene = test_train::write_textured_scene("textured");
     scene_ = scene;
     base_ = test_scene::fresh_folder("runs");
   }
@@ -69,9 +49,15 @@ class TrainOnCpu : public testing::Test {
 
 TEST_F(TrainOnCpu, KilledAnywhereAndResumedEndsByteIdentical) {
   for (const char* preset : {"default", "paper", "pgsr"}) {
-    const TrainOptions whole = options(std::string(preset) + "_whole", preset);
+    const auto resetting = [&](const std::string& name) {
+      TrainOptions o = options(name, preset);
+      o.config.sets.push_back("optimizer.opacity=2");  // recovers within the 22 steps after a reset
+      return o;
+    };
+    const TrainOptions whole = resetting(std::string(preset) + "_whole");
     train_run(whole);
-    expect_resumes(whole, [&](const std::string& name) { return options(name, preset); });
+    EXPECT_NE(read_file(RunFolder(whole.run).events()).find("opacity_reset"), std::string::npos);
+    expect_resumes(whole, resetting);
   }
 }
 
@@ -154,6 +140,18 @@ TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {
   train_run(one);
   train_run(three);
   EXPECT_TRUE(ply(one) == ply(three));
+}
+
+TEST_F(TrainOnCpu, ShortRunsEndAsIfThereWereNoOpacityResets) {
+  for (const char* preset : {"paper", "pgsr"}) {
+    TrainOptions brief = options(std::string("brief_") + preset, preset), never = options(std::string("never_") + preset, preset);
+    brief.config.iterations = never.config.iterations = 60;
+    brief.config.sets.clear();
+    never.config.sets = {"densify.opacity_reset_every=0"};
+    train_run(brief);
+    train_run(never);
+    EXPECT_TRUE(ply(brief) == ply(never)) << preset;
+  }
 }
 
 TEST_F(TrainOnCpu, TrainingImprovesThePicture) {

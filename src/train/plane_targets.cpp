@@ -85,6 +85,7 @@ class DrawnView {
 };
 
 void draw_view(const ViewPlanes& pixels, double strength, TrainingView& out) {
+  if (!(pixels.depth_scale > 0)) return;  // L_z takes no depth of this view
   DrawnView view(out);
   for (int y = 0; y < view.height(); ++y) {
     for (int x = 0; x < view.width(); ++x) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/median.h"
+#include "scene/depth_placement.h"
 
 namespace aligngs {
 namespace {
@@ -61,6 +62,20 @@ std::optional<float> align_prior_to_points(const ImageF& prior, const ImageF& we
     if (counts(weight, x, y)) ratios.add(c.z, prior.at(x, y));
   }
   return ratios.scale();
+}
+
+std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference, const PriorAlignmentRule& rule) {
+  if (prior.width != reference.width || prior.height != reference.height) return std::nullopt;
+  std::vector<double> ratios;
+  for (int y = 0; y < prior.height; ++y) {
+    for (int x = 0; x < prior.width; ++x) {
+      const double z = reference.at(x, y), p = prior.at(x, y);
+      if (counts(weight, x, y) && is_depth(z) && is_depth(p)) ratios.push_back(std::log(z / p));
+    }
+  }
+  const auto found = robust_log_scale(std::move(ratios), {rule.min_samples, rule.outlier});
+  if (!found) return std::nullopt;
+  return static_cast<float>(std::exp(found->log));
 }
 
 }  // namespace aligngs

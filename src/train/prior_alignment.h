@@ -27,4 +27,8 @@ std::optional<float> align_prior_to_depth(const ImageF& prior, const ImageF& wei
 std::optional<float> align_prior_to_points(const ImageF& prior, const ImageF& weight, const Camera& camera,
                                            const PointCloud& cloud, const PriorAlignmentRule& rule);
 
+/// The scale of depth about which nothing is known: the robust centre of log(reference / prior) over such pixels
+/// (robust_log_scale of scene/depth_placement.h), without limits. Nothing below rule.min_samples.
+std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference, const PriorAlignmentRule& rule);
+
 }  // namespace aligngs

@@ -72,6 +72,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
   json["scene"] = r.scene;
   json["fingerprint"] = r.fingerprint;
   json["left_out"] = r.left_out;
+  json["prior_depth"] = r.prior_depth;
   json["warnings"] = r.warnings;
   json["train"] = {{"seconds", r.train.seconds},
                    {"iterations", r.train.iterations},
@@ -112,6 +113,7 @@ RunRecord read_run_record(const fs::path& path) {
   r.scene = text_of(json, "scene");
   r.fingerprint = text_of(json, "fingerprint");
   r.left_out = texts_of(json, "left_out");
+  r.prior_depth = text_of(json, "prior_depth");
   r.warnings = texts_of(json, "warnings");
   if (const auto train = json.find("train"); train != json.end() && train->is_object()) {
     r.train.seconds = number_of<double>(*train, "seconds");

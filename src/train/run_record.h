@@ -21,6 +21,7 @@ struct RunRecord {
   std::string scene;        ///< folder, relative to the run folder
   std::string fingerprint;  ///< scene_fingerprint
   std::vector<std::string> left_out;  ///< views of the scene that were not used: later stages leave them out as well
+  std::string prior_depth;  ///< scale of the prior depth, how it was laid on the scene, and its residual; empty without any
   std::vector<std::string> warnings;  ///< e.g. priors that were missing
   struct Train {
     double seconds = 0;     ///< over all resumes

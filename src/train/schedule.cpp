@@ -10,7 +10,12 @@ namespace {
 constexpr int64_t kRaiseScalesEvery = 100;  // [ref] a scale shrinks by at most a third in so many steps
 constexpr int kManyViews = 30;  // SH degree 2 only above it: fewer views do not show what depends on direction
 
+// A step of Adam moves a logit by its rate at most, however short the run is; twice as many steps leave room for turns.
+constexpr double kRecoveredOpacity = 0.9;  // of a surface
+constexpr double kRecoverySlack = 2;
+
 float to_float(double v) { return static_cast<float>(v); }
+double logit(double p) { return std::log(p / (1 - p)); }
 
 }  // namespace
 
@@ -68,7 +73,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   LossSettings l;
   l.l1_weight = to_float(c.l1);
   l.ssim_weight = to_float(c.ssim);
-  l.flatten_weight = to_float(c.flatten / facts_.extent);
+  l.flatten_weight = to_float(c.flatten);  // the engine divides the scales by the extent
   l.opacity_l1_weight = to_float(c.opacity_l1);
   l.scale_l1_weight = to_float(c.scale_l1);
 
@@ -77,9 +82,7 @@ LossSettings Schedule::losses(int64_t iteration) const {
   const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
   l.semantic_blend = semantic_blend_named(s.blend);
-  l.coupling = s.coupling == "plain"     ? SemanticCoupling::kPlain
-               : s.coupling == "opacity" ? SemanticCoupling::kOpacity
-                                         : SemanticCoupling::kBounded;
+  l.coupling = semantic_coupling_named(s.coupling);
   const bool coupled = iteration > scaled(s.coupling_start) && iteration <= scaled_stop(s.coupling_stop);
   l.coupling_strength = coupled ? to_float(s.coupling_strength) : 0;
 
@@ -134,9 +137,15 @@ bool Schedule::densifies(int64_t iteration) const {
   return iteration % std::max<int64_t>({1, scaled(d.every), epochs}) == 0;
 }
 
+int64_t Schedule::opacity_recovery() const {
+  if (config_.optimizer.opacity <= 0) return std::numeric_limits<int64_t>::max();
+  return std::llround(kRecoverySlack * (logit(kRecoveredOpacity) - logit(kResetOpacity)) / config_.optimizer.opacity);
+}
+
 bool Schedule::resets_opacity(int64_t iteration) const {
   const DensifyConfig& d = config_.densify;
-  return d.enabled && every(iteration, d.opacity_reset_every) && iteration <= scaled_stop(d.stop);
+  return d.enabled && every(iteration, d.opacity_reset_every) && iteration <= scaled_stop(d.stop) &&
+         config_.train.iterations - iteration >= opacity_recovery();
 }
 
 bool Schedule::prunes_free_space(int64_t iteration) const {

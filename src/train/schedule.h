@@ -14,8 +14,8 @@ namespace aligngs {
 /// Use of pred_depths/.
 enum class PriorDepthKind {
   kNone,
-  kMetric,   ///< one scale in all views: start, L_z, prior normals, free space
-  kRelative  ///< monocular: only its correlation with the rendered depth (L_d)
+  kMetric,   ///< in scene units, as made or as placed (scene/depth_placement.h): start, L_z, prior normals, free space
+  kRelative  ///< only its correlation with the rendered depth (L_d)
 };
 
 /// Facts about the scene and the start for the schedule.
@@ -45,6 +45,7 @@ class Schedule {
   /// After the step of this iteration. Nothing is restructured after the last step of a run, but for the closed room: other
   /// rows that no step has touched do not belong in its result.
   bool densifies(int64_t iteration) const;
+  /// Never so close to the end that the opacity could not recover: opacity_recovery() steps remain at least. Short runs have no reset.
   bool resets_opacity(int64_t iteration) const;
   bool prunes_free_space(int64_t iteration) const;
   bool raises_scales(int64_t iteration) const;
@@ -73,6 +74,8 @@ class Schedule {
   /// Value for the step of this iteration; 0 without mcmc.
   double position_noise(int64_t iteration) const;
   int64_t iterations() const { return config_.train.iterations; }
+  /// Steps in which an opacity that was reset surely grows to that of a surface; 272 at a rate of 0.05.
+  int64_t opacity_recovery() const;
 
  private:
   int64_t scaled(int64_t reference_iterations) const;
@@ -87,6 +90,9 @@ class Schedule {
   ScheduleFacts facts_;
   int64_t length_;  ///< of the schedules, iterations
 };
+
+/// Opacity that a reset leaves at most (3DGS).
+inline constexpr float kResetOpacity = 0.01f;
 
 /// start^(1 - t) * end^t; 0 when start is 0.
 double log_linear(double start, double end, double t);

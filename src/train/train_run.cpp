@@ -125,6 +125,7 @@ void Run::open_scene_and_check() {
   if (options_.require_priors && !use_.warnings.empty()) {
     throw Error({ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
   }
+  if (!use_.depth_note.empty()) log_info("prior depth of {}: {}", scene_.prior_source.empty() ? "unknown origin" : scene_.prior_source, use_.depth_note);
   check_prior_confidence(scene_, config_, use_);
   fingerprint_ = scene_fingerprint(scene_);
   extent_ = robust_extent(scene_);
@@ -150,6 +151,7 @@ void Run::prepare_folder() {
   for (const LeftOut& view : scene_.left_out) record_.left_out.push_back(view.name);
   record_.warnings.clear();
   record_.trained.clear();
+  record_.prior_depth = use_.depth_note;
   for (const std::string& message : use_.warnings) warn(message);
   // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes first: it is what
   // says whose folder this is.
@@ -159,10 +161,11 @@ void Run::prepare_folder() {
 }
 
 TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh) {
-  const PriorScales aligned = is_refined_scene(scene_.folder)
-                                  ? scales_of_agreeing_depth(inputs.guides.size())
-                                  : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
+  PriorScales aligned = is_refined_scene(scene_.folder) ? scales_of_agreeing_depth(inputs.guides.size())
+                                                        : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
+  free_unplaced(use_, aligned);
   inputs.known_scales = aligned.known;
+  inputs.free_scales = aligned.free;
   const std::vector<float>& scales = aligned.scale;
   std::optional<TrainingState> saved;
   if (resolved_.exists) saved = read_latest_checkpoint(folder_.checkpoints(), fingerprint_);

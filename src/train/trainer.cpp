@@ -21,7 +21,6 @@
 namespace aligngs {
 namespace {
 
-constexpr float kResetOpacity = 0.01f;   // 3DGS opacity reset
 constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a few epochs of a small scene
 constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
 constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
@@ -182,7 +181,7 @@ void Trainer::upkeep(int64_t iteration, EventLog& events) {
   }
   if (schedule_.raises_scales(iteration)) raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
   if (schedule_.aligns_prior_depth(iteration)) {
-    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
+    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.free_scales, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
   }
   if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
   if (schedule_.closes_room(iteration)) close_room_now(iteration, events);

@@ -26,7 +26,7 @@ struct TrainerInputs {
   ScheduleFacts facts;               ///< dense_start, normals_at_start and max_gaussians come from the state
   std::vector<GuideView> guides;     ///< one per training view, in the engine's order
   std::vector<std::vector<int>> neighbours;  ///< of every view, for the multi-view terms (neighbour_choice.h); empty: none
-  std::vector<uint8_t> known_scales;  ///< views whose prior scale stays (PriorScales::known of upkeep.h)
+  std::vector<uint8_t> known_scales, free_scales;  ///< views whose prior scale stays, or may become any (PriorScales of upkeep.h)
   LabelSet labels;                   ///< of the scene, for live snapshots
   std::string fingerprint;           ///< of the scene
   std::string resume_command;        ///< shown when the run is interrupted

@@ -1,7 +1,6 @@
 #include "train/training_set.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "engine/prepare_view.h"
@@ -19,18 +18,36 @@ constexpr uint64_t kPlaneBytes = 2;  // number and weight, train/plane_targets.h
 
 constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixels do not move the near plane
 
-/// Names under which monocular depth networks appear in priors.json: their depth has a scale per view.
-bool is_monocular(const std::string& source) {
-  std::string lower = source;
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const char* name : {"dpt", "mono", "midas", "dinov2", "depth-anything-v2", "relative"}) {
-    if (lower.find(name) != std::string::npos) return true;
+// Free space is cleared 4 % before metric depth, and L_z pulls at 2 %: depth that is farther off would do harm. Without points it
+// is the only start, and coarse surfaces are better than random ones.
+constexpr double kSureResidual = 0.05, kStartResidual = 0.2;
+
+void decide_depth(const Scene& scene, const std::string& wanted, PriorUse& use) {
+  use.depth = PriorDepthKind::kRelative;
+  if (wanted == "relative") {
+    use.depth_note = "its correlation with the rendered depth is used, as data.prior_depth says";
+    return;
   }
-  return false;
+  const bool forced = wanted == "metric";
+  DepthPlacement placement = forced && !scene.depth_scale_stated ? as_given(scene.train.size()) : place_prior_depth(scene);
+  use.depth_note = describe(placement);
+  const double limit = scene.cloud.size() > 0 ? kSureResidual : kStartResidual;
+  const bool fits = placement.placed() > 0 && (placement.scale == DepthScale::kScene || placement.residual.value_or(limit + 1) <= limit);
+  if (!fits && !forced) {
+    use.depth_note += "; only its correlation with the rendered depth is used";
+    return;
+  }
+  if (placement.placed() == 0) {
+    placement = as_given(scene.train.size());
+    use.depth_note += "; it is taken in scene units, as data.prior_depth asks for";
+  }
+  use.depth = PriorDepthKind::kMetric;
+  use.placement = std::move(placement);
 }
 
-LoadOptions load_options(const TrainConfig& config, const PriorUse& use) {
+LoadOptions load_options(const TrainConfig& config, const PriorUse& use, size_t training_view) {
   LoadOptions options;
+  options.depth_factor = use.depth_factor(training_view);
   options.scale = config.data.scale;
   options.prior_depth = use.depth != PriorDepthKind::kNone;
   options.semantics = use.semantics;
@@ -70,6 +87,14 @@ ImageF load_confidence(const Scene& scene, const std::filesystem::path& path, in
 
 }  // namespace
 
+double PriorUse::depth_factor(size_t training_view) const {
+  return training_view < placement.views.size() && !is_unplaced(training_view) ? placement.views[training_view].factor : 1;
+}
+
+bool PriorUse::is_unplaced(size_t training_view) const {
+  return training_view < placement.views.size() && !(placement.views[training_view].factor > 0);
+}
+
 void check_prior_confidence(const Scene& scene, const TrainConfig& config, const PriorUse& use) {
   for (const int view : scene.train) {
     const std::filesystem::path path = confidence_path(scene, config, use, view);
@@ -81,8 +106,7 @@ PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
   PriorUse use;
   const std::string& wanted = config.data.prior_depth;
   if (wanted != "none" && scene.has_prior_depth()) {
-    const bool relative = wanted == "relative" || (wanted == "auto" && is_monocular(scene.prior_source));
-    use.depth = relative ? PriorDepthKind::kRelative : PriorDepthKind::kMetric;
+    decide_depth(scene, wanted, use);
   } else if (wanted != "none") {
     use.warnings.push_back("not every training view has prior depth (pred_depths/): training goes on without depth terms");
   }
@@ -107,11 +131,11 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   prepare.paper = config.loss.paper_normals;
   const LossConfig& loss = config.loss;
   prepare.prior_normals = use.depth == PriorDepthKind::kMetric && loss.prior_normal + loss.crease > 0;
-  prepare.semantic_weights = config.semantic.coupling == "bounded" && config.semantic.coupling_strength > 0;
-  const LoadOptions load = load_options(config, use);
+  // The control of the bounded coupling pushes as much and where it does, so it has the same omega.
+  prepare.semantic_weights = is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
-      ViewData data = load_view(scene, scene.train[i], load);
+      ViewData data = load_view(scene, scene.train[i], load_options(config, use, i));
       const std::filesystem::path path = confidence_path(scene, config, use, scene.train[i]);
       ImageF confidence;
       if (!path.empty()) confidence = load_confidence(scene, path, scene.train[i], data.camera);
@@ -155,12 +179,12 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
   return static_cast<float>(std::max(global, config.train.near_share * *low));
 }
 
-float near_plane_of_view(const Scene& scene, const TrainConfig& config, int view) {
-  const bool trained = std::find(scene.train.begin(), scene.train.end(), view) != scene.train.end();
-  const PriorUse use = decide_prior_use(scene, config);
+float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view) {
+  const auto trained = std::find(scene.train.begin(), scene.train.end(), view);
+  const auto index = static_cast<size_t>(trained - scene.train.begin());
   ImageF depth;
-  if (trained && use.depth == PriorDepthKind::kMetric && config.train.near_share > 0) {
-    LoadOptions options = load_options(config, use);
+  if (trained != scene.train.end() && use.depth == PriorDepthKind::kMetric && !use.is_unplaced(index) && config.train.near_share > 0) {
+    LoadOptions options = load_options(config, use, index);
     options.semantics = false;
     depth = load_view(scene, view, options).prior_depth;
   }
@@ -177,6 +201,7 @@ std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const P
                                  double extent) {
   std::vector<GuideView> guides;
   for (const TrainingView& view : views) {
+    const bool unplaced = use.is_unplaced(guides.size());
     GuideView g;
     g.name = view.data.name;
     g.camera = view.data.camera;
@@ -184,7 +209,7 @@ std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const P
       g.prior_depth = view.data.prior_depth;
       g.depth_weight = view.depth_weight;
     }
-    g.near_plane = near_plane_of(g.prior_depth, config, extent);
+    g.near_plane = near_plane_of(unplaced ? ImageF() : g.prior_depth, config, extent);
     guides.push_back(std::move(g));
   }
   return guides;

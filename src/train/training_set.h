@@ -7,18 +7,30 @@
 #include "core/memory_budget.h"
 #include "core/thread_pool.h"
 #include "engine/training_view.h"
+#include "scene/depth_placement.h"
 #include "scene/scene.h"
 #include "train/config.h"
 #include "train/schedule.h"
 
 namespace aligngs {
 
-/// Usable priors of a run, decided from the scene and the settings before any pixel is loaded.
+/// Usable priors of a run, decided from the scene and the settings before any photo is loaded.
 struct PriorUse {
   PriorDepthKind depth = PriorDepthKind::kNone;
   bool semantics = false;
+  DepthPlacement placement;  ///< of metric prior depth, in the order of Scene::train; no views otherwise
   std::vector<std::string> warnings;  ///< one sentence per prior that training goes without
+  std::string depth_note;    ///< how prior depth is used, and why; empty without any
+
+  /// Prior depth of a training view is multiplied by it; 1 where the view is not placed.
+  double depth_factor(size_t training_view) const;
+  /// The view has metric depth whose scale only the rendered scene can tell (PriorScales::free of upkeep.h).
+  bool is_unplaced(size_t training_view) const;
 };
+
+/// Prior depth in scene units is metric. Depth of another scale is metric where it fits the scene's points to 5 %, or, without
+/// points, itself from view to view to 20 %; otherwise only its correlation with the rendered depth is used.
+/// Reads the maps of depth that is not in scene units. Error{kBadInput} naming a file that cannot be read.
 PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config);
 
 /// Checks shape and aspect of every pred_confidence/<view>.npy that a run will read. Error{kBadInput}.
@@ -52,7 +64,7 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
 
 /// The near plane with which training drew this view, for stages that render it again; the prior depth is read when
 /// the settings ask for it. A view that is no training view has the scene's near plane.
-float near_plane_of_view(const Scene& scene, const TrainConfig& config, int view);
+float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view);
 
 /// The most Gaussians a run may start with: init.max_gaussians and init.gaussians_per_pixel of the largest view.
 int64_t start_limit(const TrainConfig& config, size_t largest_view_pixels);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "scene/test_scene_folder.h"
 
@@ -37,15 +39,15 @@ Scene scene_with(const std::string& depth_source) {
   return scene;
 }
 
-TEST(TrainingSet, PriorKindFollowsItsSource) {
-  const TrainConfig config = make_preset(Preset::kDefault);
+TEST(TrainingSet, UseOfPriorDepthFollowsTheSetting) {
   Scene scene = scene_with("simulated");
-  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kMetric);
-  scene.prior_source = "DINOv2 DPT head, NYU";
-  EXPECT_EQ(decide_prior_use(scene, config).depth, PriorDepthKind::kRelative);
-  TrainConfig told = config;
-  told.data.prior_depth = "metric";
+  TrainConfig told = make_preset(Preset::kDefault);
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kMetric);
+  told.data.prior_depth = "relative";
+  EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kRelative);
+  told.data.prior_depth = "metric";
+  scene.depth_scale = DepthScale::kPerView;  // by its name alone
+  EXPECT_EQ(decide_prior_use(scene, told).placement.count(PlacedBy::kCameras), scene.train.size());
   told.data.prior_depth = "none";
   EXPECT_EQ(decide_prior_use(scene, told).depth, PriorDepthKind::kNone);
   EXPECT_TRUE(decide_prior_use(scene, told).warnings.empty());  // it was asked for
@@ -88,6 +90,40 @@ TEST(TrainingSet, ConfidenceWeighsPriorDepth) {
   config.data.prior_confidence = true;
   write_npy_float32(path, {7, 3}, confidence.data());
   EXPECT_THROW(check_prior_confidence(scene, config, use), Error);
+}
+
+TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
+  const Scene scene = scene_with("simulated");
+  std::vector<float> scores(3 * 15 * 20);  // [class][row][column]: surer from pixel to pixel
+  for (size_t i = 0; i < 300; ++i) {
+    scores[i] = 0.5f + 0.0015f * static_cast<float>(i);
+    scores[300 + i] = 1 - scores[i];
+  }
+  write_npy_float32(scene.folder / "segmentation_logits" / "v0.npy", {3, 15, 20}, scores.data());
+  TrainConfig config = make_preset(Preset::kDefault);
+  config.semantic.coupling_strength = 0.1;
+  const PriorUse use = decide_prior_use(scene, config);
+  ThreadPool pool(1);
+  config.semantic.coupling = "bounded";
+  const ImageF bounded = load_training_views(scene, config, use, pool)[0].semantic_weight;
+  config.semantic.coupling = "opacity";
+  const ImageF opacity = load_training_views(scene, config, use, pool)[0].semantic_weight;
+  ASSERT_FALSE(bounded.empty());
+  EXPECT_NE(*std::min_element(bounded.data.begin(), bounded.data.end()), *std::max_element(bounded.data.begin(), bounded.data.end()))
+      << "the test tells nothing where omega is even";
+  EXPECT_EQ(opacity.data, bounded.data);
+}
+
+TEST(TrainingSet, PlainOrAbsentCouplingNeedsNoWeights) {
+  const Scene scene = scene_with("simulated");
+  TrainConfig config = make_preset(Preset::kDefault);
+  const PriorUse use = decide_prior_use(scene, config);
+  ThreadPool pool(1);
+  config.semantic.coupling = "opacity";  // of strength 0
+  EXPECT_TRUE(load_training_views(scene, config, use, pool)[0].semantic_weight.empty());
+  config.semantic.coupling = "plain";
+  config.semantic.coupling_strength = 1;
+  EXPECT_TRUE(load_training_views(scene, config, use, pool)[0].semantic_weight.empty());
 }
 
 TEST(TrainingSet, PreviewWorksAtHalfTheSize) {

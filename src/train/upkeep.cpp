@@ -55,7 +55,7 @@ RestructurePlan prune_free_space(Engine& engine, const std::vector<GuideView>& v
     rendered.push_back(median_depth(engine, views[v], raster));
     FreeSpaceView source;
     source.camera = views[v].camera;
-    source.prior_depth = views[v].prior_depth.empty() ? nullptr : &views[v].prior_depth;
+    source.prior_depth = views[v].prior_depth.empty() || !(depth_scales[v] > 0) ? nullptr : &views[v].prior_depth;
     source.prior_weight = views[v].depth_weight.empty() ? nullptr : &views[v].depth_weight;
     source.prior_scale = depth_scales[v];
     source.median_depth = &rendered.back();
@@ -82,7 +82,7 @@ void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, dou
 PriorScales align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit) {
   PriorAlignmentRule rule;
   rule.limit = limit;
-  PriorScales out{std::vector<float>(views.size(), 1.0f), std::vector<uint8_t>(views.size(), 0)};
+  PriorScales out{std::vector<float>(views.size(), 1.0f), std::vector<uint8_t>(views.size(), 0), std::vector<uint8_t>(views.size(), 0)};
   for (size_t v = 0; v < views.size(); ++v) {
     if (views[v].prior_depth.empty()) continue;
     const std::optional<float> scale =
@@ -94,16 +94,28 @@ PriorScales align_to_points(const std::vector<GuideView>& views, const PointClou
   return out;
 }
 
-PriorScales scales_of_agreeing_depth(size_t views) { return {std::vector<float>(views, 1.0f), std::vector<uint8_t>(views, 1)}; }
+PriorScales scales_of_agreeing_depth(size_t views) {
+  return {std::vector<float>(views, 1.0f), std::vector<uint8_t>(views, 1), std::vector<uint8_t>(views, 0)};
+}
+
+void free_unplaced(const PriorUse& use, PriorScales& scales) {
+  for (size_t v = 0; v < scales.scale.size(); ++v) {
+    if (!use.is_unplaced(v)) continue;
+    scales.scale[v] = 0;
+    scales.known[v] = 0;
+    scales.free[v] = 1;
+  }
+}
 
 void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& known,
-                         double limit, const RasterSettings& raster, std::vector<float>& depth_scales) {
+                         const std::vector<uint8_t>& free, double limit, const RasterSettings& raster, std::vector<float>& depth_scales) {
   PriorAlignmentRule rule;
   rule.limit = limit;
   for (size_t v = 0; v < views.size(); ++v) {
     if (known[v] || views[v].prior_depth.empty()) continue;
     const ImageF rendered = median_depth(engine, views[v], raster);
-    const std::optional<float> scale = align_prior_to_depth(views[v].prior_depth, views[v].depth_weight, rendered, rule);
+    const std::optional<float> scale = (v < free.size() && free[v] ? find_prior_scale : align_prior_to_depth)(
+        views[v].prior_depth, views[v].depth_weight, rendered, rule);
     if (scale) depth_scales[v] = *scale;
   }
 }

@@ -30,9 +30,13 @@ void raise_small_scales(Engine& engine, const std::vector<GuideView>& views, dou
 
 /// The scale a_v of every view's prior depth (prior_alignment.h).
 struct PriorScales {
-  std::vector<float> scale;    ///< 1 where nothing tells
+  std::vector<float> scale;    ///< 1 where nothing tells; 0: depth that has no scale yet counts as none
   std::vector<uint8_t> known;  ///< 1: it stays; 0: renderings may change it
+  std::vector<uint8_t> free;   ///< 1: to any value, as nothing else tells the scale of this view's depth
 };
+
+/// Depth of views that nothing places waits for the renderings.
+void free_unplaced(const PriorUse& use, PriorScales& scales);
 
 /// From the scene's points where a view sees enough of them.
 PriorScales align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit);
@@ -41,8 +45,8 @@ PriorScales align_to_points(const std::vector<GuideView>& views, const PointClou
 /// those that came with the cameras as they were: by them a development bedroom's walls moved outwards by 2 cm.
 PriorScales scales_of_agreeing_depth(size_t views);
 
-/// Updates the scales that are not known, from the rendered median depth.
+/// Updates the scales that are not known, from the rendered median depth. `known` and `free` as in PriorScales.
 void align_to_renderings(const Engine& engine, const std::vector<GuideView>& views, const std::vector<uint8_t>& known,
-                         double limit, const RasterSettings& raster, std::vector<float>& depth_scales);
+                         const std::vector<uint8_t>& free, double limit, const RasterSettings& raster, std::vector<float>& depth_scales);
 
 }  // namespace aligngs

@@ -6,6 +6,7 @@
 #include "mesh/surface_depth.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
+#include "scene/depth_placement.h"
 #include "train/training_set.h"
 
 namespace aligngs {
@@ -52,9 +53,14 @@ FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string
   return frame;
 }
 
-FusionFrame prior_frame(const OpenRun& run, int view) {
+FusionFrame prior_frame(const OpenRun& run, const ViewPlacement& placement, int view) {
   LoadOptions options = run.load_options();
   options.prior_depth = true;
+  options.depth_factor = placement.factor;
+  if (!(placement.factor > 0)) {
+    throw_bad_input(run.scene.folder / "priors.json", run.scene.views[static_cast<size_t>(view)].name, "nothing tells the scale of this view's prior depth",
+                    "fuse rendered depth instead (without --from-prior)");
+  }
   const ViewData data = load_view(run.scene, view, options);
   if (data.prior_depth.empty()) {
     throw_bad_input(run.scene.folder / "pred_depths", data.name, "this view has no prior depth", "fuse rendered depth instead (without --from-prior)");
@@ -129,14 +135,16 @@ void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
 
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
+  const DepthPlacement placement = options.source == DepthSource::kPrior ? place_prior_depth(run.scene) : DepthPlacement();
+  const PriorUse use = options.source == DepthSource::kRendered ? decide_prior_use(run.scene, run.config) : PriorUse();
   for (const int view : run.scene.train) {
     if (options.source != DepthSource::kRendered) {
-      frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, view) : truth_frame(run, view));
+      frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, placement.views[frames.size()], view) : truth_frame(run, view));
       continue;
     }
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
     RenderOptions render = run.render_options();
-    render.raster.near_plane = near_plane_of_view(run.scene, run.config, view);
+    render.raster.near_plane = near_plane_of_view(run.scene, run.config, use, view);
     frames.push_back(rendered_frame(run, run.working_camera(view), run.scene.views[view].name, render));
   }
   const bool rendered = options.source == DepthSource::kRendered;

@@ -57,8 +57,9 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
     log_info("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)");
     return false;
   }
-  if (decide_prior_use(opened, config).depth != PriorDepthKind::kMetric) {
-    log_info("cameras stay unrefined: the search for matches needs metric prior depth");
+  const PriorUse use = decide_prior_use(opened, config);
+  if (use.depth != PriorDepthKind::kMetric || use.placement.placed() < use.placement.views.size()) {
+    log_info("cameras stay unrefined: the search for matches needs prior depth in the units of the scene ({})", use.depth_note);
     return false;
   }
   if (!bundle_adjustment_available()) {
@@ -77,6 +78,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
   const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
+  log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
            result.bundle.start_median, result.bundle.end_median, result.focal_factor);

@@ -162,6 +162,13 @@ TEST_F(CudaStep, SevenClassesAsPrinted) {
   compare(make_model(o), make_view(o), r);
 }
 
+TEST_F(CudaStep, OpacityInPlaceOfACoupling) {
+  const SceneOptions o = scene(7);  // with an omega that differs from pixel to pixel
+  StepRequest r = make_request();
+  r.losses.coupling = SemanticCoupling::kOpacity;
+  compare(make_model(o), make_view(o), r);
+}
+
 TEST_F(CudaStep, OneClass) {
   const SceneOptions o = scene(1);
   compare(make_model(o), make_view(o), make_request());

@@ -357,7 +357,10 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
   parts.description.source = capture.layout + ", cloud from " + report.cloud_source;
   parts.description.to_original = capture.to_original;
   set_up(capture, parts);
-  if (report.depth_prior) parts.priors.depth = PriorJson{"sensor", "", {}};
+  if (report.depth_prior) {
+    parts.priors.depth = PriorJson{kSensorDepth, "", {}};
+    parts.priors.depth_scale = DepthScale::kScene;
+  }
   set_truth_mesh(capture, parts);
   writer.write(parts);
   check_as_training_does(writer.folder(), parts.split, report.left_out);
