@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "room/largest_cluster.h"
 
 namespace aligngs {
 namespace {
@@ -171,10 +172,7 @@ std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double 
 }
 
 bool fit_box(const ObjectPoints& object, const FurnitureSettings& s, MeasuredBox& box) {
-  std::vector<Vec3d> points;
-  for (const Vec3d& p : object.points) {
-    if (std::isfinite(dot(p, p))) points.push_back(p);
-  }
+  const std::vector<Vec3d> points = largest_cluster(object.points, s.link);
   if (points.size() < std::max<size_t>(1, s.least_points)) return false;
   std::vector<double> heights;
   for (const Vec3d& p : points) heights.push_back(p.z);

@@ -19,6 +19,7 @@ struct ObjectPoints {
 
 struct FurnitureSettings {
   double tail = 0.01;         ///< share of the points on each side that a box leaves out: strays
+  double link = 0.12;         ///< metres, side of cubes that must touch: points of a class elsewhere in the room go to the nearest object, and do not belong to it
   double square_gain = 0.10;  ///< a box turned against the walls must fit better by this share
   double near_side = 0.02;    ///< metres from a side of a box within which a point is on it: thickness of a trained surface
   double to_floor = 0.15;     ///< metres from the floor within which a box stands on it: its foot is hidden by shadow and rugs
