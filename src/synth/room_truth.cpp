@@ -81,7 +81,6 @@ MeasuredRoom room_truth(const RoomModel& model) {
   }
   FurnitureSettings exact;
   exact.tail = 0;
-  exact.link = 100;  // all points are of the object
   exact.to_floor = 0.02;
   exact.least_points = 1;
   room.boxes = find_boxes(furniture, room.walls, room.height, exact);
