@@ -1,5 +1,5 @@
-// Exports opened by readers that are not ours: the Khronos validator, PlayCanvas' splat-transform, assimp.
-// `npm ci` in tests/node installs the first two, the Debian package assimp-utils the third; tests skip without them.
+// Exports opened by readers that are not ours: the Khronos validator, PlayCanvas' splat-transform, tinyusdz, assimp.
+// `npm ci` in tests/node installs the first three, the Debian package assimp-utils the third; tests skip without them.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -126,6 +126,24 @@ TEST_F(ExportReaders, SplatTransformReadsTheLabelledPly) {
   needs_node("@playcanvas/splat-transform");
   if (IsSkipped()) return;
   expect_same_room(converted("labels.ply"), room_.gaussians.model, 1e-5, 1e-4, 1e-4);
+}
+
+TEST_F(ExportReaders, TinyusdzReadsThePrimsOfTheUsd) {
+  needs_node("tinyusdz");
+  if (IsSkipped()) return;
+  const std::string text = output_of("node '" + (kNodeFolder / "read_usd.mjs").string() + "' '" + exported("usda") + "'");
+  const nlohmann::json report = parse_json(text);
+  ASSERT_FALSE(report.is_discarded()) << text;
+  EXPECT_TRUE(report["parsed"].get<bool>() && report["loaded"].get<bool>()) << report["error"];
+  size_t points = 0;
+  for (const auto& mesh : report["meshes"]) points += mesh["points"].get<size_t>();
+  EXPECT_EQ(report["meshes"].size(), 4u) << "one per object";
+  EXPECT_GE(points, room_.mesh.vertices.size());
+  const std::string layer = report["text"];
+  for (const char* part : {"metersPerUnit = 1", "upAxis = \"Y\"", "def Xform \"pillow_002\"", "semantics:labels:class = [\"pillow\"]",
+                           "def ParticleField3DGaussianSplat \"splats\"", "radiance:sphericalHarmonicsDegree = 1", "physics:approximation"}) {
+    EXPECT_THAT(layer, HasSubstr(part));
+  }
 }
 
 TEST_F(ExportReaders, AssimpReadsTheNodesOfTheGlb) {

@@ -23,6 +23,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
                                 .advanced = "aligngs export demo_run -f glb --only mesh --original -o room.glb",
                                 .notes = "ply, splat: splats; labels.ply: splats with class, object and confidence; sog, spz: compressed splats.\n"
                                          "glb: a node per object, and the splats; obj: groups per object; html: one page that opens without a server.\n"
+                                         "usda: USD with a prim per object: label, splats, mesh and collider.\n"
                                          "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json."}));
   struct Options {
     std::string run, scene, format, output, only;
@@ -31,16 +32,16 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz, splat, html, plan.svg, plan.dxf or plan.pdf")->required();
+  command->add_option("-f,--format", options->format, "ply, labels.ply, glb, obj, sog, spz, splat, usda, html, plan.svg, plan.dxf or plan.pdf")->required();
   command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
-  command->add_option("--only", options->only, "glb: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
+  command->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
   command->add_flag("--original", options->original, "leave out the edits of the run");
   command->add_flag("--keep-frame", options->keep_frame, "leave coordinates as they are (default: as room.json has them, if the run has it)");
   command->add_flag("--original-coordinates", options->original_coordinates, "coordinates of the files that the scene was imported from")->excludes("--keep-frame");
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
     require_export_format(options->format, run_export_formats());
-    if (!options->only.empty() && options->format != "glb") throw_usage("--only is for -f glb", "leave it out: " + options->format + " holds one kind of thing");
+    if (!options->only.empty() && options->format != "glb" && options->format != "usda") throw_usage("--only is for -f glb and -f usda", "leave it out: " + options->format + " holds one kind of thing");
     const RoomParts parts = options->only == "mesh" ? RoomParts::kMesh : options->only == "splats" ? RoomParts::kSplats : RoomParts::kAll;
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);

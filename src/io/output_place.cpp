@@ -15,8 +15,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Extensions of scenes, meshes, splats, pictures, tables and pages.
-constexpr std::array<std::string_view, 22> kKnownExtensions = {".ply",  ".glb",   ".gltf",  ".obj",  ".sog", ".spz",  ".splat", ".ksplat", ".usd", ".usda", ".usdc",
-                                                               ".usdz", ".stl",   ".fbx",   ".html", ".htm", ".csv",  ".json",  ".png",    ".jpg", ".jpeg", ".zip"};
+constexpr std::array<std::string_view, 25> kKnownExtensions = {".ply",  ".glb",   ".gltf",  ".obj",  ".sog", ".spz",  ".splat", ".ksplat", ".usd", ".usda", ".usdc",
+                                                               ".usdz", ".stl",   ".fbx",   ".html", ".htm", ".csv",  ".json",  ".png",    ".jpg", ".jpeg", ".zip",
+                                                               ".svg", ".dxf", ".pdf"};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

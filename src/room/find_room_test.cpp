@@ -104,6 +104,23 @@ TEST(FindRoom, WithoutWallsTheBoxOfWhatIsSeenIsAssumed) {
   EXPECT_EQ(room.warnings.size(), 4u);
 }
 
+TEST(FindRoom, FurnitureIsInTheRoom) {
+  RoomInputs in = inputs(true);
+  ObjectPoints chest{"chest of drawers", 1, {}, 1}, outside = chest;
+  for (double x = -0.5; x <= 0.5; x += 0.05) {
+    for (double z = -0.5; z <= 0.5; z += 0.05) {
+      chest.points.push_back({x, kFloor - 0.5 * (x + 0.5), z});
+      outside.points.push_back({x + 10, kFloor - 0.5 * (x + 0.5), z});
+    }
+  }
+  outside.instance = 2;
+  in.objects = {chest, outside};
+  const MeasuredRoom room = room_of(in);
+  ASSERT_EQ(room.boxes.size(), 1u);
+  EXPECT_EQ(room.boxes[0].instance, 1);
+  EXPECT_EQ(room.boxes[0].support, "floor");
+}
+
 TEST(FindRoom, DepthThatIsNotFiniteIsIgnored) {
   RoomInputs in = inputs(true);
   for (PlaneView& view : in.views) {

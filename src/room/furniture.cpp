@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "room/largest_cluster.h"
 
 namespace aligngs {
 namespace {
@@ -133,7 +134,8 @@ std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& b
 
 }  // namespace
 
-std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double gap) {
+std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double link, double gap) {
+  for (ObjectPoints& object : objects) object.points = largest_cluster(object.points, link);
   constexpr double kRow = 0.7;  // of the shorter piece's width that lies beside the other
   const auto box_of = [](const ObjectPoints& object) {
     std::vector<double> x, y;
@@ -142,7 +144,7 @@ std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double 
       x.push_back(p.x);
       y.push_back(p.y);
     }
-    constexpr double kTail = 0.02;
+    constexpr double kTail = 0.01;
     return x.empty() ? std::pair<Range, Range>{} : std::pair{range_of(std::move(x), kTail), range_of(std::move(y), kTail)};
   };
   const auto overlap = [](const Range& a, const Range& b) { return std::min(a.high, b.high) - std::max(a.low, b.low); };

@@ -29,9 +29,10 @@ struct FurnitureSettings {
   size_t least_points = 30;
 };
 
-/// Pieces of one bed or sofa, which blankets and cushions divide, made one object: pieces of a class that lie in a row with gaps below `gap` metres. Other classes
+/// The largest connected part of each object, of cubes with side `link` metres: points of a class elsewhere in the room go to the nearest object, and do not belong to it.
+/// Then pieces of one bed or sofa, which blankets and cushions divide, made one object: pieces of a class that lie in a row with gaps below `gap` metres. Other classes
 /// stand side by side as things of their own. The first piece keeps its number; empty objects are left out.
-std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double gap = 0.2);
+std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double link = 0.12, double gap = 0.2);
 
 /// One box, turned so that the points lie close to its sides (closeness of Zhang et al. 2017, "Efficient L-shape fitting"): of a wardrobe in a corner photos show
 /// two sides, for which the smallest box is a wrong one. Points that are not finite are ignored; too few of them, or a box too small: nothing is said, and false.

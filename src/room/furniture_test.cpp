@@ -14,7 +14,7 @@ namespace {
 ObjectPoints box_points(double w, double d, double h, double x, double y, double degrees, double bottom = 0) {
   ObjectPoints out{"sofa", 1, {}, 0.9};
   const double c = std::cos(degrees * kRadiansPerDegree), s = std::sin(degrees * kRadiansPerDegree);
-  constexpr int kN = 20;
+  constexpr int kN = 40;
   for (int i = 0; i <= kN; ++i) {
     for (int j = 0; j <= kN; ++j) {
       const double a = static_cast<double>(i) / kN - 0.5, b = static_cast<double>(j) / kN - 0.5;

@@ -10,7 +10,7 @@
 
 namespace aligngs {
 
-/// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "html", "plan.svg", "plan.dxf", "plan.pdf".
+/// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "usda", "html", "plan.svg", "plan.dxf", "plan.pdf".
 const std::vector<std::string>& run_export_formats();
 
 /// The world of an exported room.

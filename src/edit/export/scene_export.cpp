@@ -8,7 +8,7 @@
 namespace aligngs {
 
 const std::vector<std::string>& export_formats() {
-  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb", "obj", "sog", "spz", "splat"};
+  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "usda"};
   return formats;
 }
 
@@ -39,6 +39,7 @@ ExportReport export_room(const EditableRoom& room, const std::string& format, co
     return {{path}, g.model.size(), list_instances(g.model, g.labels).size()};
   }
   if (format == "glb") return write_glb(path, room, pool, parts);
+  if (format == "usda") return write_usda(path, room, pool, parts);
   if (format == "obj") return write_obj(path, room, pool);
   if (format == "sog") return write_sog(path, g.model, pool);
   if (format == "spz") return write_spz(path, g.model);

@@ -33,8 +33,12 @@ class Plan {
 
   PlanDrawing draw() {
     for (size_t w = 0; w < room_.walls.size(); ++w) draw_wall(w);
-    for (const MeasuredBox& box : room_.boxes) draw_box(box);
     draw_area();
+    // The names of large things first: one that would cover another text is left out.
+    std::vector<const MeasuredBox*> boxes;
+    for (const MeasuredBox& box : room_.boxes) boxes.push_back(&box);
+    std::stable_sort(boxes.begin(), boxes.end(), [](auto* a, auto* b) { return a->width * a->depth > b->width * b->depth; });
+    for (const MeasuredBox* box : boxes) draw_box(*box);
     frame();
     draw_scale_bar();
     return std::move(out_);
@@ -119,7 +123,25 @@ class Plan {
     const double along = (box.width >= box.depth ? box.turn : box.turn + 90) * kRadiansPerDegree;
     const double turn = readable_turn({std::cos(along), std::sin(along)});
     const Vec2d up{-std::sin(turn * kRadiansPerDegree), std::cos(turn * kRadiansPerDegree)};
+    const Vec2d centre{box.centre.x * kMillimetres, box.centre.y * kMillimetres};
+    if (covers_text(centre, box.class_name, turn)) return;
     write(PlanLayer::kFurniture, plus({box.centre.x * kMillimetres, box.centre.y * kMillimetres}, up, -paper(s_.text) / 2), box.class_name, turn);
+  }
+
+  /// Whether a text about `centre` would cover one that is there, by the boxes of both.
+  bool covers_text(const Vec2d& centre, const std::string& text, double turn) const {
+    const double height = paper(s_.text);
+    const auto half = [height](const std::string& letters, double degrees) {
+      const double c = std::abs(std::cos(degrees * kRadiansPerDegree)), s = std::abs(std::sin(degrees * kRadiansPerDegree));
+      const double width = kLetterWidth * height * static_cast<double>(letters.size());
+      return Vec2d{(c * width + s * height) / 2, (s * width + c * height) / 2};
+    };
+    const Vec2d own = half(text, turn);
+    return std::any_of(out_.texts.begin(), out_.texts.end(), [&](const PlanText& other) {
+      const double up = height / 2, x = other.place.x - std::sin(other.turn * kRadiansPerDegree) * up, y = other.place.y + std::cos(other.turn * kRadiansPerDegree) * up;
+      const Vec2d its = half(other.text, other.turn);
+      return std::abs(x - centre.x) < own.x + its.x && std::abs(y - centre.y) < own.y + its.y;
+    });
   }
 
   void draw_area() {

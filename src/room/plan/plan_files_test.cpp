@@ -88,6 +88,16 @@ TEST(Plan, EverythingLiesInTheDrawing) {
   }
 }
 
+TEST(Plan, NamesDoNotCoverEachOther) {
+  MeasuredRoom room = sample_room::make();
+  room.boxes.push_back(room.boxes[0]);
+  room.boxes.back().class_name = "bench";
+  const PlanDrawing drawing = draw_plan(room);
+  int names = 0;
+  for (const PlanText& text : drawing.texts) names += text.layer == PlanLayer::kFurniture;
+  EXPECT_EQ(names, 1);
+}
+
 TEST(Plan, TheSvgIsToScaleAndNamesItsLayers) {
   const std::string svg = plan_svg(draw_plan(sample_room::make()), {});
   for (const PlanLayer layer : kPlanLayers) EXPECT_THAT(svg, HasSubstr(std::string("<g id=\"") + name_of(layer) + "\""));
