@@ -37,14 +37,14 @@ ScaleSource scale_source_of(const Scene& scene) {
   return scene.prior_source == "exact" ? ScaleSource::kTruth : ScaleSource::kNetwork;
 }
 
-PlaneView look(OpenRun& run, int view) {
+PlaneView look(OpenRun& run, const PriorUse& use, int view) {
   Camera camera = run.working_camera(view);
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
   camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))), std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
   RenderOptions options = run.render_options();
   options.geometry = options.labels = true;
   // The near plane of training, as for the mesh.
-  options.raster.near_plane = near_plane_of_view(run.scene, run.config, view);
+  options.raster.near_plane = near_plane_of_view(run.scene, run.config, use, view);
   return plane_view_of(camera, run.engine->render(camera, options));
 }
 
@@ -83,7 +83,8 @@ MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects) {
                     "train a scene that has segmentation_logits/");
   }
   RoomInputs inputs;
-  for (const int view : run.scene.train) inputs.views.push_back(look(run, view));
+  const PriorUse use = decide_prior_use(run.scene, run.config);
+  for (const int view : run.scene.train) inputs.views.push_back(look(run, use, view));
   inputs.labels = &run.scene.labels;
   inputs.up = run.scene.up;
   inputs.objects = std::move(objects);
