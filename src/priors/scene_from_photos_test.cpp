@@ -190,7 +190,7 @@ TEST_F(FromPhotos, DepthAnything3FillsTheDepthOfASceneInTheUnitsOfItsCameras) {
   fill.overwrite = true;
   const ModelStore store(store_options);
   EXPECT_EQ(fill_depth(folder / "scene", store, depth_model("da3"), fill).written, 3u);
-  EXPECT_EQ(read_priors_json(folder / "scene" / "priors.json").depth->settings.at("units"), "of the cameras");
+  EXPECT_EQ(read_priors_json(folder / "scene" / "priors.json").depth_scale, DepthScale::kScene);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
   fill.memory_limit = 1'000'000;
   error_of(ErrorKind::kResources, [&] { fill_depth(folder / "scene", store, depth_model("da3"), fill); });

@@ -81,7 +81,7 @@ Json EditService::stack() {
                        {"gaussians", object.gaussians},
                        {"centre", {object.centre.x, object.centre.y, object.centre.z}}});
   }
-  Json formats = run_export_formats();
+  Json formats = formats_of_run(s.folder());
   if (!s.room().gaussians.has_labels()) formats.erase(std::find(formats.begin(), formats.end(), "labels.ply"));
   return {{"edits", edits}, {"redo", redo}, {"objects", objects}, {"formats", formats}};
 }

@@ -44,6 +44,12 @@ std::string default_name(const std::string& format, bool edited) {
 
 }  // namespace
 
+std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
+  std::vector<std::string> formats = run_export_formats();
+  if (!std::filesystem::exists(run / "room.json")) std::erase_if(formats, is_plan);
+  return formats;
+}
+
 RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file, RoomParts parts,
                      ExportCoordinates coordinates) {
   require_export_format(format, run_export_formats());

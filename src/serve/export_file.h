@@ -12,6 +12,8 @@ namespace aligngs {
 
 /// "ply", "labels.ply", "glb", "obj", "sog", "spz", "splat", "usda", "html", "plan.svg", "plan.dxf", "plan.pdf".
 const std::vector<std::string>& run_export_formats();
+/// Those that a run can have: plans where it has room.json.
+std::vector<std::string> formats_of_run(const std::filesystem::path& run);
 
 /// The world of an exported room.
 enum class ExportCoordinates {
