@@ -5,7 +5,7 @@
     tests/reliability/series.py disk OUTPUT [--trials 20] [--seed 1]        (root: it mounts a small tmpfs)
 
 A trial is right when the second call ends with the bytes of a call that nothing disturbed, or says what to do, and what it says works.
-Nothing half-written may bear the name of an output. OUTPUT/trials.csv has a line per trial. ALIGNGS names the program
+Nothing half-written may bear the name of an output. OUTPUT/kill.csv or disk.csv has a line per trial. ALIGNGS names the program
 (default build/aligngs). docs/reliability.md has the results."""
 import argparse
 import csv
@@ -50,6 +50,8 @@ COMMANDS = [
     Command("export sog", ["export", "run", "-f", "sog", "-o", "made.sog"], ["made.sog"]),
     Command("export html", ["export", "run", "-f", "html", "-o", "made.html"], ["made.html"]),
     Command("edit", ["edit", "run", "--select", "bed", "--delete"], ["run/edits.json", "run/edits"]),
+    Command("room", ["room", "run"], ["run/room.json"]),
+    Command("report", ["report", "run"], ["run/overview.jpg"]),
 ]
 
 
@@ -187,9 +189,11 @@ def main():
     parser.add_argument("output", type=Path)
     parser.add_argument("--trials", type=int)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--commands", nargs="+", help="only these commands (their names in the table)")
     arguments = parser.parse_args()
     trials = arguments.trials or (100 if arguments.kind == "kill" else 20)
     output = arguments.output.resolve()
+    commands = [c for c in COMMANDS if arguments.commands is None or c.name in arguments.commands]
     prepared, choose = prepare(output), random.Random(arguments.seed)
     wanted = {}
     small = output / "small"
@@ -202,7 +206,7 @@ def main():
             table = csv.writer(file)
             table.writerow(["trial", "command", "moment", "outcome"])
             for trial in range(trials):
-                command = COMMANDS[trial % len(COMMANDS)]
+                command = commands[trial % len(commands)]
                 if command.name not in wanted:
                     wanted[command.name] = undisturbed(output, prepared, command)
                     command.writes = sum((output / "work" / o).stat().st_size if (output / "work" / o).is_file() else
