@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/shell_for_tests.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "edit/small_room_for_tests.h"
@@ -17,20 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing_support::output_of;
+using testing_support::runs;
 
 const fs::path kNodeFolder = fs::path(ALIGNGS_SOURCE_DIR) / "tests" / "node";
-
-bool runs(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
-
-std::string output_of(const std::string& command) {
-  std::string out;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return out;
-  std::array<char, 4096> buffer;
-  for (size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
-  pclose(pipe);
-  return out;
-}
 
 class ExportReaders : public testing::Test {
  protected:

@@ -81,8 +81,10 @@ RunExport export_run(EditSession& session, const std::string& format, bool origi
     const std::filesystem::path scene_json = session.scene().folder / "scene.json";
     const std::optional<Similarity> original_world =
         coordinates == ExportCoordinates::kOriginal ? read_scene_json(scene_json).to_original : std::nullopt;
-    const EditableRoom& placed = out.aligned ? aligned(room, measured->to_room) : original_world ? in_original_coordinates(room, *original_world, scene_json) : room;
-    out.report = export_room(placed, format, out.file, session.pool(), parts);
+    std::optional<EditableRoom> elsewhere;  // a room that stays is not copied
+    if (out.aligned) elsewhere = aligned(room, measured->to_room);
+    else if (original_world) elsewhere = in_original_coordinates(room, *original_world, scene_json);
+    out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);
   }
   return out;
 }

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/log.h"
-#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "train/prior_alignment.h"
@@ -48,15 +46,8 @@ TexturedScene textured(DepthScale scale, double world) {
   return how;
 }
 
-class DepthScales : public testing::Test {
+class DepthScales : public test_train::QuietRuns {
  protected:
-  void SetUp() override {
-    set_log_level(LogLevel::kSilent);
-    clear_stop_request();
-    base_ = test_scene::fresh_folder("runs");
-  }
-  void TearDown() override { set_log_level(LogLevel::kInfo); }
-
   fs::path trained(const fs::path& scene, const std::string& name, int64_t steps, const std::vector<std::string>& sets = {}) const {
     TrainOptions o;
     o.scene = scene;
@@ -80,7 +71,6 @@ class DepthScales : public testing::Test {
     return last;
   }
 
-  fs::path base_;
 };
 
 TEST_F(DepthScales, EveryKindTrainsAsDepthInSceneUnitsDoes) {

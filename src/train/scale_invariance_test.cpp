@@ -7,8 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/log.h"
-#include "core/stop_signal.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "train/config_keys.h"
@@ -43,15 +41,8 @@ Sets joined(Sets a, const Sets& b) {
   return a;
 }
 
-class ScaleInvariance : public testing::Test {
+class ScaleInvariance : public test_train::QuietRuns {
  protected:
-  void SetUp() override {
-    set_log_level(LogLevel::kSilent);
-    clear_stop_request();
-    base_ = test_scene::fresh_folder("runs");
-  }
-  void TearDown() override { set_log_level(LogLevel::kInfo); }
-
   /// The losses of the last step of a run on the scene times `scale`.
   Losses last_losses(double scale, const std::string& preset, int64_t steps, const Sets& sets) const {
     static std::map<double, fs::path> scenes;
@@ -81,7 +72,6 @@ class ScaleInvariance : public testing::Test {
   }
 
  private:
-  fs::path base_;
   mutable int runs_ = 0;
 };
 

@@ -6,6 +6,10 @@
 #include <functional>
 #include <string>
 
+#include <gtest/gtest.h>
+
+#include "core/log.h"
+#include "core/stop_signal.h"
 #include "scene/test_scene_folder.h"
 
 namespace aligngs::test_train {
@@ -44,5 +48,18 @@ inline std::filesystem::path write_textured_scene(const std::string& name, const
   writer.finish(parts);
   return folder;
 }
+
+/// Trainings without a log, in a folder of the test's own.
+class QuietRuns : public testing::Test {
+ protected:
+  void SetUp() override {
+    set_log_level(LogLevel::kSilent);
+    clear_stop_request();
+    base_ = test_scene::fresh_folder("runs");
+  }
+  void TearDown() override { set_log_level(LogLevel::kInfo); }
+
+  std::filesystem::path base_;
+};
 
 }  // namespace aligngs::test_train

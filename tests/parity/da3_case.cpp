@@ -99,14 +99,7 @@ void compare_trunk(Case& test, nn::Compute& compute, const nn::Da3& network, con
 void compare_given(Case& test, const nn::Da3& network, const std::vector<nn::NetworkCamera>& given, int64_t width,
                    int64_t height, nn::Da3TrunkRequest& pass) {
   const auto views = int64_t(given.size());
-  const auto normal = nn::normalised_cameras(given);
-  std::vector<float> encodings;
-  for (const nn::NetworkCamera& camera : normal) {
-    const nn::PoseEncoding e = nn::encode_da3_camera(camera, width, height);
-    encodings.insert(encodings.end(), e.begin(), e.end());
-  }
-  test.compare("out_extrinsics_norm", extrinsics_of(normal, 4), {1, views, 4, 4});
-  test.compare("out_pose_enc_in", encodings, {1, views, 9});
+  compare_encoded(test, given, width, height, "out_pose_enc_in");
   pass.camera_tokens = network.camera_tokens(given, width, height);
   test.compare("out_pose_tokens", pass.camera_tokens.data, {1, views, pass.camera_tokens.columns});
 }

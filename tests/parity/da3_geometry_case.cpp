@@ -59,9 +59,7 @@ std::vector<nn::NetworkCamera> decoded(const FloatArray& encodings, int64_t widt
 
 }  // namespace
 
-void run_da3_camera(Case& test, nn::Compute&) {
-  const int64_t height = test.config().at("hw").at(0), width = test.config().at("hw").at(1);
-  const auto given = cameras_of(test.array("in_extrinsics"), test.array("in_intrinsics"));
+void compare_encoded(Case& test, const std::vector<nn::NetworkCamera>& given, int64_t width, int64_t height, const std::string& name) {
   const auto views = int64_t(given.size());
   const auto normal = nn::normalised_cameras(given);
   std::vector<float> encodings;
@@ -70,7 +68,14 @@ void run_da3_camera(Case& test, nn::Compute&) {
     encodings.insert(encodings.end(), e.begin(), e.end());
   }
   test.compare("out_extrinsics_norm", extrinsics_of(normal, 4), {1, views, 4, 4});
-  test.compare("out_pose_enc", encodings, {1, views, 9});
+  test.compare(name, encodings, {1, views, 9});
+}
+
+void run_da3_camera(Case& test, nn::Compute&) {
+  const int64_t height = test.config().at("hw").at(0), width = test.config().at("hw").at(1);
+  const auto given = cameras_of(test.array("in_extrinsics"), test.array("in_intrinsics"));
+  const auto views = int64_t(given.size());
+  compare_encoded(test, given, width, height, "out_pose_enc");
   const auto first = decoded(test.array("in_pose_enc"), width, height);
   const auto count = int64_t(first.size());
   test.compare("out_dec_extrinsics", extrinsics_of(first, 3), {1, count, 3, 4});

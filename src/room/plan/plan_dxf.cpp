@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <vector>
+
 #include "room/plan/plan_files.h"
 
 namespace aligngs {
@@ -52,28 +55,28 @@ std::string ascii(const std::string& utf8) {
   return out;
 }
 
+/// `dashes`: millimetres drawn, then, negative, left out.
+void add_line_type(Groups& dxf, const char* name, const char* description, const std::vector<double>& dashes) {
+  double period = 0;
+  for (const double dash : dashes) period += std::abs(dash);
+  dxf.add(0, "LTYPE");
+  dxf.add(2, name);
+  dxf.add(70, 0);
+  dxf.add(3, description);
+  dxf.add(72, 65);
+  dxf.add(73, static_cast<int>(dashes.size()));
+  dxf.add(40, period);
+  for (const double dash : dashes) dxf.add(49, dash);
+}
+
 void add_tables(Groups& dxf) {
   dxf.add(0, "SECTION");
   dxf.add(2, "TABLES");
   dxf.add(0, "TABLE");
   dxf.add(2, "LTYPE");
   dxf.add(70, 2);
-  dxf.add(0, "LTYPE");
-  dxf.add(2, "CONTINUOUS");
-  dxf.add(70, 0);
-  dxf.add(3, "Solid line");
-  dxf.add(72, 65);
-  dxf.add(73, 0);
-  dxf.add(40, 0.0);
-  dxf.add(0, "LTYPE");
-  dxf.add(2, "DASHED");
-  dxf.add(70, 0);
-  dxf.add(3, "Dashed line");
-  dxf.add(72, 65);
-  dxf.add(73, 2);
-  dxf.add(40, 150.0);  // millimetres of one period
-  dxf.add(49, 75.0);
-  dxf.add(49, -75.0);
+  add_line_type(dxf, "CONTINUOUS", "Solid line", {});
+  add_line_type(dxf, "DASHED", "Dashed line", {75.0, -75.0});
   dxf.add(0, "ENDTAB");
   dxf.add(0, "TABLE");
   dxf.add(2, "LAYER");

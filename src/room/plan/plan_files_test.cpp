@@ -2,15 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <sstream>
 
 #include "core/error.h"
+#include "core/shell_for_tests.h"
 #include "io/atomic_file.h"
 #include "room/sample_room_for_tests.h"
 
@@ -19,18 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-bool runs(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
-
-std::string output_of(const std::string& command) {
-  std::string out;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return out;
-  std::array<char, 4096> buffer;
-  for (size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) out.append(buffer.data(), n);
-  pclose(pipe);
-  return out;
-}
+using testing_support::output_of;
+using testing_support::runs;
 
 std::string written(const std::string& format) {
   const fs::path file = fs::path(testing::TempDir()) / ("aligngs_" + format);
