@@ -56,7 +56,8 @@ class TrainOnCuda : public testing::Test {
                      "densify.residual_quantile=0", "densify.unsupported_min=0", "densify.opacity_reset_every=60",
                      "densify.free_space_every=70", "loss.depth_align_every=50", "loss.normal_start=20",
                      "loss.depth_start=10", "semantic.lift=true", "semantic.lift_at=30", "semantic.coupling_start=40",
-                     "semantic.coupling_stop=100", "train.sh_every=40", "train.log_every=1"};
+                     "semantic.coupling_stop=100", "train.sh_every=40", "train.log_every=1",
+                     "optimizer.opacity=3"};  // recovers from the reset within the steps that are left
     o.progress.enabled = false;
     o.threads = 1;
     return o;
