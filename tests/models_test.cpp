@@ -129,7 +129,7 @@ TEST_F(ModelsProgram, InfoListsTheTensorsOfAWeightFileWhateverItsName) {
 }
 
 TEST_F(ModelsProgram, CamerasAreForTheMethodGivenOnly) {
-  EXPECT_EQ(run("poses " + photos() + " -o " + out("scene") + " --cameras sparse").status, 2);
+  EXPECT_EQ(run("poses " + photos() + " -o " + out("scene") + " --method colmap --cameras sparse").status, 2);
   const ProcessResult result = run("poses " + photos() + " -o " + out("scene") + " --method given");
   EXPECT_EQ(result.status, 3);
   EXPECT_THAT(result.err, HasSubstr("--cameras"));
@@ -138,7 +138,7 @@ TEST_F(ModelsProgram, CamerasAreForTheMethodGivenOnly) {
 TEST_F(ModelsProgram, PosesWithoutWeightsOffersColmap) {
   const ProcessResult result = run("poses " + photos() + " -o " + out("scene"));
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download vggt-1b"), HasSubstr("--method colmap")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"), HasSubstr("light"), HasSubstr("--method colmap")));
   EXPECT_FALSE(fs::exists(folder / "scene"));
 }
 
@@ -149,9 +149,28 @@ TEST_F(ModelsProgram, PosesByDepthAnything3NameItsOwnWeightsAndLicence) {
   EXPECT_THAT(base.err, AllOf(HasSubstr("aligngs models download da3-base"), HasSubstr("Apache-2.0"), HasSubstr("--method colmap")));
   EXPECT_THAT(run(command + " --method da3 --poses-model da3-large").err, HasSubstr("non-commercial"));
   EXPECT_EQ(run(command + " --method da3 --poses-model vggt-1b").status, 2);
-  EXPECT_EQ(run(command + " --poses-model da3-base").status, 2);
-  EXPECT_EQ(run(command + " --camera-from-rays").status, 2);
+  EXPECT_THAT(run(command + " --poses-model da3-small").err, HasSubstr("aligngs models download da3-small"));  // its method follows
+  EXPECT_EQ(run(command + " --method colmap --camera-from-rays").status, 2);
+  EXPECT_EQ(run(command + " --method colmap --metres da3metric-large").status, 2);
   EXPECT_FALSE(fs::exists(folder / "scene"));
+}
+
+TEST_F(ModelsProgram, ASetIsShownWithSizesLicencesAndTimesBeforeAnythingIsFetched) {
+  const ProcessResult result = run("models download recommended </dev/null");
+  EXPECT_EQ(result.status, 2) << "nobody accepted the licence";
+  EXPECT_THAT(result.err, AllOf(HasSubstr("da3-base"), HasSubstr("da3metric-large"), HasSubstr("eomt-l"), HasSubstr("Apache-2.0"), HasSubstr("about "),
+                                HasSubstr("to fetch: 3.1 GB")));
+  EXPECT_FALSE(fs::exists(folder / "models"));
+}
+
+TEST_F(ModelsProgram, AnOpenQuestionAboutWeightsIsShownBeforeTheDownload) {
+  EXPECT_THAT(run("models download lingbot-map </dev/null").err, HasSubstr("open question: whether these weights started from VGGT-1B"));
+}
+
+TEST_F(ModelsProgram, DoctorListsTheOrderOfNetworksWithReasons) {
+  const ProcessResult result = run("doctor");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("1. vggt-1b-commercial"), HasSubstr("2. da3-base: free to use"), HasSubstr("non-commercial use only"),
+                                HasSubstr("by accuracy on ADE20K: m2f, eomt-l")));
 }
 
 TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {
@@ -167,7 +186,7 @@ TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {
 TEST_F(ModelsProgram, RunOnPhotosWithoutWeightsSaysWhichCommandGetsThem) {
   const ProcessResult result = run("run " + photos() + " -o " + out("run"));
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download vggt-1b"), HasSubstr("--method colmap --semantics none")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"), HasSubstr("--method colmap --semantics none")));
 }
 
 TEST_F(ModelsProgram, RunWithNamedSemanticsNeedsTheirWeightsFirst) {

@@ -14,6 +14,7 @@
 #include "core/memory_budget.h"
 #include "engine/cuda/runtime/cuda_device.h"
 #include "nn/cpu/matrix_backend.h"
+#include "priors/camera_networks.h"
 
 namespace aligngs {
 
@@ -120,6 +121,25 @@ std::vector<Check> check_weights(const ModelStore& store) {
   return found;
 }
 
+/// The order in which `run` and `poses` look for networks, and the one that they take now.
+std::vector<Check> check_choices(const ModelStore& store) {
+  const CameraNetwork* const best = best_camera_network(store);
+  std::vector<Check> found = {{"cameras", true, best ? "auto takes " + best->model + ": " + best->reason : "no network is installed for --method auto",
+                               best ? "" : "aligngs models download recommended, or light"}};
+  int place = 0;
+  for (const CameraNetwork& network : camera_networks()) {
+    const bool here = store.installed(published_model(network.model));
+    found.push_back({"cameras", true, fmt::format("  {}. {}: {}{}", ++place, network.model, network.reason, here ? "; installed" : ""), ""});
+  }
+  const PublishedModel* const classes = installed_semantic_model(store);
+  std::string order;
+  for (const std::string& word : semantic_choices()) order += (order.empty() ? "" : ", ") + word;
+  found.push_back({"classes", true, classes ? "auto takes " + classes->name : "no network is installed for --semantics auto",
+                   classes ? "" : "aligngs models download recommended, or light"});
+  found.push_back({"classes", true, "  by accuracy on ADE20K: " + order, ""});
+  return found;
+}
+
 /// Device of `--device auto`.
 Check check_device() {
   const cuda::CudaDevices found = cuda::list_cuda_devices();
@@ -140,6 +160,7 @@ std::vector<Check> run_checks(const ModelStore& store) {
   checks.push_back(check_device());
   checks.push_back(check_networks());
   for (Check& check : check_weights(store)) checks.push_back(std::move(check));
+  for (Check& check : check_choices(store)) checks.push_back(std::move(check));
   const bool colmap = on_path("colmap");
   checks.push_back({"colmap program", true, colmap ? "found" : "not found",
                     colmap ? "" : "a way to find cameras for your own photos without a network (VGGT, Depth Anything 3): apt-get install colmap"});

@@ -153,7 +153,10 @@ Json info_of_scene(const fs::path& folder) {
     const std::string size = fmt::format("{}x{}", view.camera.width, view.camera.height);
     sizes[size] = sizes.value(size, 0) + 1;
   }
-  return {{"kind", "scene folder"}, {"source", scene.source}, {"units", scene.metric ? "metres" : "arbitrary"},
+  const std::string units = scene.units_estimate ? fmt::format("metres (an estimate of {}, photos spread by {:.1f} %)", scene.units_estimate->model,
+                                                               100 * scene.units_estimate->spread)
+                                                 : scene.metric ? "metres" : "arbitrary";
+  return {{"kind", "scene folder"}, {"source", scene.source}, {"units", units},
           {"up", scene.up ? Json{scene.up->x, scene.up->y, scene.up->z} : Json(nullptr)},
           {"axes", "camera: x right, y down, z forward; poses world to camera"},
           {"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()}, {"image_sizes", sizes},

@@ -13,7 +13,10 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "cli/photo_options.h"
+#include "nn/matrix_rate.h"
 #include "priors/model_download.h"
+#include "priors/model_sets.h"
 
 namespace aligngs {
 namespace {
@@ -79,6 +82,15 @@ void list_models(const CommandContext& context) {
       std::printf("%-41s %s\n%-41s sha256 %s\n", "", file.url.c_str(), "", digest.c_str());
     }
   }
+  for (const ModelSet& set : model_sets()) {
+    uint64_t bytes = 0;
+    std::string names;
+    for (const PublishedModel* model : models_of({set.name})) {
+      bytes += download_bytes(*model);
+      names += (names.empty() ? "" : ", ") + model->name;
+    }
+    std::printf("set %-15s %-10s %9s  %s: %s\n", set.name.c_str(), "", format_bytes(bytes).c_str(), set.purpose.c_str(), names.c_str());
+  }
   const auto first = [](const std::vector<std::filesystem::path>& folders) { return folders.empty() ? "-" : folders.front().c_str(); };
   std::printf("looked for, in this order: %s (HF_HUB_CACHE, HF_HOME), %s (ALIGNGS_MODELS), %s (TORCH_HOME)\n", first(store.options().huggingface),
               store.options().folder.c_str(), first(store.options().torch));
@@ -87,6 +99,7 @@ void list_models(const CommandContext& context) {
 /// The licence is shown; going on without having said yes is not possible.
 void require_acceptance(const PublishedModel& model, bool accepted) {
   std::fprintf(stderr, "%s: licence %s\n  %s\n", model.name.c_str(), licence_line(model.licence).c_str(), model.licence.url.c_str());
+  if (!model.licence.question.empty()) std::fprintf(stderr, "  open question: %s\n", model.licence.question.c_str());
   if (accepted) return;
   if (isatty(STDIN_FILENO) && isatty(STDERR_FILENO)) {
     std::fputs("do you accept it? [y/N] ", stderr);
@@ -97,6 +110,28 @@ void require_acceptance(const PublishedModel& model, bool accepted) {
   }
   throw_usage("the licence of " + model.name + " must be accepted first",
               "read " + model.licence.url + ", then add --accept-licence");
+}
+
+/// Share of the rate of large products that whole networks reach; measured in benchmarks/README.md.
+constexpr double kShareOfRate = 0.6;
+
+/// Sizes, licences and expected times of what is to be fetched, before anything is.
+void print_plan(const ModelStore& store, const std::vector<const PublishedModel*>& wanted, int threads) {
+  ThreadPool pool(threads);
+  nn::Compute compute(pool, {default_precision(), true, true});
+  const double rate = nn::measure_matrix_rate(compute) * kShareOfRate;
+  uint64_t missing = 0;
+  std::fprintf(stderr, "%-19s %9s  %-24s %s\n", "model", "size", "a photo on this machine", "licence");
+  for (const PublishedModel* model : wanted) {
+    const double operations = 1e12 * tera_operations_per_photo(model->name);
+    const std::string time = operations > 0 ? fmt::format("about {:.2g} s", operations / rate) : "-";
+    const bool here = store.installed(*model);
+    if (!here) missing += download_bytes(*model);
+    std::fprintf(stderr, "%-19s %9s  %-24s %s%s\n", model->name.c_str(), format_bytes(download_bytes(*model)).c_str(), time.c_str(),
+                 licence_line(model->licence).c_str(), here ? "; installed" : "");
+    if (!model->licence.question.empty()) std::fprintf(stderr, "%-30s  open question: %s\n", "", model->licence.question.c_str());
+  }
+  std::fprintf(stderr, "to fetch: %s\n", format_bytes(missing).c_str());
 }
 
 struct DownloadArguments {
@@ -111,12 +146,8 @@ void download_models(const CommandContext& context, const DownloadArguments& arg
   options.mirror = arguments.mirror;
   options.progress = context.progress();
   if (const char* token = std::getenv("HF_TOKEN")) options.huggingface_token = token;
-  std::vector<const PublishedModel*> wanted;
-  for (const std::string& name : arguments.names) {
-    for (const PublishedModel* model : with_needs(published_model(name))) {
-      if (std::find(wanted.begin(), wanted.end(), model) == wanted.end()) wanted.push_back(model);
-    }
-  }
+  const std::vector<const PublishedModel*> wanted = models_of(arguments.names);
+  if (!context.global.quiet) print_plan(store, wanted, context.global.threads);
   Json document = Json::array();
   for (const PublishedModel* model : wanted) {
     bool missing = false;
@@ -199,7 +230,7 @@ void add_models_command(CLI::App& program, CommandContext& context) {
   command->footer(help_footer({.reads = "the weight folders of this machine",
                                 .writes = "the program's own weight folder (download, import)",
                                 .example = "aligngs models list",
-                                .advanced = "aligngs models download vggt-1b ade20k-linear-b --accept-licence"}));
+                                .advanced = "aligngs models download recommended lpips-vgg --accept-licence"}));
   command->require_subcommand(1);
   command->fallthrough();
 
@@ -213,10 +244,10 @@ void add_models_command(CLI::App& program, CommandContext& context) {
   CLI::App* download = command->add_subcommand("download", "Download weights; an interrupted download resumes");
   download->footer(help_footer({.reads = "the publisher's site, or the mirror of --from",
                                 .writes = "the program's own weight folder",
-                                .example = "aligngs models download vggt-1b",
+                                .example = "aligngs models download recommended",
                                 .advanced = "aligngs models download lpips-vgg --accept-licence --from https://mirror.example.org/weights"}));
   auto arguments = std::make_shared<DownloadArguments>();
-  download->add_option("models", arguments->names, "names as in `aligngs models list`")->required();
+  download->add_option("models", arguments->names, "light, recommended or paper, or names as in `aligngs models list`")->required();
   download->add_flag("--accept-licence,--accept-license", arguments->accept, "accept the licences without a question");
   download->add_option("--from", arguments->mirror, "URL of a mirror that holds the files by their names")->group("Source");
   download->callback([&context, arguments] { download_models(context, *arguments); });

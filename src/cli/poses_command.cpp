@@ -25,10 +25,13 @@ void print_report(const CommandContext& context, const std::string& scene, const
   if (context.global.json) {
     nlohmann::json unplaced = nlohmann::json::array();
     for (const LeftOut& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
-    const nlohmann::json document = {{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
+    nlohmann::json document = {{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
                                      {"train", report.train}, {"test", report.test}, {"points", report.points},
                                      {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
                                      {"unplaced", unplaced}};
+    if (report.metres) {
+      document["metres"] = {{"scale", report.metres->scale}, {"spread", report.metres->spread}, {"photos", report.metres->photos}, {"source", "network estimate"}};
+    }
     print_json(document);
     return;
   }
@@ -48,7 +51,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
                                 .writes = "SCENE: a scene folder with cameras and a cloud",
                                 .example = "aligngs poses photos -o scene --method colmap",
                                 .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
-                                .notes = "`vggt` and `da3` need weights: aligngs models download vggt-1b, or da3-base"}));
+                                .notes = "Networks need weights: aligngs models download recommended, or light"}));
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();
@@ -61,11 +64,12 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   add_photo_options(*command, options);
   command->callback([&context, options, photos, scene] {
     try {
+      choose_method(*options, model_store(context));
       ScenePhotosOptions poses = photo_options(*options, context);
       if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);
       print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kWeights && (options->method == "vggt" || options->method == "da3")) offer_colmap(error, *photos, *scene);
+      if (error.kind() == ErrorKind::kWeights && options->method != "colmap" && options->method != "given") offer_colmap(error, *photos, *scene);
       throw;
     }
   });

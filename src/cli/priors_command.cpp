@@ -53,6 +53,7 @@ void run_priors(const CommandContext& context, Options& options) {
   const PublishedModel* semantics = nullptr;
   if (options.depth == "auto") {
     if (!scene.has_prior_depth()) depth = installed_depth_model(store);
+    if (depth) warn_of_terms(*depth, "depth");
   } else if (options.depth != "none") {
     depth = &depth_model(options.depth);
     store.require(*depth);

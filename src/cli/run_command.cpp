@@ -33,11 +33,12 @@ struct RunCommandOptions {
   std::vector<std::string> fail_under;
 };
 
-bool is_network(const PhotoCommandOptions& photos) { return photos.method == "vggt" || photos.method == "da3"; }
+bool is_network(const PhotoCommandOptions& photos) { return photos.method != "colmap" && photos.method != "given"; }
 
 /// Weights that were asked for by name must be there before anything else starts.
-void require_weights(const ModelStore& store, const RunCommandOptions& options, bool photos) {
+void require_weights(const ModelStore& store, RunCommandOptions& options, bool photos) {
   try {
+    if (photos) choose_method(options.photos, store);
     if (photos && is_network(options.photos)) store.require(published_model(poses_model(options.photos)));
     if (options.semantics != "auto" && options.semantics != "none") store.require(semantic_model(options.semantics));
     if (options.depth != "auto" && options.depth != "none") store.require(depth_model(options.depth));
@@ -64,12 +65,14 @@ MissingPriors missing_priors(const fs::path& folder, const ModelStore& store, co
   MissingPriors missing;
   if (options.depth != "none" && !scene.has_prior_depth()) {
     if (options.depth != "auto") missing.depth = &depth_model(options.depth);
-    else if (const PublishedModel& model = published_model(poses_model(options.photos)); store.installed(model)) missing.depth = &model;
+    else if (const PublishedModel* model = installed_camera_network(options.photos, store)) missing.depth = model;
     else if (!should_measure(folder, config)) missing.depth = installed_depth_model(store);
+    const bool unnamed = options.depth == "auto" && options.photos.model.empty() && options.photos.method != "vggt";
+    if (unnamed && missing.depth) warn_of_terms(*missing.depth, "depth");
   }
   if (options.semantics != "none" && !scene.has_semantics()) {
     missing.semantics = options.semantics != "auto" ? &semantic_model(options.semantics) : installed_semantic_model(store);
-    if (!missing.semantics) log_info("no class labels: no weights for them are here (aligngs models download ade20k-linear-b, or ade20k-m2f)");
+    if (!missing.semantics) log_info("no class labels: no weights for them are here (aligngs models download eomt-l, 1.3 GB, or lingbot-s, 0.1 GB)");
   }
   return missing;
 }

@@ -35,6 +35,32 @@ nn::NetworkCamera network_camera(const Camera& camera, const nn::ImagePlacement&
   return out;
 }
 
+uint64_t weight_bytes(const nn::Weights& weights, uint64_t matrix_bytes) {
+  uint64_t bytes = 0;
+  for (const std::string& name : weights.names()) {
+    uint64_t count = 1;
+    for (const int64_t n : weights.shape(name)) count *= uint64_t(n);
+    bytes += count * (name.rfind("cam_", 0) == 0 ? 4 : matrix_bytes);  // the camera branch is float32
+  }
+  return bytes;
+}
+
+constexpr uint64_t kDensePerFeature = 9;  // bytes per pixel: the widest maps of a dense head
+
+/// Sky has no depth.
+void leave_out_sky(nn::FeatureMap& depth, const nn::FeatureMap& metric) {
+  for (int64_t i = 0; i < depth.places(); ++i) {
+    if (!(metric.data[size_t(2 * i + 1)] < nn::kDa3SkyThreshold)) depth.data[size_t(2 * i)] = 0;
+  }
+}
+
+void scale_views(std::vector<PredictedView>& views, double scale) {
+  for (PredictedView& view : views) {
+    for (float& z : view.depth.data) z = float(double(z) * scale);
+    view.camera.world_to_camera.translation = view.camera.world_to_camera.translation * scale;
+  }
+}
+
 nn::NetworkCamera camera_from_rays(const Photo& photo, const nn::Da3Frame& frame) {
   try {
     return nn::pose_from_rays(frame.rays, frame.depth.width, frame.depth.height).camera;
@@ -73,13 +99,7 @@ void add_da3_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision
                     int height) {
   const nn::Weights weights = nn::da3_part(file, "da3");
   const uint64_t matrix_bytes = precision == nn::Precision::kBfloat16 ? 2 : 4;
-  uint64_t weight_bytes = 0;
-  for (const std::string& name : weights.names()) {
-    uint64_t count = 1;
-    for (const int64_t n : weights.shape(name)) count *= uint64_t(n);
-    weight_bytes += count * (name.rfind("cam_", 0) == 0 ? 4 : matrix_bytes);  // the camera branch is float32
-  }
-  budget.add("weights of the network", weight_bytes);
+  budget.add("weights of the network", weight_bytes(weights, matrix_bytes));
   const auto channels = uint64_t(weights.dimension("backbone.pretrained.cls_token", 2));
   const auto features = uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0));
   const auto token = uint64_t(weights.dimension("head.projects.0.weight", 1));
@@ -89,29 +109,56 @@ void add_da3_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision
   budget.add("tokens kept for the dense head", kKept * tokens * token * 4);
   // The head begins when the tokens are done: the larger of the two counts.
   const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);
-  constexpr uint64_t kDensePerFeature = 9;  // bytes per pixel: the widest maps of the head
   const uint64_t dense = kDensePerFeature * features * pixels;
   budget.add(in_work > dense ? "tokens in work" : "one view in the dense head", std::max(in_work, dense));
   constexpr uint64_t kMapsPerPixel = 3 + 12 + 8;  // input as bytes and as floats; depth and confidence
   budget.add("photos and their maps", frames * kMapsPerPixel * pixels);
 }
 
-std::vector<PredictedView> predict_da3_views(nn::Compute& compute, const nn::Da3& network,
-                                             const std::vector<Photo>& photos, Da3Inputs inputs,
-                                             const ViewPredictionOptions& options) {
+void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& file, nn::Precision precision, size_t frames,
+                           int width, int height) {
+  const nn::Weights weights = nn::da3_part(file, "da3_metric");
+  const uint64_t pixels = uint64_t(width) * uint64_t(height);
+  budget.add("weights of the metric network", weight_bytes(weights, precision == nn::Precision::kBfloat16 ? 2 : 4));
+  budget.add("one photo in its dense head", kDensePerFeature * uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0)) * pixels);
+  constexpr uint64_t kMapsPerPixel = 3 + 8;  // input as bytes; depth and sky as floats
+  budget.add("photos and their metric depth", frames * kMapsPerPixel * pixels);
+}
+
+void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs, const ProgressStyle& style) {
+  Progress progress(style, "metres (Depth Anything 3)", inputs.images.size());
+  inputs.metric.clear();
+  for (const Image<uint8_t>& image : inputs.images) {
+    inputs.metric.push_back(network(compute, nn::da3_input(image)));
+    progress.update(inputs.metric.size());
+  }
+  nn::fill_da3_sky(inputs.metric);
+}
+
+Da3Views predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
+                           Da3Inputs inputs, const ViewPredictionOptions& options) {
   const std::vector<nn::FeatureMap> images = network_images(inputs);
-  std::vector<PredictedView> views(photos.size());
+  Da3Views out;
+  std::vector<PredictedView>& views = out.views;
+  views.resize(photos.size());
+  std::vector<double> log_metres;
   Progress progress(options.progress, "Depth Anything 3", photos.size());
   nn::Da3Request request;
   request.rays = options.from_rays;
   network(compute, images, request, [&](int64_t frame, nn::Da3Frame predicted) {
     const auto i = size_t(frame);
     if (options.from_rays) predicted.camera = camera_from_rays(photos[i], predicted);
+    if (!inputs.metric.empty()) {
+      if (const auto found = log_metres_of_photo(predicted, inputs.metric[i])) log_metres.push_back(*found);
+      leave_out_sky(predicted.depth, inputs.metric[i]);
+    }
     views[i] = view_of_photo(photos[i], predicted.camera, predicted.depth, inputs.placements[i]);
     progress.update(i + 1);
   });
   finish_views(views, options);
-  return views;
+  out.metres = metres_estimate(std::move(log_metres));
+  if (out.metres) scale_views(views, out.metres->scale);
+  return out;
 }
 
 std::vector<PredictedView> da3_depth_of_cameras(nn::Compute& compute, const nn::Da3& network,

@@ -1,11 +1,14 @@
 // Depth Anything 3 on photos: a camera, dense depth and its confidence for each, in the photos' own pixels.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/memory_budget.h"
 #include "nn/compute.h"
 #include "nn/da3/da3.h"
+#include "nn/da3/metric.h"
+#include "priors/metres_estimate.h"
 #include "priors/predicted_view.h"
 
 namespace aligngs {
@@ -14,6 +17,7 @@ namespace aligngs {
 struct Da3Inputs {
   std::vector<Image<uint8_t>> images;  ///< all of one size
   std::vector<nn::ImagePlacement> placements;
+  std::vector<nn::FeatureMap> metric;  ///< [H, W, 2] of each by the metric network, see add_metric_depth(); may be empty
 };
 /// Longest side 504, as its program prepares them. Photos of several shapes are cut to what all have, in the middle.
 Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
@@ -22,11 +26,22 @@ Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
 void add_da3_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames, int width,
                     int height);
 
-/// Depth and translations are in units of the network, which are arbitrary. Error{kFailed} when a predicted camera is
-/// impossible, naming the photo.
-std::vector<PredictedView> predict_da3_views(nn::Compute& compute, const nn::Da3& network,
-                                             const std::vector<Photo>& photos, Da3Inputs inputs,
-                                             const ViewPredictionOptions& options);
+/// The same for DA3METRIC on one photo at a time, beside the maps of all.
+void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames,
+                           int width, int height);
+
+/// Fills inputs.metric, sky included.
+void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs, const ProgressStyle& style);
+
+struct Da3Views {
+  std::vector<PredictedView> views;
+  std::optional<MetresEstimate> metres;  ///< by inputs.metric: depth and translations are in metres, sky has no depth
+};
+
+/// Depth and translations are in units of the network, which are arbitrary, unless inputs.metric tells the metres.
+/// Error{kFailed} when a predicted camera is impossible, naming the photo.
+Da3Views predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
+                           Da3Inputs inputs, const ViewPredictionOptions& options);
 
 /// Depth for views whose cameras are known (at the size of the photos): the network reads them, and its depth is
 /// brought to their units by least squares over the centres. The cameras stay as they are. Error{kFailed} when the

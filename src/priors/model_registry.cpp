@@ -62,7 +62,7 @@ PublishedModel vggt() {
   model.name = "vggt-1b";
   model.purpose = "cameras, depth and points from photos alone (VGGT-1B)";
   model.licence = {"CC-BY-NC-4.0", "https://huggingface.co/facebook/VGGT-1B",
-                   "non-commercial use only", false};
+                   "non-commercial use only", false, false};
   model.files = {{"model.safetensors",
                   "https://huggingface.co/facebook/VGGT-1B/resolve/main/model.safetensors",
                   "facebook/VGGT-1B", {"model.pt"}, 5026 * kMegabyte, false, "",
@@ -81,6 +81,18 @@ PublishedModel commercial_vggt() {
        "https://huggingface.co/facebook/VGGT-1B-Commercial/resolve/main/vggt_1B_commercial.pt",
        "facebook/VGGT-1B-Commercial", {"model.safetensors", "model.pt"}, 5026 * kMegabyte, false,
        "", "aggregator.camera_token"}};
+  return model;
+}
+
+/// Stage 1 of LingBot-Map: tensors of VGGT without its heads for points and tracks.
+PublishedModel lingbot_map() {
+  PublishedModel model;
+  model.name = "lingbot-map";
+  model.purpose = "cameras and depth from photos alone (LingBot-Map stage 1, the network of VGGT)";
+  model.licence = {"Apache-2.0", "https://huggingface.co/robbyant/lingbot-map", "as declared by the publisher", false, true,
+                   "whether these weights started from VGGT-1B, which is non-commercial, is not known: the publisher has not answered"};
+  model.files = {{"lingbot-map-stage1.pt", "https://huggingface.co/robbyant/lingbot-map/resolve/main/lingbot-map-stage1.pt",
+                  "robbyant/lingbot-map", {}, 4632 * kMegabyte, false, "", "aggregator.camera_token"}};
   return model;
 }
 
@@ -121,7 +133,7 @@ PublishedModel da3(const std::string& name, const std::string& repository, const
   model.name = name;
   model.purpose = purpose;
   model.licence = {commercial ? "Apache-2.0" : "CC-BY-NC-4.0", page, commercial ? "" : "non-commercial use only",
-                   false};
+                   false, commercial};
   model.files = {{"model.safetensors", page + "/resolve/main/model.safetensors", "depth-anything/" + repository, {},
                   bytes, exact, "", probe}};
   return model;
@@ -164,7 +176,7 @@ PublishedModel lingbot() {
 
 std::vector<PublishedModel> make_models() {
   constexpr uint64_t kClasses = 150, kFloatBytes = 4, kHeadOverhead = 4000;
-  std::vector<PublishedModel> models = {vggt(), commercial_vggt()};
+  std::vector<PublishedModel> models = {vggt(), commercial_vggt(), lingbot_map()};
   add_da3(models);
   models.push_back(mask2former());
   models.push_back(eomt("eomt-l", "ade20k_semantic_eomt_large_512", "150 classes of ADE20K (EoMT-L, windows of 512)",

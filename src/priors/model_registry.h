@@ -13,6 +13,8 @@ struct ModelLicence {
   std::string url;   ///< the text
   std::string note;  ///< what it means for a user, one sentence; may be empty
   bool gated = false;  ///< the publisher wants a form filled in first
+  bool commercial = true;     ///< whether commercial use is allowed
+  std::string question = {};  ///< what is not clear about the terms, one sentence; shown before a download
 };
 
 struct ModelFile {

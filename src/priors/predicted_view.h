@@ -23,6 +23,7 @@ struct ViewPredictionOptions {
   /// All views get the median focal length: for photos of one camera without zoom.
   bool shared_focal = false;
   ProgressStyle progress;
+  bool camera_to_world = false;  ///< the network's poses are camera to world (LingBot-Map), not world to camera
   bool from_rays = false;  ///< Depth Anything 3: cameras from its rays, not from its camera decoder
 };
 

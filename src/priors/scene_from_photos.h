@@ -9,6 +9,7 @@
 #include "core/thread_pool.h"
 #include "nn/compute.h"
 #include "priors/colmap_poses.h"
+#include "priors/metres_estimate.h"
 #include "priors/model_store.h"
 
 namespace aligngs {
@@ -30,6 +31,10 @@ struct ScenePhotosOptions {
   double drop_percent = 20;        ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
   bool camera_from_rays = false;   ///< Depth Anything 3
+  /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left out where
+  /// its weights are not installed.
+  std::string metric_model = "da3metric-large";
+  bool metric_model_needed = false;
   size_t max_points = 250000;      ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
@@ -50,6 +55,7 @@ struct ScenePhotosReport {
   size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
   std::vector<LeftOut> unplaced;  ///< photos that are not in the scene, and why
   double reprojection_error = 0;  ///< pixels; COLMAP
+  std::optional<MetresEstimate> metres;  ///< Depth Anything 3 beside a metric network
   double seconds = 0;
 };
 

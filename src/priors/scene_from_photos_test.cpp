@@ -73,6 +73,13 @@ class FromPhotos : public testing::Test {
     size.levels = {8, 8, 8, 8};
     nn::write_random_weights(weights_of(model), nn::da3_tensors(size), 1);
   }
+  void install_da3_metric() const {
+    nn::Da3MetricSize size;
+    size.encoder = {64, 24, false, 0, 5};
+    size.features = 8;
+    size.levels = {8, 8, 8, 8};
+    nn::write_random_weights(weights_of("da3metric-large"), nn::da3_metric_tensors(size), 1);
+  }
   void install_label_networks() const {
     nn::EomtSize eomt;
     eomt.encoder = {64, 4, false, 4, 4};  // windows of 64 pixels
@@ -152,6 +159,50 @@ TEST_F(FromPhotos, DepthAnything3MakesASceneThatOpensAndChecks) {
   for (const SceneProblem& problem : check_scene(scene)) EXPECT_FALSE(problem.fatal) << problem.message;
   EXPECT_NEAR(norm(scene.views[0].camera.world_to_camera.translation), 0, 1e-9);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
+}
+
+TEST_F(FromPhotos, AMetricNetworkBesideItMakesMetres) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  make();
+  const Scene units = open_scene(folder / "scene");
+  EXPECT_FALSE(units.metric);
+  EXPECT_FALSE(units.units_estimate);
+  const FloatArray depth = read_npy(folder / "scene" / "pred_depths" / "a.npy");
+
+  install_da3_metric();
+  options.overwrite = true;
+  const ScenePhotosReport report = make();
+  ASSERT_TRUE(report.metres);
+  EXPECT_EQ(report.metres->photos, 3u);
+  const Scene scene = open_scene(folder / "scene");
+  EXPECT_TRUE(scene.metric);
+  ASSERT_TRUE(scene.units_estimate);
+  EXPECT_EQ(scene.units_estimate->model, "da3metric-large");
+  EXPECT_EQ(scene.units_estimate->photos, 3);
+  EXPECT_NEAR(scene.units_estimate->spread, report.metres->spread, 1e-9);
+  const auto baseline = [](const Scene& s) { return norm(s.views[1].camera.centre() - s.views[0].camera.centre()); };
+  EXPECT_NEAR(baseline(scene) / baseline(units), report.metres->scale, 1e-6 * report.metres->scale);
+  const FloatArray metres = read_npy(folder / "scene" / "pred_depths" / "a.npy");
+  ASSERT_EQ(metres.data.size(), depth.data.size());
+  for (size_t i = 0; i < depth.data.size(); ++i) {
+    // Half floats; depth of the sky and unsure depth are no values.
+    if (depth.data[i] > 0 && metres.data[i] > 0) EXPECT_NEAR(metres.data[i] / depth.data[i], report.metres->scale, 2e-3 * report.metres->scale);
+  }
+}
+
+TEST_F(FromPhotos, AMetricNetworkThatIsAskedForMustBeThere) {
+  three_photos();
+  install_da3();
+  options.method = PosesMethod::kDa3;
+  options.model = "da3-base";
+  options.metric_model_needed = true;
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { make(); }), HasSubstr("aligngs models download da3metric-large"));
+  options.metric_model.clear();
+  make();
+  EXPECT_FALSE(open_scene(folder / "scene").metric);
 }
 
 TEST_F(FromPhotos, RaysThatAreThoseOfNoCameraNameThePhoto) {
@@ -410,8 +461,8 @@ TEST_F(FromPhotos, TheBestInstalledTeacherIsChosen) {
   install_linear();
   EXPECT_EQ(installed_semantic_model(store)->name, "ade20k-ms-s");
   EXPECT_EQ(installed_depth_model(store)->name, "nyu-linear4-s");
-  install_vggt();
-  EXPECT_EQ(installed_depth_model(store)->name, "vggt-1b");
+  install_vggt();  // not free to use in every way
+  EXPECT_EQ(installed_depth_model(store)->name, "nyu-linear4-s");
 }
 
 TEST_F(FromPhotos, AutoPicksAnyNetworkThatIsTheOnlyOne) {

@@ -283,8 +283,8 @@ const std::vector<std::string>& semantic_choices() {
 }
 
 const std::vector<std::string>& depth_choices() {
-  static const std::vector<std::string> words = {"vggt",     "vggt-commercial", "da3-base", "da3-small", "dpt-g",    "linear-g", "dpt-l",
-                                                 "linear-l", "dpt-b",           "linear-b", "dpt-s",    "linear-s"};
+  static const std::vector<std::string> words = {"vggt-commercial", "da3-base", "da3-small", "dpt-g", "linear-g", "dpt-l",
+                                                 "linear-l", "dpt-b", "linear-b", "dpt-s", "linear-s", "vggt"};
   return words;
 }
 
@@ -314,7 +314,7 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
     return report;
   }
   ThreadPool pool(options.threads);
-  const bool vggt = begins(model.name, "vggt"), da3 = begins(model.name, "da3-");
+  const bool vggt = begins(model.name, "vggt") || model.name == "lingbot-map", da3 = begins(model.name, "da3-");
   notes.depth = PriorJson{model.name, "", {}};
   if (vggt || da3) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
   notes.depth_scale = vggt ? DepthScale::kOwn : da3 ? DepthScale::kScene : DepthScale::kMetres;

@@ -38,7 +38,7 @@ const PublishedModel& semantic_model(const std::string& choice);
 const PublishedModel& depth_model(const std::string& choice);
 
 /// The words above that name a network, in the order in which "auto" prefers them: whole networks first, then heads from
-/// large to small backbones, of one backbone the one that reads more layers.
+/// large to small backbones, of one backbone the one that reads more layers. Networks for non-commercial use come last. Networks for non-commercial use come last.
 const std::vector<std::string>& semantic_choices();
 const std::vector<std::string>& depth_choices();
 

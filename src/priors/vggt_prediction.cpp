@@ -70,6 +70,8 @@ std::vector<PredictedView> predict_vggt_views(nn::Compute& compute, const nn::Vg
   network(compute, std::move(images), {true, false}, [&](int64_t frame, nn::VggtFrame predicted) {
     const auto i = size_t(frame);
     views[i] = view_of_photo(photos[i], predicted.camera, predicted.depth, inputs.placements[i]);
+    Rigidd& pose = views[i].camera.world_to_camera;
+    if (options.camera_to_world) pose = pose.inverse();
     progress.update(i + 1);
   });
   finish_views(views, options);

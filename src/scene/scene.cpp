@@ -330,6 +330,7 @@ Scene open_scene(const fs::path& given_folder, const SceneOptions& options) {
   scene.folder = folder;
   const SceneJson description = read_scene_json(folder / "scene.json");
   scene.metric = description.metric;
+  scene.units_estimate = description.units_estimate;
   scene.up = description.up;
   scene.source = description.source;
   const PriorsJson priors = read_priors_json(folder / "priors.json");

@@ -45,9 +45,17 @@ struct View {
 inline constexpr const char* kSensorDepth = "sensor";
 inline constexpr const char* kStereoDepth = "stereo";
 
+/// scene.json units_estimate: a network guessed the metres of a scene whose photos do not tell them.
+struct UnitsEstimate {
+  std::string model;  ///< that guessed
+  double spread = 0;  ///< standard deviation of the logarithm of the photos' own scales, >= 0
+  int photos = 0;     ///< that had a scale of their own
+};
+
 struct Scene {
   std::filesystem::path folder;
   bool metric = false;           ///< scene.json units == "metres"
+  std::optional<UnitsEstimate> units_estimate;  ///< absent: the metres are given, measured or unknown
   std::optional<Vec3d> up;       ///< unit, world
   std::string source;            ///< scene.json source: what made this scene
   std::string prior_source;      ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports

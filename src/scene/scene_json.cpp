@@ -89,6 +89,22 @@ std::optional<Similarity> to_original_of(const json& object, const std::filesyst
   return back;
 }
 
+std::optional<UnitsEstimate> units_estimate_of(const json& object, const std::filesystem::path& path) {
+  const auto found = object.find("units_estimate");
+  if (found == object.end() || found->is_null()) return std::nullopt;
+  UnitsEstimate estimate;
+  const auto has = [&](const char* key, auto is) { return found->is_object() && found->contains(key) && is((*found)[key]); };
+  bool good = has("model", [](const json& v) { return v.is_string(); }) && has("spread", [](const json& v) { return v.is_number(); }) &&
+              has("photos", [](const json& v) { return v.is_number_integer(); });
+  if (good) estimate = {(*found)["model"], (*found)["spread"], (*found)["photos"]};
+  good = good && std::isfinite(estimate.spread) && estimate.spread >= 0 && estimate.photos >= 0;
+  if (!good) {
+    throw_bad_input(path, "units_estimate", "a model, a spread of at least 0 and a number of photos expected",
+                    "remove the entry: the units are then taken as given");
+  }
+  return estimate;
+}
+
 json json_of(const PriorJson& prior) {
   json out = {{"model", prior.model}};
   if (!prior.weights.empty()) out["weights"] = prior.weights;
@@ -155,6 +171,7 @@ SceneJson read_scene_json(const std::filesystem::path& path) {
   scene.source = text_of(object, "source", path);
   scene.up_source = text_of(object, "up_source", path);
   scene.to_original = to_original_of(object, path);
+  scene.units_estimate = units_estimate_of(object, path);
   scene.refined = object.contains("cameras_refined");
   const auto up = object.find("up");
   if (up == object.end() || up->is_null()) return scene;
@@ -231,6 +248,10 @@ void write_scene_json(const std::filesystem::path& path, const SceneJson& scene)
   json object = {{kWrittenBy, kThisProgram}, {"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
   if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
   if (!scene.up_source.empty()) object["up_source"] = scene.up_source;
+  if (scene.units_estimate) {
+    const UnitsEstimate& estimate = *scene.units_estimate;
+    object["units_estimate"] = {{"model", estimate.model}, {"spread", estimate.spread}, {"photos", estimate.photos}};
+  }
   if (scene.to_original) {
     const Vec3d& t = scene.to_original->translation;
     object["to_original"] = {{"scale", scene.to_original->scale}, {"translation", {t.x, t.y, t.z}}};

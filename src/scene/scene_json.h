@@ -16,9 +16,10 @@ inline constexpr const char* kWrittenBy = "written_by";
 inline constexpr const char* kThisProgram = "aligngs";
 
 /// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "up_source": "...", "source": "...",
-/// "to_original": {"scale": s, "translation": [x, y, z]}}.
+/// "units_estimate": {"model": "...", "spread": s, "photos": n}, "to_original": {"scale": s, "translation": [x, y, z]}}.
 struct SceneJson {
   bool metric = false;
+  std::optional<UnitsEstimate> units_estimate;  ///< a network guessed the metres
   std::optional<Vec3d> up;  ///< unit
   std::string source;
   std::string up_source;    ///< where `up` comes from; empty: not known

@@ -110,6 +110,19 @@ TEST(SceneJson, AStatedScaleWinsOverUnitsAndName) {
   EXPECT_EQ(depth_scale_of(priors, true), DepthScale::kMetres);
 }
 
+TEST(SceneJson, AnEstimateOfTheUnitsReadsBackEqual) {
+  SceneJson scene;
+  scene.metric = true;
+  scene.units_estimate = {"da3metric-large", 0.03, 20};
+  const auto path = json_file("scene.json", "");
+  write_scene_json(path, scene);
+  const SceneJson back = read_scene_json(path);
+  ASSERT_TRUE(back.units_estimate);
+  EXPECT_EQ(back.units_estimate->model, "da3metric-large");
+  EXPECT_DOUBLE_EQ(back.units_estimate->spread, 0.03);
+  EXPECT_EQ(back.units_estimate->photos, 20);
+}
+
 TEST(SceneJson, WrittenExposureReadsBackEqual) {
   const auto path = json_file("exposure.json", "");
   write_exposure_json(path, {{"a", {0.1f, -0.2f, 0.0f}}});
@@ -123,6 +136,9 @@ TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_scene_json, "[]").find("object expected"), std::string::npos);
   EXPECT_NE(message_of(read_scene_json, R"({"units": "feet"})").find("units"), std::string::npos);
   EXPECT_NE(message_of(read_scene_json, R"({"up": [0, 0, 0]})").find("up"), std::string::npos);
+  for (const char* estimate : {"3", R"({"model": "x", "spread": -1, "photos": 3})", R"({"model": "x", "spread": 0.1})", R"({"model": 1, "spread": 0, "photos": 3})"}) {
+    EXPECT_NE(message_of(read_scene_json, std::string(R"({"units_estimate": )") + estimate + "}").find("units_estimate"), std::string::npos) << estimate;
+  }
   EXPECT_NE(message_of(read_scene_json, R"({"up": [0, "x", 0]})").find("up"), std::string::npos);
   EXPECT_NE(message_of(read_split_json, R"({"test": "a"})").find("test"), std::string::npos);
   EXPECT_NE(message_of(read_split_json, R"({"test": [1]})").find("test"), std::string::npos);
