@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kSchema = "aligngs-checkpoint-2";  // 1: an empty tensor hid damage in those before it from the checksum
 constexpr const char* kPrefix = "step_";
 constexpr const char* kSuffix = ".safetensors";
+constexpr const char* kTrainable = "trainable";  // "0": without the arrays of the engine
 constexpr const char* kOtherScene = "other scene";  // field by which the caller tells this case from damage
 const std::string kEnginePrefix = "engine.";         // of the names of EngineState::arrays
 constexpr size_t kPieceBytes = size_t(1) << 18;      // of a tensor that is only summed: it fits the second-level cache
@@ -196,6 +197,20 @@ void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene) {
   }
 }
 
+bool latest_checkpoint_is_trainable(const fs::path& folder) {
+  for (const fs::path& path : list_checkpoints(folder)) {
+    try {
+      const std::unique_ptr<const ByteSource> source = file_source(path);
+      const TensorDirectory directory = read_safetensors_directory(*source);
+      const auto found = directory.metadata.find(kTrainable);
+      return found == directory.metadata.end() || found->second != "0";
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kBadInput) throw;  // damaged: the reader warns and takes the one before
+    }
+  }
+  return true;
+}
+
 void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
   for (const auto& [step, path] : find_checkpoints(folder)) {
     std::error_code ignored;  // the reader skips damaged files anyway
@@ -206,7 +221,11 @@ void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
 void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint, int64_t keep) {
   TensorFile file;
   put_model(state.engine.model, file);
-  for (const auto& [name, values] : state.engine.arrays) file.tensors[kEnginePrefix + name] = tensor_of(values);
+  if (state.trainable) {
+    for (const auto& [name, values] : state.engine.arrays) file.tensors[kEnginePrefix + name] = tensor_of(values);
+  } else {
+    file.metadata[kTrainable] = "0";
+  }
   const std::vector<int64_t> left(state.order.left.begin(), state.order.left.end());
   file.tensors["order.left"] = raw_tensor("I64", left.data(), left.size());
   file.tensors["order.random"] = raw_tensor("U64", state.order.random.data(), state.order.random.size());
@@ -252,6 +271,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   }
   TrainingState state;
   state.iteration = metadata_number<int64_t>(file, "iteration", path);
+  state.trainable = meta(kTrainable) != "0";
   state.non_finite_steps = metadata_number<int64_t>(file, "non_finite_steps", path);
   state.max_gaussians = metadata_number<uint64_t>(file, "max_gaussians", path);
   state.dense_start = meta("dense_start") == "1";

@@ -21,6 +21,7 @@ namespace aligngs {
 struct TrainingState {
   int64_t iteration = 0;       ///< completed iterations
   EngineState engine;          ///< parameters, moments, density statistics, running values
+  bool trainable = true;       ///< false: of a finished run, without moments, statistics and running values
   ViewOrder::State order;
   std::array<uint64_t, 4> density_random{};  ///< of density control
   std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
@@ -34,7 +35,7 @@ struct TrainingState {
 };
 
 /// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond
-/// `keep` are removed afterwards.
+/// `keep` are removed afterwards. A state that is not trainable is written without EngineState::arrays: a third of the bytes.
 void write_checkpoint(const std::filesystem::path& folder, const TrainingState& state, const std::string& fingerprint,
                       int64_t keep);
 
@@ -54,6 +55,9 @@ std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path&
 /// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions. Error{kBadInput} when there are as
 /// many motions as another number of views has.
 void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene);
+
+/// Whether training can go on from the newest checkpoint; true as well where there is none that can be read.
+bool latest_checkpoint_is_trainable(const std::filesystem::path& folder);
 
 /// Removes checkpoints of later iterations than the one a run goes on from: they are damaged, or of a run that
 /// began anew.

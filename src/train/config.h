@@ -129,6 +129,7 @@ struct OptimizerConfig {
 struct CheckpointConfig {
   int64_t every = 0;  ///< iterations; has no influence on the result
   int64_t keep = 0;
+  bool keep_finished = false;  ///< a finished run keeps what training needs to go on beyond its end
 };
 
 /// Used by `aligngs mesh`, not by training; 0 = automatic (mesh/fusion.h).

@@ -10,6 +10,8 @@ std::vector<ConfigKey> checkpoint_mesh_keys() {
        "iterations between checkpoints; does not change the result"},
       {"checkpoint.keep", field<&C::checkpoint, &CheckpointConfig::keep>, 1, 1000, "", all(2),
        "checkpoints kept, newest first"},
+      {"checkpoint.keep_finished", field<&C::checkpoint, &CheckpointConfig::keep_finished>, 0, 0, "", all(false),
+       "a finished run keeps the state of its optimiser, so that a larger -n can go on"},
 
       {"mesh.depth", field<&C::mesh, &M::depth>, 0, 0, "agreeing|median|plane|expected", ours_paper("agreeing", "plane"),
        "rendered depth to fuse; agreeing: plane depth where it agrees with the median depth, else the median "

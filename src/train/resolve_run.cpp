@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "train/checkpoint.h"
 #include "train/config_keys.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -46,6 +47,12 @@ ResolvedRun resolve_run(const TrainOptions& options) {
   if (end < old_end) {
     throw Error({ErrorKind::kUsage, fmt::format("the run has {} iterations, fewer cannot be asked for", old_end),
                  folder.config(), "-n", "leave -n out, or start again with --overwrite"});
+  }
+  if (end > old_end && !latest_checkpoint_is_trainable(folder.checkpoints())) {
+    throw Error({ErrorKind::kUsage,
+                 fmt::format("training cannot go on beyond iteration {}: this finished run did not keep the state of its optimiser", old_end),
+                 folder.checkpoints(), "checkpoint.keep_finished",
+                 fmt::format("train again with --overwrite -n {}; a run that may have to go on needs --set checkpoint.keep_finished=true", end)});
   }
   if (end > old_end) {
     if (resolved.config.train.schedule_iterations == 0) resolved.config.train.schedule_iterations = old_end;

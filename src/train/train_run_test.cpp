@@ -16,6 +16,7 @@
 #include "scene/test_scene_folder.h"
 #include "train/checkpoint.h"
 #include "train/fake_engine.h"
+#include "train/fake_runs_for_tests.h"
 #include "train/run_control.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -27,63 +28,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class TrainRun : public testing::Test {
- protected:
-  void SetUp() override {
-    set_log_level(LogLevel::kSilent);
-    clear_stop_request();
-    // Written once per process, then copied: writing flushes every file to disk.
-    static const fs::path original = test_scene::write_scene("original");
-    base_ = test_scene::fresh_folder("base");
-    scene_ = base_ / "scene";
-    fs::create_directories(base_);
-    fs::copy(original, scene_, fs::copy_options::recursive);
-  }
-  void TearDown() override {
-    clear_stop_request();
-    set_log_level(LogLevel::kInfo);
-  }
-
-  TrainOptions options(const std::string& run, int64_t iterations = 30) const {
-    TrainOptions o;
-    o.scene = scene_;
-    o.run = base_ / "runs" / run;
-    o.config.iterations = iterations;
-    o.config.sets = {"checkpoint.every=9", "train.log_every=5", "densify.residual_quantile=0", "densify.unsupported_min=0"};
-    o.command_line = "aligngs train";
-    o.progress.enabled = false;
-    o.threads = 1;
-    return o;
-  }
-
-  /// Trains with a FakeEngine that is stopped as kill -9 would: nothing is written after iteration `kill_at`.
-  struct Killed {};
-  static EngineFactory engine_killed_at(int64_t kill_at) {
-    return [kill_at](int) {
-      auto engine = std::make_unique<test_train::FakeEngine>();
-      engine->before_step = [kill_at](int64_t step) -> NonFinite {
-        if (step == kill_at) throw Killed{};
-        return {};
-      };
-      return engine;
-    };
-  }
-  static EngineFactory plain_engine() { return engine_killed_at(-1); }
-
-  static std::string ply(const TrainOptions& o) { return read_file(RunFolder(o.run).scene_ply()); }
-  static RunRecord record(const TrainOptions& o) { return read_run_record(RunFolder(o.run).record()); }
-  static ErrorKind kind_of(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const Error& e) {
-      return e.kind();
-    }
-    ADD_FAILURE() << "no error was thrown";
-    return ErrorKind::kFailed;
-  }
-
-  fs::path scene_, base_;
-};
+using TrainRun = test_train::RunOnFakeEngine;
 
 TEST_F(TrainRun, AnEngineWithoutMultiViewTermsSaysSoBeforeTheFirstStep) {
   TrainOptions o = options("pgsr");
@@ -167,32 +112,6 @@ TEST_F(TrainRun, EventsOfAResumedRunHaveEachStepOnce) {
     EXPECT_NE(text.find(needle), std::string::npos) << step;
     EXPECT_EQ(text.find(needle), text.rfind(needle)) << step;
   }
-}
-
-TEST_F(TrainRun, ResumingAFinishedRunChangesNothing) {
-  TrainOptions o = options("a");
-  train_run(o, plain_engine());
-  const std::string before = read_file(o.run / "run.json");
-  const auto written = fs::last_write_time(o.run / "scene.ply");
-  o.resume = true;
-  const TrainResult again = train_run(o, plain_engine());
-  EXPECT_TRUE(again.already_finished);
-  EXPECT_EQ(again.iterations, 30);
-  EXPECT_EQ(read_file(o.run / "run.json"), before);
-  EXPECT_EQ(fs::last_write_time(o.run / "scene.ply"), written);
-}
-
-TEST_F(TrainRun, MoreIterationsExtendAFinishedRun) {
-  TrainOptions o = options("a");
-  train_run(o, plain_engine());
-  o.resume = true;
-  o.config = {};
-  o.config.iterations = 40;
-  EXPECT_EQ(train_run(o, plain_engine()).iterations, 40);
-  EXPECT_THAT(read_file(o.run / "config.toml"), HasSubstr("schedule_iterations = 30"));
-  EXPECT_EQ(record(o).train.iterations, 40);
-  o.config.iterations = 35;
-  EXPECT_EQ(kind_of([&] { train_run(o, plain_engine()); }), ErrorKind::kUsage);
 }
 
 TEST_F(TrainRun, ResumeBeginsARunThatDoesNotExist) {
@@ -325,7 +244,7 @@ TEST_F(TrainRun, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
 TEST_F(TrainRun, AFlagAsksForACheckpointOrASnapshotAtOnce) {
   using Flag = RunControl::Flag;
   TrainOptions o = options("a");
-  o.config.sets.push_back("checkpoint.keep=9");
+  for (const char* const set : {"checkpoint.keep=9", "checkpoint.keep_finished=true"}) o.config.sets.push_back(set);
   const RunControl control(o.run);
   bool snapshot = false;
   const EngineFactory watched = [&](int) {

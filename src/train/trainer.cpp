@@ -81,7 +81,8 @@ TrainingState Trainer::run(TrainingState state) {
     throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start again with --overwrite");
   }
   if (state_.engine.model.size() > 0) {
-    engine_.load_state(state_.engine);
+    if (state_.trainable) engine_.load_state(state_.engine);
+    else engine_.load(state_.engine.model);
     checkpointed_ = state_.iteration;
   }
   state_.engine = {};  // the engine owns the parameters from here on; no second copy is kept
@@ -103,6 +104,10 @@ TrainingState Trainer::run(TrainingState state) {
   }
 
   const int64_t last = in_.config.train.iterations;
+  if (!state_.trainable && state_.iteration < last) {
+    throw_bad_input(folder_.checkpoints(), "checkpoint.keep_finished", "the checkpoint of a finished run does not have the state of its optimiser",
+                    "start again with --overwrite");
+  }
   EventLog events(folder_.events(), state_.iteration);
   Progress progress(in_.progress, "train", static_cast<uint64_t>(last), static_cast<uint64_t>(state_.iteration));
   seconds_before_ = state_.seconds;
@@ -329,8 +334,11 @@ void Trainer::write_state() {
   state_.order = order_.state();
   state_.density_random = density_random_.state();
   state_.seconds = seconds_before_ + seconds_since_start();
-  engine_.save_state(state_.engine);
-  write_checkpoint(folder_.checkpoints(), state_, in_.fingerprint, in_.config.checkpoint.keep);
+  // Of the finished run, stages and edits need the scene alone.
+  state_.trainable = in_.config.checkpoint.keep_finished || state_.iteration < in_.config.train.iterations;
+  if (state_.trainable) engine_.save_state(state_.engine);
+  else engine_.store(state_.engine.model);
+  write_checkpoint(folder_.checkpoints(), state_, in_.fingerprint, state_.trainable ? in_.config.checkpoint.keep : 1);
   state_.engine = {};
   checkpointed_ = state_.iteration;
   record_.updated = utc_now();
