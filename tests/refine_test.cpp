@@ -64,6 +64,20 @@ double median_depth(const fs::path& scene, const std::string& view) {
   return median_of(depths);
 }
 
+TEST_F(RefineCommand, APhotoDamagedInItsMiddleIsLeftOutByName) {
+  const Scene old = open_scene(root() / "scene");
+  const View& damaged = old.views[static_cast<size_t>(old.train[2])];
+  std::string bytes = read_file(damaged.image);
+  for (size_t i = bytes.size() / 2; i < bytes.size() / 2 + 16; ++i) bytes[i] = static_cast<char>(~bytes[i]);
+  write_file_atomically(damaged.image, bytes);
+  const ProcessResult result = run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' --json", root() / "scratch");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr(damaged.name));
+  const Scene refined = open_scene(root() / "refined");
+  EXPECT_EQ(refined.train.size() + 1, old.train.size());
+  for (const nlohmann::json& view : parse_json(result.out)["views"]) EXPECT_NE(view["name"], damaged.name);
+}
+
 TEST_F(RefineCommand, DepthOfAnotherScaleComesOutInTheUnitsOfTheScene) {
   const fs::path scene = root() / "scene";
   const std::string view = open_scene(scene).views[static_cast<size_t>(open_scene(scene).train[0])].name;

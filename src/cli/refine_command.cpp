@@ -104,13 +104,11 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   ThreadPool pool(context.global.threads);
   const RefineSceneReport report = refine_scene(scene, options.output, refine_options, pool);
   const RefineResult& result = report.cameras;
-  std::vector<int> order = scene.train;
-  if (refine_options.register_tests) order.insert(order.end(), scene.test.begin(), scene.test.end());
   if (context.global.json) {
     nlohmann::ordered_json views = nlohmann::ordered_json::array();
     for (size_t i = 0; i < result.views.size(); ++i) {
       const RefinedView& v = result.views[i];
-      views.push_back({{"name", scene.views[static_cast<size_t>(order[i])].name}, {"observations", v.observations},
+      views.push_back({{"name", report.names[i]}, {"observations", v.observations},
                        {"turned_degrees", v.turned}, {"shifted", v.shifted}, {"by_neighbour", v.by_neighbour},
                        {"misplaced", v.misplaced}});
     }
@@ -133,7 +131,7 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
     const char* remark = v.by_neighbour ? "  (too few: follows its nearest neighbour)" : v.misplaced ? "  (was misplaced)" : "";
-    std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", scene.views[static_cast<size_t>(order[i])].name.c_str(),
+    std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", report.names[i].c_str(),
                 v.observations, v.turned, v.shifted, remark);
   }
 }

@@ -8,6 +8,7 @@
 #include "io/folder_replacement.h"
 #include "io/npy.h"
 #include "refine/scene_copy.h"
+#include "refine/usable_views.h"
 #include "scene/confidence_file.h"
 #include "scene/corners.h"
 #include "scene/scene_json.h"
@@ -85,14 +86,15 @@ void note_depth(const fs::path& folder, double measured) {
 
 }  // namespace
 
-MeasureSceneReport measure_scene(const Scene& scene, const fs::path& output, const MeasureSceneOptions& options, ThreadPool& pool) {
+MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const MeasureSceneOptions& options, ThreadPool& pool) {
   if (scene.cloud.size() == 0) {
     throw_bad_input(scene.folder / "sparse", "points3D", "there are no points, which say how near and far the photos see",
                     "take cameras and points from structure from motion (`aligngs poses --method colmap`)");
   }
   const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
-  TrainingPhotos photos = load_photos(scene, options, pool);
+  TrainingPhotos photos;
+  load_usable_views(scene, [&] { photos = load_photos(scene, options, pool); });
   std::vector<PhotoDepth> depths = measure(scene, photos, options, pool);
   MeasureSceneReport report;
   for (const PhotoDepth& depth : depths) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/log.h"
+#include "io/atomic_file.h"
 #include "io/npy.h"
 #include "refine/wall_photos_for_tests.h"
 #include "scene/scene_writer.h"
@@ -96,6 +98,29 @@ TEST_F(MeasuredScene, KnowsHowItsPhotosAreExposed) {
 TEST_F(MeasuredScene, IsNotWrittenWhenNothingCanBeMeasured) {
   write(4, 1, true);
   EXPECT_EQ(measure().views, 0u);
+  EXPECT_FALSE(fs::exists(root_ / "measured"));
+}
+
+TEST_F(MeasuredScene, APhotoDamagedInItsMiddleIsLeftOut) {
+  write(6);
+  const fs::path photo = open_scene(root_ / "scene").views[1].image;
+  std::string bytes = read_file(photo);
+  for (size_t i = bytes.size() / 2; i < bytes.size() / 2 + 16; ++i) bytes[i] = static_cast<char>(~bytes[i]);
+  write_file_atomically(photo, bytes);
+  set_log_level(LogLevel::kSilent);
+  EXPECT_EQ(measure().views, 4u);
+  set_log_level(LogLevel::kInfo);
+  const Scene measured = open_scene(root_ / "measured");
+  EXPECT_EQ(measured.train.size(), 4u);
+  for (const int i : measured.train) EXPECT_NE(measured.views[static_cast<size_t>(i)].name, "v1");
+}
+
+TEST_F(MeasuredScene, TooFewSoundPhotosAreAnError) {
+  write(4);
+  for (const View& view : open_scene(root_ / "scene").views) write_file_atomically(view.image, read_file(view.image).substr(0, 200));
+  set_log_level(LogLevel::kSilent);
+  EXPECT_THROW(measure(), Error);
+  set_log_level(LogLevel::kInfo);
   EXPECT_FALSE(fs::exists(root_ / "measured"));
 }
 

@@ -13,6 +13,7 @@
 #include "io/resample.h"
 #include "refine/fused_labels.h"
 #include "refine/scene_copy.h"
+#include "refine/usable_views.h"
 #include "scene/colmap_model.h"
 #include "scene/depth_placement.h"
 #include "scene/prior_maps.h"
@@ -288,11 +289,15 @@ std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const
 
 }  // namespace
 
-RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
-  const DepthPlacement placement = placed_depth(scene);
+RefineSceneReport refine_scene(Scene scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
   const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
-  Photos photos = load_photos(scene, placement, options, pool);
+  DepthPlacement placement;
+  Photos photos;
+  load_usable_views(scene, [&] {
+    placement = placed_depth(scene);
+    photos = load_photos(scene, placement, options, pool);
+  });
   const std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
   const auto index_of = [&](size_t i) { return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]); };
@@ -300,6 +305,7 @@ RefineSceneReport refine_scene(const Scene& scene, const fs::path& output, const
   for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
   report.depth_placement = describe(placement);
+  for (const RefineView& view : views) report.names.push_back(view.name);
   for (int pass = 0; pass < options.passes; ++pass) refine_once(scene, options, pool, photos, log_factors, report);
   if (options.exposure) report.log_gains = measure_exposure(photos, training, options, pool);
   std::vector<Camera> cameras;

@@ -39,6 +39,7 @@ struct RefineSceneOptions {
 
 struct RefineSceneReport {
   RefineResult cameras;
+  std::vector<std::string> names;  ///< of the photos of cameras.views, in their order
   std::string depth_placement;  ///< describe() of the prior depth as it was read (scene/depth_placement.h)
   double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
   std::vector<ScenePlane> planes;
@@ -48,11 +49,12 @@ struct RefineSceneReport {
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 
-/// Reads the scene, refines, writes the new folder complete or not at all. Needs prior depth of all training views, in scene
+/// Reads the scene, refines, writes the new folder complete or not at all. Views whose files are damaged are left out with a
+/// warning (usable_views.h). Needs prior depth of all training views, in scene
 /// units or such that it can be brought to them (Error{kBadInput} otherwise: without it nothing says where to look for a
 /// match). The corrected depth is in scene units. The points of the
 /// scene stay unchanged: training scales each photo's depth to them (docs/decisions/0001-surface.md has what that does).
-RefineSceneReport refine_scene(const Scene& scene, const std::filesystem::path& output, const RefineSceneOptions& options,
+RefineSceneReport refine_scene(Scene scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 
 /// scene.json says that refine_scene() made this scene.
