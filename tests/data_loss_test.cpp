@@ -29,11 +29,15 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 class DataLoss : public testing::Test {
  protected:
+  static fs::path original() { return fs::path(testing::TempDir()) / "data_loss_original"; }
+  static void SetUpTestSuite() { testing_support::write_small_scene(original()); }
+  static void TearDownTestSuite() { fs::remove_all(original()); }
   /// A data set as other programs leave it: photos, a COLMAP model, a database, notes, and a run of somebody else.
   void SetUp() override {
     root_ = fs::path(testing::TempDir()) / "data_loss" / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(root_);
-    testing_support::write_small_scene(root_ / "made");
+    fs::create_directories(root_);
+    fs::copy(original(), root_ / "made", fs::copy_options::recursive);
     fs::create_directories(data());
     for (const char* part : {"images", "sparse"}) fs::copy(root_ / "made" / part, data() / part, fs::copy_options::recursive);
     for (const char* file : {"database.db", "notes.txt", "config.toml", "run.json"}) write_file_atomically(data() / file, "{}");

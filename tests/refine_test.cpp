@@ -24,10 +24,14 @@ using testing_support::run_aligngs;
 class RefineCommand : public testing::Test {
  protected:
   static fs::path root() { return fs::path(testing::TempDir()) / "refine_command"; }
+  static fs::path original() { return fs::path(testing::TempDir()) / "refine_command_original"; }
+  static void SetUpTestSuite() { testing_support::write_small_scene(original()); }
+  static void TearDownTestSuite() { fs::remove_all(original()); }
   void SetUp() override {
     if (!bundle_adjustment_available()) GTEST_SKIP() << "built without Ceres";
     fs::remove_all(root());
-    testing_support::write_small_scene(root() / "scene");
+    fs::create_directories(root());
+    fs::copy(original(), root() / "scene", fs::copy_options::recursive);
   }
   static ProcessResult refine(const std::string& arguments) {
     return run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' -q " + arguments,
