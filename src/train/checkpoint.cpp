@@ -12,6 +12,7 @@
 #include "core/log.h"
 #include "io/byte_source.h"
 #include "io/safetensors.h"
+#include "train/checkpoint_packing.h"
 #include "train/checkpoint_planes.h"
 #include "train/checkpoint_tensors.h"
 
@@ -246,6 +247,7 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
   file.metadata["normals_at_start"] = state.normals_at_start ? "1" : "0";
   file.metadata["psnr_average"] = fmt::format("{}", state.psnr_average);
   file.metadata["seconds"] = fmt::format("{}", state.seconds);
+  if (!state.trainable) pack_tensors(file);
   file.metadata["crc32"] = checksum(file);
   write_safetensors(folder / fmt::format("{}{:06d}{}", kPrefix, state.iteration, kSuffix), file);
 
@@ -258,7 +260,7 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
 
 TrainingState read_checkpoint(const fs::path& path, const std::string& fingerprint, CheckpointParts parts) {
   std::string sum;
-  const TensorFile file = read_tensors(path, parts, sum);
+  TensorFile file = read_tensors(path, parts, sum);
   const auto meta = [&](const char* name) {
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
@@ -269,6 +271,7 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
     throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
                     "give the scene the run began with, or start again with --overwrite");
   }
+  unpack_tensors(file, path);
   TrainingState state;
   state.iteration = metadata_number<int64_t>(file, "iteration", path);
   state.trainable = meta(kTrainable) != "0";

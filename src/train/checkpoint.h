@@ -35,7 +35,8 @@ struct TrainingState {
 };
 
 /// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond
-/// `keep` are removed afterwards. A state that is not trainable is written without EngineState::arrays: a third of the bytes.
+/// `keep` are removed afterwards. A state that is not trainable is written without EngineState::arrays and with
+/// large tensors compressed: a twentieth of the bytes.
 void write_checkpoint(const std::filesystem::path& folder, const TrainingState& state, const std::string& fingerprint,
                       int64_t keep);
 
