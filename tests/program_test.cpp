@@ -17,8 +17,9 @@ using testing::HasSubstr;
 using testing_support::ProcessResult;
 using testing_support::run_aligngs;
 
-constexpr std::array<const char*, 23> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
-                                                   "eval", "room", "scale", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench"};
+constexpr std::array<const char*, 25> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
+                                                   "eval", "room", "scale", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench",
+                                                   "completion", "manual"};
 
 class Program : public testing::Test {
  protected:

@@ -58,6 +58,8 @@ void add_view_command(CLI::App& program, CommandContext& context);
 void add_info_command(CLI::App& program, CommandContext& context);
 void add_bench_command(CLI::App& program, CommandContext& context);
 void add_doctor_command(CLI::App& program, CommandContext& context);
+void add_completion_command(CLI::App& program, CommandContext& context);
+void add_manual_command(CLI::App& program, CommandContext& context);
 
 /// The word of `candidates` nearest to `word` by edit distance, or empty when none is near (more than a third
 /// of the letters differ).

@@ -64,6 +64,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   add_photo_options(*command, options);
   command->callback([&context, options, photos, scene] {
     try {
+      chosen_device(options->device, false);  // a device that is not there is said before weights that are not
       choose_method(*options, model_store(context));
       ScenePhotosOptions poses = photo_options(*options, context);
       if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);

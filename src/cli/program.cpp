@@ -124,7 +124,7 @@ int run_program(int argc, char** argv) {
                                &add_train_command, &add_render_command, &add_mesh_command,
                                &add_room_command, &add_scale_command, &add_eval_command, &add_report_command, &add_compare_command, &add_edit_command, &add_export_command,
                                &add_view_command, &add_info_command, &add_bench_command,
-                               &add_doctor_command}) {
+                               &add_doctor_command, &add_completion_command, &add_manual_command}) {
     add(program, context);
   }
 

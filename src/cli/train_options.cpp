@@ -17,7 +17,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   command.add_option("--config", options->config_file, "TOML file with settings")->group(training);
   command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; `aligngs train --print-config` lists all)")->group(training);
   command.add_option("--seed", options->seed, "seed of all random numbers")->check(CLI::NonNegativeNumber)->group(training);
-  command.add_flag("--resume", options->resume, "continue the run in the output folder; a larger -n extends it")->group(folder);
+  command.add_flag("--resume", options->resume, "continue the run in the output folder; a larger -n extends it, if it has checkpoint.keep_finished")->group(folder);
   command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder")->group(folder);
   command.add_flag("--require-priors", options->require_priors, "missing depth or class priors are an error (status 4)")->group(training);
   command.add_flag("--strict", options->strict, "a photo or view that cannot be used is an error (status 3); without this it is left out")->group(training);
