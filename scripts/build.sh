@@ -6,6 +6,8 @@ folder=$1
 shift
 # Objects of another clone of the same sources are as good as ours: ccache sees paths relative to this tree.
 export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+# Without these, ccache leaves out all sources with precompiled headers.
+export CCACHE_SLOPPINESS=pch_defines,time_macros
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 if ! cmake -S . -B "$folder" -G Ninja "$@" >"$log" 2>&1; then

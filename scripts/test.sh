@@ -8,7 +8,7 @@ excluded=() definitions=()
 for option in "$@"; do
   case "$option" in
     --fast) excluded+=(slow) ;;
-    --no-gpu) excluded+=(gpu) ;;
+    --no-gpu) excluded+=(gpu); definitions+=(-DALIGNGS_BUILD_GPU_TESTS=OFF) ;;
     -D?*) definitions+=("$option") ;;
     -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;;
     *) echo "test.sh: unknown option $option" >&2; exit 2 ;;

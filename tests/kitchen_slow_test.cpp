@@ -43,7 +43,7 @@ class Kitchen : public testing::Test {
 };
 
 TEST_F(Kitchen, ColourAloneGivesTheRoomByDepthMeasuredInThePhotos) {
-  const nlohmann::json metrics = measure("--sfm '" + (capture() / "sfm_train" / "known_intrinsics").string() + "'", 250);
+  const nlohmann::json metrics = measure("--sfm '" + (capture() / "sfm_train" / "known_intrinsics").string() + "'", 100);
   ASSERT_TRUE(metrics.is_object());
   EXPECT_EQ(metrics["nvs"]["views"], 20);
   EXPECT_GT(metrics["nvs"]["psnr"].get<double>(), 19);  // dB; 6.6 before training from points
