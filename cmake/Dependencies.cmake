@@ -17,7 +17,7 @@ pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(EXIF REQUIRED IMPORTED_TARGET libexif)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(TOMLPP REQUIRED IMPORTED_TARGET tomlplusplus)
-set(ALIGNGS_IMAGE_LIBRARIES PkgConfig::TURBOJPEG PkgConfig::SPNG PkgConfig::EXIF)
+set(ALIGNGS_IMAGE_LIBRARIES PkgConfig::TURBOJPEG PkgConfig::SPNG PkgConfig::EXIF PkgConfig::WEBP)
 add_library(hwy::hwy ALIAS PkgConfig::HWY)
 add_library(tomlplusplus::tomlplusplus ALIAS PkgConfig::TOMLPP)
 
@@ -42,6 +42,12 @@ if(ALIGNGS_WITH_ONEDNN AND NOT ALIGNGS_SCALAR_ONLY)
   if(DNNL_LIBRARY AND DNNL_INCLUDE_DIR)
     aligngs_optional(ONEDNN ${DNNL_LIBRARY} ${CMAKE_DL_LIBS})
   endif()
+endif()
+
+# Photos of phones: HEIC
+pkg_check_modules(HEIF IMPORTED_TARGET QUIET libheif)
+if(HEIF_FOUND)
+  aligngs_optional(HEIF PkgConfig::HEIF)
 endif()
 
 # `aligngs models download`

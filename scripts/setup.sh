@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
 # Usage: scripts/setup.sh [--clang] [--browser]     --clang adds clang 14 and the fuzzing runtime; --browser adds what the
-# tests of the page and of the exports want: chromium, node, npm, assimp-utils
+# tests of the page, of the exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg
 set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build git pkg-config ccache python3
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev
-  libturbojpeg0-dev libspng-dev libwebp-dev libexif-dev zlib1g-dev
+  libturbojpeg0-dev libspng-dev libwebp-dev libheif-dev libexif-dev zlib1g-dev
   libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev libboost-dev
   libcurl4-openssl-dev libceres-dev
@@ -16,7 +16,7 @@ for option in "$@"; do
   case "$option" in
     --clang) packages+=(clang-14 libclang-rt-14-dev) ;;
     --browser)
-      packages+=(chromium assimp-utils fonts-dejavu-core)
+      packages+=(chromium assimp-utils fonts-dejavu-core ffmpeg)
       # A node that came from elsewhere brings its own npm and conflicts with Debian's.
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)

@@ -28,6 +28,7 @@ void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOpti
       ->check(CLI::IsMember({"auto", "vggt", "da3", "colmap", "given"}))->capture_default_str()->group(group);
   command.add_option("--max-size", poses.max_side, "longer side of the photos in pixels; larger photos are shrunk")
       ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
+  command.add_option("--views", poses.video_views, "frames to take of a video")->check(CLI::Range(3, 10000))->capture_default_str()->group(group);
   command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all photos train)")
       ->check(CLI::Range(2, 1000000))->group(group);
   command.add_option("--poses-model", options->model, "vggt, da3: weights (default: vggt-1b, da3-base)")

@@ -47,7 +47,7 @@ void print_report(const CommandContext& context, const std::string& scene, const
 void add_poses_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos");
   command->group("Data");
-  command->footer(help_footer({.reads = "a folder of JPEG or PNG photos",
+  command->footer(help_footer({.reads = "a folder of photos (JPEG, PNG, WebP, HEIC), or a video",
                                 .writes = "SCENE: a scene folder with cameras and a cloud",
                                 .example = "aligngs poses photos -o scene --method colmap",
                                 .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
@@ -55,7 +55,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();
-  command->add_option("photos", *photos, "folder of JPEG or PNG photos")->required();
+  command->add_option("photos", *photos, "folder of photos, or a video (needs the program ffmpeg)")->required();
   command->add_option("-o,--output", *scene, "scene folder to write")->required()->group("Output folder");
   command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   command->add_flag("--strict", options->poses.strict, "a photo that cannot be used is an error (status 3); without this it is left out")->group("Cameras of photos");

@@ -16,6 +16,7 @@
 #include "core/log.h"
 #include "io/colmap.h"
 #include "io/output_place.h"
+#include "priors/video_frames.h"
 #include "refine/scene_copy.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -103,15 +104,17 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   const fs::path source = options.source, run = options.train.output;
   TrainOptions train = train_options(options.train, context);
   train.resume_command = "aligngs run " + options.source + " -o " + options.train.output + " --resume";
-  if (!fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, or a scene folder");
-  const bool photos = options.photos.method == "given" || !may_hold_colmap_model(source);
+  const bool video = fs::is_regular_file(source) && is_video_name(source);
+  if (!video && fs::is_regular_file(source)) throw_bad_input(source, "", "this is neither a folder nor a video", "give a folder of photos, a video, or a scene folder");
+  if (!video && !fs::is_directory(source)) throw_bad_input(source, "", "there is no such folder", "give a folder of photos, a video, or a scene folder");
+  const bool photos = video || options.photos.method == "given" || !may_hold_colmap_model(source);
   if (photos && is_network(options.photos) && fs::exists(source / "transforms.json")) {
     throw_bad_input(source, "transforms.json", "this is a nerfstudio data set, whose cameras are in transforms.json",
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                 options.source, options.train.output));
   }
-  if (photos && !has_photos(source)) {
-    throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG or PNG) are here",
+  if (photos && !video && !has_photos(source)) {
+    throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG, PNG, WebP or HEIC) are here",
                     "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
   }
   const RunMode mode = options.train.resume ? RunMode::kResume : options.train.overwrite ? RunMode::kOverwrite : RunMode::kNew;
@@ -162,7 +165,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
 void add_run_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("run", "Do everything: poses, priors, training, renders, mesh, figures, report");
   command->group("Reconstruct");
-  command->footer(help_footer({.reads = "a folder of photos, or a scene folder",
+  command->footer(help_footer({.reads = "a folder of photos, a video, or a scene folder",
                                 .writes = "RUN: splats, mesh, renders, metrics.json, report.html; also RUN/scene, if the run makes a scene of its own",
                                 .example = "aligngs run photos -o run --method colmap --semantics none",
                                 .advanced = "aligngs run scene -o run --preset preview --set train.max_gaussians=100000 --fail-under psnr=18 --view",
@@ -171,7 +174,7 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   auto train = std::make_shared<TrainCommandOptions>();
   auto photos = std::make_shared<PhotoCommandOptions>();
   auto options = std::make_shared<RunCommandOptions>();
-  command->add_option("source", options->source, "folder of photos, or a scene folder")->required();
+  command->add_option("source", options->source, "folder of photos, a video (needs the program ffmpeg), or a scene folder")->required();
   command->add_option("-o,--output", train->output, "run folder; a scene made of photos is in its scene/")->required()->group("Output folder");
   command->add_option("--semantics", options->semantics,
                       "class priors, if the scene has none: " + words_in_help(semantic_choices()) + ", none, or auto (the first of these that is installed)")

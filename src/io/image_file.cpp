@@ -8,15 +8,18 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/exif_orientation.h"
+#include "io/heif_codec.h"
 #include "io/image_limits.h"
 #include "io/jpeg_codec.h"
+#include "io/picture_format.h"
 #include "io/png_codec.h"
+#include "io/webp_codec.h"
 
 namespace aligngs {
 namespace {
 
 [[noreturn]] void refuse_format(const std::filesystem::path& name) {
-  throw_bad_input(name, "", "neither a JPEG nor a PNG", "convert the picture to JPEG or PNG");
+  throw_bad_input(name, "", "neither a JPEG nor a PNG, WebP or HEIF", "convert the picture to JPEG or PNG");
 }
 
 ImageInfo upright_info(int width, int height, int channels, int bit_depth, int orientation) {
@@ -28,19 +31,34 @@ ImageInfo upright_info(int width, int height, int channels, int bit_depth, int o
 /// Whether `bytes`, the first of the file, were enough.
 bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::path& name,
              ImageInfo& info) {
-  if (is_jpeg(bytes)) {
-    const JpegHeader header = parse_jpeg_header(bytes, name);
-    if (!header.complete) return false;
-    info = upright_info(header.width, header.height, header.channels, 8, header.orientation);
-  } else if (is_png(bytes)) {
-    const PngHeader header = parse_png_header(bytes, name, !whole_file);
-    if (!header.complete) return false;
-    info = upright_info(header.width, header.height, header.channels,
-                        header.bit_depth == 16 ? 16 : 8, header.orientation);
-  } else {
-    refuse_format(name);
+  switch (picture_format(bytes)) {
+    case PictureFormat::kJpeg: {
+      const JpegHeader header = parse_jpeg_header(bytes, name);
+      if (!header.complete) return false;
+      info = upright_info(header.width, header.height, header.channels, 8, header.orientation);
+      return true;
+    }
+    case PictureFormat::kPng: {
+      const PngHeader header = parse_png_header(bytes, name, !whole_file);
+      if (!header.complete) return false;
+      info = upright_info(header.width, header.height, header.channels, header.bit_depth == 16 ? 16 : 8, header.orientation);
+      return true;
+    }
+    case PictureFormat::kWebp: {
+      const WebpHeader header = parse_webp_header(bytes, name, !whole_file);
+      if (!header.complete) return false;
+      info = upright_info(header.width, header.height, header.channels, 8, header.orientation);
+      return true;
+    }
+    case PictureFormat::kHeif: {
+      if (!whole_file) return false;  // the size may depend on boxes anywhere
+      const HeifHeader header = parse_heif_header(bytes, name);
+      info = upright_info(header.width, header.height, header.channels, 8, 1);
+      return true;
+    }
+    case PictureFormat::kUnknown: break;
   }
-  return true;
+  refuse_format(name);
 }
 
 template <class T>
@@ -85,20 +103,27 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
 
 void require_whole_picture(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  const bool whole = is_jpeg(bytes) ? has_end_of_jpeg(bytes) : is_png(bytes) ? has_end_of_png(bytes) : true;
-  if (!whole) throw_bad_input(path, "picture data", "the picture is truncated", "the file is cut or damaged; copy or create it again");
+  const auto whole = [&] {
+    switch (picture_format(bytes)) {
+      case PictureFormat::kJpeg: return has_end_of_jpeg(bytes);
+      case PictureFormat::kPng: return has_end_of_png(bytes);
+      case PictureFormat::kWebp: return has_end_of_webp(bytes);
+      case PictureFormat::kHeif: return has_end_of_heif(bytes);
+      case PictureFormat::kUnknown: return true;
+    }
+    return true;
+  };
+  if (!whole()) throw_bad_input(path, "picture data", "the picture is truncated", "the file is cut or damaged; copy or create it again");
 }
 
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors) {
-  if (is_jpeg(bytes)) {
-    const int orientation = parse_jpeg_header(bytes, name_for_errors).orientation;
-    return apply_orientation(decode_jpeg(bytes, name_for_errors), orientation);
+  Image<uint8_t> stored = decode_stored_image(bytes, name_for_errors);
+  switch (picture_format(bytes)) {
+    case PictureFormat::kJpeg: return apply_orientation(std::move(stored), parse_jpeg_header(bytes, name_for_errors).orientation);
+    case PictureFormat::kPng: return apply_orientation(std::move(stored), parse_png_header(bytes, name_for_errors, false).orientation);
+    case PictureFormat::kWebp: return apply_orientation(std::move(stored), parse_webp_header(bytes, name_for_errors, false).orientation);
+    default: return stored;
   }
-  if (is_png(bytes)) {
-    const int orientation = parse_png_header(bytes, name_for_errors, false).orientation;
-    return apply_orientation(decode_png(bytes, name_for_errors), orientation);
-  }
-  refuse_format(name_for_errors);
 }
 
 Image<uint8_t> read_image(const std::filesystem::path& path) {
@@ -107,8 +132,13 @@ Image<uint8_t> read_image(const std::filesystem::path& path) {
 
 Image<uint8_t> decode_stored_image(std::string_view bytes,
                                    const std::filesystem::path& name_for_errors) {
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, name_for_errors);
-  if (is_png(bytes)) return decode_png(bytes, name_for_errors);
+  switch (picture_format(bytes)) {
+    case PictureFormat::kJpeg: return decode_jpeg(bytes, name_for_errors);
+    case PictureFormat::kPng: return decode_png(bytes, name_for_errors);
+    case PictureFormat::kWebp: return decode_webp(bytes, name_for_errors);
+    case PictureFormat::kHeif: return decode_heif(bytes, name_for_errors);
+    case PictureFormat::kUnknown: break;
+  }
   refuse_format(name_for_errors);
 }
 
@@ -122,10 +152,22 @@ std::string without_orientation(std::string bytes, const std::filesystem::path& 
     if (header.orientation != 1) set_exif_upright(bytes, size_t(header.exif.data() - bytes.data()), header.exif.size());
     return bytes;
   }
-  if (!is_png(bytes)) refuse_format(name_for_errors);
-  if (parse_png_header(bytes, name_for_errors, false).orientation == 1) return bytes;
-  const std::vector<uint8_t> plain = encode_png(decode_png(bytes, name_for_errors));
+  if (is_png(bytes) && parse_png_header(bytes, name_for_errors, false).orientation == 1) return bytes;
+  const std::vector<uint8_t> plain = encode_png(decode_stored_image(bytes, name_for_errors));
   return {plain.begin(), plain.end()};
+}
+
+bool is_common_picture(std::string_view bytes, const std::filesystem::path& name_for_errors) {
+  return is_png(bytes) || (is_jpeg(bytes) && !parse_jpeg_header(bytes, name_for_errors).cmyk);
+}
+
+std::string exif_of_picture(std::string_view bytes, const std::filesystem::path& name_for_errors) {
+  switch (picture_format(bytes)) {
+    case PictureFormat::kJpeg: return std::string(parse_jpeg_header(bytes, name_for_errors).exif);
+    case PictureFormat::kWebp: return parse_webp_header(bytes, name_for_errors, false).exif;
+    case PictureFormat::kHeif: return parse_heif_header(bytes, name_for_errors).exif;
+    default: return {};
+  }
 }
 
 Image<uint16_t> decode_gray_png(std::string_view bytes,

@@ -1,4 +1,4 @@
-// JPEG and PNG files. The format is told by the content, not by the name.
+// Files of pictures: JPEG, PNG, WebP and HEIF are read, JPEG and PNG written. The format is told by the content, not by the name.
 #pragma once
 
 #include <cstdint>
@@ -19,21 +19,26 @@ struct ImageInfo {
   int orientation = 1;        ///< EXIF, 1 to 8
 };
 
-/// Reads the header only. Error{kBadInput} for anything that is no JPEG or PNG, and for CMYK.
+/// Reads the header only, of a HEIF the whole file. Error{kBadInput} for anything else.
 ImageInfo read_image_info(const std::filesystem::path& path);
 
 /// Whether the file reaches its own end, told without decoding it: a copy that broke off does not. Error{kBadInput} when not.
 void require_whole_picture(const std::filesystem::path& path);
 
-/// 8-bit image with 3 or 4 (alpha) channels; grey is widened to 3, 16-bit PNG narrowed; EXIF orientation applied.
+/// 8-bit image with 3 or 4 (alpha) channels; grey is widened to 3, 16-bit PNG narrowed, CMYK multiplied out without its
+/// colour profile; EXIF orientation applied.
 Image<uint8_t> read_image(const std::filesystem::path& path);
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
 /// The same with the pixels as stored: EXIF orientation is left alone. COLMAP and nerfstudio see pictures so.
 Image<uint8_t> read_stored_image(const std::filesystem::path& path);
 Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
 /// The file with the same pixels stored and EXIF orientation 1, so that every program sees the stored pixels. A JPEG keeps
-/// all its other bytes, a PNG is written anew.
+/// all its other bytes, others are written anew as PNG.
 std::string without_orientation(std::string bytes, const std::filesystem::path& name_for_errors);
+/// Whether browsers and programs of photogrammetry read it: PNG, and JPEG that is not CMYK. Scenes hold nothing else.
+bool is_common_picture(std::string_view bytes, const std::filesystem::path& name_for_errors);
+/// What the camera noted, as the content of a JPEG's APP1 segment, also for other formats; empty: nothing.
+std::string exif_of_picture(std::string_view bytes, const std::filesystem::path& name_for_errors);
 
 /// One-channel PNG of 8 or 16 bits, values as stored (depth in millimetres, label ids). Palette images give indices.
 Image<uint16_t> read_gray_png(const std::filesystem::path& path);

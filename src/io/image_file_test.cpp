@@ -1,10 +1,12 @@
 #include "io/image_file.h"
 
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 #include <zlib.h>
 
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -195,6 +197,51 @@ TEST(Jpeg, NonsenseOrientationIsUpright) {
     EXPECT_EQ(decode_image(with_exif(text_of(encode_jpeg(blocks())), orientation, false), "").width,
               16);
   }
+}
+
+/// A CMYK picture as editors save it: inverted, with Adobe's segment.
+std::string cmyk_jpeg(uint8_t cyan, uint8_t magenta, uint8_t yellow, uint8_t black) {
+  Image<uint8_t> inks(16, 16, 4);
+  for (size_t i = 0; i < inks.pixels(); ++i) {
+    const uint8_t values[4] = {cyan, magenta, yellow, black};
+    std::copy_n(values, 4, &inks.data[4 * i]);
+  }
+  const std::unique_ptr<void, int (*)(tjhandle)> handle(tjInitCompress(), tjDestroy);
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  EXPECT_EQ(tjCompress2(handle.get(), inks.data.data(), 16, 0, 16, TJPF_CMYK, &out, &size, TJSAMP_444, 95, 0), 0);
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(out, tjFree);
+  return {out, out + size};
+}
+
+TEST(Jpeg, CmykIsMultipliedOut) {
+  const std::string bytes = cmyk_jpeg(200, 100, 255, 128);
+  const Image<uint8_t> image = decode_image(bytes, "");
+  ASSERT_EQ(image.channels, 3);
+  EXPECT_NEAR(image.at(8, 8, 0), 100, 3);
+  EXPECT_NEAR(image.at(8, 8, 1), 50, 3);
+  EXPECT_NEAR(image.at(8, 8, 2), 128, 3);
+  EXPECT_FALSE(is_common_picture(bytes, ""));
+}
+
+TEST(Jpeg, CmykWithoutAdobesSegmentIsInk) {
+  std::string bytes = cmyk_jpeg(255, 255, 255, 255);
+  const size_t adobe = bytes.find("\xff\xee");
+  ASSERT_NE(adobe, std::string::npos);
+  bytes.erase(adobe, 2 + 14);  // marker and segment
+  EXPECT_LT(decode_image(bytes, "").at(8, 8, 1), 3);
+}
+
+TEST(Jpeg, ProgressiveIsRead) {
+  const std::unique_ptr<void, int (*)(tjhandle)> handle(tjInitCompress(), tjDestroy);
+  const Image<uint8_t> image = blocks();
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  ASSERT_EQ(tjCompress2(handle.get(), image.data.data(), 16, 0, 24, TJPF_RGB, &out, &size, TJSAMP_444, 95, TJFLAG_PROGRESSIVE), 0);
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(out, tjFree);
+  const std::string bytes(out, out + size);
+  EXPECT_NEAR(decode_image(bytes, "").at(15, 23, 0), image.at(15, 23, 0), 2);
+  EXPECT_TRUE(is_common_picture(bytes, ""));
 }
 
 TEST(ImageFile, TruncatedFilesAreErrors) {

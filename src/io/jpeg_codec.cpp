@@ -25,7 +25,7 @@ using Handle = std::unique_ptr<void, HandleDeleter>;
 
 uint8_t byte_at(std::string_view bytes, size_t i) { return static_cast<uint8_t>(bytes[i]); }
 
-enum Marker : uint8_t { kEndOfImage = 0xd9, kStartOfScan = 0xda, kApp1 = 0xe1 };
+enum Marker : uint8_t { kEndOfImage = 0xd9, kStartOfScan = 0xda, kApp1 = 0xe1, kApp14 = 0xee };
 
 bool is_frame_header(uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
@@ -75,8 +75,14 @@ bool is_harmless(std::string_view warning) {
   return false;
 }
 
-[[noreturn]] void refuse_cmyk(const std::filesystem::path& name) {
-  throw_bad_input(name, "colour space", "CMYK pictures are not supported", "save it as RGB");
+/// Light that four inks leave: each takes its share of it. `inverted`: 255 is no ink.
+Image<uint8_t> rgb_of_cmyk(const Image<uint8_t>& cmyk, bool inverted) {
+  Image<uint8_t> rgb(cmyk.width, cmyk.height, 3);
+  for (size_t i = 0; i < rgb.pixels(); ++i) {
+    const auto light = [&](size_t ink) { return inverted ? cmyk.data[4 * i + ink] : 255 - cmyk.data[4 * i + ink]; };
+    for (size_t c = 0; c < 3; ++c) rgb.data[3 * i + c] = static_cast<uint8_t>((light(c) * light(3) + 127) / 255);
+  }
+  return rgb;
 }
 
 }  // namespace
@@ -108,12 +114,14 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
       header.orientation = exif_orientation(content);
       header.exif = content;
       exif_seen = true;
+    } else if (marker == kApp14 && content.substr(0, 5) == "Adobe") {
+      header.adobe = true;
     } else if (is_frame_header(marker)) {
       if (content.size() < 6) throw_bad_input(name, "frame header", "too short", kRemedy);
       header.height = byte_at(content, 1) << 8 | byte_at(content, 2);
       header.width = byte_at(content, 3) << 8 | byte_at(content, 4);
       header.channels = byte_at(content, 5) == 1 ? 1 : 3;
-      if (byte_at(content, 5) == 4) refuse_cmyk(name);
+      header.cmyk = byte_at(content, 5) == 4;
       header.complete = true;
     } else if (marker == kStartOfScan || marker == kEndOfImage) {
       if (!header.complete) throw_bad_input(name, "frame header", "missing", kRemedy);
@@ -132,23 +140,21 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
                           &colorspace) != 0) {
     throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kRemedy);
   }
-  if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK) {
-    refuse_cmyk(name);
-  }
+  const bool cmyk = colorspace == TJCS_CMYK || colorspace == TJCS_YCCK;
   require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerByte, name);
   if (!has_end_of_jpeg(bytes))
     throw_bad_input(name, "JPEG data", "the picture is truncated", kRemedy);
 
-  Image<uint8_t> image(width, height, 3);
+  Image<uint8_t> image(width, height, cmyk ? 4 : 3);
   const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0,
-                                   height, TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
+                                   height, cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
   if (status != 0) {
     const std::string message = tjGetErrorStr2(handle.get());
     if (tjGetErrorCode(handle.get()) != TJERR_WARNING || !is_harmless(message)) {
       throw_bad_input(name, "JPEG data", message, kRemedy);
     }
   }
-  return image;
+  return cmyk ? rgb_of_cmyk(image, parse_jpeg_header(bytes, name).adobe) : image;
 }
 
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality) {

@@ -20,11 +20,13 @@ struct JpegHeader {
   int width = 0, height = 0, channels = 0;
   int orientation = 1;    ///< EXIF, 1 to 8
   std::string_view exif;  ///< content of its segment, a part of the bytes; empty: none
+  bool cmyk = false;
+  bool adobe = false;     ///< has Adobe's segment: its CMYK is stored inverted, 255 for no ink
   bool complete = false;  ///< false: `bytes` ended before the frame header
 };
 JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path& name);
 
-/// RGB as stored, orientation not applied. A file without its end is Error{kBadInput}, never a grey
+/// RGB as stored, orientation not applied; CMYK is multiplied out, without its colour profile. A file without its end is Error{kBadInput}, never a grey
 /// rest.
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name);
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality);

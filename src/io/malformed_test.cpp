@@ -50,6 +50,8 @@ std::vector<Format> formats() {
        [](const std::string& b) { decode_gray_png(b, "x"); }},
       {"jpeg", [] { return valid::jpeg_with_exif(); },
        [](const std::string& b) { decode_image(b, "x"); }},
+      {"webp", [] { return valid::webp(); }, [](const std::string& b) { decode_image(b, "x"); }},
+      {"heic", [] { return valid::heic(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"colmap_cameras", [] { return model().cameras; },
        [=](const std::string& b) { decode_colmap_binary(b, none, "", "x"); }},
       {"colmap_images", [] { return model().images; },

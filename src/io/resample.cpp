@@ -62,30 +62,51 @@ std::vector<Taps> box_taps(int source, int target) {
   return taps;
 }
 
-ImageF apply(const ImageF& image, const std::vector<Taps>& columns, const std::vector<Taps>& rows) {
-  const int width = int(columns.size()), height = int(rows.size()), channels = image.channels;
-  ImageF narrow(width, image.height, channels);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      float* out = narrow.pixel(x, y);
-      const Taps& tap = columns[size_t(x)];
-      for (size_t k = 0; k < tap.weights.size(); ++k) {
-        const float* in = image.pixel(tap.first + int(k), y);
-        for (int c = 0; c < channels; ++c) out[c] += tap.weights[k] * in[c];
-      }
+float value_of(float v) { return v; }
+float value_of(uint8_t v) { return float(v) / 255.0f; }
+
+/// A source row brought to the width of the target.
+template <class T>
+void narrow_row(const Image<T>& image, int y, const std::vector<Taps>& columns, std::vector<float>& row) {
+  const int channels = image.channels;
+  std::fill(row.begin(), row.end(), 0.f);
+  for (size_t x = 0; x < columns.size(); ++x) {
+    float* out = row.data() + x * size_t(channels);
+    const Taps& tap = columns[x];
+    for (size_t k = 0; k < tap.weights.size(); ++k) {
+      const T* in = image.pixel(tap.first + int(k), y);
+      for (int c = 0; c < channels; ++c) out[c] += tap.weights[k] * value_of(in[c]);
     }
   }
-  ImageF out(width, height, channels);
-  const size_t row_values = size_t(width) * size_t(channels);
+}
+
+/// Only two rows of the source are held at the width of the target: one target row and the next share no more.
+template <class T>
+ImageF apply(const Image<T>& image, const std::vector<Taps>& columns, const std::vector<Taps>& rows) {
+  const int width = int(columns.size()), height = int(rows.size());
+  ImageF out(width, height, image.channels);
+  const size_t row_values = size_t(width) * size_t(image.channels);
+  std::vector<float> narrow[2] = {std::vector<float>(row_values), std::vector<float>(row_values)};
+  int held[2] = {-1, -1};
   for (int y = 0; y < height; ++y) {
     float* to = out.data.data() + size_t(y) * row_values;
     const Taps& tap = rows[size_t(y)];
     for (size_t k = 0; k < tap.weights.size(); ++k) {
-      const float* from = narrow.data.data() + (size_t(tap.first) + k) * row_values;
-      for (size_t i = 0; i < row_values; ++i) to[i] += tap.weights[k] * from[i];
+      const int source = tap.first + int(k), place = source & 1;
+      if (held[place] != source) narrow_row(image, source, columns, narrow[place]);
+      held[place] = source;
+      for (size_t i = 0; i < row_values; ++i) to[i] += tap.weights[k] * narrow[place][i];
     }
   }
   return out;
+}
+
+template <class T>
+ImageF area(const Image<T>& image, int width, int height) {
+  const auto taps = [](int source, int target) {
+    return target < source ? box_taps(source, target) : bilinear_taps(source, target);
+  };
+  return apply(image, taps(image.width, width), taps(image.height, height));
 }
 
 }  // namespace
@@ -99,10 +120,12 @@ ImageF resize_bilinear(const ImageF& image, int width, int height) {
 ImageF resize_area(const ImageF& image, int width, int height) {
   require_size(image, width, height);
   if (image.width == width && image.height == height) return image;
-  const auto taps = [](int source, int target) {
-    return target < source ? box_taps(source, target) : bilinear_taps(source, target);
-  };
-  return apply(image, taps(image.width, width), taps(image.height, height));
+  return area(image, width, height);
+}
+
+ImageF resize_area(const Image<uint8_t>& image, int width, int height) {
+  require_size(image, width, height);
+  return area(image, width, height);
 }
 
 ImageF resize_depth(const ImageF& depth, int width, int height, float jump) {

@@ -8,6 +8,8 @@ namespace aligngs {
 ImageF resize_bilinear(const ImageF& image, int width, int height);
 /// Box-filtered when shrinking, bilinear when growing: for photographs.
 ImageF resize_area(const ImageF& image, int width, int height);
+/// The same of to_float(image), without that copy: a photo of 48 megapixels stays at its 144 MB.
+ImageF resize_area(const Image<uint8_t>& image, int width, int height);
 /// Bilinear over valid (> 0 and finite) samples that lie within `jump` relative of the nearest one; 0 = none.
 /// Never invents depth across a discontinuity.
 ImageF resize_depth(const ImageF& depth, int width, int height, float jump = 0.05f);

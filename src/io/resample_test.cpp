@@ -51,6 +51,14 @@ TEST(Resample, ALinearRampStaysInPlace) {
   }
 }
 
+TEST(Resample, BytesGiveWhatTheirFloatsGive) {
+  Image<uint8_t> bytes(13, 9, 3);
+  for (size_t i = 0; i < bytes.data.size(); ++i) bytes.data[i] = uint8_t(i * 37);
+  ImageF floats(13, 9, 3);
+  for (size_t i = 0; i < bytes.data.size(); ++i) floats.data[i] = float(bytes.data[i]) / 255.0f;
+  for (const auto& [w, h] : {std::pair{5, 4}, {13, 9}, {20, 3}, {30, 25}}) EXPECT_EQ(resize_area(bytes, w, h).data, resize_area(floats, w, h).data);
+}
+
 TEST(Resample, AreaAveragesWhatEachPixelCovers) {
   EXPECT_THAT(resize_area(row({1, 3, 5, 9}), 2, 1).data, ElementsAre(2, 7));
   EXPECT_THAT(resize_area(row({1, 2, 4}), 2, 1).data,

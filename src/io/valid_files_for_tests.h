@@ -2,6 +2,8 @@
 // fuzzers.
 #pragma once
 
+#include <webp/encode.h>
+
 #include <string>
 #include <vector>
 
@@ -25,6 +27,17 @@ inline Image<uint8_t> picture(int channels) {
   for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = uint8_t(i * i * 31 + i / 7);
   return image;
 }
+
+inline std::string webp() {
+  const Image<uint8_t> image = picture(3);
+  uint8_t* out = nullptr;
+  const size_t size = WebPEncodeRGB(image.data.data(), image.width, image.height, 3 * image.width, 80, &out);
+  const std::string bytes(reinterpret_cast<char*>(out), size);
+  WebPFree(out);
+  return bytes;
+}
+
+inline std::string heic() { return read_file(std::filesystem::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures/plain.heic"); }
 
 inline std::string npy(const std::filesystem::path& folder) {
   const float values[6] = {1, 2, 3, 4, 5, 6};

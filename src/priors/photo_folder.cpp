@@ -21,19 +21,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kRead = {".jpg", ".jpeg", ".png"};
-const std::vector<std::string> kKnown = {".heic", ".heif", ".webp", ".tif", ".tiff",
-                                         ".avif", ".dng",  ".cr2",  ".nef", ".arw"};
+/// Pictures that are not read.
+const std::vector<std::string> kUnread = {".tif", ".tiff", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".jxl", ".bmp", ".gif"};
 
 fs::path folder_with_photos(const fs::path& folder) {
-  if (!list_files(folder, kRead).empty()) return folder;
+  if (!list_files(folder, picture_extensions()).empty()) return folder;
   const fs::path inner = folder / "images";
   return fs::is_directory(inner) ? inner : folder;
 }
 
 /// The pictures of a folder, else those of its subfolders.
 std::vector<fs::path> pictures_of(const fs::path& folder) {
-  std::vector<fs::path> files = list_files(folder, kRead);
+  std::vector<fs::path> files = list_files(folder, picture_extensions());
   if (!files.empty()) return files;
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
@@ -48,30 +47,19 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
   return files;
 }
 
-int stored_orientation(const std::string& bytes, const fs::path& file) {
-  if (is_jpeg(bytes)) return parse_jpeg_header(bytes, file).orientation;
-  if (is_png(bytes)) return parse_png_header(bytes, file, false).orientation;
-  return 1;
-}
-
 Image<uint8_t> shrunk(const Image<uint8_t>& image, int max_side) {
   const double scale = double(max_side) / std::max(image.width, image.height);
   const auto side = [&](int pixels) { return std::max(1, int(pixels * scale + 0.5)); };
-  const ImageF small = resize_area(to_float(image), side(image.width), side(image.height));
-  Image<uint8_t> bytes(small.width, small.height, small.channels);
-  std::transform(small.data.begin(), small.data.end(), bytes.data.begin(), [](float v) {
-    return uint8_t(std::clamp(v, 0.f, 1.f) * 255 + 0.5f);
-  });
-  return bytes;
+  return to_bytes(resize_area(image, side(image.width), side(image.height)));
 }
 
 Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   Photo out = photo;
   const std::string bytes = read_file(photo.file);
-  const bool jpeg = is_jpeg(bytes);
+  const bool common = is_common_picture(bytes, photo.file);
   const bool large = std::max(photo.width, photo.height) > max_side;
-  out.file = folder / (photo.name + (jpeg ? ".jpg" : ".png"));
-  if (!large && stored_orientation(bytes, photo.file) == 1) {
+  if (!large && common && read_image_info(photo.file).orientation == 1) {
+    out.file = folder / (photo.name + (is_jpeg(bytes) ? ".jpg" : ".png"));
     write_file_atomically(out.file, bytes);
     return out;
   }
@@ -80,14 +68,15 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   out.width = image.width;
   out.height = image.height;
   constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
-  if (!jpeg) {
+  if (is_png(bytes) || image.channels == 4) {
+    out.file = folder / (photo.name + ".png");
     write_png(out.file, image);
     return out;
   }
+  out.file = folder / (photo.name + ".jpg");
   const std::vector<uint8_t> small = encode_jpeg_bytes(image, kQuality);
   // Relative to the sides, the focal length of the shrunk picture is that of the stored one.
-  const auto focal = exif_focal_35mm(parse_jpeg_header(bytes, photo.file).exif,
-                                     std::max(photo.width, photo.height));
+  const auto focal = exif_focal_35mm(exif_of_picture(bytes, photo.file), std::max(photo.width, photo.height));
   write_file_atomically(out.file, focal ? with_exif(small, exif_with_focal_35mm(*focal))
                                         : std::string(small.begin(), small.end()));
   return out;
@@ -105,7 +94,7 @@ PhotoList list_photos(const fs::path& given) {
   PhotoList list;
   list.folder = folder_with_photos(given);
   std::string unread;
-  for (const fs::path& file : list_files(list.folder, kKnown)) unread += " " + as_utf8(file.filename().string());
+  for (const fs::path& file : list_files(list.folder, kUnread)) unread += " " + as_utf8(file.filename().string());
   std::error_code error;
   for (fs::directory_iterator entry(list.folder, error), end; !error && entry != end; entry.increment(error)) {
     if (!is_hidden(entry->path()) || !has_picture_extension(entry->path())) continue;
@@ -128,12 +117,12 @@ PhotoList list_photos(const fs::path& given) {
   }
   constexpr size_t kFewest = 2;  // one photo has no parallax
   if (list.photos.size() >= kFewest) {
-    if (!unread.empty()) log_warning("left out, as neither JPEG nor PNG:{}", unread);
+    if (!unread.empty()) log_warning("left out, as their formats are not read:{}", unread);
     return list;
   }
   if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
   throw_bad_input(list.folder, "",
-                  list.photos.empty() ? "there is no JPEG or PNG here" : "one photo is not enough",
+                  list.photos.empty() ? "there is no photo here (JPEG, PNG, WebP or HEIC)" : "one photo is not enough",
                   unread.empty() ? "give the folder that holds the photos of the room"
                                  : "convert these to JPEG first:" + unread);
 }

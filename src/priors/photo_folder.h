@@ -22,8 +22,8 @@ struct PhotoList {
   std::vector<LeftOut> left_out;  ///< hidden, empty, cut and unreadable files, and second ones of a name
 };
 
-/// JPEG and PNG files of the folder or, when it holds none, of its images/, else of all its subfolders, in the order of people
-/// (2 before 10). Error{kBadInput}: fewer than two photos that can be used. Pictures in formats that are not read (HEIC, ...)
+/// Pictures (io/picture_format.h) of the folder or, when it holds none, of its images/, else of all its subfolders, in the order of people
+/// (2 before 10). Error{kBadInput}: fewer than two photos that can be used. Pictures in formats that are not read (TIFF, raw, ...)
 /// are named in the error or a warning.
 PhotoList list_photos(const std::filesystem::path& folder);
 

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/exif_focal_length.h"
+#include "io/heif_codec.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
 
@@ -68,9 +69,33 @@ TEST_F(PhotoFolder, AFolderNamedImagesIsFound) {
   EXPECT_TRUE(has_photos(folder));
 }
 
-TEST_F(PhotoFolder, PhotosOfATelephoneInAnotherFormatAreNamed) {
-  std::ofstream(folder / "IMG_1.HEIC") << "x";
-  EXPECT_THAT(error_of_list(), testing::HasSubstr("IMG_1.HEIC"));
+TEST_F(PhotoFolder, PhotosInAFormatThatIsNotReadAreNamed) {
+  std::ofstream(folder / "IMG_1.DNG") << "x";
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("IMG_1.DNG"));
+}
+
+TEST_F(PhotoFolder, PhotosOfATelephoneBecomeJpegWithTheirFocalLength) {
+  const fs::path pictures = fs::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures";
+  if (!can_decode_heif()) GTEST_SKIP() << "built without libheif";
+  fs::copy_file(pictures / "plain.heic", folder / "IMG_1.HEIC");
+  fs::copy_file(pictures / "turned.heic", folder / "IMG_2.HEIC");
+  ThreadPool pool(2);
+  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
+  ASSERT_EQ(prepared.size(), 2u);
+  EXPECT_EQ(prepared[0].file, folder / "work" / "IMG_1.jpg");
+  const std::string bytes = read_file(prepared[0].file);
+  EXPECT_TRUE(is_common_picture(bytes, ""));
+  EXPECT_EQ(exif_focal_35mm(exif_of_picture(bytes, ""), 96), 28);
+  EXPECT_EQ(read_image(prepared[1].file).width, 96);
+}
+
+TEST_F(PhotoFolder, ANameThatLiesAboutTheFormatIsNoTrouble) {
+  if (!can_decode_heif()) GTEST_SKIP() << "built without libheif";
+  fs::copy_file(fs::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures/plain.heic", folder / "a.jpg");
+  write_jpeg(folder / "b.jpg", picture(20, 16));
+  ThreadPool pool(1);
+  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work", 1600, pool);
+  EXPECT_TRUE(is_common_picture(read_file(prepared[0].file), ""));
 }
 
 TEST_F(PhotoFolder, TwoPhotosOfOneNameAreRefused) {
@@ -106,7 +131,7 @@ TEST_F(PhotoFolder, SubfoldersCountWhereTheFolderItselfHasNoPhotos) {
 }
 
 TEST_F(PhotoFolder, AnEmptyFolderAndOnePhotoAreRefused) {
-  EXPECT_THAT(error_of_list(), testing::HasSubstr("no JPEG or PNG"));
+  EXPECT_THAT(error_of_list(), testing::HasSubstr("no photo here"));
   write_jpeg(folder / "a.jpg", picture(20, 16));
   EXPECT_THAT(error_of_list(), testing::HasSubstr("one photo"));
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -18,6 +19,7 @@
 #include "priors/da3_prediction.h"
 #include "priors/given_poses.h"
 #include "priors/vggt_prediction.h"
+#include "priors/video_frames.h"
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
 #include "scene/photo_lookup.h"
@@ -304,6 +306,16 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
   report.test = parts.split.test->size();
 }
 
+/// Frames of a video as a folder of photos.
+void take_frames(const fs::path& video, const fs::path& folder, const ScenePhotosOptions& options) {
+  const VideoFramesReport taken = take_video_frames(video, folder, {options.video_views, options.progress});
+  log_info("{}: {} of {} frames taken, {} long", video.string(), taken.frames, taken.looked_at, format_duration(taken.seconds));
+  constexpr double kWalk = 1.3;  // brightness of frames with one exposure differs by less, by what they show
+  if (taken.exposure_walk > kWalk) {
+    log_info("the frames' brightness changes by a factor of {:.1f}, perhaps by automatic exposure; a locked exposure gives better colours", taken.exposure_walk);
+  }
+}
+
 }  // namespace
 
 ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene,
@@ -311,11 +323,20 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
                                          const ScenePhotosOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   require_scene_place(scene, options.overwrite, {source, options.cameras});
-  const PhotoList listed = list_photos(source);
+  const bool video = is_video_name(source) && !fs::is_directory(source);
+  if (video && options.method == PosesMethod::kGiven) {
+    throw_usage("--method given needs the photos that the cameras were found for, not a video", "give the folder of these photos, or another --method");
+  }
+  if (uses_network(options.method)) store.require(published_model(options.model));
+  std::optional<WorkFolder> work;
+  if (video) {
+    work.emplace(scene);
+    take_frames(source, work->path() / "frames", options);
+  }
+  const PhotoList listed = list_photos(video ? work->path() / "frames" : source);
   fs::path cameras;
   if (options.method == PosesMethod::kGiven)
     cameras = find_given_cameras(listed.folder, options.cameras);
-  if (uses_network(options.method)) store.require(published_model(options.model));
   if (!uses_network(options.method) && listed.photos.size() < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
                     fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
@@ -329,15 +350,15 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
     report.method = "given";
     scene_by_given_poses(source, cameras, listed, scene, options, pool, report);
   } else {
-    WorkFolder work(scene);
+    if (!work) work.emplace(scene);
     const std::vector<Photo> photos =
-        prepare_photos(listed.photos, work.path() / "images", options.max_side, pool);
+        prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);
     if (uses_network(options.method)) {
       report.method = options.model;
       scene_by_network(photos, scene, store, options, pool, report);
     } else {
       report.method = "colmap";
-      scene_by_colmap(source, photos, work, scene, options, pool, report);
+      scene_by_colmap(source, photos, *work, scene, options, pool, report);
     }
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

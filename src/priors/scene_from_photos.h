@@ -23,6 +23,7 @@ struct ScenePhotosOptions {
   PosesMethod method = PosesMethod::kVggt;
   int max_side = 1600;  ///< pixels; larger photos are shrunk, as 3DGS' tools do
   int test_every = 0;   ///< every n-th photo is kept for testing; 0: all train
+  int video_views = 40; ///< frames to take of a video, at most
   bool overwrite = false;
   bool strict = false;  ///< a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
 
@@ -59,7 +60,8 @@ struct ScenePhotosReport {
   double seconds = 0;
 };
 
-/// Error{kUsage} when the scene exists; Error{kWeights} when the network's weights are missing;
+/// `photos`: a folder, or a video, of which frames are taken (priors/video_frames.h).
+/// Error{kUsage} when the scene exists, or for a video with given cameras; Error{kWeights} when the network's weights are missing;
 /// Error{kResources} when memory will not do; Error{kBadInput} with a reason per photo when fewer
 /// than three photos, or fewer than half of them, could be placed.
 ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,

@@ -55,11 +55,6 @@ std::vector<std::string> spellings(const std::string& name) {
 
 }  // namespace
 
-bool has_picture_extension(const fs::path& file) {
-  const std::string extension = lower(file.extension().string());
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
-
 bool is_hidden(const fs::path& file) { return file.filename().string().rfind('.', 0) == 0; }
 
 std::string slashed_name(std::string name) {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "io/picture_format.h"
+
 namespace aligngs {
 
-/// ".jpg", ".jpeg" or ".png" in any case.
-bool has_picture_extension(const std::filesystem::path& file);
 /// A name that begins with a dot: "._IMG_1.jpg" is no photo but what macOS keeps beside one.
 bool is_hidden(const std::filesystem::path& file);
 /// A name from a camera file as a relative path: backslashes become slashes, "./" goes.

@@ -26,6 +26,8 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_ply", "ascii", valid::ascii_ply());
   seed("fuzz_image", "exif.jpg", valid::jpeg_with_exif());
   seed("fuzz_image", "grey.jpg", valid::text_of(encode_jpeg(valid::picture(1), 60)));
+  seed("fuzz_image", "lossy.webp", valid::webp());
+  seed("fuzz_image", "plain.heic", valid::heic());
   seed("fuzz_image", "rgba.png", valid::text_of(encode_png(valid::picture(4))));
   seed("fuzz_gray_png", "16bit", valid::gray_png16(scratch));
   seed("fuzz_gray_png", "8bit", valid::text_of(encode_png(valid::picture(1))));

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "nn/eomt/eomt_weights.h"
 #include "nn/eomt/semantic.h"
+#include "nn/ops/resize.h"
 #include "nn/rename.h"
 #include "nn/small_networks.h"
 
@@ -140,6 +141,18 @@ TEST_F(EomtTest, ScoresComeAtAnySizeAndAreSumsOfShares) {
   for (const float v : scores.data) {
     ASSERT_GE(v, 0);
     ASSERT_LE(v, 6);
+  }
+}
+
+TEST_F(EomtTest, ASmallMapIsTheLargeOneResized) {
+  // 100 x 70 becomes 91 x 64, two windows that overlap.
+  for (const auto& [width, height] : {std::pair{100, 70}, {70, 100}}) {
+    const Image<uint8_t> photo = small_photo(width, height);
+    const Image<uint8_t> resized = eomt_windows(photo, network().window()).resized;
+    const FeatureMap whole = eomt_scores(compute_, network(), photo, resized.height, resized.width);
+    const FeatureMap expected = resize_bilinear_map(compute_, whole, 9, 14, false), small = eomt_scores(compute_, network(), photo, 9, 14);
+    ASSERT_EQ(small.data.size(), expected.data.size());
+    for (size_t i = 0; i < expected.data.size(); ++i) ASSERT_NEAR(small.data[i], expected.data[i], 1e-5) << i;
   }
 }
 

@@ -39,6 +39,41 @@ std::vector<float> class_shares(const EomtPrediction& prediction) {
   return out;
 }
 
+/// Scores [rows, columns, classes] of a window at outputs of the axes that bring its masks to its size.
+FeatureMap scores_at(Compute& compute, const Linear& shares, const EomtPrediction& prediction, const ResampleAxis& rows, const ResampleAxis& columns) {
+  FeatureMap out(rows.outputs(), columns.outputs(), shares.outputs());
+  constexpr int64_t kBand = 64;  // rows at a time: masks at the size of the window are large
+  for (int64_t begin = 0; begin < out.height; begin += kBand) {
+    const int64_t count = std::min(kBand, out.height - begin);
+    FeatureMap covered = resample(compute, prediction.masks, part_of_axis(rows, begin, count), columns);
+    float* const masks = covered.data.data();
+    const int64_t line = covered.width * covered.channels;
+    compute.for_rows(count, 1, [&](int64_t y, int64_t, Scratch&) {  // logits are resized, not shares
+      for (int64_t i = y * line; i < (y + 1) * line; ++i) masks[i] = 1 / (1 + std::exp(-masks[i]));
+    });
+    const FeatureMap scores = shares(compute, covered);
+    std::copy(scores.data.begin(), scores.data.end(), out.at(begin, 0));
+  }
+  return out;
+}
+
+Linear shares_of(Compute& compute, const EomtPrediction& prediction) {
+  return Linear(compute, class_shares(prediction), prediction.classes.columns - 1, prediction.masks.channels, {});
+}
+
+/// Which of the `places` (sorted, along one side of the resized photo) lie in [begin, begin + side).
+struct Covered {
+  size_t first = 0;              ///< of them in `places`
+  std::vector<int64_t> outputs;  ///< their places in the window
+};
+
+Covered covered_by(const std::vector<int64_t>& places, int64_t begin, int64_t side) {
+  Covered covered;
+  covered.first = size_t(std::lower_bound(places.begin(), places.end(), begin) - places.begin());
+  for (size_t i = covered.first; i < places.size() && places[i] < begin + side; ++i) covered.outputs.push_back(places[i] - begin);
+  return covered;
+}
+
 }  // namespace
 
 Image<uint8_t> EomtWindows::window(size_t index) const {
@@ -69,46 +104,43 @@ EomtPadded eomt_padded(const Image<uint8_t>& photo, int side) {
 }
 
 FeatureMap eomt_window_scores(Compute& compute, const EomtPrediction& prediction, int side) {
-  const int64_t queries = prediction.masks.channels, classes = prediction.classes.columns - 1;
-  const Linear shares(compute, class_shares(prediction), classes, queries, {});
-  const ResampleAxis rows = bilinear_axis(prediction.masks.height, side, false);
-  const ResampleAxis columns = bilinear_axis(prediction.masks.width, side, false);
-  FeatureMap out(side, side, classes);
-  constexpr int64_t kBand = 64;  // rows at a time: masks at the size of the window are large
-  for (int64_t begin = 0; begin < side; begin += kBand) {
-    const int64_t count = std::min<int64_t>(kBand, side - begin);
-    FeatureMap covered = resample(compute, prediction.masks, part_of_axis(rows, begin, count), columns);
-    for (float& v : covered.data) v = 1 / (1 + std::exp(-v));  // logits are resized, not shares
-    const FeatureMap scores = shares(compute, covered);
-    std::copy(scores.data.begin(), scores.data.end(), out.at(begin, 0));
-  }
-  return out;
+  return scores_at(compute, shares_of(compute, prediction), prediction, bilinear_axis(prediction.masks.height, side, false),
+                   bilinear_axis(prediction.masks.width, side, false));
 }
 
 FeatureMap eomt_scores(Compute& compute, const Eomt& network, const Image<uint8_t>& photo, int64_t height,
                        int64_t width) {
   const EomtWindows windows = eomt_windows(photo, network.window());
-  FeatureMap sum(windows.resized.height, windows.resized.width, network.classes());
-  std::vector<int> covered(size_t(std::max(sum.height, sum.width)));
+  // The last resizing weighs few places of the resized photo where the result is small, so only these are computed.
+  const UsedInputs rows = used_inputs(bilinear_axis(windows.resized.height, height, false));
+  const UsedInputs columns = used_inputs(bilinear_axis(windows.resized.width, width, false));
+  FeatureMap sum(int64_t(rows.inputs.size()), int64_t(columns.inputs.size()), network.classes());
+  std::vector<float> windows_over(windows.tall ? rows.inputs.size() : columns.inputs.size());
+  float* const sums = sum.data.data();
   for (size_t i = 0; i < windows.starts.size(); ++i) {
-    const FeatureMap scores =
-        eomt_window_scores(network.exact(), network(compute, windows.window(i)), windows.side);
-    const int start = windows.starts[i], left = windows.tall ? 0 : start, top = windows.tall ? start : 0;
-    const int64_t rows = std::min<int64_t>(windows.side, sum.height - top);
-    const int64_t line = std::min<int64_t>(windows.side, sum.width - left) * sum.channels;
-    for (int64_t y = 0; y < rows; ++y) {
-      const float* const from = scores.at(y, 0);
-      float* const to = sum.at(top + y, left);
-      for (int64_t k = 0; k < line; ++k) to[k] += from[k];
+    const int start = windows.starts[i];
+    const Covered down = covered_by(rows.inputs, windows.tall ? start : 0, windows.side);
+    const Covered across = covered_by(columns.inputs, windows.tall ? 0 : start, windows.side);
+    const EomtPrediction prediction = network(compute, windows.window(i));
+    const FeatureMap scores = scores_at(network.exact(), shares_of(network.exact(), prediction), prediction,
+                                        part_of_axis(bilinear_axis(prediction.masks.height, windows.side, false), down.outputs),
+                                        part_of_axis(bilinear_axis(prediction.masks.width, windows.side, false), across.outputs));
+    const float* const found = scores.data.data();
+    const int64_t line = scores.width * scores.channels;
+    compute.for_rows(scores.height, 1, [&](int64_t y, int64_t, Scratch&) {
+      float* const to = sums + ((int64_t(down.first) + y) * sum.width + int64_t(across.first)) * sum.channels;
+      for (int64_t k = 0; k < line; ++k) to[k] += found[y * line + k];
+    });
+    const Covered& along = windows.tall ? down : across;
+    for (size_t k = 0; k < along.outputs.size(); ++k) ++windows_over[along.first + k];
+  }
+  compute.for_rows(sum.height, 1, [&](int64_t y, int64_t, Scratch&) {
+    for (int64_t x = 0; x < sum.width; ++x) {
+      const float count = windows_over[size_t(windows.tall ? y : x)];
+      for (int64_t k = 0; k < sum.channels; ++k) sums[(y * sum.width + x) * sum.channels + k] /= count;
     }
-    for (int k = start; k < std::min(start + windows.side, int(covered.size())); ++k) ++covered[size_t(k)];
-  }
-  float* const values = sum.data.data();
-  for (int64_t p = 0; p < sum.places(); ++p) {
-    const auto count = float(covered[size_t(windows.tall ? p / sum.width : p % sum.width)]);
-    for (int64_t k = 0; k < sum.channels; ++k) values[p * sum.channels + k] /= count;
-  }
-  return resize_bilinear_map(compute, sum, height, width, false);
+  });
+  return resample(compute, sum, rows.axis, columns.axis);
 }
 
 }  // namespace aligngs::nn

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/error.h"
 #include "nn/network_device.h"
@@ -94,14 +95,32 @@ ResampleAxis area_axis(int64_t inputs, int64_t outputs) {
   return axis;
 }
 
-ResampleAxis part_of_axis(const ResampleAxis& axis, int64_t begin, int64_t count) {
-  const int64_t from = axis.first[size_t(begin)], to = axis.first[size_t(begin + count)];
+ResampleAxis part_of_axis(const ResampleAxis& axis, const std::vector<int64_t>& outputs) {
   ResampleAxis part;
   part.inputs = axis.inputs;
-  for (int64_t i = begin; i <= begin + count; ++i) part.first.push_back(axis.first[size_t(i)] - from);
-  part.index.assign(axis.index.begin() + from, axis.index.begin() + to);
-  part.weight.assign(axis.weight.begin() + from, axis.weight.begin() + to);
+  part.first.push_back(0);
+  for (const int64_t i : outputs) {
+    const int64_t from = axis.first[size_t(i)], to = axis.first[size_t(i) + 1];
+    part.index.insert(part.index.end(), axis.index.begin() + from, axis.index.begin() + to);
+    part.weight.insert(part.weight.end(), axis.weight.begin() + from, axis.weight.begin() + to);
+    end_output(part);
+  }
   return part;
+}
+
+ResampleAxis part_of_axis(const ResampleAxis& axis, int64_t begin, int64_t count) {
+  std::vector<int64_t> outputs(static_cast<size_t>(count));
+  std::iota(outputs.begin(), outputs.end(), begin);
+  return part_of_axis(axis, outputs);
+}
+
+UsedInputs used_inputs(const ResampleAxis& axis) {
+  UsedInputs used{axis.index, axis};
+  std::sort(used.inputs.begin(), used.inputs.end());
+  used.inputs.erase(std::unique(used.inputs.begin(), used.inputs.end()), used.inputs.end());
+  for (int64_t& index : used.axis.index) index = std::lower_bound(used.inputs.begin(), used.inputs.end(), index) - used.inputs.begin();
+  used.axis.inputs = int64_t(used.inputs.size());
+  return used;
 }
 
 FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& vertical,

@@ -32,6 +32,15 @@ ResampleAxis area_axis(int64_t inputs, int64_t outputs);
 
 /// Outputs [begin, begin + count) of an axis.
 ResampleAxis part_of_axis(const ResampleAxis& axis, int64_t begin, int64_t count);
+/// These outputs of an axis, in this order.
+ResampleAxis part_of_axis(const ResampleAxis& axis, const std::vector<int64_t>& outputs);
+
+/// The inputs that an axis weighs, sorted, each once; and the axis with indices into that list.
+struct UsedInputs {
+  std::vector<int64_t> inputs;
+  ResampleAxis axis;
+};
+UsedInputs used_inputs(const ResampleAxis& axis);
 
 FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& vertical,
                     const ResampleAxis& horizontal);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "io/picture_format.h"
 #include "scene/import/capture.h"
 
 namespace aligngs {
@@ -25,7 +26,7 @@ void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, doubl
 
 /// The photos of a folder in natural order; hidden ones are left out with a line.
 std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std::filesystem::path& folder,
-                                                     const std::vector<std::string>& extensions = {".jpg", ".jpeg", ".png"});
+                                                     const std::vector<std::string>& extensions = picture_extensions());
 
 /// Lists the poses of a folder (NAME.txt) whose photo is missing.
 void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses, const std::vector<std::filesystem::path>& photos);

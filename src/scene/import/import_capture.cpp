@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/atomic_file.h"
 #include "io/image_file.h"
 #include "io/output_place.h"
 #include "io/resample.h"
@@ -154,7 +155,8 @@ Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file) {
   return out;
 }
 
-bool is_jpeg_name(const fs::path& file) { return has_picture_extension(file) && file.extension() != ".png" && file.extension() != ".PNG"; }
+/// Whether the photo lost detail when it was stored, so that its copy may as well. PNG is as it was taken.
+bool is_lossy(const fs::path& file) { return file.extension() != ".png" && file.extension() != ".PNG"; }
 
 void require_usable_depth(const CapturedFrame& frame, const ImageF& depth, const Camera& camera) {
   require_same_aspect({1, depth.height, depth.width}, camera.width, camera.height, frame.depth, "size");
@@ -171,6 +173,7 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
   if (lens.distorted() && !out.depth.empty()) out.depth = undistort_depth(out.depth, lens, camera);
   out.pixels = read_photo(frame.image, frame.upright);
   if (!frame.mask.empty()) out.pixels = with_mask(out.pixels, frame.mask);
+  const bool common = is_common_picture(read_file(frame.image), frame.image);
   const bool large = options.max_side > 0 && std::max(camera.width, camera.height) > options.max_side;
   if (lens.distorted() || options.neuris_crop || large) {
     ImageF image = to_float(out.pixels);
@@ -187,10 +190,10 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
     }
     out.pixels = to_bytes(image);
   }
-  if (lens.distorted() || options.neuris_crop || large || !frame.mask.empty()) {
+  if (lens.distorted() || options.neuris_crop || large || !frame.mask.empty() || !common) {
     constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
     out.parts.image = out.pixels;
-    if (!lens.distorted() && is_jpeg_name(frame.image)) out.parts.jpeg_quality = kQuality;
+    if (!lens.distorted() && is_lossy(frame.image)) out.parts.jpeg_quality = kQuality;
   } else {
     out.parts.image_file = frame.image;
   }

@@ -1,0 +1,29 @@
+// Photos from a video: sharp, well-spread frames, taken out of it by the program ffmpeg.
+#pragma once
+
+#include <filesystem>
+
+#include "core/progress.h"
+
+namespace aligngs {
+
+/// Whether the file has the extension of a video (.mp4, .mov, .m4v, .mkv, .webm, .avi, .mts, .3gp), in any case.
+bool is_video_name(const std::filesystem::path& file);
+
+struct VideoFramesOptions {
+  int views = 40;  ///< frames to take, at most; the length of a capture by hand
+  ProgressStyle progress;
+};
+
+struct VideoFramesReport {
+  size_t frames = 0;         ///< taken
+  size_t looked_at = 0;      ///< candidates, spread evenly over the video
+  double seconds = 0;        ///< length of the video
+  double exposure_walk = 1;  ///< brightest over darkest of the frames taken, by mean grey value: an automatic exposure changes it
+};
+
+/// Writes the frames as frame_00001.jpg, ... into `folder`, turned as the video is shown. Error{kFailed}: ffmpeg is not
+/// installed. Error{kBadInput}: no video can be read, or it has fewer than two frames.
+VideoFramesReport take_video_frames(const std::filesystem::path& video, const std::filesystem::path& folder, const VideoFramesOptions& options);
+
+}  // namespace aligngs
