@@ -17,7 +17,7 @@ namespace {
 
 constexpr CaptureLayout kLayouts[] = {CaptureLayout::kAuto, CaptureLayout::kRgbd, CaptureLayout::kSevenScenes, CaptureLayout::kTum,
                                       CaptureLayout::kScanNet, CaptureLayout::kNeuralRgbd, CaptureLayout::kReplica,
-                                      CaptureLayout::kTransforms, CaptureLayout::kColmap};
+                                      CaptureLayout::kTransforms, CaptureLayout::kPolycam, CaptureLayout::kScannerApp, CaptureLayout::kColmap};
 
 struct Options {
   std::string source, output, layout = "auto", intrinsics, train_file, test_file, sfm;

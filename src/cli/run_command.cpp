@@ -18,6 +18,7 @@
 #include "io/output_place.h"
 #include "priors/video_frames.h"
 #include "refine/scene_copy.h"
+#include "scene/import/capture.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
 
@@ -113,6 +114,10 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
                     fmt::format("use them: aligngs run {0} -o {1} --method given\n  or, with depth and its own split: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}",
                                 options.source, options.train.output));
   }
+  if (photos && !video && is_network(options.photos) && (may_hold_polycam(source) || may_hold_scanner_app(source))) {
+    throw_bad_input(source, "", "this is a telephone's capture, which has cameras and depth of its own",
+                    fmt::format("use them: aligngs import {0} -o SCENE, then aligngs run SCENE -o {1}", options.source, options.train.output));
+  }
   if (photos && !video && !has_photos(source)) {
     throw_bad_input(source, "", "neither a scene (no sparse/) nor photos (no JPEG, PNG, WebP or HEIC) are here",
                     "give a folder of photos; a posed capture becomes a scene with `aligngs import`");
@@ -139,7 +144,8 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   }
   bool refine = !begun && !photos && should_refine(basis, config);
   const bool measured = !begun && !photos && should_measure(basis, config) && measure_into_run(basis, run, config, context);
-  if (refine || measured) scene = own;
+  const bool completed = !begun && !photos && !refine && !measured && should_complete(basis, config) && complete_into_run(basis, run, config, context);
+  if (refine || measured || completed) scene = own;
   if (photos && !(begun && may_hold_colmap_model(scene))) {
     options.photos.memory_gigabytes = options.train.memory_gigabytes;
     ScenePhotosOptions poses = photo_options(options.photos, context);
@@ -152,6 +158,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
     fill_priors(scene, missing_priors(scene, store, options, config), store, options, context);
     if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
     refine = should_refine(scene, config);
+    if (!refine && should_complete(scene, config)) complete_into_run(scene, run, config, context);
   }
   if (refine) refine_into_run(photos ? scene : basis, run, config, context);
   train.scene = scene;

@@ -16,6 +16,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
       ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}))->group(training);
   command.add_option("--config", options->config_file, "TOML file with settings")->group(training);
   command.add_option("--set", options->sets, "override one setting, e.g. --set loss.ssim=0.3 (repeatable; `aligngs train --print-config` lists all)")->group(training);
+  command.add_option("--ignore", options->ignore, "classes to leave out of the photos, e.g. \"person, cat, dog\", or none (default: person)")->group(training);
   command.add_option("--seed", options->seed, "seed of all random numbers")->check(CLI::NonNegativeNumber)->group(training);
   command.add_flag("--resume", options->resume, "continue the run in the output folder; a larger -n extends it, if it has checkpoint.keep_finished")->group(folder);
   command.add_flag("--overwrite", options->overwrite, "replace the run in the output folder")->group(folder);
@@ -49,6 +50,7 @@ TrainOptions train_options(const TrainCommandOptions& options, const CommandCont
   train.config.preset = options.preset;
   train.config.config_file = options.config_file;
   train.config.sets = options.refine_sets;
+  if (options.ignore) train.config.sets.push_back("data.ignore=" + (*options.ignore == "none" ? std::string() : *options.ignore));
   train.config.sets.insert(train.config.sets.end(), options.sets.begin(), options.sets.end());
   if (options.iterations > 0) train.config.iterations = options.iterations;
   if (options.seed >= 0) train.config.seed = options.seed;

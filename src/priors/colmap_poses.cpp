@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "priors/child_process.h"
 #include "priors/colmap_options.h"
+#include "scene/photo_mask.h"
 
 namespace aligngs {
 
@@ -91,6 +92,7 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
   const ColmapOptions extractor = run.options_of("feature_extractor");
   extractor.add(extract, {"ImageReader.camera_model"}, "SIMPLE_RADIAL");
   extractor.add(extract, {"ImageReader.single_camera"}, one_camera ? "1" : "0");
+  if (fs::is_directory(run.work() / kMaskFolder)) extractor.add(extract, {"ImageReader.mask_path"}, (run.work() / kMaskFolder).string());
   extractor.add(extract, {"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"}, "0");
   extractor.add(extract, {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"}, run.threads());
   extractor.add(extract, {"SiftExtraction.max_num_features"}, choose("4096", "6000"));

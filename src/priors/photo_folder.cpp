@@ -14,6 +14,7 @@
 #include "io/text_encoding.h"
 #include "scene/import/capture_text.h"
 #include "scene/photo_lookup.h"
+#include "scene/photo_mask.h"
 
 namespace aligngs {
 
@@ -37,7 +38,7 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
   for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
-    if (is_hidden(entry->path())) {
+    if (is_hidden(entry->path()) || (entry->path().filename() == kMaskFolder && entry->is_directory(error))) {
       if (entry->is_directory(error)) entry.disable_recursion_pending();
     } else if (entry->is_regular_file(error) && has_picture_extension(entry->path())) {
       files.push_back(entry->path());
@@ -80,6 +81,17 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   write_file_atomically(out.file, focal ? with_exif(small, exif_with_focal_35mm(*focal))
                                         : std::string(small.begin(), small.end()));
   return out;
+}
+
+/// Where find_mask() and COLMAP look for the mask of a prepared photo.
+fs::path mask_place(const Photo& prepared, const fs::path& folder) {
+  return folder.parent_path() / kMaskFolder / (prepared.file.lexically_relative(folder).string() + ".png");
+}
+
+void prepare_mask(const Photo& photo, const Photo& prepared, const fs::path& folder) {
+  const fs::path mask = find_mask(photo.file);
+  write_png(mask_place(prepared, folder), mask.empty() ? Image<uint8_t>(prepared.width, prepared.height, 1, 255)
+                                                       : read_mask(mask, photo.file, true, prepared.width, prepared.height));
 }
 
 }  // namespace
@@ -131,8 +143,10 @@ std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::pa
                                   int max_side, ThreadPool& pool) {
   fs::create_directories(folder);
   std::vector<Photo> prepared(photos.size());
+  const bool masks = std::any_of(photos.begin(), photos.end(), [](const Photo& photo) { return !find_mask(photo.file).empty(); });
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
     prepared[i] = prepare(photos[i], folder, max_side);
+    if (masks) prepare_mask(photos[i], prepared[i], folder);
   });
   return prepared;
 }

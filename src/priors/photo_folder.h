@@ -30,6 +30,7 @@ PhotoList list_photos(const std::filesystem::path& folder);
 /// Whether list_photos would find any.
 bool has_photos(const std::filesystem::path& folder);
 
+/// Masks of the photos (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without; none where no photo has one.
 /// Copies into `folder` under <name>.jpg or .png: as they are where they are upright and neither
 /// side exceeds `max_side` pixels, else turned and resized (JPEG of quality 95, with the focal length
 /// that the camera wrote into it). The result lists the copies.

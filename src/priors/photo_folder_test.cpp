@@ -10,6 +10,7 @@
 #include "io/heif_codec.h"
 #include "io/image_file.h"
 #include "io/jpeg_codec.h"
+#include "scene/photo_mask.h"
 
 namespace aligngs {
 namespace {
@@ -87,6 +88,23 @@ TEST_F(PhotoFolder, PhotosOfATelephoneBecomeJpegWithTheirFocalLength) {
   EXPECT_TRUE(is_common_picture(bytes, ""));
   EXPECT_EQ(exif_focal_35mm(exif_of_picture(bytes, ""), 96), 28);
   EXPECT_EQ(read_image(prepared[1].file).width, 96);
+}
+
+TEST_F(PhotoFolder, MasksComeAlongUprightAndWhiteWhereThereIsNone) {
+  write_turned(folder / "a.jpg", 40, 24);
+  write_jpeg(folder / "b.jpg", picture(40, 24));
+  Image<uint8_t> mask(40, 24, 1);
+  mask.at(0, 0) = 255;  // of the stored pixels; upright, it is the upper right one
+  write_png(folder / "masks" / "a.png", mask);
+  ThreadPool pool(2);
+  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool);
+  ASSERT_EQ(prepared.size(), 2u);
+  const Image<uint8_t> turned = read_image(folder / "work" / "masks" / "a.jpg.png"), white = read_image(folder / "work" / "masks" / "b.jpg.png");
+  EXPECT_EQ(find_mask(prepared[0].file), folder / "work" / "masks" / "a.jpg.png");
+  EXPECT_EQ(turned.width, 24);
+  EXPECT_EQ(turned.at(23, 0), 255);
+  EXPECT_EQ(turned.at(0, 0), 0);
+  EXPECT_EQ(white.at(5, 5), 255);
 }
 
 TEST_F(PhotoFolder, ANameThatLiesAboutTheFormatIsNoTrouble) {

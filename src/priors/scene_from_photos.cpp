@@ -23,6 +23,7 @@
 #include "scene/depth_cloud.h"
 #include "scene/import/import_capture.h"
 #include "scene/photo_lookup.h"
+#include "scene/photo_mask.h"
 #include "scene/scene_writer.h"
 
 namespace aligngs {
@@ -179,6 +180,19 @@ void drop_unsure_depth(std::vector<PredictedView>& views, double percent) {
   }
 }
 
+/// Depth of pixels that a mask leaves out is no value.
+void drop_masked_depth(std::vector<PredictedView>& views, const std::vector<Photo>& photos) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    const fs::path file = find_mask(photos[i].file);
+    if (file.empty()) continue;
+    ImageF& depth = views[i].depth;
+    const Image<uint8_t> mask = read_mask(file, photos[i].file, true, depth.width, depth.height);
+    for (size_t k = 0; k < mask.data.size(); ++k) {
+      if (mask.data[k] == 0) depth.data[k] = 0;
+    }
+  }
+}
+
 PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<Photo>& photos,
                     size_t max_points, ThreadPool& pool) {
   // Confidence has no upper limit: relative to what the better half of the pixels reach.
@@ -263,6 +277,7 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
   else predicted.views = views_by_vggt(photos, weights, options, pool);
   std::vector<PredictedView>& views = predicted.views;
   drop_unsure_depth(views, options.drop_percent);
+  drop_masked_depth(views, photos);
 
   SceneWriter writer(scene, options.overwrite);
   SceneParts parts;
@@ -273,6 +288,7 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
     view.name = photos[i].name;
     view.camera = views[i].camera;
     view.image_file = photos[i].file;
+    view.mask_file = find_mask(photos[i].file);
     view.prior_depth = views[i].depth;
     view.prior_confidence = views[i].confidence;
     view.half_depth = true;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "io/text_encoding.h"
+#include "scene/photo_mask.h"
 
 namespace aligngs {
 
@@ -139,7 +140,7 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
   fs::recursive_directory_iterator entry(photos_, fs::directory_options::skip_permission_denied, error);
   for (const fs::recursive_directory_iterator end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
-    if (is_hidden(file)) {
+    if (is_hidden(file) || (file.filename() == kMaskFolder && entry->is_directory(error))) {
       if (entry->is_directory(error)) entry.disable_recursion_pending();
       continue;
     }
@@ -158,7 +159,7 @@ PhotoLookup photos_of_data_set(const fs::path& folder) {
   std::vector<fs::path> subfolders;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->is_directory(error) && !is_hidden(entry->path())) subfolders.push_back(entry->path());
+    if (entry->is_directory(error) && !is_hidden(entry->path()) && entry->path().filename() != kMaskFolder) subfolders.push_back(entry->path());
   }
   return PhotoLookup({}, folder, std::move(subfolders));
 }

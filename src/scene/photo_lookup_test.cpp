@@ -68,10 +68,16 @@ TEST_F(PhotoLookupTest, HiddenFilesAreNoPhotos) {
 
 TEST_F(PhotoLookupTest, WithoutAFolderImagesEachSubfolderCounts) {
   file("input/a.jpg");
-  file("masks/b.jpg");
+  file("other/b.jpg");
   file("input/b.jpg");
   EXPECT_EQ(found("a.jpg"), "input/a.jpg");
   EXPECT_THAT(found("b.jpg"), HasSubstr("several photos"));
+}
+
+TEST_F(PhotoLookupTest, MasksAreNoPhotos) {
+  file("input/a.jpg");
+  file("masks/a.jpg");
+  EXPECT_EQ(found("a.jpg"), "input/a.jpg");
 }
 
 }  // namespace

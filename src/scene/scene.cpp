@@ -11,6 +11,7 @@
 #include "scene/mesh_ply.h"
 #include "scene/photo_fit.h"
 #include "scene/photo_lookup.h"
+#include "scene/photo_mask.h"
 #include "scene/scene_check.h"
 #include "scene/lens_model.h"
 #include "scene/scene_json.h"
@@ -185,6 +186,7 @@ std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, con
       pair_with_photo(photos, image, folder / "images", view);
     };
     if (!use_or_leave_out(view.name, left_out, pair)) continue;
+    view.mask = find_mask(view.image);
     view.prior_depth = maps.find(folder / "pred_depths", image.name, {".npy"});
     view.semantics = maps.find(folder / "segmentation_logits", image.name, {".npy", ".pt", ".pth"});
     view.truth_depth = maps.find(folder / "truth" / "depth", image.name, {".png"});

@@ -33,6 +33,7 @@ struct View {
   std::string name;  ///< stem of the image file: up to the last dot
   Camera camera;     ///< at the size of the image
   std::filesystem::path image;
+  std::filesystem::path mask;            ///< of the photo (photo_mask.h)
   std::filesystem::path prior_depth;     ///< pred_depths/<stem>.npy
   std::filesystem::path semantics;       ///< segmentation_logits/<stem>.npy or .pt
   std::filesystem::path truth_depth;     ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
@@ -68,6 +69,7 @@ struct Scene {
   std::vector<int> train, test;  ///< indices into views
   PointCloud cloud;              ///< sparse/points3D
   LabelSet labels;
+  std::vector<int> ignored;  ///< classes whose pixels are left out of photos and depth (ignored_classes.h); open_scene sets none
   std::filesystem::path truth_mesh;  ///< truth/mesh.ply or empty
   std::vector<LeftOut> left_out;     ///< views that would train or test but cannot be used, and why
   std::vector<Camera> evaluation_cameras;  ///< truth/sparse cameras of all views, else the views' own cameras

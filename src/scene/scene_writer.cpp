@@ -15,6 +15,7 @@
 #include "scene/colmap_model.h"
 #include "scene/confidence_file.h"
 #include "scene/mesh_ply.h"
+#include "scene/photo_mask.h"
 #include "scene/prior_maps.h"
 
 namespace aligngs {
@@ -170,6 +171,11 @@ void SceneWriter::add_view(const SceneViewParts& view) {
   if (repeated) throw_bad_input(replacement_.target(), "name", "two views have the name '" + view.name + "'", "rename one of the images");
 
   const fs::path image = write_image(view);
+  if (!view.mask_file.empty()) {
+    const fs::path mask = replacement_.path() / kMaskFolder / image.lexically_relative(replacement_.path() / "images");
+    make_folder(mask.parent_path());
+    copy_into_place(view.mask_file, mask.string() + ".png");
+  }
   const auto require_aspect = [&](int width, int height, const char* field) {
     require_same_aspect({1, height, width}, view.camera.width, view.camera.height, replacement_.target() / view.name, field);
   };

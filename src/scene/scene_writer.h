@@ -31,6 +31,7 @@ struct SceneViewParts {
   std::filesystem::path image_file;  ///< copied as it is; a JPEG or PNG of the camera's size
   Image<uint8_t> image;              ///< used when image_file is empty: 3 or 4 channels
   int jpeg_quality = 0;              ///< of `image`; 0: PNG (always for 4 channels)
+  std::filesystem::path mask_file;   ///< copied; PNG, 0 = leave this pixel out (photo_mask.h)
   ImageF prior_depth;                ///< scene units, 0 = none; any size of the image's aspect
   ImageF prior_confidence;           ///< of prior_depth, see confidence_file.h
   bool half_depth = false;           ///< float16 instead of float32 (0.05 % steps; values within 6e-5 .. 65504)

@@ -7,7 +7,9 @@
 #include "core/srgb.h"
 #include "io/image_file.h"
 #include "io/resample.h"
+#include "scene/ignored_classes.h"
 #include "scene/photo_fit.h"
+#include "scene/photo_mask.h"
 #include "scene/prior_maps.h"
 #include "scene/semantic_target.h"
 #include "scene/triangle_mesh.h"
@@ -90,6 +92,32 @@ Image<uint16_t> read_truth(const View& view, const std::filesystem::path& path, 
   return map;
 }
 
+void hide(const Image<uint8_t>& mask, ViewData& data) {
+  if (data.mask.empty()) data.mask = ImageF(mask.width, mask.height, 1, 1.0f);
+  for (size_t i = 0; i < mask.data.size(); ++i) {
+    if (mask.data[i] == 0) data.mask.data[i] = 0;
+  }
+}
+
+/// What masks/ and ignored classes leave out of the view.
+void apply_masks(const Scene& scene, const View& view, const LoadOptions& options, ViewData& data) {
+  const int width = data.camera.width, height = data.camera.height;
+  if (!view.mask.empty()) {
+    const ImageInfo photo = read_image_info(view.image);
+    const bool upright = photo.stored_width != view.camera.width || photo.stored_height != view.camera.height;
+    hide(read_mask(view.mask, view.image, upright, width, height), data);
+  }
+  if (!scene.ignored.empty() && !view.semantics.empty()) {
+    ViewData labelled;
+    if (data.semantics.empty()) load_semantics(scene, view, options, labelled);
+    hide(mask_without(data.semantics.empty() ? labelled.semantics : data.semantics, scene.ignored, width, height), data);
+  }
+  if (data.mask.empty() || data.prior_depth.empty()) return;
+  for (size_t i = 0; i < data.mask.data.size(); ++i) {
+    if (!(data.mask.data[i] > 0.5f)) data.prior_depth.data[i] = 0;
+  }
+}
+
 }  // namespace
 
 Image<uint8_t> read_view_photo(const View& view) {
@@ -125,6 +153,7 @@ ViewData load_view(const Scene& scene, int view, const LoadOptions& options) {
   if (options.exposure) divide_exposure(source.log_gain, data.color);
   if (options.prior_depth && !source.prior_depth.empty()) load_depth(source, options.depth_factor, data);
   if (options.semantics && !source.semantics.empty()) load_semantics(scene, source, options, data);
+  apply_masks(scene, source, options, data);
   return data;
 }
 

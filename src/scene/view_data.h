@@ -34,8 +34,8 @@ struct ViewData {
   std::string name;
   Camera camera;       ///< resized to the working resolution
   ImageF color;        ///< H x W x 3, sRGB in [0, 1]
-  ImageF mask;         ///< H x W x 1, 1 = use this pixel; empty when the image has no alpha channel
-  ImageF prior_depth;  ///< H x W x 1, times LoadOptions::depth_factor, 0 = no value; empty when absent
+  ImageF mask;         ///< H x W x 1, 1 = use this pixel: alpha, masks/ and Scene::ignored together; empty: all are used
+  ImageF prior_depth;  ///< H x W x 1, times LoadOptions::depth_factor, 0 = no value, also under the mask; empty when absent
   SemanticTarget semantics;    ///< empty when absent
   Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel if unknown; empty when absent
 };

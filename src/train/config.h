@@ -25,7 +25,9 @@ struct DataConfig {
   bool refine_panels = false;     ///< and panes, mirrors, screens and pictures by planes of their own
   bool refine_screens = false;    ///< of those, televisions and monitors by their outlines in several photos
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
+  std::string ignore;             ///< classes whose pixels are left out, with commas (scene/ignored_classes.h)
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
+  bool fill_depth = false;        ///< `run`: holes in depth of a sensor are filled by stereo
   bool refine_exposure = false;   ///< `run` and `demo`: measure the photos' exposures there
   bool exposure = false;          ///< undo what exposure.json says of the photos' exposures
   bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them

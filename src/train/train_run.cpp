@@ -1,3 +1,4 @@
+#include "scene/ignored_classes.h"
 #include "train/train_run.h"
 
 #include <fmt/format.h>
@@ -99,6 +100,7 @@ void Run::open_scene_and_check() {
   const std::filesystem::path folder = scene_folder();
   folder_.require_apart_from(folder);
   scene_ = open_scene(folder);
+  scene_.ignored = ignored_classes(scene_.labels, config_.data.ignore);
   if (scene_.train.empty()) throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
   if (const std::string choice = choice_of_model(folder); !choice.empty()) log_warning("{}", choice);
   log_info("checking {} views", scene_.train.size() + scene_.test.size());

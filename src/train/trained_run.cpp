@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "scene/ignored_classes.h"
 #include "scene/view_data.h"
 #include "train/config_file.h"
 #include "train/run_folder.h"
@@ -30,6 +31,7 @@ TrainedRun read_trained_run(const fs::path& folder, const fs::path& scene, Check
     throw_bad_input(scene_folder, "scene", "the scene of this run is not where run.json says", "say where it is now: --scene DIR");
   }
   run.scene = open_scene(scene_folder);
+  run.scene.ignored = ignored_classes(run.scene.labels, run.config.data.ignore);
   leave_out_views(run.scene, run.record.left_out);
   if (!run.record.fingerprint.empty() && run.record.fingerprint != scene_fingerprint(run.scene)) {
     log_warning("the scene in {} has changed since this run was trained", scene_folder.string());

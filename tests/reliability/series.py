@@ -52,7 +52,14 @@ COMMANDS = [
     Command("edit", ["edit", "run", "--select", "bed", "--delete"], ["run/edits.json", "run/edits"]),
     Command("room", ["room", "run"], ["run/room.json"]),
     Command("report", ["report", "run"], ["run/overview.jpg"]),
+    Command("compare", ["compare", "run", "run", "--html", "made.html", "--csv", "made.csv"], ["made.html", "made.csv"]),
+    Command("scale", ["scale", "run", "--between", "0,0,0", "0.5,0,0", "0.9"], ["run/room.json"]),
+    Command("poses da3", ["poses", "room/images", "--method", "da3", "--poses-model", "da3-small", "--metres", "none", "-o", "made"], ["made"], "--overwrite"),
+    Command("priors", ["priors", "plain", "-o", "made", "--semantics", "linear-s", "--depth", "none"], ["made"], "--overwrite"),
+    Command("models import", ["models", "import", "da3-small", "models/da3-small/model.safetensors"], ["imported"]),
 ]
+# These use weights of full size with random values, which `random_weights` writes.
+NEED_WEIGHTS = ("poses da3", "priors", "models import")
 
 
 def without_clock(value):
@@ -88,7 +95,9 @@ def temporary_files(folder):
 
 
 def start(folder, arguments):
-    return subprocess.Popen([PROGRAM, *arguments, "-q"], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    models = "imported" if arguments[0] == "models" else "models"
+    environment = {**os.environ, "ALIGNGS_MODELS": str(folder / models), "HF_HOME": str(folder / "no"), "TORCH_HOME": str(folder / "no")}
+    return subprocess.Popen([PROGRAM, *arguments, "-q"], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment)
 
 
 def call(folder, arguments):
@@ -115,6 +124,10 @@ def prepare(output):
             sys.exit(message)
     for folder in ("images", "sparse"):
         shutil.copytree(prepared / "room" / folder, prepared / "colmap" / folder)
+    shutil.copytree(prepared / "colmap", prepared / "plain")
+    random_weights = Path(PROGRAM).parent / "benchmarks" / "random_weights"
+    if random_weights.exists():
+        subprocess.run([random_weights, prepared / "models", "da3-small", "ade20k-linear-s"], check=True, stdout=subprocess.DEVNULL)
     return prepared
 
 
@@ -195,6 +208,8 @@ def main():
     output = arguments.output.resolve()
     commands = [c for c in COMMANDS if arguments.commands is None or c.name in arguments.commands]
     prepared, choose = prepare(output), random.Random(arguments.seed)
+    if not (prepared / "models").exists():
+        commands = [c for c in commands if c.name not in NEED_WEIGHTS]
     wanted = {}
     small = output / "small"
     if arguments.kind == "disk":

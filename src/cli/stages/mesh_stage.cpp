@@ -87,6 +87,26 @@ FusionFrame truth_frame(const OpenRun& run, int view) {
   return frame;
 }
 
+/// Pixels that masks and ignored classes leave out, and how many of them show nothing: what hid behind was never seen.
+struct HiddenPixels {
+  size_t all = 0, unknown = 0;
+};
+
+/// Takes hidden pixels of a training view out of its frame.
+void hide_pixels(const OpenRun& run, int view, FusionFrame& frame, HiddenPixels& hidden) {
+  LoadOptions options = run.load_options();
+  options.prior_depth = options.semantics = false;
+  const ImageF mask = load_view(run.scene, view, options).mask;
+  if (mask.empty()) return;
+  for (size_t i = 0; i < mask.data.size(); ++i) {
+    if (mask.data[i] > 0.5f) continue;
+    ++hidden.all;
+    hidden.unknown += frame.alpha.empty() || !(frame.alpha.data[i] >= float(run.config.mesh.alpha_min));
+    frame.depth.data[i] = 0;
+    if (!frame.label.empty()) frame.label.data[i] = kNoLabel;
+  }
+}
+
 /// A camera half-way between two: mean centre, mean rotation, the first one's intrinsics.
 Camera between(const Camera& a, const Camera& b) {
   const Quaterniond p = quaternion_of(a.world_to_camera.rotation), q0 = quaternion_of(b.world_to_camera.rotation);
@@ -135,6 +155,7 @@ void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
 
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
+  HiddenPixels hidden;
   const DepthPlacement placement = options.source == DepthSource::kPrior ? place_prior_depth(run.scene) : DepthPlacement();
   const PriorUse use = options.source == DepthSource::kRendered ? decide_prior_use(run.scene, run.config) : PriorUse();
   for (const int view : run.scene.train) {
@@ -146,6 +167,11 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
     RenderOptions render = run.render_options();
     render.raster.near_plane = near_plane_of_view(run.scene, run.config, use, view);
     frames.push_back(rendered_frame(run, run.working_camera(view), run.scene.views[view].name, render));
+    hide_pixels(run, view, frames.back(), hidden);
+  }
+  if (hidden.all > 0) {
+    log_info("{:.1f} % of the pixels are masked or show ignored classes; at {:.0f} % of them nothing is known of what lies behind",
+             100.0 * double(hidden.all) / double(run.scene.train.size() * frames.front().depth.pixels()), 100.0 * double(hidden.unknown) / double(hidden.all));
   }
   const bool rendered = options.source == DepthSource::kRendered;
   if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);

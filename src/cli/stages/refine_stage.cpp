@@ -1,11 +1,14 @@
 #include "cli/stages/refine_stage.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/log.h"
 #include "refine/bundle_adjustment.h"
+#include "refine/completed_scene.h"
 #include "refine/measured_scene.h"
 #include "refine/refined_scene.h"
+#include "scene/ignored_classes.h"
 #include "train/training_set.h"
 
 namespace aligngs {
@@ -27,6 +30,13 @@ Options options_of(const TrainConfig& config, const CommandContext& context) {
   return options;
 }
 
+/// The scene without what the run ignores.
+Scene open_for(const fs::path& folder, const TrainConfig& config) {
+  Scene scene = open_scene(folder);
+  scene.ignored = ignored_classes(scene.labels, config.data.ignore);
+  return scene;
+}
+
 }  // namespace
 
 bool should_measure(const fs::path& scene, const TrainConfig& config) {
@@ -40,7 +50,7 @@ bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainCon
   options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const MeasureSceneReport report = measure_scene(open_scene(scene), run / "scene", options, pool);
+  const MeasureSceneReport report = measure_scene(open_for(scene, config), run / "scene", options, pool);
   if (report.views == 0) {
     log_warning("{}; training starts from the points", kNothingMeasured);
     return false;
@@ -69,6 +79,34 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   return true;
 }
 
+bool should_complete(const fs::path& scene, const TrainConfig& config) {
+  const bool wanted = (config.data.exposure && config.data.refine_exposure) || config.data.fill_depth;
+  if (!wanted || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
+  const Scene opened = open_scene(scene);
+  return opened.has_prior_depth() && !opened.has_network_depth() && opened.prior_source != kStereoDepth && opened.depth_scale == DepthScale::kScene &&
+         !fs::exists(scene / "exposure.json") && !is_refined_scene(scene);
+}
+
+bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
+  CompleteSceneOptions options;
+  options.overwrite = options.in_place = true;  // RUN/scene may be what is read
+  options.exposure = config.data.exposure && config.data.refine_exposure;
+  options.holes = config.data.fill_depth;
+  options.progress = context.progress();
+  ThreadPool pool(context.global.threads);
+  fs::create_directories(run);
+  const CompleteSceneReport report = complete_scene(open_for(scene, config), run / "scene", options, pool);
+  if (options.exposure) {
+    log_info("exposures: the brightest photo has {:.2f} times the light of the darkest, in the channel that differs most{}", std::exp(report.span),
+             report.exposed ? "" : "; photos are used as they are");
+  }
+  if (report.completed) {
+    log_info("holes of the depth: {:.0f} % of the pixels have none, stereo fills {:.0f} %; where both measured they differ by {:.1f} %", 100 * report.holes,
+             100 * report.filled, 100 * report.disagreement);
+  }
+  return report.exposed || report.completed;
+}
+
 void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
   auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
@@ -77,7 +115,7 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   options.plane_settings.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
   fs::create_directories(run);
-  const RefineSceneReport report = refine_scene(open_scene(scene), run / "scene", options, pool);
+  const RefineSceneReport report = refine_scene(open_for(scene, config), run / "scene", options, pool);
   log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;
   log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,

@@ -22,6 +22,16 @@ bool measure_into_run(const std::filesystem::path& scene, const std::filesystem:
 /// before, and the program was built with Ceres. Otherwise says why not.
 bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
+/// Whether a run with these settings measures exposures and fills holes of the depth first: data.refine_exposure and data.exposure, or
+/// data.fill_depth, ask for it, and every training view has depth in scene units that a sensor made or somebody gave. Refining and
+/// measuring depth do such work themselves.
+bool should_complete(const std::filesystem::path& scene, const TrainConfig& config);
+
+/// Completes `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what was found.
+/// false: nothing was to be done, and nothing is written.
+bool complete_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
+                       const CommandContext& context);
+
 /// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far the
 /// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
 void refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,

@@ -28,11 +28,13 @@ CaptureLayout detect_layout(const fs::path& folder) {
   if (fs::exists(folder / "focal.txt") && (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt"))) return CaptureLayout::kNeuralRgbd;
   if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
   if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
+  if (may_hold_polycam(folder)) return CaptureLayout::kPolycam;
   if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
   if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return CaptureLayout::kSevenScenes;
   }
+  if (may_hold_scanner_app(folder)) return CaptureLayout::kScannerApp;
   return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
 }
 
@@ -71,6 +73,8 @@ std::string layout_name(CaptureLayout layout) {
     case CaptureLayout::kNeuralRgbd: return "nrgbd";
     case CaptureLayout::kReplica: return "replica";
     case CaptureLayout::kTransforms: return "nerfstudio";
+    case CaptureLayout::kPolycam: return "polycam";
+    case CaptureLayout::kScannerApp: return "3dscanner";
     case CaptureLayout::kColmap: return "colmap";
   }
   return "unknown";
@@ -88,12 +92,14 @@ Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
     case CaptureLayout::kNeuralRgbd: capture = read_neural_rgbd(folder, options); break;
     case CaptureLayout::kReplica: capture = read_replica(folder); break;
     case CaptureLayout::kTransforms: capture = read_transforms(folder); break;
+    case CaptureLayout::kPolycam: capture = read_polycam(folder); break;
+    case CaptureLayout::kScannerApp: capture = read_scanner_app(folder); break;
     case CaptureLayout::kColmap: capture = read_colmap_capture(folder); break;
     case CaptureLayout::kAuto:
       throw_bad_input(folder, "layout", "this is none of the known layouts",
                       "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
                       "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
-                      "(frame-*.pose.txt), transforms.json or transforms_train.json, COLMAP (sparse/)");
+                      "(frame-*.pose.txt), transforms.json or transforms_train.json, Polycam (keyframes/), 3D Scanner App (frame_*.json), COLMAP (sparse/)");
   }
   finish_capture(capture);
   return capture;
@@ -107,6 +113,15 @@ ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
   ImageF depth(raw.width, raw.height, 1, 0.f);
   for (size_t i = 0; i < raw.data.size(); ++i) {
     if (raw.data[i] != 0 && raw.data[i] != kInvalid) depth.data[i] = static_cast<float>(raw.data[i] * unit);
+  }
+  if (!frame.confidence.empty()) {
+    const Image<uint16_t> confidence = read_gray_png(frame.confidence);
+    if (confidence.width != depth.width || confidence.height != depth.height) {
+      throw_bad_input(frame.confidence, "size", "the confidence has another size than its depth", "export the capture again, or remove the file");
+    }
+    for (size_t i = 0; i < depth.data.size(); ++i) {
+      if (confidence.data[i] == 0) depth.data[i] = 0;
+    }
   }
   return capture.depth_camera ? register_to_color(depth, *capture.depth_camera, frame.camera) : depth;
 }

@@ -20,6 +20,7 @@ struct CapturedFrame {
   std::filesystem::path image;
   bool upright = false;         ///< the camera is for the pixels after EXIF orientation; else for those stored (photo_fit.h)
   std::filesystem::path depth;  ///< PNG, uint16; empty when there is none
+  std::filesystem::path confidence;  ///< of the depth, PNG of its size, 0 = not to be trusted; empty when there is none
   std::filesystem::path mask;   ///< picture of the image's aspect, 0 = do not use this pixel; empty when there is none
   ColmapCamera camera;          ///< camera model at the size of the image, lens distortion included
   double depth_scale = 1;       ///< of this frame's depth: the uniform scale of a pose that has one
@@ -56,7 +57,7 @@ struct Capture {
   CapturedCloud cloud;                 ///< SfM points that come with it; may be empty
 };
 
-enum class CaptureLayout { kAuto, kRgbd, kSevenScenes, kTum, kScanNet, kNeuralRgbd, kReplica, kTransforms, kColmap };
+enum class CaptureLayout { kAuto, kRgbd, kSevenScenes, kTum, kScanNet, kNeuralRgbd, kReplica, kTransforms, kPolycam, kScannerApp, kColmap };
 
 struct CaptureOptions {
   CaptureLayout layout = CaptureLayout::kAuto;
@@ -78,6 +79,11 @@ Capture read_tum(const std::filesystem::path& folder, const CaptureOptions& opti
 Capture read_scannet(const std::filesystem::path& folder);
 Capture read_neural_rgbd(const std::filesystem::path& folder, const CaptureOptions& options);
 Capture read_replica(const std::filesystem::path& folder);
+Capture read_polycam(const std::filesystem::path& folder);
+Capture read_scanner_app(const std::filesystem::path& folder);
+/// Whether a folder looks like one of these two.
+bool may_hold_polycam(const std::filesystem::path& folder);
+bool may_hold_scanner_app(const std::filesystem::path& folder);
 Capture read_transforms(const std::filesystem::path& folder);
 Capture read_colmap_capture(const std::filesystem::path& folder);
 

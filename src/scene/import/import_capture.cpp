@@ -16,6 +16,7 @@
 #include "scene/import/view_selection.h"
 #include "scene/mesh_ply.h"
 #include "scene/photo_fit.h"
+#include "scene/photo_mask.h"
 #include "scene/prior_maps.h"
 #include "scene/scene_writer.h"
 #include "scene/undistort.h"
@@ -138,18 +139,16 @@ struct PreparedFrame {
   ImageF depth;           ///< sensor depth, scene units, may be smaller than the image
 };
 
-/// Four channels, the last one 255 where the mask (of any size) is not 0.
-Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file) {
-  constexpr int kDark = 128;  // JPEG leaves traces of grey where black was meant
-  const Image<uint8_t> mask = read_stored_image(file);
-  const int least = file.extension() == ".png" || file.extension() == ".PNG" ? 1 : kDark;
+/// Four channels, the last one 255 where the mask (of any size) counts the pixel.
+Image<uint8_t> with_mask(const Image<uint8_t>& image, const fs::path& file, const CapturedFrame& frame) {
+  constexpr int kSeen = 128;  // of the image's own alpha
+  const Image<uint8_t> mask = read_mask(file, frame.image, frame.upright, image.width, image.height);
   Image<uint8_t> out(image.width, image.height, 4);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       std::copy_n(image.pixel(x, y), 3, out.pixel(x, y));
-      const int value = mask.at((2 * x + 1) * mask.width / (2 * image.width), (2 * y + 1) * mask.height / (2 * image.height));
-      const bool seen = image.channels < 4 || image.at(x, y, 3) >= kDark;
-      out.at(x, y, 3) = value >= least && seen ? 255 : 0;
+      const bool seen = image.channels < 4 || image.at(x, y, 3) >= kSeen;
+      out.at(x, y, 3) = mask.at(x, y) != 0 && seen ? 255 : 0;
     }
   }
   return out;
@@ -172,7 +171,8 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
   out.depth = read_capture_depth(capture, frame);
   if (lens.distorted() && !out.depth.empty()) out.depth = undistort_depth(out.depth, lens, camera);
   out.pixels = read_photo(frame.image, frame.upright);
-  if (!frame.mask.empty()) out.pixels = with_mask(out.pixels, frame.mask);
+  const fs::path mask = frame.mask.empty() ? find_mask(frame.image) : frame.mask;
+  if (!mask.empty()) out.pixels = with_mask(out.pixels, mask, frame);
   const bool common = is_common_picture(read_file(frame.image), frame.image);
   const bool large = options.max_side > 0 && std::max(camera.width, camera.height) > options.max_side;
   if (lens.distorted() || options.neuris_crop || large) {
@@ -190,7 +190,7 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
     }
     out.pixels = to_bytes(image);
   }
-  if (lens.distorted() || options.neuris_crop || large || !frame.mask.empty() || !common) {
+  if (lens.distorted() || options.neuris_crop || large || !mask.empty() || !common) {
     constexpr int kQuality = 95;  // artefacts stay below the noise of a camera
     out.parts.image = out.pixels;
     if (!lens.distorted() && is_lossy(frame.image)) out.parts.jpeg_quality = kQuality;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <sstream>
 
 #include "io/colmap.h"
 #include "scene/import/capture.h"
@@ -212,6 +213,72 @@ inline Written blender(uint64_t seed, const fs::path& folder) {
   return out;
 }
 
+/// A telephone's depth: of no confidence in the left columns, which hold a wrong one.
+inline void phone_depth(const RandomCapture& capture, const RandomFrame& frame, const fs::path& depth, const fs::path& confidence) {
+  capture.write_depth(frame, depth, kMillimetre);
+  Image<uint16_t> map = read_gray_png(depth);
+  Image<uint8_t> sure(map.width, map.height, 1, 255);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width / 10; ++x) {
+      map.at(x, y) = 9000;
+      sure.at(x, y) = 0;
+    }
+  }
+  write_png16(depth, map);
+  fs::create_directories(confidence.parent_path());
+  write_png(confidence, sure);
+}
+
+/// Polycam's raw data, with or without the corrected folders.
+inline Written polycam(uint64_t seed, const fs::path& folder) {
+  Written out{RandomCapture(seed, false), {}, true, {}};
+  RandomCapture& capture = out.capture;
+  const RandomLens& l = capture.lens;
+  const bool corrected = capture.random.chance(0.7);
+  const fs::path keyframes = folder / "keyframes";
+  const std::string prefix = corrected ? "corrected_" : "";
+  for (size_t i = 0; i < capture.frames.size(); ++i) {
+    const RandomFrame& frame = capture.frames[i];
+    const std::string name = std::to_string(5812345678 + 100000 * i);
+    photo_of(out, i, keyframes / (prefix + "images") / (name + ".jpg"));
+    if (corrected) write_text(keyframes / "cameras" / (name + ".json"), "{}");  // is not to be read
+    std::istringstream numbers(capture.matrix(frame, true, " ", " "));
+    std::string json = fmt::format(R"({{"fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "width": {}, "height": {}, "blur_score": 80)", l.fx, l.fy, l.cx, l.cy,
+                                   l.width, l.height);
+    for (int k = 0; k < 12; ++k) {
+      std::string value;
+      numbers >> value;
+      json += fmt::format(R"(, "t_{}{}": {})", k / 4, k % 4, value);
+    }
+    write_text(keyframes / (prefix + "cameras") / (name + ".json"), json + "}");
+    phone_depth(capture, frame, keyframes / "depth" / (name + ".png"), keyframes / "confidence" / (name + ".png"));
+  }
+  return out;
+}
+
+/// 3D Scanner App's, with frames that have no photo.
+inline Written scanner_app(uint64_t seed, const fs::path& folder) {
+  Written out{RandomCapture(seed, false), {}, true, {}};
+  RandomCapture& capture = out.capture;
+  const RandomLens& l = capture.lens;
+  for (size_t i = 0; i < capture.frames.size(); ++i) {
+    const RandomFrame& frame = capture.frames[i];
+    for (int k = 0; k < 2; ++k) {
+      const std::string number = fmt::format("{:05}", 2 * i + size_t(k));
+      std::istringstream numbers(capture.matrix(frame, true, " ", " "));
+      std::string pose, value;
+      while (numbers >> value) pose += (pose.empty() ? "" : ", ") + value;
+      write_text(folder / ("frame_" + number + ".json"),
+                 fmt::format(R"({{"frame_index": {}, "motionQuality": 1, "intrinsics": [{:.17g}, 0, {:.17g}, 0, {:.17g}, {:.17g}, 0, 0, 1], "cameraPoseARFrame": [{}]}})",
+                             2 * i + size_t(k), l.fx, l.cx, l.fy, l.cy, pose));
+      if (k == 1) continue;  // no photo of this one
+      photo_of(out, i, folder / ("frame_" + number + ".jpg"));
+      phone_depth(capture, frame, folder / ("depth_" + number + ".png"), folder / ("conf_" + number + ".png"));
+    }
+  }
+  return out;
+}
+
 /// Binary or text, at four places, photos in subfolders or halved since.
 inline Written colmap(uint64_t seed, const fs::path& folder) {
   Written out{RandomCapture(seed, true), {}, false, {}};
@@ -270,7 +337,8 @@ inline void PrintTo(const Layout& layout, std::ostream* out) { *out << layout.na
 /// All of them.
 inline std::vector<Layout> random_layouts() {
   return {{"rgbd", rgbd},       {"scannet", scannet},       {"seven_scenes", seven_scenes}, {"tum", tum},      {"neural_rgbd", neural_rgbd},
-          {"replica", replica}, {"transforms", transforms}, {"blender", blender},           {"colmap", colmap}};
+          {"replica", replica}, {"transforms", transforms}, {"blender", blender},           {"colmap", colmap},
+          {"polycam", polycam}, {"scanner_app", scanner_app}};
 }
 
 }  // namespace aligngs

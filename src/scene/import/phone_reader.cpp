@@ -1,0 +1,155 @@
+// Raw captures of LiDAR telephones: one JSON a frame with intrinsics and a camera-to-world matrix of ARKit (world +y up, camera x right,
+// y up, z back, metres), depth in millimetres registered to the photo, and a confidence where 0 is low.
+//
+// Polycam, "raw data": keyframes/{corrected_cameras,cameras}/T.json (fx fy cx cy width height t_00 .. t_23),
+//   keyframes/{corrected_images,images}/T.jpg, keyframes/depth/T.png, keyframes/confidence/T.png.
+// 3D Scanner App, "all data": frame_N.json (intrinsics and cameraPoseARFrame, rows first), frame_N.jpg of some frames,
+//   depth_N.png, conf_N.png.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/image_limits.h"
+#include "io/json_text.h"
+#include "scene/import/capture_frames.h"
+#include "scene/import/capture_text.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+Json read_frame_json(const fs::path& file) {
+  Json document = parse_json(read_file(file));
+  if (!document.is_object()) throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
+  return document;
+}
+
+/// NaN where it is absent or no number, which what reads it refuses.
+double number_of(const Json& document, const std::string& key) {
+  const auto found = document.find(key);
+  return found != document.end() && found->is_number() ? found->get<double>() : NAN;
+}
+
+std::vector<double> numbers_of(const Json& document, const char* key, size_t count, const fs::path& file) {
+  const auto found = document.find(key);
+  if (found == document.end() || !found->is_array() || found->size() != count) {
+    throw_bad_input(file, key, "expected " + std::to_string(count) + " numbers", "export the capture again, or leave this frame out");
+  }
+  std::vector<double> numbers;
+  for (const Json& value : *found) numbers.push_back(value.is_number() ? value.get<double>() : NAN);
+  return numbers;
+}
+
+Rigidd pose_of(const std::vector<double>& camera_to_world, const fs::path& file, const char* field) {
+  if (!all_finite(camera_to_world.data(), camera_to_world.size())) throw_bad_input(file, field, "lost tracking (pose is not finite)", "leave this frame out");
+  return opencv_world_to_camera_from_opengl(rigid_from_matrix(camera_to_world.data(), file, field));
+}
+
+Capture arkit_capture(CaptureLayout layout, const fs::path& folder) {
+  Capture capture;
+  capture.layout = layout_name(layout);
+  capture.folder = folder;
+  capture.metric = true;
+  capture.up = Vec3d{0, 1, 0};
+  capture.up_source = "ARKit's convention (+y)";
+  return capture;
+}
+
+void set_file(fs::path& place, const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) place = file;
+}
+
+/// The corrected folder where it holds something.
+fs::path better_of(const fs::path& corrected, const fs::path& plain, const std::vector<std::string>& extensions) {
+  return list_files(corrected, extensions).empty() ? plain : corrected;
+}
+
+CapturedFrame polycam_frame(const fs::path& image, const fs::path& json, const fs::path& keyframes) {
+  CapturedFrame frame;
+  frame.name = image.stem().string();
+  frame.image = image;
+  if (!fs::exists(json)) throw_bad_input(json, "", "the camera is missing", "leave this frame out");
+  const Json document = read_frame_json(json);
+  std::vector<double> matrix;
+  for (const char row : {'0', '1', '2'}) {
+    for (const char column : {'0', '1', '2', '3'}) matrix.push_back(number_of(document, std::string("t_") + row + column));
+  }
+  matrix.insert(matrix.end(), {0, 0, 0, 1});
+  frame.world_to_camera = pose_of(matrix, json, "t_00 .. t_23");
+  ColmapCamera camera;
+  camera.model = "PINHOLE";
+  const double width = number_of(document, "width"), height = number_of(document, "height");
+  if (!(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide)) throw_bad_input(json, "width, height", "no size of a photo", "export the capture again");
+  camera.width = static_cast<uint64_t>(width);
+  camera.height = static_cast<uint64_t>(height);
+  for (const char* key : {"fx", "fy", "cx", "cy"}) camera.params.push_back(number_of(document, key));
+  if (!all_finite(camera.params.data(), camera.params.size())) throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
+  set_camera(frame, camera);
+  set_file(frame.depth, keyframes / "depth" / (frame.name + ".png"));
+  set_file(frame.confidence, keyframes / "confidence" / (frame.name + ".png"));
+  return frame;
+}
+
+CapturedFrame scanner_frame(const fs::path& image, const fs::path& folder) {
+  CapturedFrame frame;
+  frame.name = image.stem().string();
+  frame.image = image;
+  const fs::path json = folder / (frame.name + ".json");
+  if (!fs::exists(json)) throw_bad_input(json, "", "the camera is missing", "leave this frame out");
+  const Json document = read_frame_json(json);
+  frame.world_to_camera = pose_of(numbers_of(document, "cameraPoseARFrame", 16, json), json, "cameraPoseARFrame");
+  const std::vector<double> k = numbers_of(document, "intrinsics", 9, json);
+  if (!all_finite(k.data(), k.size())) throw_bad_input(json, "intrinsics", "no number", "leave this frame out");
+  set_intrinsics(frame, k[0], k[4], k[2], k[5]);
+  const std::string number = frame.name.substr(frame.name.find('_') + 1);
+  set_file(frame.depth, folder / ("depth_" + number + ".png"));
+  set_file(frame.confidence, folder / ("conf_" + number + ".png"));
+  return frame;
+}
+
+bool is_scanner_frame(const fs::path& file) { return file.filename().string().rfind("frame_", 0) == 0; }
+
+}  // namespace
+
+bool may_hold_polycam(const fs::path& folder) {
+  const fs::path keyframes = folder / "keyframes";
+  return fs::is_directory(keyframes / "cameras") || fs::is_directory(keyframes / "corrected_cameras");
+}
+
+bool may_hold_scanner_app(const fs::path& folder) {
+  const std::vector<fs::path> files = list_files(folder, {".json"});
+  return std::any_of(files.begin(), files.end(), [](const fs::path& file) {
+    return is_scanner_frame(file) && read_file(file).find("\"cameraPoseARFrame\"") != std::string::npos;
+  });
+}
+
+Capture read_polycam(const fs::path& folder) {
+  Capture capture = arkit_capture(CaptureLayout::kPolycam, folder);
+  const fs::path keyframes = folder / "keyframes";
+  const fs::path cameras = better_of(keyframes / "corrected_cameras", keyframes / "cameras", {".json"});
+  const fs::path images = better_of(keyframes / "corrected_images", keyframes / "images", picture_extensions());
+  if (cameras.filename() == "cameras") capture.notes.push_back("there are no corrected cameras: these are as the telephone tracked them, a few pixels off");
+  if (images.filename() == "images") capture.notes.push_back("there are no corrected photos: the lens's distortion stays in them");
+  for (const fs::path& image : list_frame_photos(capture, images)) {
+    const std::string name = image.stem().string();
+    add_frame(capture, name, [&] { return polycam_frame(image, cameras / (name + ".json"), keyframes); });
+  }
+  return capture;
+}
+
+Capture read_scanner_app(const fs::path& folder) {
+  Capture capture = arkit_capture(CaptureLayout::kScannerApp, folder);
+  for (const fs::path& image : list_frame_photos(capture, folder)) {  // most frames have a JSON and no photo
+    if (!is_scanner_frame(image)) continue;
+    add_frame(capture, image.stem().string(), [&] { return scanner_frame(image, folder); });
+  }
+  return capture;
+}
+
+}  // namespace aligngs
