@@ -1,4 +1,4 @@
-// JPEG and PNG files. The format is told by the content, not by the name.
+// JPEG and PNG files. The content decides the format, not the name.
 #pragma once
 
 #include <cstdint>

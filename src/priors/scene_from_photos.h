@@ -59,9 +59,9 @@ struct ScenePhotosReport {
   double seconds = 0;
 };
 
-/// Error{kUsage} when the scene exists; Error{kWeights} when the network's weights are missing;
-/// Error{kResources} when memory will not do; Error{kBadInput} with a reason per photo when fewer
-/// than three photos, or fewer than half of them, could be placed.
+/// Error{kUsage} when the scene exists. Error{kWeights} when the network's weights are missing. Error{kResources} when
+/// memory is too small. Error{kBadInput}, with a reason per photo, when fewer than three photos or fewer than half
+/// could be placed.
 ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,
                                          const std::filesystem::path& scene,
                                          const ModelStore& store,

@@ -10,7 +10,7 @@ namespace aligngs::cuda {
 
 // ---- rows: one Gaussian or one (Gaussian, tile) pair per thread or warp
 
-/// Threads of a block with one Gaussian or one instance per thread: enough warps to hide memory latency, few enough
+/// Threads of a block with one Gaussian or instance per thread: enough warps to hide memory latency, few enough
 /// registers for several blocks per multiprocessor.
 inline constexpr unsigned kRowThreads = 256;
 
