@@ -5,10 +5,10 @@
     scripts/prose.py --table [FILE..] prints words, sentences, mean length and numbers of each page and of the
                                       sources of each folder
 
-A Markdown file is read without code blocks, tables, HTML comments and headings. Help texts are the string literals of options,
-commands and footers in src/cli. Comments are those of C++, CUDA, TypeScript and JavaScript; prose_rules/comment.py says how they
-are read. scripts/prose_allowed.txt lists files that still break rules and how often, or "any" for a page that is being
-rewritten. A file may not get worse."""
+Markdown is read without code blocks and HTML comments; tables and headings count for private words alone. Help texts are
+the string literals of options, commands and footers in src/cli. Comments are those of C++, CUDA, TypeScript and JavaScript;
+prose_rules/comment.py says how they are read. scripts/prose_allowed.txt lists files that still break rules and how often,
+or "any" for a page that is being rewritten. A file may not get worse."""
 import sys
 from itertools import groupby
 from pathlib import Path

@@ -31,6 +31,10 @@ class Pages(unittest.TestCase):
         long = " ".join(["word"] * 40)
         self.assertEqual(rules(f"| {long} |\n\n```\n{long}\n```\n\n<!-- {long} -->\n"), [])
 
+    def test_tables_and_headings_hold_no_private_words(self):
+        self.assertEqual(rules("| it does so unasked | `stands` |\n"), ['the words "unasked"'])
+        self.assertEqual(rules("# By heart\n"), ['the words "By heart"'])
+
     def test_items_are_sentences_of_their_own(self):
         measured = markdown.measure_markdown("- one\n- two\n\nThree. Four, et al. 5.\n")
         self.assertEqual([text for _, text in measured.sentences], ["one", "two", "Three.", "Four, et al. 5."])

@@ -1,7 +1,7 @@
-"""Prose of a Markdown page, without code blocks, tables, HTML comments and headings."""
+"""Prose of a Markdown page, without code blocks and HTML comments. Tables and headings may hold no private words either."""
 import re
 
-from prose_rules.sentence import Finding, Measured, check_sentence, sentences_of
+from prose_rules.sentence import Finding, Measured, check_sentence, private_words, sentences_of
 
 MOST_COLUMNS = 120
 
@@ -16,8 +16,8 @@ def plain(text):
 
 
 def paragraphs_of(markdown):
-    """(line, text) of every paragraph and list item; and the lines that are prose."""
-    paragraphs, prose_lines, current, start, fenced, comment = [], [], [], 0, False, False
+    """(line, text) of every paragraph and list item; of the lines that are prose; and of the rows of tables and headings."""
+    paragraphs, prose_lines, labels, current, start, fenced, comment = [], [], [], [], 0, False, False
 
     def close():
         if current:
@@ -36,6 +36,8 @@ def paragraphs_of(markdown):
             comment = "-->" not in stripped
             close()
             continue
+        if stripped.startswith(("|", "#")):
+            labels.append((number, stripped))
         if stripped.startswith("|"):
             close()
             continue
@@ -51,12 +53,14 @@ def paragraphs_of(markdown):
             start = number
         current.append(stripped)
     close()
-    return paragraphs, prose_lines
+    return paragraphs, prose_lines, labels
 
 
 def measure_markdown(markdown):
     measured = Measured()
-    paragraphs, prose_lines = paragraphs_of(markdown)
+    paragraphs, prose_lines, labels = paragraphs_of(markdown)
+    for line, text in labels:
+        measured.findings += private_words(line, plain(text))
     for line, text in prose_lines:
         if len(text) > MOST_COLUMNS and not re.match(r"\s*!?\[", text):
             measured.findings.append(Finding(line, f"{len(text)} columns", text))

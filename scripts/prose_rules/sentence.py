@@ -6,8 +6,10 @@ MOST_WORDS = 25
 MOST_NUMBERS = 1
 FIRST_WORDS = {"What", "Of", "Where", "Which", "That"}
 PRIVATE_WORDS = [
-    "unasked", "by heart", "stands", "stand", "says so", "say so", "as it came", "as they came", "draws to", "drawn to", "all the same",
+    "unasked", "by heart", "stands", "stand", "stood", "says so", "say so", "as it came", "as they came", "draws to",
+    "drawn to", "all the same",
     "so-manieth", "hear of", "hears of", "at hand", "is told", "are told", "what it costs", "beside each other", "in return",
+    "told apart", "tell apart", "tells apart", "mended", "mends", "strangers",
 ]
 PRIVATE = re.compile(r"\b(" + "|".join(PRIVATE_WORDS) + r")\b", re.IGNORECASE)
 # Abbreviations do not end a sentence.
@@ -57,6 +59,10 @@ def sentences_of(text):
     return [part.strip().replace("\u2024", ".") for part in SENTENCE_END.split(text) if part and re.search(r"\w", part)]
 
 
+def private_words(line, text):
+    return [Finding(line, f'the words "{match.group(0)}"', text) for match in PRIVATE.finditer(text)]
+
+
 def check_sentence(line, text):
     findings = []
     words = words_of(text)
@@ -67,6 +73,4 @@ def check_sentence(line, text):
     first = re.sub(r"^\W+", "", words[0]) if words else ""
     if re.sub(r"\W+$", "", first) in FIRST_WORDS and not text.rstrip().endswith("?"):
         findings.append(Finding(line, f'begins with "{first}"', text))
-    for match in PRIVATE.finditer(text):
-        findings.append(Finding(line, f'the words "{match.group(0)}"', text))
-    return findings
+    return findings + private_words(line, text)

@@ -20,7 +20,7 @@ class WeightFile {
  public:
   virtual ~WeightFile() = default;
 
-  /// safetensors, or torch.save in either layout, told apart by their first bytes. A training
+  /// safetensors, or torch.save in either layout, distinguished by their first bytes. A training
   /// checkpoint lists its state dict alone (the dict itself, or its entry `state_dict`, else
   /// `model`); optimiser state is never read. Error{kBadInput} when the file is none of these, is
   /// damaged, or holds no named tensor.

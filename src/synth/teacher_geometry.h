@@ -19,7 +19,7 @@ TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} f
 /// Error sizes for a metric room of 4 to 6 m. Pose and point errors match those of published feed-forward networks
 /// (synth/acceptance.h). A bend of 1.8 cm and 3 degrees was tried first and was too much of both. Misjudged regions
 /// give the heavy tail of published figures (mean well above the median). Most of these are shared by all views: with
-/// independent ones fusion looks magical (TSDF F-score above the accepted range).
+/// independent ones fusion is too good (TSDF F-score above the accepted range).
 struct GeometryTeacherSettings {
   double bend_rms = 0.014;            ///< metres
   double bend_degrees = 2.2;          ///< opposite walls from parallel
