@@ -34,7 +34,7 @@ struct NamingOptions {
 };
 
 /// The name of each region: the current one, or one that enough photos give it. Names of all regions together maximise
-/// the expected mean IoU (Nowozin, CVPR 2014, with the ratio of expectations). It is the mean over classes of TP / (P +
+/// the expected mean IoU (Nowozin, CVPR 2014, with the ratio of expectations). It is the sum over classes of TP / (P +
 /// T - TP), by shares: P the predicted area, T the true area, TP the correct part of P. A class that no majority takes
 /// keeps its most likely region, if the other class loses less IoU by that. Regions are visited from the largest to the
 /// smallest until no name changes, at most five times. The current one of equal names is kept.
