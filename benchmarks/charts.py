@@ -4,9 +4,9 @@
     engine_benchmark --benchmark_filter='^Step' --benchmark_out=step.json --benchmark_out_format=json
     benchmarks/charts.py step.json benchmarks/
 
-writes time_pixels.svg, time_gaussians.svg and time_channels.svg: milliseconds of processor time per thread of one
-step (solid) and the fastest wall time (dashed), along one size of the scene while the others stay as in the target
-scene (640 x 480 pixels, 200 000 Gaussians, 150 channels, all threads).
+writes time_pixels.svg, time_gaussians.svg and time_channels.svg. They have milliseconds of processor time per thread
+of one step (solid) and the fastest wall time (dashed) along one size of the scene. The other sizes stay as in the
+target scene (640 x 480 pixels, 200 000 Gaussians, 150 channels, all threads).
 """
 import json
 import re

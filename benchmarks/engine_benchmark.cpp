@@ -1,10 +1,10 @@
 // Times of a training step and of each of its operations, on the benchmark's room (engine/benchmark).
 //   engine_benchmark --benchmark_filter=Step              whole steps of every scene
 //   engine_benchmark --benchmark_filter=Op/.*/640/200000/150/  the operations of scenes of one size
-// Arguments: image width, Gaussians, channels, threads, percent of the pixels that the semantic loss takes, what it blends
-// (0: probabilities, 1: logits). Every operation is timed inside whole steps, where it finds the caches as training leaves
-// them; its counters are its rates and, as `of_floor`, the share of the time that the machine's own ceilings, measured by
-// this same program, would allow. Operations that a scene's steps do not have are left out.
+// Arguments: image width, Gaussians, channels, threads, percent of the pixels that the semantic loss takes, what it
+// blends (0: probabilities, 1: logits). Every operation is timed inside whole steps, so it finds the caches as training
+// leaves them. Its counters are its rates. `of_floor` is the share of the time that the ceilings of the machine,
+// measured by this program, would allow. Operations that a scene's steps do not have are left out.
 #include <benchmark/benchmark.h>
 
 #include <map>

@@ -1,9 +1,8 @@
 // Time and memory of the full-size networks on random weights, and the speed of their layer types.
 // Usage: network_benchmark layers|vggt|m2f|dpt|da3|eomt [--frames N] [--size WxH] [--threads T] [--fp32]
 //                          [--weights FOLDER]
-// Files of random weights are written to the folder (default: a folder of the system's for
-// temporary files) where they are absent: 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt,
-// 0.3 GB for da3, 0.6 GB for eomt.
+// Missing files of random weights are written to the folder (default: the system's folder for temporary files). Sizes:
+// 2.4 GB for vggt, 3.4 GB for m2f, 0.7 GB for dpt, 0.3 GB for da3, 0.6 GB for eomt.
 #include <time.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Weights of full size with random values, where aligngs looks for published ones: proves shapes,
-// memory and time of every command without the publishers' files. What comes out means nothing.
+// memory and time of every command without the publishers' files. The results mean nothing.
 // Usage: random_weights FOLDER MODEL...      then: ALIGNGS_MODELS=FOLDER aligngs poses ...
 // MODEL: names of `aligngs models list`, e.g. vggt-1b ade20k-linear-s lpips-vgg
 #include <chrono>

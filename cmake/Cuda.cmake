@@ -78,7 +78,7 @@ else()
   endif()
 endif()
 
-# The CUDA sources stand in cuda/ folders of the modules and form a library of their own; without CUDA, cuda/absent
+# The CUDA sources are in cuda/ folders of the modules and form a library of their own; without CUDA, cuda/absent
 # takes its place. tests/cuda compiles the same sources once more as plain C++, on an emulation of the device.
 function(aligngs_cuda_files folder result)
   file(GLOB_RECURSE files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/*.cu ${CMAKE_SOURCE_DIR}/src/*.cpp)

@@ -26,7 +26,7 @@ find_library(EMBREE_LIBRARY embree3 REQUIRED)
 find_path(EMBREE_INCLUDE_DIR embree3/rtcore.h REQUIRED)
 
 # Optional packages: aligngs_optional(NAME LIBRARIES...) makes the target aligngs_name, which carries the definition
-# ALIGNGS_WITH_NAME, and sets ALIGNGS_NAME to it. Where a package is missing ALIGNGS_NAME is empty, and the parts that need it report it.
+# ALIGNGS_WITH_NAME, and sets ALIGNGS_NAME to it. ALIGNGS_NAME of a missing package is empty, and the parts that need it report it.
 function(aligngs_optional name)
   string(TOLOWER ${name} lower)
   add_library(aligngs_${lower} INTERFACE)

@@ -1,4 +1,4 @@
-# aligngs_module(NAME LIBRARIES ...): a static library of src/NAME/**/*.cpp. The tests that stand beside
+# aligngs_module(NAME LIBRARIES ...): a static library of src/NAME/**/*.cpp. The tests beside
 # the sources are collected in tests/CMakeLists.txt, one program per module. cuda/ folders: cmake/Cuda.cmake.
 set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
 function(aligngs_module name)

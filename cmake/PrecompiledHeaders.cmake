@@ -1,5 +1,5 @@
 # Headers of others that many sources include, compiled once: without them, half of the time of a build goes into
-# reading these headers again. Sources name every header that they use all the same, and build without this.
+# reading these headers again. Sources still name every header that they use, and build without this.
 option(ALIGNGS_PRECOMPILED_HEADERS "Compile common headers of others once for all sources" ON)
 
 set(ALIGNGS_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <functional> <limits> <map>

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Prints what CMake is to be told about CUDA on this machine, one option per line: ON where nvcc works, so that CUDA cannot
-# be left out in silence there, else AUTO. An nvcc that builds no program (a script without its toolkit, a host compiler
+# Prints CMake's options for CUDA on this machine, one per line: ON if nvcc works, so that CUDA cannot be left out
+# silently, else AUTO. An nvcc that builds no program (a script without its toolkit, a host compiler
 # that it refuses, a version before 12) counts as none.
 set -euo pipefail
 nvcc=$(PATH="${CUDAToolkit_ROOT:+$CUDAToolkit_ROOT/bin:}${CUDA_PATH:+$CUDA_PATH/bin:}$PATH:/usr/local/cuda/bin" command -v nvcc || true)

@@ -23,5 +23,5 @@ scripts/check_layering.sh
 scripts/check_prose.sh
 scripts/check_docs.py
 scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON "${definitions[@]}"
-# Beside each other: most use one core, and each process has a folder of temporary files to itself (tests/test_main.cpp).
+# In parallel: most use one core, and each process has a folder of temporary files to itself (tests/test_main.cpp).
 ctest --test-dir build --parallel "$(nproc)" --output-on-failure --no-tests=error "${selection[@]}"

@@ -1,5 +1,5 @@
-// The whole program on a small synthetic room: 300 iterations must clearly improve on the start, and a run that was
-// killed and resumed must end with the same bytes.
+// The whole program on a small synthetic room: 300 iterations must clearly improve on the start. A run that was killed
+// and resumed must end with the same bytes.
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <unistd.h>

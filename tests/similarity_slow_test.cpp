@@ -1,5 +1,5 @@
-// Nothing in the method may depend on the unit or the axes of the world: a scene scaled by 0.37 and turned must give the
-// same PSNR and the same F-score within noise.
+// Nothing in the method may depend on the unit or the axes of the world. A scene scaled by 0.37 and turned must give
+// the same PSNR and the same F-score within noise.
 #include <gtest/gtest.h>
 
 #include <fstream>

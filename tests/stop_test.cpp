@@ -60,7 +60,7 @@ class Stop : public testing::Test {
     expect_as_before();
   }
   static bool at_once() { return true; }
-  /// Something half-written stands in work/.
+  /// Something half-written is in work/.
   std::function<bool()> writing() const {
     return [this] {
       for (const auto& entry : fs::directory_iterator(root_ / "work")) {

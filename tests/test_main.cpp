@@ -1,5 +1,5 @@
-// Starts the tests of one program with a folder of temporary files that is this process's alone (testing::TempDir()), so
-// that programs and single tests may run beside each other. It is removed at the end, unless a test failed.
+// Starts the tests of one program with this process's own folder of temporary files (testing::TempDir()). Programs and
+// single tests may hence run in parallel. It is removed at the end, unless a test failed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

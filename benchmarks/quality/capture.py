@@ -3,7 +3,7 @@
 
     benchmarks/quality/capture.py CAPTURE OUTPUT --sfm MODEL [--seeds 1 2 3] [--iterations 2000] [--scale 0.5] [--rows NAME ...]
 
-CAPTURE is what `aligngs import` reads, MODEL a COLMAP model of the training photos for `rgb`. Rows:
+CAPTURE is a folder that `aligngs import` reads, MODEL a COLMAP model of the training photos for `rgb`. Rows:
 
     rgb         points of structure from motion, true cameras, depth only as `aligngs refine` measures it in the photos: the headline
     simulated   cameras, depth and points of `aligngs data simulate`, another draw per seed; called simulated wherever shown
@@ -24,7 +24,7 @@ REFINED = []  # options of `aligngs refine`
 
 
 class Row(ladder_rows.Row):
-    """A row of a source, whose name stands before the row's and before those that it is compared with."""
+    """A row of a source. The source's name precedes the row's and those that it is compared with."""
 
     def __init__(self, source, name, preset, settings=(), refine=None, compare_with=()):
         super().__init__(f"{source}: {name}", preset, settings, refine=refine, compare_with=[f"{source}: {c}" for c in compare_with])
@@ -65,7 +65,7 @@ WHY_EMPTY = ("Empty rows need labels. The capture has none, and networks that wo
              "a simulated teacher needs true labels, which the capture does not have either.")
 NO_COLUMNS = ("miou", "teacher", "miou_present", "teacher_present", "mesh_miou",  # no labels
               "between", "beyond", "posed")  # no test photo looks beyond the training photos
-# Meshes that no training has touched, with the cameras of the row that they stand beside.
+# Meshes that no training has touched, with the cameras of the row beside them.
 YARDSTICKS = {
     "rgb: default": [("rgb: TSDF of the measured depth", "--from-prior", REFINED)],
     "simulated: default": [("simulated: TSDF of the prior depth, cameras as given", "--from-prior", None),

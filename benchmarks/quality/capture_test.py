@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the benchmark of a real capture writes: run it with python3."""
+"""Tests of the files of the benchmark of a real capture: run it with python3."""
 import json
 import tempfile
 import unittest

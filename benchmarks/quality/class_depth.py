@@ -3,8 +3,8 @@
 
     benchmarks/quality/class_depth.py SCENE... [--classes television monitor "crt screen"] [--views]
 
-SCENE is a scene folder with truth/depth and truth/labels, as `aligngs synth` writes it and `aligngs refine` takes it over. Of each
-it prints the median absolute error of the depth of the training photos in millimetres, and the share of the pixels within 5 cm.
+SCENE is a scene folder with truth/depth and truth/labels, as `aligngs synth` writes it and `aligngs refine` takes it over. It
+prints for each the median absolute error of the training photos' depth in millimetres, and the share of the pixels within 5 cm.
 --views adds the median signed error of each photo that shows such a class (positive: too far). Needs nothing but Python."""
 import argparse
 import array
@@ -15,7 +15,7 @@ import struct
 import zlib
 from pathlib import Path
 
-# Of the 150 classes of ADE20K (src/scene/ade20k_labels.cpp).
+# Numbers among the 150 classes of ADE20K (src/scene/ade20k_labels.cpp).
 CLASSES = {"wall": 0, "windowpane": 8, "painting": 22, "mirror": 27, "television": 89, "poster": 100, "screen": 130,
            "crt screen": 141, "monitor": 143, "bulletin board": 144}
 SCREENS = ["television", "monitor", "crt screen"]

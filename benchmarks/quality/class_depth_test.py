@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What class_depth.py reads and how it counts: run it with python3."""
+"""Tests of the input and the counts of class_depth.py: run it with python3."""
 import json
 import struct
 import tempfile

@@ -4,8 +4,8 @@
     benchmarks/quality/ladder.py OUTPUT [--rooms development|test] [--seeds 1 2 3] [--iterations 2000] [--size 320x240] [--rows NAME ...]
 
 Every row is trained on the same rooms with the same teacher draws, so that rows are compared pair by pair (room, seed).
-Finished runs in OUTPUT are not repeated: the command can be stopped and started again, with other rows or rooms too; what
-results.csv holds stays. It writes
+Finished runs in OUTPUT are not repeated: the command can be stopped and started again, with other rows or rooms too. The
+content of results.csv stays. It writes
 
     results.csv    a line per row, room and seed
     settings.json  the program's version and what each row sets
@@ -50,7 +50,7 @@ def run(*arguments):
 
 
 def processor_seconds():
-    """Of all programs that this script has waited for: other work on the machine changes it less than the time on the wall."""
+    """Time of all programs that this script has waited for: other work on the machine changes it less than wall time."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 
@@ -86,7 +86,7 @@ def make_scene(arguments, room, room_seed, seed, row):
 
 
 def without_depth(scene):
-    """What structure from motion would leave: cameras (adjusted), points, no network's depth."""
+    """The result of structure from motion: cameras (adjusted), points, no network's depth."""
     bare = scene.with_name(scene.name + "_bare")
     if not bare.exists():
         partial = bare.with_name(bare.name + ".partial")
@@ -210,7 +210,7 @@ def write_page(folders, page):
 
 
 def write_settings(output, conditions, rows, device="auto"):
-    """What made the numbers; a table must not mix conditions (as lengths or rooms), and says when it mixes programs."""
+    """The origin of the numbers; a table must not mix conditions (as lengths or rooms), and names several programs."""
     file = output / "settings.json"
     now = {"programs": [program_version(device)], **conditions, "rows": rows}
     if file.exists():

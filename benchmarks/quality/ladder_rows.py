@@ -62,14 +62,14 @@ class Row:
         return file_name(self.name)
 
 
-# Also in the paper's rows, which would take many minutes each otherwise: classes that no teacher ranks among its two best share a
-# channel (the tests ActiveClasses.* bound what that does to losses and labels), and a step takes the semantic loss of a quarter of the
-# pixels (docs/decisions/0013-small-settings.md measures it).
+# Also in the paper's rows, which would take many minutes each otherwise. Classes that no teacher ranks among its two best share a
+# channel (the tests ActiveClasses.* bound the effect on losses and labels). A step takes the semantic loss of a quarter of the pixels
+# (docs/decisions/0013-small-settings.md measures it).
 ACTIVE = ["semantic.active_top=2", "semantic.pixel_share=0.25"]
 
 
 def paper_ladder(where="", refine=None, start=()):
-    """The paper's Table III, cumulatively, L_sem also as in the release; `where` ends the rows' names, `refine` makes their cameras,
+    """The paper's Table III, cumulatively, L_sem also as in the release. `where` ends the rows' names, `refine` makes their cameras,
     `start` are settings of the feed-forward start."""
     steps = [("base (sparse start)", PHOTOMETRIC + [NO_SEMANTICS], []),
              ("+ feed-forward start", NO_GEOMETRY + [NO_SEMANTICS], ["base (sparse start)"]),  # the prior depth is where it starts
@@ -150,7 +150,7 @@ YARDSTICKS = {
                          Yardstick(REFINED_PRIOR, "--from-prior", []),
                          Yardstick(CEILING + ", refined cameras", "--from-truth", [])],
 }
-# Rows whose mesh is fused once more, with the settings of preset default: what fusion does is then told apart from what training does.
+# Rows whose mesh is fused once more, with the settings of preset default. This separates the effect of fusion from that of training.
 FUSED_AS_DEFAULT = {"pgsr, the same scene": "pgsr, the same scene, default's fusion"}
 COLUMNS = [
     ("psnr", "PSNR", 2, "nvs.psnr"), ("fitted", "colour-fitted", 2, "nvs.exposure_fitted.psnr"),

@@ -1,4 +1,4 @@
-"""What the numbers of the ladder say together: means, paired differences with intervals, files of them."""
+"""Summaries of the ladder: means, paired differences with intervals, files of them."""
 import csv
 import math
 import random
@@ -93,7 +93,7 @@ def mean_line(name, by_pair, columns=COLUMNS):
 
 
 def rows_on_common_pairs(results):
-    """Where most rows that lack pairs have the same few, the other rows on these pairs: means of different pairs do not compare."""
+    """If most rows that lack pairs have the same few, the other rows on these pairs: means of different pairs do not compare."""
     counts = [len(by_pair) for by_pair in results.values()]
     fewer = [n for n in counts if n < max(counts)]
     if not fewer:
@@ -133,7 +133,7 @@ def difference_lines(results):
 
 
 def room_lines(results, base):
-    """What every other row adds to one row, its head included: with intervals, and room by room, as a mean hides a room that is hurt."""
+    """Gain of every other row over one row, with the table's head. It has intervals and rooms, as a mean hides a room that is hurt."""
     rooms = sorted({room for room, *_ in results.get(base, {})})
     lines = [f"| against `{base}` | pairs | PSNR (dB) | F | mIoU | PSNR: {', '.join(rooms)} | F |", "|---" * 7 + "|"]
     for row in (name for name in results if name != base):
@@ -159,7 +159,7 @@ def summary_line(title, by_pair, digits):
 
 
 def gap_lines(results):
-    """What a row adds to the meshes that no training has touched, which share of the way to the ceiling it goes, and its labels against the
+    """Gain of a row over the meshes that no training has touched, its share of the way to the ceiling, and its labels against the
     teacher's."""
     lines = []
     for row, (first, *between, last) in YARDSTICKS.items():

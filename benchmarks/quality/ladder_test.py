@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the ladder does with numbers: run it with python3."""
+"""Tests of the ladder's numbers: run it with python3."""
 import math
 import tempfile
 import unittest

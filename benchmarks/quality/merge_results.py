@@ -3,11 +3,11 @@
 
     benchmarks/quality/merge_results.py OUTPUT [PART...] [--docs docs/results.md]
 
-OUTPUT and every PART are folders of one of the two. What a PART has of a row takes the place of what OUTPUT or an earlier PART has of it,
-pair by pair of room and seed, or seed by seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/
-and settings.json of OUTPUT, whose "row programs" say which programs made a row. With --docs the tables of that file between the lines
-<!-- OUTPUT: means -->, <!-- OUTPUT: differences --> or <!-- OUTPUT: rooms --> (differences to the whole default, room by room) and
-<!-- OUTPUT: end --> are made anew, where OUTPUT is the folder's name."""
+OUTPUT and every PART are folders of one of the two. Figures of a PART replace those of the same row in OUTPUT or an earlier PART, pair by
+pair of room and seed, or seed by seed. Rooms, iterations and size have to be the same. Writes results.csv, table.md, acceptance/
+and settings.json of OUTPUT, whose "row programs" say which programs made a row. --docs makes the marked tables of that file anew.
+They begin with <!-- OUTPUT: means -->, <!-- OUTPUT: differences --> or <!-- OUTPUT: rooms --> (differences to the whole default, room by
+room) and end with <!-- OUTPUT: end -->. OUTPUT is the folder's name."""
 import argparse
 import json
 import re

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What each part of mesh fusion does: one trained run per scene, fused again with one setting changed at a time.
+"""The effect of each part of mesh fusion: one trained run per scene, fused again with one setting changed at a time.
 
     benchmarks/quality/mesh_filters.py OUTPUT SCENE... [--iterations 1000] [--seed 1] [--set data.scale=0.5] [--variants NAME...]
 

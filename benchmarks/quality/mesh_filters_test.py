@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the benchmark of mesh fusion writes: run it with python3."""
+"""Tests of the files of the benchmark of mesh fusion: run it with python3."""
 import math
 import tempfile
 import unittest

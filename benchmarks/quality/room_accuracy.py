@@ -4,8 +4,8 @@
     benchmarks/quality/room_accuracy.py RUN TRUTH [RUN TRUTH...]      a Markdown table
 
 RUN is a run folder with room.json. TRUTH is a scene folder of `aligngs synth` of the same room and seed, with truth/room.json. The
-world of the run is laid onto the true one by the training cameras of RUN/sparse and SCENE/truth/sparse, without scale: an error of scale
-counts. SCENE is the scene of the run."""
+world of the run is aligned to the true one by the training cameras of RUN/sparse and SCENE/truth/sparse. Scale is not aligned, so its
+error counts. SCENE is the scene of the run."""
 import json
 import math
 import struct
@@ -72,7 +72,7 @@ def rigid_fit(source, target):
 
 # ---- geometry of rooms ----
 def inverse(rows):
-    """Of a similarity given by four rows."""
+    """The inverse of a similarity given by four rows."""
     linear = [row[:3] for row in rows[:3]]
     square = dot(linear[0], linear[0])
     back = [scaled(row, 1 / square) for row in transposed(linear)]
@@ -86,7 +86,7 @@ def placed(room, motion, truth):
 
 
 def wall_errors(room, truth, place):
-    """For each true wall the distance of the nearest measured wall that faces the same way, at its quarter points; and the error of its length."""
+    """For each true wall, at its quarter points, the distance of the nearest measured wall that faces the same way; and the error of its length."""
     walls = []
     for wall in room["walls"]:
         a, b = place(wall["from"] + [0]), place(wall["to"] + [0])

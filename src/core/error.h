@@ -1,5 +1,5 @@
-// The one error type of the project. Everything that can go wrong for a reason outside the program
-// is thrown as an Error, and src/cli maps its kind to the exit status in one place.
+// The one error type of the project. A failure whose reason lies outside the program is thrown as
+// an Error. src/cli maps its kind to the exit status in one place.
 #pragma once
 
 #include <filesystem>

@@ -17,8 +17,8 @@
 namespace aligngs {
 namespace {
 
-// timeout(1), shells and build tools deliver one Ctrl-C to the process and to its group: a second signal within this
-// time is that echo, a later one is the user's impatience.
+// timeout(1), shells and build tools deliver one Ctrl-C to the process and to its group. A second signal within this
+// time is that echo. A later one is a second request of the user.
 constexpr double kEchoSeconds = 0.5;
 constexpr long kTickNanoseconds = 50'000'000;  // how soon the watcher sees the end of a deferral
 constexpr int kStopped = static_cast<int>(ErrorKind::kInterrupted), kStoppedAtOnce = 130;

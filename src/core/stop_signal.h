@@ -1,11 +1,12 @@
 // How a command is stopped. There is one mechanism for all of them:
 //
 //   1. A signal (Ctrl-C, SIGTERM, SIGHUP, SIGUSR1) is answered on standard error at once, and asks the program to stop.
-//   2. Stop points look at that request and throw Error{kInterrupted}, whose way out removes what is half-written. They stand where
-//      every command comes by: in the loops of ThreadPool, and before a file or folder takes its place (io/atomic_file.h,
-//      io/folder_replacement.h).
-//   3. Work that comes to no stop point within kGraceSeconds is ended from outside: what is half-written (core/temporary_paths.h) is
-//      removed, and the process ends with status 75. A second Ctrl-C does the same at once, with status 130.
+//   2. Stop points look at that request and throw Error{kInterrupted}, whose way out removes what is half-written.
+//      Every command passes one: in the loops of ThreadPool, and before a file or folder takes its place
+//      (io/atomic_file.h, io/folder_replacement.h).
+//   3. Work that reaches no stop point within kGraceSeconds is ended from outside. Half-written files
+//      (core/temporary_paths.h) are removed, and the process ends with status 75. A second Ctrl-C does the same at
+//      once, with status 130.
 //
 // Work that stops itself at a better place, as training does, holds a StopDeferral.
 #pragma once
@@ -23,7 +24,7 @@ bool stop_requested();
 /// A stop point: Error{kInterrupted} once a signal asked the program to stop, unless this thread defers it.
 void stop_if_requested();
 
-/// While one lives, stop points in its thread do nothing, and nothing ends the process from outside but a second Ctrl-C: the work
+/// While one lives, stop points in its thread do nothing. Only a second Ctrl-C ends the process from outside. The work
 /// looks at stop_requested() itself.
 class StopDeferral {
  public:

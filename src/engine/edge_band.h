@@ -8,9 +8,9 @@
 
 namespace aligngs {
 
-/// 1 within `radius` pixels (at least 1) on either side of every place where differs(i, j) holds for the pixel
-/// indices of two horizontal or vertical neighbours: radius 1 marks the two pixels themselves, a larger one
-/// grows them by radius - 1 in each direction.
+/// 1 within `radius` pixels (at least 1) on either side of every edge. At an edge, differs(i, j) holds for the pixel
+/// indices of two horizontal or vertical neighbours. radius 1 marks the two pixels themselves, a larger one grows them
+/// by radius - 1 in each direction.
 template <class Differs>
 Image<uint8_t> edge_band(int width, int height, int radius, const Differs& differs) {
   Image<uint8_t> edge(width, height, 1);

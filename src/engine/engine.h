@@ -19,7 +19,7 @@
 
 namespace aligngs {
 
-/// Where a non-finite value appeared first; the step was rolled back.
+/// The place where a non-finite value appeared first; the step was rolled back.
 struct NonFinite {
   bool found = false;
   int64_t gaussian = -1;  ///< row, or -1 when the value is a loss
@@ -31,8 +31,8 @@ struct StepReport {
   size_t visible = 0;     ///< Gaussians that touched a pixel
   NonFinite non_finite;
   double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (is_balanced)
-  /// Of all losses of the view, the coupling included; the multi-view terms count as far as the Gaussians carry them. Zero without
-  /// StepRequest::pose_gradient and after a step that was rolled back.
+  /// The gradient of all losses of the view, the coupling included; the multi-view terms count as far as the Gaussians
+  /// carry them. Zero without StepRequest::pose_gradient and after a step that was rolled back.
   PoseGradient<double> pose;
   std::map<std::string, double> seconds;  ///< wall time of each stage that had something to do
 };
@@ -84,7 +84,7 @@ class Engine {
   virtual size_t size() const = 0;
 
   /// Before set_training_views: classes that no view's teacher ranks among its `top_k` at any pixel may be carried as
-  /// one channel that stands for them all. Everything that goes in and out keeps every class. 0, or an engine that does
+  /// one channel that represents them all. Everything that goes in and out keeps every class. 0, or an engine that does
   /// not offer it: every class has a channel of its own.
   virtual void limit_classes(int /*top_k*/) {}
   /// Whether steps may have a neighbour; if not, step() throws Error{kUsage} for one that has multi-view terms.
@@ -96,7 +96,7 @@ class Engine {
   /// are as before the call and report.non_finite says where.
   virtual StepReport step(const StepRequest& request) = 0;
 
-  /// What density control decides on; see gaussians/density_control.h.
+  /// Inputs of density control; see gaussians/density_control.h.
   virtual DensityStatistics density_statistics() const = 0;
   virtual void reset_density_statistics() = 0;
   /// Keeps, copies and makes rows as the plan says; moments follow their rows, new rows start at zero.
@@ -119,10 +119,10 @@ class Engine {
 
   /// Nothing: the engine works in the host's memory. Before set_training_views and after limit_classes.
   virtual std::optional<OwnMemory> own_memory(const std::vector<TrainingView>& /*views*/) const { return {}; }
-  /// Bytes that n Gaussians of C channels, their optimiser and a step need in the memory that the engine works in,
-  /// without views that it does not have yet.
+  /// Bytes that n Gaussians of C channels, their optimiser and a step need in the engine's memory. Views that it does
+  /// not have yet are left out.
   virtual uint64_t predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const = 0;
-  /// Of an engine with memory of its own: bytes of the host's for copies, at the peak of writing a checkpoint.
+  /// For an engine with memory of its own: host bytes for copies, at the peak of writing a checkpoint.
   virtual uint64_t predicted_host_bytes(size_t /*gaussians*/, int /*channels*/) const { return 0; }
 };
 

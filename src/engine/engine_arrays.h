@@ -1,4 +1,5 @@
-// What every engine does alike with the arrays of its state: names in checkpoints, shapes, checks of requests.
+// Operations on the arrays of an engine's state, alike for all engines: names in checkpoints, shapes, checks of
+// requests.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +46,7 @@ struct AdamMoments {
   void reset(const GaussianModel& like);  ///< to zeros
 };
 
-/// What a checkpoint holds beside the model, with all classes.
+/// The content of a checkpoint beside the model, with all classes.
 struct EngineMemory {
   AdamMoments moments;  ///< of a program that did not count the updates: more of them than any step
   DensityStatistics statistics;

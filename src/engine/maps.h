@@ -1,5 +1,5 @@
-// What blending leaves per pixel, and the gradients that the losses give back. Planar: channel c of pixel
-// (x, y) is at [c * width * height + y * width + x].
+// Results of blending per pixel, and the gradients that the losses give back. Planar: channel c of pixel (x, y) is at
+// [c * width * height + y * width + x].
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace aligngs {
 
-/// With w_i the blending weights, n_i the camera-frame plane normals turned to the camera and d_i > 0 the
-/// plane distances of the Gaussians (a point x of the plane has n_i . x = -d_i).
+/// w_i are the blending weights, n_i the camera-frame plane normals turned to the camera, and d_i > 0 the plane
+/// distances of the Gaussians. A point x of the plane has n_i . x = -d_i.
 template <class T>
 struct RenderMaps {
   int width = 0, height = 0;

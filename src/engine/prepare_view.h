@@ -1,5 +1,5 @@
-// From the pixels and priors of a view to what training needs of it: masks, weights and prior normals that
-// depend on the view alone and are computed once.
+// Turns the pixels and priors of a view into inputs of training: masks, weights and prior normals. They depend on the
+// view alone and are computed once.
 #pragma once
 
 #include "core/image.h"
@@ -23,22 +23,20 @@ struct PrepareOptions {
   double confidence_high = 0.6;    ///< quantile above which it weighs 1; linear between the two
 };
 
-/// Derives the maps of TrainingView; those whose input is missing stay empty.
-/// `prior_confidence` is null or H x W at the camera's size, larger is better, any scale.
-/// Throws Error{kBadInput} when the prior depth, the labels, the mask or the confidence do not have the
-/// camera's size, and when the semantic target is inconsistent.
+/// Derives the maps of TrainingView; those whose input is missing stay empty. `prior_confidence` is null or H x W at
+/// the camera's size, larger is better, any scale. Throws Error{kBadInput} when the prior depth, the labels, the mask
+/// or the confidence do not have the camera's size. Also thrown when the semantic target is inconsistent.
 TrainingView prepare_view(ViewData data, const PrepareOptions& options = {}, const ImageF* prior_confidence = nullptr);
 
 /// 1 at the pixels that L_d leaves out: next to a place where two known labels differ.
 Image<uint8_t> label_edge_map(const Image<uint16_t>& labels, const PrepareOptions& options);
 
-/// 0 without a depth or close to a discontinuity of it, else the rank of the confidence between its two
-/// quantiles (1 everywhere without a confidence or when it is constant).
+/// 0 without a depth or close to a discontinuity of it, else the rank of the confidence between its two quantiles. 1
+/// everywhere without a confidence or when it is constant.
 ImageF depth_weight_map(const ImageF& depth, const ImageF* confidence, const PrepareOptions& options);
 
-/// omega: the teacher's confidence times 1 - H(t) / log C, sampled bilinearly from its own
-/// resolution; 0 close to a label edge unless a colour edge or a depth discontinuity is close as well, since
-/// the teacher's outlines are pixels off.
+/// omega: the teacher's confidence times 1 - H(t) / log C, sampled bilinearly from its own resolution. It is 0 close to
+/// a label edge unless a colour edge or a depth discontinuity is close as well. The teacher's outlines are pixels off.
 ImageF semantic_weight_map(const ViewData& data, const PrepareOptions& options);
 
 }  // namespace aligngs

@@ -1,5 +1,5 @@
-// What one training step is asked to do. Plain numbers only: every field is a documented config key of
-// the same meaning in train/config.h.
+// The request for one training step. Plain numbers only: every field is a documented config key of the same meaning in
+// train/config.h.
 #pragma once
 
 #include <string_view>

@@ -59,11 +59,11 @@ struct DensityRule {
   bool morton_order = false;             ///< the plan's rows in the order of morton_order.h
 };
 
-/// The plan of one call of adaptive density control, in this order (3DGS, Kerbl et al. 2023, section 5.2):
-/// rows with a large mean gradient are cloned when small (the copy is drawn from the Gaussian itself) and
-/// split into two of 1 / 1.6 the size when large; then transparent and oversized rows go, children included.
-/// New rows stand behind the kept ones, unless the rule orders them. Random numbers are drawn only for rows that grow, in row order.
-/// Error{kFailed} when the statistics do not have one entry per Gaussian.
+/// The plan of one call of adaptive density control (3DGS, Kerbl et al. 2023, section 5.2). First, rows with a large
+/// mean gradient are cloned when small, the copy drawn from the Gaussian itself. When large, they are split into two of
+/// 1 / 1.6 the size. Then transparent and oversized rows are removed, children included. New rows follow the kept ones,
+/// unless the rule orders them. Random numbers are drawn only for rows that grow, in row order. Error{kFailed} when the
+/// statistics do not have one entry per Gaussian.
 RestructurePlan plan_density_control(const GaussianModel& model, const DensityStatistics& statistics,
                                      const DensityRule& rule, Random& random);
 

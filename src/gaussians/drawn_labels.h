@@ -7,9 +7,9 @@
 namespace aligngs {
 
 /// Replaces each row by the logarithms of its probabilities, smoothed over its neighbours (soft_labels.h) and raised to
-/// `sharpness` > 0. A pixel's label is decided by several Gaussians: without this, the many half-sure ones around a lamp or a plant
-/// outvote the few that are the lamp. Rows that no pixel taught stay without class. For rows whose softmax is blended
-/// (SemanticBlend::kProbabilities). `extent` as for object_labels(). The same for any number of threads.
+/// `sharpness` > 0. Several Gaussians decide a pixel's label. Without this, the many uncertain ones around a lamp or a
+/// plant outvote the few that are the lamp. Rows that no pixel taught stay without class. For rows whose softmax is
+/// blended (SemanticBlend::kProbabilities). `extent` as for object_labels(). The same for any number of threads.
 void sharpen_label_rows(GaussianModel& model, double extent, double sharpness, ThreadPool& pool);
 
 }  // namespace aligngs

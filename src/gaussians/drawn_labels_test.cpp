@@ -31,7 +31,7 @@ std::array<double, kClasses> drawn(const GaussianModel& model, size_t i) {
   return p;
 }
 
-// Far beyond the reach of the smoothing, so that rows stand for themselves.
+// Far beyond the reach of the smoothing, so that rows are independent.
 constexpr double kTinyExtent = 1e-3, kWideExtent = 1000;
 
 TEST(DrawnLabels, ProbabilitiesAreRaisedToThePower) {

@@ -26,7 +26,7 @@ std::vector<float> neighbour_distances(const std::vector<Vec3f>& points) {
     uint32_t index[kNeighbours + 1];
     float squared[kNeighbours + 1];
     const size_t found = tree.nearest(points[i], kNeighbours + 1, index, squared);
-    // The point itself is one of them, at distance 0 (as is any duplicate): the first entry stands for it.
+    // The point itself is one of them, at distance 0 (as is any duplicate): the first entry is that one.
     if (found < 2) continue;
     double sum = 0;
     for (size_t k = 1; k < found; ++k) sum += squared[k];

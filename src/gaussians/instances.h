@@ -19,7 +19,7 @@ struct Instance {
 };
 
 /// DBSCAN (Ester et al. 1996) over the Gaussians of each class. The link distance follows the spacing of the class's
-/// own Gaussians, so that a coarse floor is one object and two pillows side by side are two.
+/// own Gaussians. A coarse floor is hence one object, and two pillows side by side are two.
 struct InstanceOptions {
   int core_neighbours = 6;                   ///< of the same class within the link distance: inside of an object
   double link_spacings = 2.5;                ///< link distance / median distance of the core_neighbours-th neighbour

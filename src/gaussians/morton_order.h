@@ -1,6 +1,6 @@
-// Rows in the order of a Morton curve (z-order) through their positions: neighbours in space become neighbours in memory,
-// so that the Gaussians of a tile, gathered by every pass over it, share cache lines and pages (Morton 1966; fast
-// trainers of splats do it as well). Everything that belongs to a row goes with it.
+// Rows in the order of a Morton curve (z-order) through their positions (Morton 1966; fast trainers of splats do it as
+// well). Neighbours in space become neighbours in memory. The Gaussians of a tile, gathered by every pass over it, then
+// share cache lines and pages. Everything that belongs to a row goes with it.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace aligngs {
 
-/// Bits per axis of a Morton code: with a cube of 2^21 cells a side even a floater at a hundred times the room's size
-/// leaves the room more than ten thousand cells a side.
+/// Bits per axis of a Morton code. The cube has 2^21 cells a side. Even with a floater at a hundred times the room's
+/// size, the room keeps over ten thousand cells a side.
 inline constexpr int kMortonBits = 21;
 
 /// Interleaves the lower kMortonBits bits of three cell numbers, x lowest.

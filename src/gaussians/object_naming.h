@@ -10,8 +10,8 @@
 
 namespace aligngs {
 
-/// Number of the region of each Gaussian, 0 .. count - 1 in order of their first rows: Gaussians of one class that are neighbours within
-/// `reach` (scene units) are one region. Faint ones (opacity below 0.05) connect nothing.
+/// Number of the region of each Gaussian, 0 .. count - 1 in order of their first rows. Gaussians of one class that are
+/// neighbours within `reach` (scene units) are one region. Faint ones (opacity below 0.05) connect nothing.
 struct LabelRegions {
   std::vector<uint32_t> of_gaussian;  ///< [N]
   std::vector<uint16_t> label;        ///< [count] class of each region, kNoLabel: of none
@@ -33,11 +33,11 @@ struct NamingOptions {
   double least_share = 0.3;   ///< of the votes for the name so far, which a name must have besides
 };
 
-/// The name of each region: the one it has or one that enough photos give it, chosen for all regions together so that
-/// the expected mean IoU is largest (Nowozin, CVPR 2014, with the ratio of expectations): the sum over classes of
-/// TP / (P + T - TP), with P the area called so, T the area that should be, TP what of P is right, all by shares. A class that the
-/// majority would nowhere take keeps the region that is most likely it, when whoever loses the region loses less by it. Regions are visited
-/// from the largest to the smallest until no name changes, at most five times; of equal names the one so far stays.
+/// The name of each region: the current one, or one that enough photos give it. Names of all regions together maximise
+/// the expected mean IoU (Nowozin, CVPR 2014, with the ratio of expectations). It is the sum over classes of TP / (P +
+/// T - TP), by shares: P the predicted area, T the true area, TP the correct part of P. A class that no majority takes
+/// keeps its most likely region, if the other class loses less IoU by that. Regions are visited from the largest to the
+/// smallest until no name changes, at most five times. The current one of equal names is kept.
 std::vector<uint16_t> name_regions(const RegionEvidence& evidence, const NamingOptions& options = {});
 
 /// Possible names of each Gaussian: up to kTop classes as in SoftLabels.
@@ -48,9 +48,10 @@ struct OutlineEvidence {
   std::vector<uint8_t> allowed;  ///< [N][SoftLabels::kTop]
 };
 
-/// A label for each Gaussian, its commonest class at first, so that the expected mean IoU of name_regions() grows: a Gaussian of share p goes to the class of
-/// the largest (p (1 + J) - J) / U, with J a class's IoU so far and U the area of its union. A small thing of which photos are half sure gets the outline
-/// that most of its photos' votes have, while a wall loses next to nothing. Of `rounds` such steps the best. kNoLabel stays.
+/// A label for each Gaussian, its commonest class at first, so that the expected mean IoU of name_regions() grows. A
+/// Gaussian of share p goes to the class of the largest (p (1 + J) - J) / U. J is a class's IoU so far, and U the area
+/// of its union. A small object with uncertain votes gets the outline of most of its photos' votes, while a wall loses
+/// next to nothing. Returns the best of `rounds` such steps. kNoLabel stays.
 std::vector<uint16_t> label_outlines(const OutlineEvidence& evidence, int rounds = 8);
 
 }  // namespace aligngs

@@ -59,7 +59,7 @@ TEST(Restructure, MovesParametersAndZeroesMomentsOfNewRows) {
 TEST(Restructure, CopiesAreOfRowsAsTheyWereBeforeAnyMoved) {
   GaussianModel model = two_gaussians();
   RestructurePlan plan;
-  plan.rows = {{1, kKeep}, {0, kClone}};  // row 1 moves to where the source of the copy stood
+  plan.rows = {{1, kKeep}, {0, kClone}};  // row 1 moves to the place of the copy's source
   restructure_model(plan, model);
   EXPECT_EQ(model.semantics, (std::vector<float>{1, 6, 0, 5}));
 }

@@ -12,7 +12,7 @@
 
 namespace aligngs {
 
-/// The kTop most probable classes of each Gaussian, best first. What is left of 1 belongs to the other classes.
+/// The kTop most probable classes of each Gaussian, best first. The rest of 1 belongs to the other classes.
 struct SoftLabels {
   static constexpr size_t kTop = 8;  ///< beyond the eighth class of a room nothing has weight; 48 bytes a Gaussian
   std::vector<uint16_t> label;       ///< [N][kTop]; kNoLabel: no further class
@@ -25,8 +25,8 @@ struct SoftLabels {
 /// softmax of the semantic rows; rows that no pixel taught (all equal) have no class.
 SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool);
 
-/// Gaussians next to each other and of like colour are parts of one thing: each takes the mean of its neighbours'
-/// probabilities, weighted by opacity, nearness and likeness of colour (bilateral filter; Tomasi and Manduchi 1998).
+/// Neighbouring Gaussians of similar colour are parts of one object. Each takes the mean of its neighbours'
+/// probabilities, weighted by opacity, distance and similarity of colour (bilateral filter; Tomasi and Manduchi 1998).
 /// This settles Gaussians at object borders and inside of objects, which few pixels taught.
 struct SmoothingOptions {
   int rounds = 3;

@@ -1,4 +1,4 @@
-// Shapes of arrays as they stand in files: checked products and memory order.
+// Shapes of arrays as stored in files: checked products and memory order.
 #pragma once
 
 #include <cstdint>

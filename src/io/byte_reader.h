@@ -66,7 +66,7 @@ class ByteReader {
     return value;
   }
   /// A count of records of at least `record_bytes` (>= 1) each: refused when the rest of the file
-  /// cannot hold them, so that nothing is allocated on the word of a corrupt file.
+  /// cannot hold them. A corrupt file hence cannot cause a large allocation.
   uint64_t count_of(uint64_t count, uint64_t record_bytes, const std::string& field) const {
     if (count > remaining() / record_bytes) {
       fail(field, "the file cannot hold " + std::to_string(count) + " entries");

@@ -51,8 +51,8 @@ struct ColmapModel {
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
                                  const std::filesystem::path& folder_for_errors);
-/// Finds sparse/, the folder itself or colmap/sparse/ (nerfstudio's place), each with or without numbered models (0, 1, ...)
-/// below it; of several the one with most images.
+/// Finds sparse/, the folder itself or colmap/sparse/ (nerfstudio's place), each with or without numbered models (0, 1,
+/// ...) below it. Takes the one with most images.
 std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_folder);
 /// A sentence that says which of several numbered models was taken and why; empty when there is one.
 std::string choice_of_model(const std::filesystem::path& scene_folder);

@@ -64,8 +64,8 @@ class LineReader {
   size_t number_ = 0;
 };
 
-/// Whether a line is the first one of an image: an id, seven numbers, a camera id and a name. Keypoints come in threes, all of
-/// them numbers, so that the two kinds of lines cannot be mistaken for each other while names are no numbers.
+/// Whether a line is the first one of an image: an id, seven numbers, a camera id and a name. Keypoints come in threes,
+/// all of them numbers. The two kinds of lines hence differ as long as names are no numbers.
 bool is_image_record(std::string_view line) {
   constexpr size_t kNumbers = 9;
   size_t words = 0;

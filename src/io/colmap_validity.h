@@ -12,8 +12,9 @@ namespace aligngs {
 void require_valid_colmap(const ColmapModel& model, const std::filesystem::path& cameras,
                           const std::filesystem::path& images, const std::filesystem::path& points);
 
-/// The reader's side: images without a finite pose, a name, a good camera or listed twice go to model.left_out, points that
-/// are not finite are counted. Error{kBadInput} only for a camera id that occurs twice, since either could be meant.
+/// The reader's side: images without a finite pose, a name or a valid camera, or listed twice, go to model.left_out.
+/// Points that are not finite are counted. Error{kBadInput} only for a camera id that occurs twice, since either could
+/// be meant.
 void leave_out_invalid(ColmapModel& model, const std::filesystem::path& cameras, const std::filesystem::path& images);
 
 }  // namespace aligngs

@@ -24,7 +24,7 @@ int exif_orientation(std::string_view exif) {
 }
 
 bool set_exif_upright(std::string& bytes, size_t begin, size_t size) {
-  // "Exif\0\0", then TIFF (revision 6.0): byte order, 42, offset of the first directory; a directory is a count and
+  // "Exif\0\0", then TIFF (revision 6.0): byte order, 42, offset of the first directory. A directory is a count and
   // entries of tag, type, number of values, value.
   constexpr size_t kPrefix = 6, kEntry = 12, kTag = 0x0112, kShort = 3;
   if (begin > bytes.size() || size > bytes.size() - begin || size < kPrefix + 8) return false;

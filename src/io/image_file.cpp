@@ -81,8 +81,7 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path))
     throw_bad_input(path, "", "cannot open", "check the path");
-  // The header is usually within the first kilobytes, but profiles and previews may stand before
-  // it.
+  // The header is usually within the first kilobytes, but profiles and previews may precede it.
   std::string bytes;
   ImageInfo info;
   for (size_t wanted = size_t(1) << 16;; wanted *= 8) {

@@ -1,4 +1,4 @@
-// Files of pictures: JPEG, PNG, WebP and HEIF are read, JPEG and PNG written. The format is told by the content, not by the name.
+// Files of pictures: JPEG, PNG, WebP and HEIF are read, JPEG and PNG written. The content decides the format, not the name.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ ImageInfo read_image_info(const std::filesystem::path& path);
 /// Whether the file reaches its own end, told without decoding it: a copy that broke off does not. Error{kBadInput} when not.
 void require_whole_picture(const std::filesystem::path& path);
 
-/// 8-bit image with 3 or 4 (alpha) channels; grey is widened to 3, 16-bit PNG narrowed, CMYK multiplied out without its
-/// colour profile; EXIF orientation applied.
+/// 8-bit image with 3 or 4 (alpha) channels, EXIF orientation applied. Grey is widened to 3 channels and 16-bit PNG is
+/// narrowed. CMYK is multiplied out without its colour profile.
 Image<uint8_t> read_image(const std::filesystem::path& path);
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors);
 /// The same with the pixels as stored: EXIF orientation is left alone. COLMAP and nerfstudio see pictures so.
@@ -37,7 +37,7 @@ Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem
 std::string without_orientation(std::string bytes, const std::filesystem::path& name_for_errors);
 /// Whether browsers and programs of photogrammetry read it: PNG, and JPEG that is not CMYK. Scenes hold nothing else.
 bool is_common_picture(std::string_view bytes, const std::filesystem::path& name_for_errors);
-/// What the camera noted, as the content of a JPEG's APP1 segment, also for other formats; empty: nothing.
+/// EXIF as the content of a JPEG's APP1 segment, also for other formats. Empty: none.
 std::string exif_of_picture(std::string_view bytes, const std::filesystem::path& name_for_errors);
 
 /// One-channel PNG of 8 or 16 bits, values as stored (depth in millimetres, label ids). Palette images give indices.

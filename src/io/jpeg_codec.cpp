@@ -14,8 +14,8 @@ namespace {
 
 const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
-// A Huffman-coded block of 64 pixels takes at least one bit, so a byte holds at most 512 pixels;
-// arithmetic coding may reach a few times that.
+// A Huffman-coded block of 64 pixels takes at least one bit, so a byte holds at most 512 pixels.
+// Arithmetic coding may reach a few times that.
 constexpr double kMaxPixelsPerByte = 4096;
 
 struct HandleDeleter {

@@ -19,8 +19,8 @@
 namespace aligngs {
 namespace {
 
-// A fault maps what lies around it, too, where the page cache holds it in one piece: up to this
-// many bytes, aligned to as many (a huge page).
+// A page fault also maps its surroundings, if the page cache holds them in one piece. They are up to this many bytes,
+// aligned to as many (a huge page).
 constexpr uint64_t kFaultAround = uint64_t(2) << 20;
 
 // Place at which the handler continues; null outside of a copy. Signals have no other way to pass anything

@@ -1,10 +1,10 @@
 // A file mapped read-only into memory.
 //
-// Weights are files of several gigabytes of which a network takes one tensor at a time: of a mapped
-// file only the pages in use are in memory, several processes share them, and the kernel may drop
+// Weights are files of several gigabytes of which a network takes one tensor at a time. Only the
+// used pages of a mapped file are in memory. Several processes share them, and the kernel may drop
 // them.
 //
-// The price is that a file can shrink, or its disk fail, while it is mapped; the kernel then
+// The drawback is that a file can shrink, or its disk fail, while it is mapped. The kernel then
 // answers an access with the signal SIGBUS, which ends a program that does not expect it. Comparing
 // sizes first leaves a gap between the look and the access. So the mapping is never handed out:
 // bytes leave it through copy(), which turns the signal into an Error. Pieces that fit a cache make

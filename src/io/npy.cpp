@@ -276,7 +276,7 @@ ArrayHeader read_npy_header(const std::filesystem::path& path) {
   const uint64_t size = std::filesystem::file_size(path, error);
   if (!file || error) throw_bad_input(path, "", "cannot open", "check the path");
   constexpr size_t kUsualBytes = 4096,
-                   kPreamble = 12;  // 12 bytes stand before the header of versions 2 and 3
+                   kPreamble = 12;  // 12 bytes precede the header of versions 2 and 3
   std::string prefix;
   for (const size_t wanted : {kUsualBytes, kMaxHeaderBytes + kPreamble}) {
     const size_t have = prefix.size();

@@ -18,8 +18,8 @@ bool lies_within(const std::filesystem::path& path, const std::filesystem::path&
 /// paths among the sources are left out.
 void require_apart(const std::filesystem::path& output, const std::vector<std::filesystem::path>& sources);
 
-/// Error{kUsage} when the name of `file` promises another format than `extension` ("glb", "labels.ply"), whatever its case: a name
-/// that ends in an extension that people know must end in this one. A name without such an ending promises nothing.
+/// Error{kUsage} when the name of `file` promises another format than `extension` ("glb", "labels.ply"), whatever its
+/// case. A name that ends in a known extension must end in this one. A name without such an ending promises nothing.
 void require_extension(const std::filesystem::path& file, const std::string& extension);
 
 }  // namespace aligngs

@@ -16,7 +16,7 @@ enum class PickleKind {
   kInt,     ///< integer
   kBigInt,  ///< text: two's complement, little-endian, more than 8 bytes
   kFloat,   ///< real
-  kString,  ///< text: UTF-8 as it stands
+  kString,  ///< text: UTF-8, unchanged
   kBytes,   ///< text
   kTuple,   ///< items
   kList,    ///< items
@@ -36,8 +36,8 @@ struct PickleValue {
   std::vector<const PickleValue*> items;
 
   bool is(PickleKind k) const { return kind == k; }
-  /// The value of a string key of a dict; nullptr when absent or when this is no dict. Of equal
-  /// keys the last counts.
+  /// The value of a string key of a dict; nullptr when absent or when this is no dict. The last of
+  /// equal keys counts.
   const PickleValue* find(std::string_view key) const;
   /// Whether this is an object made by the given global.
   bool is_object_of(std::string_view global) const {

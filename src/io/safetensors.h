@@ -42,7 +42,7 @@ TensorDirectory read_safetensors_directory(const ByteSource& source);
 std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place,
                                const std::string& name_for_errors);
 
-/// One tensor of the directory as it stands in the file.
+/// One tensor of the directory as stored in the file.
 TensorBytes read_tensor(const ByteSource& source, const TensorPlace& place);
 
 /// Error{kBadInput} on a malformed header, overlapping or out-of-range offsets, or a truncated file; never

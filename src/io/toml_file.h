@@ -22,11 +22,11 @@ struct TomlEntry {
 
 using TomlTable = std::map<std::string, TomlEntry>;
 
-/// Error{kBadInput} with the line for syntax errors, and for what a flat table cannot hold: dates,
-/// arrays of tables or of mixed types, keys that contain a dot.
+/// Error{kBadInput} with the line for syntax errors. The same for values that a flat table cannot
+/// hold: dates, arrays of tables or of mixed types, keys that contain a dot.
 TomlTable read_toml(const std::filesystem::path& path);
 TomlTable parse_toml(std::string_view text, const std::filesystem::path& name_for_errors);
-/// One value as it would stand behind "key =", e.g. `0.5`, `true`, `"text"`, `[1, 2]`.
+/// One value as written behind "key =", e.g. `0.5`, `true`, `"text"`, `[1, 2]`.
 TomlValue parse_toml_value(std::string_view text, const std::string& field_for_errors);
 
 /// Keys sorted, grouped in [tables]; doubles are written with as many digits as they need to come

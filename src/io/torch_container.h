@@ -1,5 +1,5 @@
-// Files of torch.save, in both of its layouts: a ZIP archive (PyTorch 1.6 and later) and a row of
-// pickles followed by the storages (before 1.6; some published weights still use it).
+// Files of torch.save, in both of its layouts: a ZIP archive (PyTorch 1.6 and later), and a row of
+// pickles followed by the storages. Some published weights still use the latter, from before 1.6.
 #pragma once
 
 #include <memory>

@@ -20,10 +20,10 @@ class WeightFile {
  public:
   virtual ~WeightFile() = default;
 
-  /// safetensors, or torch.save in either layout, told apart by their first bytes. Of a training
-  /// checkpoint the state dict alone is listed (the dict itself, or its entry `state_dict`, else
-  /// `model`); optimiser state is never read. Error{kBadInput} when the file is none of these,
-  /// is damaged, or holds no named tensor.
+  /// safetensors, or torch.save in either layout, distinguished by their first bytes. A training
+  /// checkpoint lists its state dict alone (the dict itself, or its entry `state_dict`, else
+  /// `model`); optimiser state is never read. Error{kBadInput} when the file is none of these, is
+  /// damaged, or holds no named tensor.
   static std::shared_ptr<const WeightFile> open(const std::filesystem::path& path);
   /// `bytes` must outlive the result.
   static std::shared_ptr<const WeightFile> from_memory(

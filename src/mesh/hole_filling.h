@@ -29,10 +29,11 @@ struct HoleFillingReport {
   size_t triangles = 0;  ///< added
 };
 
-/// Closes borders that are small and nearly flat by triangles around their middle. The middle of a filling, or points half-way to its
-/// border, must be seen as surface by some view, and by more views than look through it: at most what was seen is closed. A border
-/// that is not star-shaped around its middle, or shares vertices with itself, stays open. Attributes of the new vertex are the means
-/// of the border's; its label is none. The mesh must be oriented; the order of borders follows that of the triangles.
+/// Closes borders that are small and nearly flat by triangles around their middle. Some view must see the middle of a
+/// filling, or points half-way to its border, as surface. More views must see it than look through it. Hence only seen
+/// surface is closed. A border that is not star-shaped around its middle, or shares vertices with itself, stays open.
+/// Attributes of the new vertex are the means of the border's; its label is none. The mesh must be oriented; the order
+/// of borders follows that of the triangles.
 HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses, const HoleFillingOptions& options = {});
 
 }  // namespace aligngs

@@ -20,9 +20,9 @@ std::array<int, 4> face_corners(int axis, int side) {
 
 CubeCase build_case(int inside) {
   const auto is_inside = [inside](int corner) { return (inside >> corner & 1) != 0; };
-  // On each face a segment cuts every run of inside corners off. Walking around the face, the run lies between the
-  // edge where inside begins and the edge where it ends; the surface, which looks away from the inside, passes the
-  // segment in that direction.
+  // On each face a segment cuts every run of inside corners off. Walking around the face, the run lies between the edge
+  // where inside begins and the edge where it ends. The surface, which looks away from the inside, passes the segment
+  // in that direction.
   std::array<int, kCubeEdges> next;
   next.fill(-1);
   for (int axis = 0; axis < 3; ++axis) {

@@ -34,7 +34,7 @@ TEST(MarchingCubesTable, ACutCornerFacesAwayFromTheInside) {
 }
 
 TEST(MarchingCubesTable, RandomFieldsGiveClosedSurfaces) {
-  // A lattice of 6^3 random signs with a border outside: on a closed surface, each edge of a triangle is walked as
+  // A lattice of 6^3 random signs with a border outside. On a closed surface, each edge of a triangle is walked as
   // often in one direction as in the other.
   constexpr int kSide = 6;
   Random random(1);

@@ -20,8 +20,8 @@ struct MeshLabelingReport {
 };
 
 /// Sets mesh.labels. Each view that sees a vertex (projects into its image, depth test passed) gives its pixel's label
-/// as many votes as its probability, times the cosine between viewing direction and normal when the mesh has normals;
-/// the class with most votes wins, the smaller of two equal ones.
+/// as many votes as its probability. They are multiplied by the cosine between viewing direction and normal when the
+/// mesh has normals. The class with most votes wins, the smaller of two equal ones.
 MeshLabelingReport label_mesh(TriangleMesh& mesh, const std::vector<FusionFrame>& frames, ThreadPool& pool,
                               const MeshLabelingOptions& options = {});
 

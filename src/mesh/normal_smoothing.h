@@ -18,13 +18,14 @@ struct NormalSmoothingOptions {
   int iterations = 60;   ///< of conjugate gradients per round: their reach is as many pixels, more than `length`
 };
 
-/// Minimises, over l = log z, sum_i a_i (l_i - l0_i)^2 + length^2 sum_ij b_ij (l_i - l_j - g_ij)^2 over neighbours i, j (Nehab et al.
-/// 2005, "Efficiently combining positions and normals", in log depth). g_ij is the step of the two tangent planes that meet at the
-/// border of both pixels; b_ij falls to 0 (Tukey's biweight) where the step found differs from it by `jump`.
+/// Minimises, over l = log z, sum_i a_i (l_i - l0_i)^2 + length^2 sum_ij b_ij (l_i - l_j - g_ij)^2 over neighbours i,
+/// j. In log depth, after Nehab et al. 2005, "Efficiently combining positions and normals". g_ij is the step of the two
+/// tangent planes that meet at the border of both pixels. b_ij falls to 0 (Tukey's biweight) where the measured step
+/// differs from it by `jump`.
 ///
-/// `depth` is H x W, camera z, 0 or non-finite: no value, and stays so. `normal` is H x W x 3, camera frame, turned to the camera; a
-/// pixel without one (zero, or seen at less than a cosine of 0.1) has no bonds and keeps its depth. `weight`, H x W or empty (1): how
-/// much a pixel's own depth counts, >= 0.
+/// `depth` is H x W, camera z, 0 or non-finite: no value, and stays so. `normal` is H x W x 3, camera frame, turned to
+/// the camera. A pixel without one (zero, or seen at less than a cosine of 0.1) has no bonds and keeps its depth.
+/// `weight`, H x W or empty (1): how much a pixel's own depth counts, >= 0.
 ImageF smooth_along_normals(const ImageF& depth, const ImageF& normal, const ImageF& weight, const Camera& camera,
                             const NormalSmoothingOptions& options = {});
 

@@ -61,7 +61,7 @@ TEST(NormalSmoothing, ADepthEdgeStays) {
   FusionFrame frame = corner();
   const FusionFrame before = frame;
   for (int y = 40; y < 80; ++y) {
-    for (int x = 60; x < 100; ++x) frame.depth.at(x, y) *= 0.7f;  // something stands in front
+    for (int x = 60; x < 100; ++x) frame.depth.at(x, y) *= 0.7f;  // something is in front
   }
   const ImageF out = smooth_along_normals(frame.depth, frame.normal, {}, frame.camera);
   EXPECT_LT(mean_log_error(out, frame.depth), 5e-4);

@@ -21,9 +21,10 @@ struct StructuralPlanes {
   double normal_angle = 20;    ///< degrees between the depth's own normal and the plane's
 };
 
-/// Draws depth, and normals where a frame has them, of pixels whose label is wall, floor or ceiling to the planes that such pixels of all
-/// frames lie on. Pixels near the edge of a label, off every plane, or without a label stay. Returns per frame how much each pixel was
-/// drawn, H x W in [0, 1]; empty maps for frames without labels. Planes are fitted to training views alone.
+/// Moves depth, and normals where a frame has them, to planes of the room. It moves pixels whose label is wall, floor
+/// or ceiling; the planes are fitted to such pixels of all frames. Pixels near the edge of a label, off every plane, or
+/// without a label stay. Returns per frame how far each pixel was moved, H x W in [0, 1]; empty maps for frames without
+/// labels. Planes are fitted to training views alone.
 std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels, const StructuralPlanes& options,
                                       ThreadPool& pool);
 

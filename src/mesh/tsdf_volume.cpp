@@ -20,8 +20,8 @@ constexpr int kMaxCoordinate = (1 << 20) - 64;
 constexpr size_t kRowGrain = 8;               // image rows per chunk
 constexpr size_t kBlockGrain = 32;            // blocks per chunk
 constexpr size_t kRecentKeys = 4096;          // slots of the filter for blocks that were noted a moment ago
-// Hash node, coordinate and pointer of a block; and the vertices and triangles of the blocks that the surface
-// crosses (about 100 and 200 in two of five blocks), with the doubling of growing arrays.
+// Hash node, coordinate and pointer of a block. Vertices and triangles of the blocks that the surface crosses (about
+// 100 and 200 in two of five blocks), with the doubling of growing arrays.
 constexpr uint64_t kBookkeepingBytes = 80;
 constexpr uint64_t kExtractionBytes = 4096;
 

@@ -34,8 +34,8 @@ struct TsdfView {
 };
 
 /// Use: reserve() every view, look at predicted_bytes(), allocate(), integrate() every view, extract the surface.
-/// Blocks are numbered in an order that depends on the input alone, views are fused in the order of the calls, and
-/// each voxel is written by one thread: the same field for any number of threads.
+/// Blocks are numbered in an order that depends on the input alone. Views are fused in the order of the calls, and one
+/// thread writes each voxel. The field is the same for any number of threads.
 class TsdfVolume {
  public:
   explicit TsdfVolume(const TsdfOptions& options);

@@ -68,8 +68,8 @@ struct VoxelView {
     const float d = depth[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
     return d > 0 && d < 1e30f ? d : 0.0f;  // NaN compares false, infinity is excluded
   }
-  /// Depth at image point (u, v) in pixel (x, y): bilinear where the four pixels around it belong to one surface,
-  /// else the nearest pixel's. What differs by more than the truncation is another surface.
+  /// Depth at image point (u, v) in pixel (x, y): bilinear where the four pixels around it belong to one surface, else
+  /// the nearest pixel's. A depth that differs by more than the truncation is another surface.
   ALIGNGS_HD float sample_depth(float u, float v, int x, int y) const {
     const float nearest = depth_at(x, y);
     if (nearest == 0) return 0;

@@ -28,13 +28,13 @@ struct ConsistencyOptions {
 ImageF usable_depth(const FusionFrame& frame, double min_alpha, double max_depth);
 
 /// Support of every pixel of view `index`. A pixel is confirmed when its point, taken to another view, meets a depth
-/// that agrees to the relative tolerance and whose own point comes back to within the pixel tolerance.
+/// that agrees to the relative tolerance. The point of that depth must come back to within the pixel tolerance.
 /// `depths` are usable_depth() of `frames`; interpolated frames neither confirm nor contradict.
 Image<uint8_t> pixel_support(const std::vector<FusionFrame>& frames, const std::vector<ImageF>& depths, size_t index,
                              ThreadPool& pool, const ConsistencyOptions& options = {});
 
-/// Median |difference| in scene units between the depth that one view predicts for another and the one found there,
-/// over pairs that differ by less than 10 % (else one hides the other). 0 when no two views overlap.
+/// Median |difference| in scene units between the depth that one view predicts for another and the depth there. Only
+/// pairs that differ by less than 10 % count (else one hides the other). 0 when no two views overlap.
 double two_view_residual(const std::vector<FusionFrame>& frames, const std::vector<ImageF>& depths, ThreadPool& pool);
 
 }  // namespace aligngs

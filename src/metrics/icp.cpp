@@ -10,8 +10,8 @@
 namespace aligngs {
 namespace {
 
-// Eigenvalues of the normal equations below this share of the largest stand for directions that the surface leaves
-// open: a wall that is flat to 1 % of its width. A room with 1 % of its area across has a hundred times as much.
+// Eigenvalues of the normal equations below this share of the largest mark directions that the surface leaves open. An
+// example is a wall that is flat to 1 % of its width. A room with 1 % of its area across has a hundred times as much.
 constexpr double kRelativeRank = 1e-4;
 constexpr double kConverged = 1e-6;  // step, as a share of the cloud's size: a micrometre per metre
 constexpr size_t kMinPairs = 7;      // unknowns of a similarity

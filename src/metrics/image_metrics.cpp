@@ -22,8 +22,8 @@ constexpr double kSigma = 1.5;          // pixels
 constexpr double kC1 = 0.01 * 0.01;     // (K1 L)^2 with dynamic range L = 1
 constexpr double kC2 = 0.03 * 0.03;
 constexpr double kMinMse = 1e-10;       // kMaxPsnr
-// Weight of the identity in the colour fit, as a share of the number of pixels: far below the noise of a photo,
-// far above rounding.
+// Weight of the identity in the colour fit, as a share of the pixels: far below the noise of a photo, far above
+// rounding.
 constexpr double kIdentityWeight = 1e-6;
 
 void require_same_size(const ImageF& a, const ImageF& b, const ImageF& mask) {

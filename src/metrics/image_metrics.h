@@ -12,8 +12,8 @@ namespace aligngs {
 inline constexpr double kMaxPsnr = 100;
 
 struct ImageMetricOptions {
-  /// Clamp the render to [0, 1] and round it to 8 bits first, as when it had been written as PNG: what the
-  /// field measures (3DGS, AlignGS: metrics read the written files). Without it the render is only clamped.
+  /// Clamp the render to [0, 1] and round it to 8 bits first, as if written to PNG. The field measures written files
+  /// (3DGS, AlignGS). Without it the render is only clamped.
   bool quantise = true;
 };
 
@@ -34,7 +34,7 @@ ImageF displayed(const ImageF& render, const ImageMetricOptions& options = {});
 double psnr(const ImageF& render, const ImageF& truth, const ImageF& mask = {}, const ImageMetricOptions& options = {});
 
 /// Structural similarity (Wang et al. 2004): 11x11 Gaussian window of sigma 1.5, C1 = 0.01^2, C2 = 0.03^2, zero
-/// padding, each channel on its own, mean over everything, as in 3DGS and its successors. With a mask, both images
+/// padding. Each channel is on its own, mean over everything, as in 3DGS and its successors. With a mask, both images
 /// are zero outside it and the mean runs over the pixels inside.
 double ssim(const ImageF& render, const ImageF& truth, const ImageF& mask = {}, const ImageMetricOptions& options = {},
             ThreadPool* pool = nullptr);

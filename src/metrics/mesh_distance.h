@@ -12,7 +12,7 @@ namespace aligngs {
 struct DistanceOptions {
   double threshold = 0.05;  ///< metres (units of the points); the field's 5 cm
   bool strict = true;       ///< distance < threshold counts (NeuRIS); false: <= (GO-Surf)
-  std::vector<double> finer = {};  ///< metres: further thresholds, whose scores stand in MeshScores::finer in this order
+  std::vector<double> finer = {};  ///< metres: further thresholds, whose scores are in MeshScores::finer in this order
 };
 
 /// Precision, recall and F-score at one threshold (units of the points).

@@ -43,8 +43,8 @@ struct MeshProtocolOptions {
   double points_per_area = 1e4;   ///< per m^2: 1 per cm^2
   size_t max_points = 4'000'000;  ///< cap of the area samples
   double occlusion_tolerance = 0.02;  ///< metres a point may lie behind the first surface (GO-Surf)
-  /// A predicted sample is dropped where more than this share of the views that see it see no true surface there:
-  /// the truth has holes (windows, screens, black counters) that nobody can be blamed for. 0.7 is GO-Surf's
+  /// A predicted sample is dropped if more than this share of the views that see it see no true surface there. The
+  /// truth has holes (windows, screens, black counters), which must not count as errors. 0.7 is GO-Surf's
   /// --remove_missing_depth; 1 switches it off.
   double max_missing_truth = 0.7;
   size_t max_cameras = 300;       ///< evenly strided when there are more (GO-Surf)
@@ -72,16 +72,16 @@ struct MeshProtocolResult {
 };
 
 /// NeuRIS (5168dcc), evaluation/EvalScanNet.py: measured on vertices thinned to one per voxel. The truth keeps the
-/// faces that are first hits of some ray; the prediction loses the vertices outside the truth's box scaled by 1.1,
-/// those of faces that are no first hit, those in no frustum, and those that fall, in any view, on a pixel where the
-/// truth has no surface. Distance < threshold counts.
+/// faces that are first hits of some ray. The prediction loses the vertices outside the truth's box scaled by 1.1,
+/// those of faces that are no first hit, and those in no frustum. It also loses those that fall, in any view, on a
+/// pixel where the truth has no surface. Distance < threshold counts.
 MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,
                                             MeshAlignment alignment, ThreadPool& pool,
                                             const MeshProtocolOptions& options = {});
 
-/// Area-uniform samples of both meshes, each kept where some view has it in its frustum and not behind another part
-/// of its own mesh (GO-Surf 71bb125, tools/mesh_metrics.py, with exact rays instead of depth maps). Distance <=
-/// threshold counts. Does not depend on tessellation.
+/// Area-uniform samples of both meshes, each kept if some view has it in its frustum and not behind another part of its
+/// own mesh. After GO-Surf 71bb125, tools/mesh_metrics.py, with exact rays instead of depth maps. Distance <= threshold
+/// counts. Does not depend on tessellation.
 MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, CullingViews culling,
                                          MeshAlignment alignment, ThreadPool& pool,
                                          const MeshProtocolOptions& options = {});

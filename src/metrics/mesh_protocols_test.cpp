@@ -36,8 +36,8 @@ TriangleMesh wall(float z, float half = 1) {
   return mesh;
 }
 
-/// A wall that every camera sees as a whole, with a small post in front and one beside and behind it, so that the
-/// box around it is not flat. `shift` moves everything away from the cameras.
+/// A wall that every camera sees as a whole. A small post in front and one beside and behind it make the box around it
+/// not flat. `shift` moves everything away from the cameras.
 TriangleMesh wall_with_posts(float shift = 0) {
   TriangleMesh mesh = wall(2 + shift, 0.7f);
   add_rectangle(mesh, -0.69f, -0.66f, -0.69f, -0.66f, 1.5f + shift, 4);

@@ -11,8 +11,9 @@
 
 namespace aligngs {
 
-/// NaN (JSON null) where nothing was labelled. Two rules say which classes are in the mean: those that hold a least share of the
-/// labelled pixels ("count"), and all that the truth has at all ("present"). The second asks for small things as much as for the wall.
+/// NaN (JSON null) where nothing was labelled. Two rules choose the classes of the mean: those with a least share of
+/// the labelled pixels ("count"), and all classes of the truth ("present"). The second weighs small objects as much as
+/// the wall.
 struct SemanticScores {
   double miou = 0;           ///< mean over the classes that count
   double present_miou = 0;   ///< mean over the classes present in the truth
@@ -43,8 +44,8 @@ class ConfusionMatrix {
   /// Labelled pixels (points) of a true class, whatever is predicted.
   uint64_t of_class(int truth) const;
 
-  /// IoU = TP / (TP + FP + FN) over labelled pixels; a class counts when it holds at least `min_share` of them
-  /// (0.1 %), so that a few stray pixels do not weigh as much as the wall, and is present when it holds any.
+  /// IoU = TP / (TP + FP + FN) over labelled pixels. A class counts when it holds at least `min_share` of them (0.1 %):
+  /// a few stray pixels must not weigh as much as the wall. It is present when it holds any.
   SemanticScores scores(double min_share = kLeastClassShare) const;
 
  private:
@@ -54,7 +55,7 @@ class ConfusionMatrix {
 
 struct MeshLabelOptions {
   double threshold = 0.05;  ///< metres (units of the truth): how far the nearest predicted vertex may be
-  double voxel = 0.02;      ///< truth vertices are thinned to one per voxel: the majority label stands
+  double voxel = 0.02;      ///< truth vertices are thinned to one per voxel: the majority label is kept
   double min_share = kLeastClassShare;
 };
 

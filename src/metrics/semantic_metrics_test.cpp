@@ -44,8 +44,8 @@ TEST(ConfusionMatrix, RareClassesDoNotCount) {
   EXPECT_EQ(matrix.scores(0).classes, 2);
 }
 
-/// 2000 pixels: class 0 has 1997 of them, 3 taken for class 1; class 1 has 2, one of them taken for class 0 and both too few to count;
-/// class 2 has 1, found; class 3 is not in the truth.
+/// 2000 pixels: class 0 has 1997 of them, 3 taken for class 1. Class 1 has 2, one of them taken for class 0 and both
+/// too few to count. Class 2 has 1, found. Class 3 is not in the truth.
 TEST(ConfusionMatrix, TwoRulesForWhichClassesAreInTheMean) {
   ConfusionMatrix matrix(4);
   for (int i = 0; i < 1994; ++i) matrix.add(0, 0);

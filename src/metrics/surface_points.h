@@ -1,4 +1,4 @@
-// Points that stand for a surface: area-uniform samples, vertices, and their thinning to one per voxel.
+// Points that represent a surface: area-uniform samples, vertices, and their thinning to one per voxel.
 #pragma once
 
 #include <cstddef>

@@ -24,7 +24,8 @@ struct SurfaceQualityOptions {
   double planar_degrees = 2;        ///< and its normals to this angle
   /// Metres behind the true surface, along its normal, before which a ray must have met something.
   double pass_depth = 0.05;
-  /// Pixels, of images 320 wide, around a point's projection within which the truth must belong to one surface: a contour that is a pixel off is no hole.
+  /// Pixels, of images 320 wide, around a point's projection. Within them the truth must belong to one surface: a
+  /// contour that is a pixel off is no hole.
   double contour_pixels = 2;
   double min_cosine = 0.17;         ///< of a view to the true surface: 80 degrees; flatter looks decide nothing
   uint64_t seed = 1;
@@ -55,11 +56,12 @@ struct SurfaceQualityInput {
   std::vector<uint8_t> structural;          ///< per class 1 for walls, floor and ceiling; empty: no such figures (NaN)
 };
 
-/// Normal error: area-uniform samples of the predicted faces that are first hits of some ray of `cameras` (320 columns), each
-/// against the nearest point of the true mesh within `reach`; the sign of normals does not count. Roughness: edges of those
-/// faces whose midpoint is within `reach` of planar truth. Pinholes: area-uniform samples of the true surface; of the training
-/// views that see a sample away from contours, the share whose ray meets no predicted surface up to `pass_depth` behind it,
-/// averaged over the samples that some view sees. An empty prediction has no angles (NaN) and pinholes of 1.
+/// Normal error: area-uniform samples of the predicted faces that are first hits of some ray of `cameras` (320
+/// columns). Each is compared with the nearest point of the true mesh within `reach`; the sign of normals does not
+/// count. Roughness: edges of those faces whose midpoint is within `reach` of planar truth. Pinholes: area-uniform
+/// samples of the true surface, averaged over those that some view sees. The value is the share of views whose ray
+/// meets no predicted surface up to `pass_depth` behind the sample. Views are training views that see it away from
+/// contours. An empty prediction has no angles (NaN) and pinholes of 1.
 SurfaceQuality measure_surface(const SurfaceQualityInput& input, ThreadPool& pool, const SurfaceQualityOptions& options = {});
 
 }  // namespace aligngs

@@ -14,8 +14,8 @@ constexpr int kCells = 40;        // along a side of the wall
 constexpr float kHalf = 1;        // metres: half a side
 constexpr float kDistance = 2;    // metres from the cameras
 
-/// A wall of 2 x 2 m before the cameras, `kCells` x `kCells` squares of two triangles; `depth(x, y)` in metres; cells that
-/// `missing(i, j)` names are left out.
+/// A wall of 2 x 2 m before the cameras, `kCells` x `kCells` squares of two triangles. `depth(x, y)` is in metres.
+/// Cells that `missing(i, j)` names are left out.
 TriangleMesh wall(const std::function<float(float, float)>& depth, const std::function<bool(int, int)>& missing = {}) {
   TriangleMesh mesh;
   for (int j = 0; j <= kCells; ++j) {
@@ -96,7 +96,8 @@ TEST_F(SurfaceQualityTest, FoldsAreRoughnessAndHalfOfThemNormalError) {
   const double a = std::atan(double(kFold)) * 180 / std::acos(-1.0);
   const SurfaceQuality q = measure(wall(folds), wall(flat));
   EXPECT_NEAR(q.normal_error.median, a, 0.05);
-  // Of the edges those along the ridges (length c) fold by 2 a; those across them (c / cos a) and the diagonals are in a face's plane.
+  // The edges along the ridges (length c) fold by 2 a. Those across them (c / cos a) and the diagonals are in a face's
+  // plane.
   const double across = 1 / std::cos(a * std::acos(-1.0) / 180), diagonal = std::sqrt(1 + across * across);
   EXPECT_NEAR(q.roughness.mean, 2 * a / (1 + across + diagonal), 0.1);
 }
@@ -115,7 +116,7 @@ TEST_F(SurfaceQualityTest, AWallThatIsShiftedBySevenCentimetresIsPassedThrough) 
 }
 
 TEST_F(SurfaceQualityTest, AContourThatIsAPixelOffIsNoHole) {
-  // A board stands 40 cm before the wall; the predicted one is 5 mm (0.75 pixels) narrower.
+  // A board is 40 cm before the wall; the predicted one is 5 mm (0.75 pixels) narrower.
   const auto with_board = [](float half) {
     TriangleMesh mesh = wall(flat);
     const auto first = static_cast<uint32_t>(mesh.vertices.size());

@@ -1,4 +1,4 @@
-// What every operator is given: threads, precision and memory to work in.
+// Arguments of every operator: threads, precision and memory to work in.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace aligngs::nn {
 
-/// Of the operands of matrix products and of attention. Sums, normalisations and the residual
-/// stream are float32 in both.
+/// Precision of the operands of matrix products and of attention. Sums, normalisations and the residual stream are
+/// float32 in both.
 enum class Precision { kFloat32, kBfloat16 };
 
 /// Uninitialised memory on a 64-byte boundary.
@@ -35,7 +35,7 @@ class AlignedBytes {
 /// A stack of buffers that belongs to one worker and is reused from call to call.
 class Scratch {
  public:
-  /// What was taken while a frame lives is given back when it ends.
+  /// Returns at its end the memory that was taken while it lives.
   class Frame {
    public:
     explicit Frame(Scratch& scratch) : scratch_(scratch), mark_(scratch.used_) {}
@@ -63,7 +63,7 @@ class NetworkDevice;  // network_device.h
 /// Makes a device when there is work for it; it goes when nobody uses it any more. Empty, or null made: the processor.
 using DeviceFactory = std::function<std::shared_ptr<NetworkDevice>()>;
 
-/// What may be used of this machine.
+/// The resources of this machine that may be used.
 struct ComputeOptions {
   Precision precision = Precision::kFloat32;
   bool onednn = true;  ///< when built with it; otherwise the portable kernels
@@ -81,7 +81,8 @@ class Compute {
   Precision precision() const { return options_.precision; }
   /// Whether attention runs on the matrix unit (bfloat16 only).
   bool amx() const { return amx_; }
-  /// Where operators run, or nullptr for the processor. Tensors stay there until code of the host looks at them.
+  /// The device on which operators run, or nullptr for the processor. Tensors stay there until code of the host looks
+  /// at them.
   NetworkDevice* device() const { return options_.device.get(); }
   const ComputeOptions& options() const { return options_; }
   const std::shared_ptr<MatrixBackend>& matrices() const { return matrices_; }

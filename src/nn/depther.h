@@ -35,8 +35,8 @@ class DepthNetwork {
   Vit vit_;
 };
 
-/// backbone: a plain DINOv2 file; head: tensors "decode_head.*". Which of the heads it is shows in
-/// the tensors. Hugging Face files: see huggingface.h.
+/// backbone: a plain DINOv2 file; head: tensors "decode_head.*". The tensors decide which of the
+/// heads it is. Hugging Face files: see huggingface.h.
 std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone,
                                                  const Weights& head,
                                                  const DepthOptions& options = {});

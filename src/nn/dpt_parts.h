@@ -1,4 +1,4 @@
-// What the dense heads of VGGT and DINOv2 have in common (Ranftl et al. 2021, DPT).
+// Common parts of the dense heads of VGGT and DINOv2 (Ranftl et al. 2021, DPT).
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ class ResidualUnit {
   bool rectified_skip_ = false;
 };
 
-/// One of the four levels, finest first: 1x1 projection, change of resolution (x4, x2, none, 1/2),
+/// One of the four levels, finest first. 1x1 projection, change of resolution (x4, x2, none, 1/2),
 /// 3x3 convolution without bias to the width of the fusion.
 class DptLevel {
  public:

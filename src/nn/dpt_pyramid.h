@@ -1,5 +1,5 @@
-// From four layers of patch tokens to one map of features: what the dense heads of VGGT and DA3 have in common,
-// under the names that both give to their tensors.
+// From four layers of patch tokens to one map of features. Common part of the dense heads of VGGT and DA3, with the
+// tensor names of both.
 #pragma once
 
 #include <string>

@@ -11,7 +11,8 @@ namespace aligngs::nn {
 Weights dinov2_from_huggingface(const std::shared_ptr<const WeightFile>& file,
                                 const std::string& prefix = "");
 
-/// The head of facebook/dpt-dinov2-*, as "decode_head.*". What its network never uses is left out.
+/// The head of facebook/dpt-dinov2-*, as "decode_head.*". Tensors that its network never uses are
+/// left out.
 Weights dpt_head_from_huggingface(const std::shared_ptr<const WeightFile>& file);
 
 /// Whether a file has that layout.

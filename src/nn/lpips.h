@@ -8,7 +8,7 @@
 
 namespace aligngs::nn {
 
-/// What the network is given for an image with values in [0, 1].
+/// The network's input for an image with values in [0, 1].
 enum class LpipsInput {
   kCanonical,  ///< 2 x - 1, as its authors say
   kUnit        ///< x itself, as the tables of the field have it (lower by about a third)

@@ -12,7 +12,8 @@
 
 namespace aligngs::nn {
 
-/// What the tensors do not tell. The defaults are those of mmsegmentation's configurations.
+/// Settings that the tensors do not hold. The defaults are those of mmsegmentation's
+/// configurations.
 struct Mask2FormerOptions {
   AdapterOptions adapter;
   int64_t heads = 0;    ///< of the head; 0: as many as the pixel decoder's deformable attention has

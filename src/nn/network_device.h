@@ -1,6 +1,6 @@
-// What a device must be able to do so that networks run on it: memory, and the operators that do their work there.
-// Every pointer to floats is memory of the device unless it says host; a null pointer stands for a part that a network
-// does not have. Rows lie one after the other. Operators run in the order of the calls.
+// The interface of a device on which networks run: memory, and the operators that do their work there. Every pointer to
+// floats is device memory unless named host. A null pointer means a part that a network does not have. Rows lie one
+// after the other. Operators run in the order of the calls.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace aligngs::nn {
 
-/// What surrounds a product: y = activation(product(x) + bias).
+/// The ends of a product: y = activation(product(x) + bias).
 struct ProductEnds {
   const float* bias = nullptr;  ///< one per output
   Activation activation = Activation::kNone;

@@ -17,8 +17,8 @@ constexpr float kEps = 1e-5f;
 PixelDecoder::PixelDecoder(const Compute& compute, const Weights& weights, const Options& options) {
   features_ = weights.dimension("level_encoding.weight", 1);
   const int64_t f = features_;
-  // The projections on the way in and out are exact: they are a small part of the work, and their
-  // rounding would go straight into the mask logits, whose sign decides what queries look at.
+  // The input and output projections are exact, and are a small part of the work. Their rounding
+  // would go straight into the mask logits, whose sign decides the attention of queries.
   for (size_t i = 0; i < 3; ++i) {
     const std::string n = "input_convs." + std::to_string(i);
     inputs_[i] =

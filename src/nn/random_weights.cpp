@@ -34,8 +34,8 @@ Distribution distribution_of(const std::string& name, const std::vector<int64_t>
   return {0, std::sqrt(3 / std::max(inputs, 1.0))};
 }
 
-/// Values that have to be what they are: cameras near the identity with fields of view of 1 and 1.2 rad (the four
-/// iterations of VGGT's camera head add a quarter each), no attention masks, the periods of a rotation.
+/// Values with a meaning: no attention masks, the periods of a rotation, cameras near the identity. Fields of view are
+/// 1 and 1.2 rad; the four iterations of VGGT's camera head add a quarter each.
 void set_fixed_values(const SafetensorsStream::Entry& tensor, std::vector<float>& values) {
   const auto near = [&](const std::vector<float>& wanted) {
     for (size_t i = 0; i < std::min(wanted.size(), values.size()); ++i) values[i] = wanted[i] + 0.1f * values[i];

@@ -1,5 +1,5 @@
 // Weights of the published networks' sizes with random values: for measuring shapes, memory and
-// time without the publishers' files. What such a network predicts means nothing.
+// time without the publishers' files. Predictions of such a network mean nothing.
 #pragma once
 
 #include <cstdint>
@@ -64,7 +64,7 @@ struct LingbotSize {
   int64_t heads = 6, classes = 150;
 };
 
-/// Names and shapes as published. `prefix` stands before every name.
+/// Names and shapes as published. `prefix` precedes every name.
 TensorList dinov2_tensors(const VitSize& size, const std::string& prefix = "");
 TensorList dpt_head_tensors(const VitSize& size, int64_t features = 256);
 /// Segmentation heads on `inputs` features (linear: the channels of the backbone; ms: four times).

@@ -21,7 +21,7 @@ struct Matrix {
   const float* row(int64_t i) const { return data.data() + i * columns; }
 };
 
-/// A map with its channels innermost (NHWC without the N): its memory is that of a Matrix with one
+/// A map with its channels innermost (NHWC without the N). Its memory is that of a Matrix with one
 /// row per place, row-major from the top left.
 struct FeatureMap {
   int64_t height = 0, width = 0, channels = 0;

@@ -42,7 +42,7 @@ class TensorNames {
   std::string prefix_;
 };
 
-/// Which tensors a transformer block has.
+/// The tensors of a transformer block.
 struct BlockNames {
   int64_t channels, hidden;
   bool gated = false, split_gate = false, head_norms = false;

@@ -18,8 +18,8 @@ std::vector<float> layer_scale(const Weights& weights, const char* name, const c
   return {};
 }
 
-/// Rows of queries and keys [2 * heads * dim, ...] of `size` values each, quarters 0 1 2 3 of every
-/// head as 0 2 1 3: pairs (i, i + dim / 2) become Rope2d's.
+/// Rows of queries and keys [2 * heads * dim, ...] of `size` values each. Quarters 0 1 2 3 of every head become 0 2 1
+/// 3: pairs (i, i + dim / 2) become Rope2d's.
 void pair_within_axes(std::vector<float>& values, int64_t heads, int64_t dim, int64_t size) {
   const int64_t quarter = dim / 4 * size;
   for (int64_t h = 0; h < 2 * heads; ++h) {

@@ -9,7 +9,7 @@
 
 namespace aligngs::nn {
 
-/// Where each token of a sequence lies; sequences longer than the list repeat it.
+/// The place of each token of a sequence; sequences longer than the list repeat it.
 struct TokenPlaces {
   struct Place {
     int y = 0, x = 0;
@@ -18,10 +18,9 @@ struct TokenPlaces {
   std::vector<Place> places;
 };
 
-/// x += ls1 * proj(attention(norm1(x))); x += ls2 * ffn(norm2(x)). What the weights hold decides on
-/// the rest: normalised queries and keys (attn.q_norm), LayerScale (ls1.gamma or gamma1, none), and
-/// the feed-forward part (mlp.fc1 with GELU, SwiGLU as mlp.w12 or as mlp.w1 and mlp.w2), biases that
-/// do not count (attn.qkv.bias_mask).
+/// x += ls1 * proj(attention(norm1(x))); x += ls2 * ffn(norm2(x)). The weights decide the rest: normalised queries and
+/// keys (attn.q_norm), LayerScale (ls1.gamma or gamma1, none), biases that do not count (attn.qkv.bias_mask). The
+/// feed-forward part is mlp.fc1 with GELU, or SwiGLU as mlp.w12 or as mlp.w1 and mlp.w2.
 class TransformerBlock {
  public:
   struct Config {

@@ -12,10 +12,10 @@ namespace aligngs::nn {
 
 class NetworkDevice;
 
-/// Like std::vector<float> of a fixed size for code of the host, which gets the current values whatever made them:
-/// access through a const Values reads, any other access may write. Different threads may read at once, and write
-/// different elements at once. Neither may happen while an operator of a device works on it. Pointers to the host's
-/// floats are stale after such an operator has written.
+/// Like std::vector<float> of a fixed size for host code, which gets the current values whatever made them. Access
+/// through a const Values reads; any other access may write. Different threads may read at once, and write different
+/// elements at once. Neither may happen while an operator of a device works on it. Pointers to the host's floats are
+/// stale after such an operator has written.
 class Values {
  public:
   using value_type = float;

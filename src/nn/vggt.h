@@ -10,7 +10,7 @@
 
 namespace aligngs::nn {
 
-/// What the weights do not tell; the defaults are those of VGGT-1B.
+/// Settings that the weights do not hold; the defaults are those of VGGT-1B.
 struct VggtOptions {
   int64_t heads = 0;         ///< of the aggregator; 0: channels / 64
   int64_t camera_heads = 0;  ///< 0: channels / 128

@@ -67,7 +67,7 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
         copy_block(out.patch_tokens.data, {f * patches * c, 0}, normed.data, from, 1, patches * c);
     }
   }
-  // Special tokens stand at (0, 0), patches from (1, 1) on.
+  // Special tokens are at (0, 0), patches from (1, 1) on.
   TokenPlaces places{Rope2d(c / heads_, std::max(out.grid_height, out.grid_width)), {}};
   places.places.resize(size_t(out.special));
   for (int y = 1; y <= int(out.grid_height); ++y) {

@@ -19,8 +19,8 @@ std::array<double, 9> rotation_from_xyzw(const std::array<double, 4>& q);
 std::array<double, 4> xyzw_from_rotation(const std::array<double, 9>& r);
 
 /// width, height: of the network's input in pixels. A field of view of 0 or less (the network's
-/// ReLU) gives the focal length of the smallest angle, 1e-3 rad; one of
-/// pi or more gives a focal length that is not positive, by the same formula.
+/// ReLU) gives the focal length of the smallest angle, 1e-3 rad. One of pi or more gives a focal
+/// length that is not positive, by the same formula.
 VggtCamera decode_pose(const PoseEncoding& encoding, int64_t width, int64_t height);
 
 }  // namespace aligngs::nn

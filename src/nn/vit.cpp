@@ -162,7 +162,7 @@ VitTokens Vit::embed(Compute& compute, const std::vector<FeatureMap>& images) co
   out.registers = int64_t(registers_.size()) / channels_;
   out.tokens = Matrix(out.images * out.per_image(), channels_);
   const Matrix position = positions(compute, out.grid_height, out.grid_width);
-  // What every image begins with, then the patches are added.
+  // The start of every image; then the patches are added.
   Matrix base(out.per_image(), channels_);
   const float* const first_place = position.row(0);
   float* to = base.row(0);

@@ -21,7 +21,7 @@ enum class PositionRule {
   kNone          ///< nothing is added (LingBot-Vision, whose queries and keys turn instead)
 };
 
-/// What the weights do not tell. The defaults are those of the published models.
+/// Settings that the weights do not hold. The defaults are those of the published models.
 struct VitOptions {
   int64_t heads = 0;                     ///< 0: channels / 64
   std::optional<PositionRule> position;  ///< default: by the presence of registers
@@ -61,7 +61,7 @@ class Vit {
   /// The final norm of the network (where its weights have one).
   Matrix normed(Compute& compute, const Matrix& tokens) const { return norm_(compute, tokens); }
 
-  /// What the blocks are given.
+  /// The input of the blocks.
   VitTokens embed(Compute& compute, const std::vector<FeatureMap>& images) const;
   /// cls (row 0) and patches of the position embedding for a grid. Error{kBadInput} for a grid that
   /// a table of the patches alone does not have.

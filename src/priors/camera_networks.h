@@ -1,4 +1,4 @@
-// Which network finds the cameras when nobody names one: the order of preference, and why.
+// The default network for cameras: the order of preference, and its reasons.
 #pragma once
 
 #include <string>

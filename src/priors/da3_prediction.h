@@ -22,7 +22,7 @@ struct Da3Inputs {
 /// Longest side 504, as its program prepares them. Photos of several shapes are cut to what all have, in the middle.
 Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
 
-/// What running the network will need beside the photos, item by item. Reads shapes only.
+/// Memory that the network will need beside the photos, item by item. Reads shapes only.
 void add_da3_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames, int width,
                     int height);
 
@@ -43,8 +43,8 @@ struct Da3Views {
 Da3Views predict_da3_views(nn::Compute& compute, const nn::Da3& network, const std::vector<Photo>& photos,
                            Da3Inputs inputs, const ViewPredictionOptions& options);
 
-/// Depth for views whose cameras are known (at the size of the photos): the network reads them, and its depth is
-/// brought to their units by least squares over the centres. The cameras stay as they are. Error{kFailed} when the
+/// Depth for views whose cameras are known (at the size of the photos). The network reads the cameras. Its depth is
+/// scaled to their units by least squares over the centres. The cameras stay as they are. Error{kFailed} when the
 /// network's own cameras do not fit the given ones at all.
 std::vector<PredictedView> da3_depth_of_cameras(nn::Compute& compute, const nn::Da3& network,
                                                 const std::vector<Photo>& photos, const std::vector<Camera>& cameras,

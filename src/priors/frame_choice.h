@@ -1,4 +1,4 @@
-// Which frames of a video become photos: sharp ones, spread over what the camera saw.
+// Chooses the frames of a video that become photos: sharp ones, spread over the way of the camera.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// What is known of a frame without its full size.
+/// Measures of a frame, from a small copy.
 struct FrameFeatures {
   double sharpness = 0;   ///< mean absolute Laplacian over the mean grey value; a blurred frame has less than its neighbours
   double brightness = 0;  ///< mean grey value, 0 to 1

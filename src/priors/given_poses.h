@@ -9,9 +9,8 @@
 
 namespace aligngs {
 
-/// Place of the cameras for photos in `photos`: `given` (a folder, or a transforms.json) when it is not
-/// empty, else the folder of the photos, then the one above it. Error{kBadInput} naming the places
-/// when there are none.
+/// Place of the cameras for photos in `photos`: `given` (a folder, or a transforms.json) when it is not empty. Else the
+/// folder of the photos, then the one above it. Error{kBadInput} naming the places when there are none.
 std::filesystem::path find_given_cameras(const std::filesystem::path& photos,
                                          const std::filesystem::path& given);
 

@@ -19,9 +19,9 @@ struct MetresEstimate {
   size_t photos = 0;   ///< that had a scale of their own
 };
 
-/// The logarithm of one photo's metres per unit, robustly over its pixels: ground of which the any-view network is at least as
-/// sure as of half of the ground. `frame`: as predicted. `metric`: [H, W, 2] of the same image, depth not yet times the focal
-/// length, and sky. Nothing when too few pixels tell, or when the sizes differ.
+/// The logarithm of one photo's metres per unit, robustly over its pixels. Pixels are ground of which the any-view
+/// network is at least as sure as of half of the ground. `frame`: as predicted. `metric`: [H, W, 2] of the same image,
+/// depth not yet times the focal length, and sky. Nothing when too few pixels tell, or when the sizes differ.
 std::optional<double> log_metres_of_photo(const nn::Da3Frame& frame, const nn::FeatureMap& metric);
 
 /// One scale from those of the photos: their median. Nothing without any.

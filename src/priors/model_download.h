@@ -18,16 +18,15 @@ struct ModelDownloadOptions {
   ProgressStyle progress;
 };
 
-/// Downloads the files of the model (not what it needs) that are not there, and checks each: its
-/// size, its digest where one is published, that it opens as weights and holds the tensors it
-/// should. Records digest and licence. Error{kWeights} when a file is not what it should be (it is
-/// removed then) or the store is offline; kResources when the disk is too small; as
-/// download_to_part() otherwise.
+/// Downloads the missing files of the model (not of models that it needs), and checks each. Checked are its size, its
+/// digest where one is published, that it opens as weights, and its tensors. Records digest and licence.
+/// Error{kWeights} when a file fails a check (it is removed then) or the store is offline. kResources when the disk is
+/// too small; as download_to_part() otherwise.
 void download_model(const ModelStore& store, const PublishedModel& model,
                     const ModelDownloadOptions& options);
 
-/// Checks `source` in the same way and copies it (a link where the file system can share the
-/// bytes) to where find() looks. Which file of the model it is, its tensors tell.
+/// Checks `source` in the same way and copies it (a link where the file system can share the bytes) to where find()
+/// looks. Its tensors identify the file of the model.
 std::filesystem::path import_model_file(const ModelStore& store, const PublishedModel& model,
                                         const std::filesystem::path& source);
 
@@ -41,8 +40,8 @@ struct ModelFileState {
   std::string compared_with;    ///< "published", "recorded", "Hugging Face", "nothing"
 };
 
-/// Reads every file of the model again and compares its digest with the published one, else the one
-/// recorded when it came; opens it and looks for its tensors.
+/// Reads every file of the model again, opens it and looks for its tensors. Compares its digest with the published one,
+/// else with the one recorded at the download.
 std::vector<ModelFileState> verify_model(const ModelStore& store, const PublishedModel& model);
 
 }  // namespace aligngs

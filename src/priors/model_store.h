@@ -38,20 +38,20 @@ class ModelStore {
   const ModelStoreOptions& options() const { return options_; }
   /// Place to which download and import write a file.
   std::filesystem::path own_path(const PublishedModel& model, const ModelFile& file) const;
-  /// Looks at the disk only; the first place that has the file wins: Hugging Face's cache, whose
-  /// files other programs of the user read as well, then ours, then torch's.
+  /// Looks at the disk only; the first place that has the file wins. Hugging Face's cache, which
+  /// the user's other programs read as well, then ours, then torch's.
   std::optional<LocatedModelFile> find(const PublishedModel& model, const ModelFile& file) const;
   /// Every path that find() looks at, in its order ("*" for any revision).
   std::vector<std::filesystem::path> places(const PublishedModel& model,
                                             const ModelFile& file) const;
   /// Whether all files of the model and of what it needs are there.
   bool installed(const PublishedModel& model) const;
-  /// The files of the model itself. Error{kWeights} when anything of it or of what it needs is
-  /// missing: what to download with which command, how large, and where it was looked for.
+  /// The files of the model itself. Error{kWeights} when a file of it, or of a model that it needs,
+  /// is missing. The error names the download command, the size and the searched places.
   std::vector<std::filesystem::path> require(const PublishedModel& model) const;
 
-  /// SHA-256 of a file that find() returned: the one recorded for it while its size and time stay,
-  /// the name of Hugging Face's blob, or computed (and recorded) now.
+  /// SHA-256 of a file that find() returned: the recorded one while its size and time stay, or the
+  /// name of Hugging Face's blob. Otherwise computed (and recorded) now.
   std::string digest(const PublishedModel& model, const ModelFile& file,
                      const LocatedModelFile& located) const;
 

@@ -86,9 +86,9 @@ void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights,
   const uint64_t quarter = width / 4 * (height / 4);
   const uint64_t coarser = quarter / 4 + quarter / 16 + quarter / 64;
   const uint64_t tokens = width / kPatch * (height / kPatch) + 1;
-  // The peak is where the pixel decoder makes its finest map. The backbone's four maps are still
-  // there; of the coarser levels the tokens, their positions and the copies handed on; of the
-  // finest the map before, the map after and the operand of the convolution between them.
+  // The peak is where the pixel decoder makes its finest map. The backbone's four maps are still there. The coarser
+  // levels hold the tokens, their positions and the copies handed on. The finest holds the map before, the map after
+  // and the operand of the convolution between them.
   constexpr uint64_t kCopies = 3;
   const uint64_t maps = (quarter + coarser) * channels * kFloat;
   const uint64_t decoder =
@@ -132,9 +132,8 @@ void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
     constexpr uint64_t kFiner = 17;  // the grid and its enlargement by 4 x 4
     per_place = bins * kFiner * kFloat + 2 * channels * layers * kFloat;
   } else {
-    // The peak is the last convolution but one, at 16 x 16 places of a token: its input, the
-    // operand made of it and its output; the four levels of 4 x 4, 2 x 2, 1 and 1/4 places still
-    // lie there.
+    // The peak is the last convolution but one, at 16 x 16 places of a token. It holds its input, the operand made of
+    // it and its output. The four levels of 4 x 4, 2 x 2, 1 and 1/4 places are still there.
     const auto features = uint64_t(head.dimension("decode_head.convs.0.conv.weight", 0));
     const auto input = uint64_t(head.dimension("decode_head.conv_depth.head.0.weight", 0));
     const auto output = uint64_t(head.dimension("decode_head.conv_depth.head.2.weight", 0));

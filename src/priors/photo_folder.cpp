@@ -83,7 +83,7 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   return out;
 }
 
-/// Where find_mask() and COLMAP look for the mask of a prepared photo.
+/// The place where find_mask() and COLMAP look for the mask of a prepared photo.
 fs::path mask_place(const Photo& prepared, const fs::path& folder) {
   return folder.parent_path() / kMaskFolder / (prepared.file.lexically_relative(folder).string() + ".png");
 }

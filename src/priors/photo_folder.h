@@ -22,18 +22,18 @@ struct PhotoList {
   std::vector<LeftOut> left_out;  ///< hidden, empty, cut and unreadable files, and second ones of a name
 };
 
-/// Pictures (io/picture_format.h) of the folder or, when it holds none, of its images/, else of all its subfolders, in the order of people
-/// (2 before 10). Error{kBadInput}: fewer than two photos that can be used. Pictures in formats that are not read (TIFF, raw, ...)
-/// are named in the error or a warning.
+/// Pictures (io/picture_format.h) of the folder, in natural order (2 before 10). If it holds none, those of its images/,
+/// else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures in formats
+/// that are not read (TIFF, raw, ...) are named in the error or a warning.
 PhotoList list_photos(const std::filesystem::path& folder);
 
 /// Whether list_photos would find any.
 bool has_photos(const std::filesystem::path& folder);
 
-/// Masks of the photos (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without; none where no photo has one.
-/// Copies into `folder` under <name>.jpg or .png: as they are where they are upright and neither
-/// side exceeds `max_side` pixels, else turned and resized (JPEG of quality 95, with the focal length
-/// that the camera wrote into it). The result lists the copies.
+/// Copies into `folder` under <name>.jpg or .png. Unchanged if upright and no side exceeds `max_side` pixels. Else
+/// turned and resized (JPEG of quality 95, with the focal length that the camera wrote into it). The result lists the
+/// copies. Masks (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without. No photo with a mask:
+/// none is written.
 std::vector<Photo> prepare_photos(const std::vector<Photo>& photos,
                                   const std::filesystem::path& folder, int max_side,
                                   ThreadPool& pool);

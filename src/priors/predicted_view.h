@@ -1,4 +1,4 @@
-// What a network predicts of a photo, in the photo's own pixels: a camera, dense depth and its confidence.
+// A network's prediction for a photo, in the photo's own pixels: a camera, dense depth and its confidence.
 #pragma once
 
 #include <vector>

@@ -67,7 +67,7 @@ bool is_test(size_t index, int test_every) {
   return test_every > 0 && index % size_t(test_every) == 0;
 }
 
-/// The photos that have cameras must be enough to train on; if not, every photo is told what became of it.
+/// The photos that have cameras must be enough to train on. If not, the error gives the outcome of every photo.
 void require_enough_placed(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<LeftOut>& unplaced,
                            bool strict, const std::string& remedy) {
   const auto reason_of = [&](const Photo& photo) {

@@ -60,10 +60,10 @@ struct ScenePhotosReport {
   double seconds = 0;
 };
 
-/// `photos`: a folder, or a video, of which frames are taken (priors/video_frames.h).
-/// Error{kUsage} when the scene exists, or for a video with given cameras; Error{kWeights} when the network's weights are missing;
-/// Error{kResources} when memory will not do; Error{kBadInput} with a reason per photo when fewer
-/// than three photos, or fewer than half of them, could be placed.
+/// `photos`: a folder, or a video, whose frames become photos (priors/video_frames.h).
+/// Error{kUsage} when the scene exists, or for a video with given cameras. Error{kWeights} when the network's weights are
+/// missing. Error{kResources} when memory is too small. Error{kBadInput}, with a reason per photo, when fewer than three
+/// photos or fewer than half could be placed.
 ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,
                                          const std::filesystem::path& scene,
                                          const ModelStore& store,

@@ -37,8 +37,9 @@ struct ScenePriorsReport {
 const PublishedModel& semantic_model(const std::string& choice);
 const PublishedModel& depth_model(const std::string& choice);
 
-/// The words above that name a network, in the order in which "auto" prefers them: whole networks first, then heads from
-/// large to small backbones, of one backbone the one that reads more layers. Networks for non-commercial use come last. Networks for non-commercial use come last.
+/// The words above that name a network, in the order in which "auto" prefers them: whole networks first, then heads
+/// from large to small backbones. The head that reads more layers of one backbone is first. Networks for non-commercial
+/// use come last.
 const std::vector<std::string>& semantic_choices();
 const std::vector<std::string>& depth_choices();
 
@@ -52,9 +53,9 @@ const PublishedModel* installed_depth_model(const ModelStore& store);
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store,
                              const PublishedModel& model, const ScenePriorsOptions& options);
 
-/// Writes segmentation_logits/<view>.npy (float16 [150, h, w], one value per 8 pixels of the
-/// network's input) and priors.json with the kind: logits of the linear heads, scores of
-/// Mask2Former. Error{kBadInput} when the scene has other classes than ADE20K's.
+/// Writes segmentation_logits/<view>.npy (float16 [150, h, w], one value per 8 pixels of the network's input). Writes
+/// priors.json with the kind: logits of the linear heads, scores of Mask2Former. Error{kBadInput} when the scene has
+/// other classes than ADE20K's.
 ScenePriorsReport fill_semantics(const std::filesystem::path& scene, const ModelStore& store,
                                  const PublishedModel& model, const ScenePriorsOptions& options);
 

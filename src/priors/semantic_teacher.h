@@ -20,7 +20,7 @@ class SemanticTeacher {
  public:
   virtual ~SemanticTeacher() = default;
   virtual int64_t classes() const = 0;
-  /// What the numbers of map() are.
+  /// The kind of the numbers of map().
   virtual SemanticKind kind() const = 0;
   /// Values [height, width, classes] of a photo (RGB).
   virtual nn::FeatureMap map(nn::Compute& compute, const Image<uint8_t>& rgb, int width, int height) const = 0;

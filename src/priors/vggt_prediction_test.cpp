@@ -74,8 +74,8 @@ TEST(VggtPrediction, ThePaddingIsNoPartOfTheMap) {
 }
 
 TEST(VggtPrediction, DepthKeepsItsPlaceUnderTheHalfPixelRule) {
-  // Depth grows by 0.01 per pixel of the network's input; at twice the size pixel x of the photo
-  // has its centre at (x + 0.5) / 2 of the input.
+  // Depth grows by 0.01 per pixel of the network's input. At twice the size pixel x of the photo has its centre at (x +
+  // 0.5) / 2 of the input.
   nn::FeatureMap depth = network_depth(56, 28);
   for (int64_t y = 0; y < 28; ++y) {
     for (int64_t x = 0; x < 56; ++x) depth.at(y, x)[0] = 10 + 0.01f * (float(x) + 0.5f);

@@ -88,7 +88,7 @@ void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vec
   if (result.status != 0) refuse(video, "ffmpeg cannot read it: " + last_line(result.last_lines));
 }
 
-/// What is known of every candidate, in the order of ffmpeg's frames.
+/// Measures of every candidate, in the order of ffmpeg's frames.
 std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int height) {
   std::ifstream in(raw, std::ios::binary);
   std::vector<FrameFeatures> features;

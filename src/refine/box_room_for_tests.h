@@ -1,4 +1,5 @@
-// A box of a room with a chest on its floor and a doorway, drawn in closed form: what photos of it show and what they do not.
+// A box of a room with a chest on its floor and a doorway, drawn in closed form. It gives what photos show and do not
+// show.
 #pragma once
 
 #include <algorithm>

@@ -96,7 +96,7 @@ struct StaysNearZero {
 
 struct PosePrior {
   double rotation, centre;
-  double offset[kPoseSize];  ///< how far the pose stands from its anchor already; rotations are small, so they add
+  double offset[kPoseSize];  ///< distance of the pose from its anchor; rotations are small, so they add
   template <class T>
   bool operator()(const T* pose, T* residual) const {
     for (int i = 0; i < 3; ++i) residual[i] = (pose[i] + offset[i]) / rotation;
@@ -143,7 +143,7 @@ void measure(const BundleProblem& problem, double& rms, double& median) {
   median = median_of(std::move(errors));
 }
 
-/// Of one depth factor of each view, so that all of a view's together weigh as much as its independent ones.
+/// Sigma of one depth factor of each view: all of a view's together weigh as much as its independent ones.
 std::vector<double> depth_sigmas(const BundleProblem& problem, const BundleSettings& settings) {
   std::vector<double> counts(problem.cameras.size(), 0.0);
   for (const Observation& o : problem.observations) counts[static_cast<size_t>(o.view)] += o.prior_depth > 0;

@@ -1,5 +1,5 @@
-// From a scene with depth of a sensor, or given depth, to a copy that tells how its photos are exposed and what lies in the holes
-// of its depth. Cameras and measured depth stay as they are.
+// Copies a scene with depth of a sensor, or given depth, and adds exposures and depth in its holes. Cameras and measured depth
+// stay as they are.
 #pragma once
 
 #include <filesystem>

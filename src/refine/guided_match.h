@@ -32,8 +32,8 @@ struct Match {
   PlaceCovariance covariance;  ///< of `pixel`
 };
 
-/// The patch around (x, y) of `from` is carried over by its own depth, pixel for pixel, so that slanted surfaces match,
-/// and slid over a window of `to`. Nothing when it lies outside, has no depth, no contrast, or no unique place.
+/// The patch around (x, y) of `from` is carried over by its own depth, pixel for pixel, so that slanted surfaces match.
+/// It is slid over a window of `to`. Nothing when it lies outside, has no depth, no contrast, or no unique place.
 std::optional<Match> guided_match(const MatchView& from, int x, int y, const MatchView& to, const MatchSettings& settings);
 
 }  // namespace aligngs

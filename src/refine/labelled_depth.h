@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// Of pixels that no other photo confirms: what depth they have lies between measurements that may be far away, and nothing follows
-/// from its slope.
+/// Settings for pixels that no other photo confirms. Their depth lies between measurements that may be far away, and
+/// nothing follows from its slope.
 inline PlaneDepthSettings loose_planes() {
   PlaneDepthSettings settings;
   settings.reach = 0.35;

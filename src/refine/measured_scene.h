@@ -35,11 +35,10 @@ struct MeasureSceneReport {
   std::vector<Vec3f> log_gains;  ///< of the training views; empty without
 };
 
-/// Reads the scene, measures, writes the new folder complete or not at all. Views whose files are damaged are left out with a
-/// warning (usable_views.h).
-/// Cameras and points stay as they are; test photos are not read. pred_depths/ holds depth where it is certain or lies between
-/// places where it is (none at all for photos that share nothing with others), pred_confidence/ how certain. Error{kBadInput} for a scene
-/// without points.
+/// Reads the scene, measures, writes the new folder complete or not at all. Views whose files are damaged are left out
+/// with a warning (usable_views.h). Cameras and points stay as they are; test photos are not read. pred_depths/ holds
+/// depth where it is certain, or between such places. Photos that share nothing with others have none. pred_confidence/
+/// holds the certainty. Error{kBadInput} for a scene without points.
 MeasureSceneReport measure_scene(Scene scene, const std::filesystem::path& output, const MeasureSceneOptions& options,
                                  ThreadPool& pool);
 

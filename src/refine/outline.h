@@ -30,8 +30,8 @@ struct OutlinePoint {
   double slope = 0;  ///< luma per pixel in that direction
 };
 
-/// The photo's strongest edges near the outline of a region (H x W, 1 = inside) that run along with it. What the border of the photo cuts off
-/// is no outline. Empty for a region without edges.
+/// The photo's strongest edges near the outline of a region (H x W, 1 = inside) that run along with it. A cut by the
+/// border of the photo is no outline. Empty for a region without edges.
 std::vector<OutlinePoint> outline_of(const Image<uint8_t>& region, const ImageF& gradient, const OutlineSettings& settings);
 
 /// A plane in the world: normal . x + offset = 0.

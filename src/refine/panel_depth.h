@@ -36,10 +36,11 @@ std::vector<PanelClass> panel_classes(const LabelSet& labels);
 std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
                                const PanelDepthSettings& settings);
 
-/// Effect of panels on a pixel with such a label, instead of `measurements` (one per view); their `plane` becomes 0 there. `planes` are
-/// those that the panels were found with. A pixel is of the panel that the nearest measured pixel of its region is of; where none is measured, of
-/// the first that its ray meets. What would be behind the wall without one is in it (another pass of stereo then looks there). Deterministic for
-/// any number of threads.
+/// Effect of panels on a pixel with such a label, instead of `measurements` (one per view); their `plane` becomes 0
+/// there. `planes` are those that the panels were found with. A pixel belongs to the panel of the nearest measured
+/// pixel of its region. If none is measured, it belongs to the first panel that its ray meets. A pixel that would be
+/// behind the wall without a panel is in the wall (another pass of stereo then looks there). Deterministic for any
+/// number of threads.
 void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
                        const std::vector<PanelClass>& classes, const PanelDepthSettings& settings, ThreadPool& pool,
                        std::vector<PlaneMeasurement>& measurements);

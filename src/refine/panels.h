@@ -58,11 +58,13 @@ struct PanelSettings {
 /// The unit vector that the floor faces along and the ceiling against; nothing without either.
 std::optional<Vec3d> vertical_of(const std::vector<ScenePlane>& planes);
 
-/// Sets a panel's own directions from its normal: level and upright where the planes have a floor or ceiling, else along an axis of the world.
+/// Sets a panel's own directions from its normal. Level and upright where the planes have a floor or ceiling, else
+/// along an axis of the world.
 void set_upright(Panel& panel, const std::vector<ScenePlane>& planes);
 
-/// The largest planes that each thing's measured points lie in. `planes` are those of the room: panels nearly parallel to
-/// a wall are made parallel to it, level ones are none, and rectangles are upright as the floor says. Deterministic for a seed; points that are not finite are ignored.
+/// The largest planes that each thing's measured points lie in. `planes` are those of the room: panels nearly parallel
+/// to a wall are made parallel to it. Level ones are no panels. Rectangles are upright relative to the floor.
+/// Deterministic for a seed; points that are not finite are ignored.
 std::vector<Panel> find_panels(const std::vector<PanelPoint>& points, const std::vector<ScenePlane>& planes, const PanelSettings& settings,
                                uint64_t seed);
 

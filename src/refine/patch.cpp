@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFlat = 1e-6;  // variance of luma that is none
 
-/// Sums over a patch, for shifts beside each other.
+/// Sums over a patch, for neighbouring shifts.
 struct RowSums {
   double* dot;
   double* sum;
@@ -65,7 +65,7 @@ std::optional<Patch> carry_over(const MatchView& from, int x, int y, const Match
 }
 
 ShiftedScores::ShiftedScores(const Patch& patch, const ImageF& luma) : luma_(luma) {
-  // Places far outside are all the same: no shift that is asked for brings them back.
+  // Places far outside are equal: no requested shift brings them back.
   static constexpr double kFar = 1e8;
   const auto corner = [](double place) { return place > -kFar ? std::floor(std::min(place, kFar) - 0.5) : -kFar; };
   first_column_ = first_row_ = static_cast<int>(kFar);

@@ -14,8 +14,8 @@ struct Patch {
   Vec2d centre;              ///< expected place of the corner itself
 };
 
-/// The patch around (x, y); nothing where it leaves the photo, has no depth throughout, a jump of depth, no contrast, or
-/// lies behind the other camera.
+/// The patch around (x, y). Nothing if it leaves the photo, lacks depth somewhere, has a jump of depth or no contrast,
+/// or lies behind the other camera.
 std::optional<Patch> carry_over(const MatchView& from, int x, int y, const MatchView& to, const MatchSettings& settings);
 
 /// Normalised cross-correlation with the photo when all places are shifted by whole pixels. kOutside where the patch leaves

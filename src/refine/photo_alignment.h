@@ -31,10 +31,10 @@ struct PhotoAlignment {
   int renderings = 0;
 };
 
-/// Direct alignment (Lucas-Kanade over the pixels' surfaces; Kerl et al. 2013) of six numbers of the pose and two of the photo's
-/// brightness, by Levenberg-Marquardt. Gives the start back where the photo does not say better: no contrast, too little of
-/// the scene in view, or no smaller difference in the end. `photo` is H x W x 3 of the camera's size (Error{kFailed}
-/// otherwise), `mask` the same with one channel, 0 = not to be looked at, or empty.
+/// Direct alignment (Lucas-Kanade over the pixels' surfaces; Kerl et al. 2013) of six numbers of the pose and two of
+/// the photo's brightness, by Levenberg-Marquardt. Returns the start if the photo gives nothing better: no contrast,
+/// too little of the scene in view, or no smaller difference in the end. `photo` is H x W x 3 of the camera's size
+/// (Error{kFailed} otherwise). `mask` has the same size and one channel, 0 = ignored, or is empty.
 PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const ImageF& mask, const LookAtScene& look,
                               const PhotoAlignmentSettings& settings = {});
 

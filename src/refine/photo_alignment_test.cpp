@@ -81,7 +81,7 @@ TEST(PhotoAlignment, BrightnessIsNotMistakenForMotion) {
 TEST(PhotoAlignment, WhatTheSceneDoesNotHaveIsLeftOut) {
   const Scene scene;
   ImageF photo = scene(true_camera()).color, mask(96, 72, 1, 1.0f);
-  for (int y = 10; y < 60; ++y) {  // somebody stands in the photo
+  for (int y = 10; y < 60; ++y) {  // a person hides part of the photo
     for (int x = 20; x < 50; ++x) {
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = 0.05f;
     }

@@ -27,9 +27,9 @@ struct PhotoDepth {
   double measured = 0;  ///< share of the pixels whose certainty is not 0
 };
 
-/// `views`: camera and luma, MatchView::depth is not read. `points`: world, scene units, of structure from motion; those in front
-/// of a photo say between which depths it is searched (fewer than eight: as the other photos are). Photos that see nothing of
-/// another get empty maps. Deterministic for any number of threads.
+/// `views`: camera and luma, MatchView::depth is not read. `points`: world, scene units, of structure from motion.
+/// Those in front of a photo bound its search of depth (fewer than eight: the bounds of the other photos). Photos that
+/// see nothing of another get empty maps. Deterministic for any number of threads.
 std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points, const PhotoDepthSettings& settings,
                                     ThreadPool& pool, const std::function<void(double share)>& progress = {});
 

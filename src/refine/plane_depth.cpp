@@ -29,7 +29,7 @@ constexpr NamedClass kNamedClasses[] = {
     {"countertop", {PlaneKind::kTable, false}},
 };
 
-/// The class that stands at each pixel, kNoLabel near the edge to something of another place and where no plane is.
+/// The class at each pixel, kNoLabel near the edge to something of another place and where no plane is.
 Image<uint16_t> class_map(const PlaneView& view, const std::vector<PlaneClass>& classes, int edge) {
   const int width = view.camera.width, height = view.camera.height;
   const auto place = [&](int x, int y) {

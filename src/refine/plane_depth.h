@@ -46,14 +46,14 @@ struct CameraPlane {
   uint8_t number;    ///< 1 + index among the planes of the scene
   double proud = 0;  ///< how far before it doors, pictures and rugs lie (ScenePlane), scene units
 
-  /// Depth along a ray with z = 1, of the plane or of what stands proud of it; 0: not in front.
+  /// Depth along a ray with z = 1, of the plane or of a surface proud of it; 0: not in front.
   double depth(const Vec3d& ray, bool of_proud = false) const {
     const double slope = -dot(normal, ray), away = distance - (of_proud ? proud : 0);
     return slope > 0 && away > 0 ? away / slope : 0;
   }
 };
 
-/// 1 where a pixel's kind is not 0 and all pixels within `edge` (at the border, those that there are) are of the same; 0 elsewhere.
+/// 1 if a pixel's kind is not 0 and all pixels within `edge` (at the border, those inside) are of the same; else 0.
 Image<uint8_t> interior(const Image<uint8_t>& kinds, int edge);
 
 /// The planes that a camera sees from their front; of the first 255, which are more than find_planes() finds.
@@ -73,7 +73,7 @@ struct PlaneDepthResult {
 struct PlaneClass {
   PlaneKind kind = PlaneKind::kNone;
   bool glass = false;  ///< its depth says nothing of the plane
-  bool proud = false;  ///< it stands a little before the plane
+  bool proud = false;  ///< it is a little before the plane
 };
 
 /// Named surfaces that are planes.

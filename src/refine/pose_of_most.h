@@ -27,9 +27,9 @@ struct PoseOfMost {
   int agreeing = 0;  ///< matches
 };
 
-/// RANSAC (Fischler and Bolles 1981): a pose through three matches at a time, by Gauss-Newton from `start`, whose lens is kept; the
-/// best is fitted once more to all that agree with it. Nothing for fewer than four matches, or when no sample has a pose near `start`
-/// that a fourth match agrees with. The same for the same input.
+/// RANSAC (Fischler and Bolles 1981): a pose through three matches at a time, by Gauss-Newton from `start`, whose lens
+/// is kept. The best is fitted once more to all that agree with it. Nothing for fewer than four matches, or when no
+/// sample has a pose near `start` that a fourth match agrees with. The same for the same input.
 std::optional<PoseOfMost> pose_of_most(const Camera& start, const std::vector<PointMatch>& matches, const PoseSearchSettings& settings);
 
 }  // namespace aligngs

@@ -28,7 +28,8 @@ Camera elsewhere(Camera c) {
   return c;
 }
 
-/// Projections to `of` of points in a box before it, within half a pixel; the first `wrong` of them are matched up to 40 pixels off.
+/// Projections to `of` of points in a box before it, within half a pixel. The first `wrong` of them are matched up to
+/// 40 pixels off.
 std::vector<PointMatch> matches(const Camera& of, int count, int wrong) {
   Random random(3);
   std::vector<PointMatch> out;

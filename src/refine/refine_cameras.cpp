@@ -182,8 +182,8 @@ class Refinement {
     }
   }
 
-  /// Training photos of whose matches far fewer agree with the cameras than of the others' (wrong ones do with some pose: a
-  /// wallpaper's pattern fits one flower further, too), or too few at all.
+  /// Training photos whose matches agree with the cameras far less often than the others', or too rarely at all. Wrong
+  /// matches agree with some pose: a wallpaper's pattern fits one flower further, too.
   std::vector<int> lost_photos() const {
     const std::vector<int> fitting = count_training_observations();
     const auto share = [&](int v) { return static_cast<double>(fitting[static_cast<size_t>(v)]) / std::max(1, matched_[static_cast<size_t>(v)]); };

@@ -32,7 +32,7 @@ void turn(Camera& camera, double degrees) {
   camera.world_to_camera = Rigidd{Mat3d{{c, 0, s, 0, 1, 0, -s, 0, c}}, {}} * camera.world_to_camera;
 }
 
-/// Photos whose every place is told from the others, with true cameras.
+/// Photos in which every place is distinct, with true cameras.
 std::vector<RefineView> rough_photos(int count) {
   std::vector<RefineView> views;
   for (int i = 0; i < count; ++i) views.push_back(photo(true_camera(i), 0.6));

@@ -49,11 +49,11 @@ struct RefineSceneReport {
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 
-/// Reads the scene, refines, writes the new folder complete or not at all. Views whose files are damaged are left out with a
-/// warning (usable_views.h). Needs prior depth of all training views, in scene
-/// units or such that it can be brought to them (Error{kBadInput} otherwise: without it nothing says where to look for a
-/// match). The corrected depth is in scene units. The points of the
-/// scene stay unchanged: training scales each photo's depth to them (docs/decisions/0001-surface.md has what that does).
+/// Reads the scene, refines, writes the new folder complete or not at all. Views whose files are damaged are left out
+/// with a warning (usable_views.h). Needs prior depth of all training views, in scene units or in units that can be
+/// scaled to them. Error{kBadInput} otherwise: prior depth says where to look for a match. The corrected depth is in
+/// scene units. The points of the scene stay unchanged: training scales each photo's depth to them
+/// (docs/decisions/0001-surface.md has what that does).
 RefineSceneReport refine_scene(Scene scene, const std::filesystem::path& output, const RefineSceneOptions& options,
                                ThreadPool& pool);
 

@@ -18,8 +18,8 @@ struct ResectionSettings {
   double outlier = 3;           ///< pixels: matches beyond do not agree with the pose
   int least_observations = 15;  ///< a photo with fewer is not placed
   double least_fitting = 0.5;   ///< share of a photo's matches that agree with the pose found for it; with fewer it is not placed
-  /// Share of the points in front of its pose, hidden ones included, that a photo is found to show: rooms have 0.08 to 0.95 at right
-  /// poses; the same pattern elsewhere has 0.02 to 0.03.
+  /// Share of the points in front of its pose, hidden ones included, that a photo is found to show. Rooms have 0.08 to
+  /// 0.95 at right poses. The same pattern elsewhere has 0.02 to 0.03.
   double least_shown = 0.05;
 };
 
@@ -44,10 +44,10 @@ struct PhotoSearch {
   bool by_most = false;    ///< begins with the pose of most matches (`pose_of_most`); otherwise with the camera, which must be about right
 };
 
-/// Searches, and searches again near the place found, which finds more. A photo is placed when enough matches agree with one pose
-/// and, where it begins with its camera and in the second search always, most of them do and they are enough of what it would see from
-/// there: wrong ones agree with some pose, too.
-/// Deterministic for any number of threads.
+/// Searches, and searches again near the place found, which finds more. A photo is placed when enough matches agree
+/// with one pose. If it begins with its camera, and always in the second search, most matches must agree. They must
+/// also be enough of the points that it would see from there: wrong ones agree with some pose, too. Deterministic for
+/// any number of threads.
 void place_photos(const PlacedScene& scene, std::vector<WantedPhoto>& wanted, const PhotoSearch& search, const ResectionSettings& settings,
                   ThreadPool& pool);
 

@@ -19,7 +19,7 @@ struct PlanePoint {
   double certainty = 0;   ///< in [0, 1]: of a measurement by stereo; 0: the network's depth alone
   int view = 0;
   PlaneKind kind = PlaneKind::kNone;
-  bool proud = false;     ///< of something flat that stands a little before the plane: a door or a picture on a wall, a rug on a floor
+  bool proud = false;     ///< of something flat a little before the plane: a door, a picture, a rug
 };
 
 /// Points x with normal . x + offset = 0; the normal points into the room.
@@ -49,8 +49,9 @@ struct PlaneSettings {
   double prior_independent = 4;
   double measured_sigma = 0.008;     ///< relative error of what stereo measured with certainty 1
   double measured_together = 50;     ///< points that count as one
-  /// How far proud points lie before their plane, in shares of their depth: 1.5 +- 1.5 cm at 2.5 m, the thickness of door leaves and
-  /// picture frames. Doors and pictures hold most of what stereo measures of a bare wall; taken for the wall, they bring it forward.
+  /// Distance of proud points before their plane, in shares of their depth: 1.5 +- 1.5 cm at 2.5 m. This is the
+  /// thickness of door leaves and picture frames. Doors and pictures hold most of what stereo measures of a bare wall;
+  /// taken for the wall, they bring it forward.
   double proud_mean = 0.006, proud_sigma = 0.006;
 };
 

@@ -11,7 +11,7 @@ namespace aligngs {
 struct SupportSettings {
   double hangs_within = 0.05;   ///< of a parallel wall behind it: a flat screen with its holder is up to 15 cm deep
   double parallel = 12;         ///< degrees within which a wall is parallel
-  double gap = 0.06;            ///< between a screen's lower edge and the top that its foot stands on
+  double gap = 0.06;            ///< between a screen's lower edge and the top that carries its foot
   double overlap = 0.02;        ///< that the lower edge is found too low by
   double foot = 0.06;           ///< before and behind the screen's plane: what is level there carries it
   double level_cosine = 0.9;    ///< between the normal of a top and the vertical

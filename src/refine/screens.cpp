@@ -222,7 +222,8 @@ class Placer {
     return placement;
   }
 
-  /// Whether the plane beats where the screen is today by a margin: in the mean over its photos, or over those of them that have it on a panel.
+  /// Whether the plane beats the screen's current place by a margin. The mean is over its photos, or over those of them
+  /// that have it on a panel.
   bool beats_today(const Placement& placement, const std::vector<Panel>& panels) const {
     double all = 0, on_panels = 0;
     size_t count = 0;

@@ -1,4 +1,4 @@
-// Televisions and monitors: nothing on them can be matched, but their outlines can, and they stand on or hang at something.
+// Televisions and monitors: nothing on them can be matched, but their outlines can, and something supports them.
 #pragma once
 
 #include <vector>
@@ -24,15 +24,17 @@ struct ScreenSettings {
   double behind = 0.02;           ///< of the depth: how far behind a wall nothing is
   double least_agreement = 0.35;  ///< of outlines on the plane; where no screen is it is 0.1 to 0.3
   double supported = 0.05;        ///< what standing on or hanging at something counts beside the agreement
-  bool must_be_supported = true;  ///< a plane on which the screen neither stands nor hangs is none
+  bool must_be_supported = true;  ///< a plane on which the screen has no support is none
   double margin = 0.1;            ///< by which a plane must beat where the screen is today
 };
 
-/// Finds for each screen (PanelClass::kScreen) the plane on which its outlines agree best in all photos of it. Tried are planes around today's depth,
-/// parallel to a wall of `planes` or turned as the depth is, and none behind a wall. A plane whose rectangle hangs at a wall, or stands on something
-/// level, has an advantage. It becomes a panel, in place of those that the screen lay on, if it beats where the screen is today by a margin: each
-/// photo's own depth, or the panel of `panels` that it lies on. Otherwise nothing changes; so it does where too few photos show the screen.
-/// `lumas`: the photos, one per view, of the labels' size. Deterministic for any number of threads.
+/// Finds for each screen (PanelClass::kScreen) the plane on which its outlines agree best in all photos of it. Tried
+/// are planes around today's depth, parallel to a wall of `planes` or turned as the depth is, and none behind a wall. A
+/// plane whose rectangle hangs at a wall, or rests on something level, has an advantage. It becomes a panel, in place
+/// of the screen's former ones, if it beats the screen's current place by a margin. The current place is each photo's
+/// own depth, or the panel of `panels` on which the screen lies. Otherwise nothing changes; so it does where too few
+/// photos show the screen. `lumas`: the photos, one per view, of the labels' size. Deterministic for any number of
+/// threads.
 std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas, const std::vector<PanelClass>& classes,
                                  const std::vector<ScenePlane>& planes, std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool);
 

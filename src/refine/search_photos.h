@@ -16,8 +16,8 @@ struct TrackPhoto {
   const ImageF* mask = nullptr;      ///< 0 = no corner here; may be null or empty
 };
 
-/// The photos themselves for a near search; for a wide one those larger than 320 x 240 are copied with as many pixels as that,
-/// because a search whose window grows with the photo, for patches that do not, mistakes more and more of them.
+/// The photos themselves for a near search. For a wide one, photos larger than 320 x 240 are reduced to as many pixels.
+/// The search window grows with the photo, but the patches do not, so larger photos give more wrong matches.
 class SearchPhotos {
  public:
   /// The photos outlive it.

@@ -34,8 +34,9 @@ struct CostVolume {
   float* at(int x, int y) { return &cost[(static_cast<size_t>(y) * width + x) * hypotheses]; }
 };
 
-/// Every pixel of `view` is carried into the other photos by its own prior depth times the factor, so that a window follows
-/// slanted surfaces and both sides of a depth edge, and windows are compared there. Pixels without depth are unknown.
+/// Every pixel of `view` is carried into the other photos by its own prior depth times the factor. A window hence
+/// follows slanted surfaces and both sides of a depth edge. Windows are compared there. Pixels without depth are
+/// unknown.
 CostVolume sweep_prior_depth(const MatchView& view, const std::vector<const MatchView*>& others, const SweepSettings& settings);
 
 }  // namespace aligngs

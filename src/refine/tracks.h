@@ -30,18 +30,19 @@ struct TrackSettings {
   double largest_turn = 90;     ///< degrees between viewing directions
 };
 
-/// Choice of a photo's corners for a search within `search` of the image width. A small photo gets fewer
-/// than one of 320 x 240; a larger one no more, but as far apart in proportion: each is placed more exactly there, and takes longer
-/// to look for. A wide search makes do with fewer.
+/// Choice of a photo's corners for a search within `search` of the image width. A small photo gets fewer than one of
+/// 320 x 240. A larger one gets no more, but as far apart in proportion. Each is placed more exactly there, and its
+/// search takes longer. A wide search makes do with fewer.
 CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& luma, double search);
 
-/// Tracks of the corners of every photo that have depth and are found in at least one other, within `search` of the image width
-/// of where depth and cameras expect them; photo by photo. A search beyond TrackSettings::near_search looks at small copies
-/// (`SearchPhotos`), so that its places are rougher. The same for any number of threads.
+/// Tracks, photo by photo, of the corners of every photo that have depth and are found in at least one other. They are
+/// searched within `search` of the image width around the place that depth and cameras predict. A search beyond
+/// TrackSettings::near_search looks at small copies (`SearchPhotos`), so that its places are rougher. The same for any
+/// number of threads.
 std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool);
 
-/// Places at which the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`; Observation::point is
-/// the track's index.
+/// Places at which the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`.
+/// Observation::point is the track's index.
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
                                      const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool);
 

@@ -122,7 +122,7 @@ Square look_at(const Vec3d& x, const ScenePlane& plane, const std::vector<Layout
     } else if (z > p.z * (1 + s.beyond)) {
       ++through;
     } else if (z > p.z) {
-      ++surface;  // a little behind, as a pane in its niche: nothing stands before the square, so that the photo shows what is there
+      ++surface;  // a little behind, as a pane in its niche: nothing hides the square, so the photo shows it
     }
   }
   if (own > 0) square.color *= 1.0f / static_cast<float>(own);

@@ -35,7 +35,7 @@ struct UnseenLayout {
   std::vector<uint16_t> labels;  ///< per point: the class that most of the plane's seen squares have
 };
 
-/// Closed-room prior: a room is closed by its walls, floor and ceiling, also where something stands before them or no photo
+/// Closed-room prior: a room is closed by its walls, floor and ceiling, also where something hides them or no photo
 /// looks. Nothing is claimed of planes that photos do not show at all. No labels, or nothing flat: empty. Needs neither
 /// gravity nor right angles. Deterministic for any number of threads.
 UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes, const LayoutSettings& settings,

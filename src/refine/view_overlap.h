@@ -8,7 +8,7 @@
 
 namespace aligngs {
 
-/// Share of `from`'s pixels with depth that fall into `to`'s image; 0 when the viewing directions differ by more than
+/// Share of `from`'s pixels with depth that fall into `to`'s image. 0 when the viewing directions differ by more than
 /// `largest_turn` degrees or `from` has no depth.
 double view_overlap(const MatchView& from, const MatchView& to, double largest_turn);
 
@@ -21,8 +21,9 @@ struct PixelIndex {
   int x = 0, y = 0;
 };
 
-/// The pixel of a photo (camera, H x W depth, 0 = none) that shows a place of the world; nothing where the place is behind the camera or
-/// outside of the image, or where what is seen there lies farther from it than `agreement` (relative, below 1).
+/// The pixel of a photo (camera, H x W depth, 0 = none) that shows a place of the world. Nothing if the place is behind
+/// the camera or outside of the image. Nothing, too, if the depth there differs from it by more than `agreement`
+/// (relative, below 1).
 std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth, double agreement);
 
 }  // namespace aligngs

@@ -249,7 +249,7 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
     for (Vec3d& p : object.points) p = room.to_room * p;
   }
   room.boxes = find_boxes(join_pieces(std::move(objects)), room.walls, room.height, s.furniture);
-  // What stands outside is a mirror image, or seen through a pane.
+  // A box outside is a mirror image, or seen through a pane.
   std::erase_if(room.boxes, [&room](const MeasuredBox& box) { return !inside(room.walls, box.centre); });
   room.metric = inputs.metres_per_unit.has_value();
   room.scale_source = room.metric ? inputs.scale_source : ScaleSource::kUnknown;

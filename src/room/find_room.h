@@ -35,8 +35,9 @@ struct RoomSettings {
   RoomSettings();
 };
 
-/// Error{kBadInput} when there are no labels, nothing says which way is up, or no surface is seen. Without walls, floor or ceiling those are assumed
-/// from the box of what is seen, and `warnings` says so. Deterministic for any number of threads.
+/// Error{kBadInput} when there are no labels, the up direction is unknown, or no surface is seen. Without walls, floor
+/// or ceiling those are assumed from the bounding box of the seen surface, with an entry in `warnings`. Deterministic
+/// for any number of threads.
 MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& settings, ThreadPool& pool);
 
 }  // namespace aligngs

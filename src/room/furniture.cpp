@@ -123,7 +123,7 @@ std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& b
                        const FurnitureSettings& s) {
   if (box.bottom < s.to_floor) return "floor";
   for (const MeasuredBox& other : boxes) {
-    // A thing may stand on a shelf inside its case's box: only the top is known.
+    // A thing may be on a shelf inside its case's box: only the top is known.
     if (&other != &box && within(other, box.centre) && std::abs(box.bottom - other.top) < s.to_support) return box_name(other);
   }
   for (const MeasuredWall& wall : walls) {

@@ -21,24 +21,27 @@ struct FurnitureSettings {
   double tail = 0.01;         ///< share of the points on each side that a box leaves out: strays
   double square_gain = 0.10;  ///< a box turned against the walls must fit better by this share
   double near_side = 0.02;    ///< metres from a side of a box within which a point is on it: thickness of a trained surface
-  double to_floor = 0.15;     ///< metres from the floor within which a box stands on it: its foot is hidden by shadow and rugs
-  double to_support = 0.12;   ///< metres within which a box stands on another or hangs at a wall
+  double to_floor = 0.15;     ///< metres from the floor within which a box is on it: shadow and rugs hide its foot
+  double to_support = 0.12;   ///< metres within which another box or a wall supports a box
   double in_wall = 0.20;      ///< metres that a box may reach into a wall and is cut back: trained surfaces near walls are thick
   double cell = 0.10;         ///< metres: squares of a box's faces that are counted as seen
   double least_size = 0.25;   ///< metres, of the longest side: smaller ones are mostly confusions of a teacher, and so are beds shorter than a metre
   size_t least_points = 30;
 };
 
-/// The largest connected part of each object, of cubes with side `link` metres: points of a class elsewhere in the room go to the nearest object, and do not belong to it.
-/// Then pieces of one bed or sofa, which blankets and cushions divide, made one object: pieces of a class that lie in a row with gaps below `gap` metres. Other classes
-/// stand side by side as things of their own. The first piece keeps its number; empty objects are left out.
+/// The largest connected part of each object, of cubes with side `link` metres. Points of a class elsewhere in the room
+/// go to the nearest object, and do not belong to it. Then pieces of one bed or sofa, which blankets and cushions
+/// divide, are made one object. They are pieces of a class in a row with gaps below `gap` metres. Other classes side by
+/// side are things of their own. The first piece keeps its number; empty objects are left out.
 std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double link = 0.12, double gap = 0.2);
 
-/// One box, turned so that the points lie close to its sides (closeness of Zhang et al. 2017, "Efficient L-shape fitting"): of a wardrobe in a corner photos show
-/// two sides, for which the smallest box is a wrong one. Points that are not finite are ignored; too few of them, or a box too small: nothing is said, and false.
+/// One box, turned so that the points lie close to its sides (closeness of Zhang et al. 2017, "Efficient L-shape
+/// fitting"). Photos show two sides of a wardrobe in a corner, for which the smallest box is wrong. Points that are not
+/// finite are ignored. Returns false, with nothing written, for too few points or too small a box.
 bool fit_box(const ObjectPoints& object, const FurnitureSettings& settings, MeasuredBox& box);
 
-/// Boxes of all objects in the order given, cut back where they reach into walls, with what each stands on or hangs at. `height` of the ceiling, metres.
+/// Boxes of all objects in the order given, cut back where they reach into walls, each with its support. `height` of
+/// the ceiling, metres.
 std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls, double height,
                                     const FurnitureSettings& settings = {});
 

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-/// The surface of a box w x d x h whose centre stands at (x, y), turned by degrees, from `bottom` up.
+/// The surface of a box w x d x h whose centre is at (x, y), turned by degrees, from `bottom` up.
 ObjectPoints box_points(double w, double d, double h, double x, double y, double degrees, double bottom = 0) {
   ObjectPoints out{"sofa", 1, {}, 0.9};
   const double c = std::cos(degrees * kRadiansPerDegree), s = std::sin(degrees * kRadiansPerDegree);

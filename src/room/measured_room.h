@@ -9,8 +9,8 @@
 
 namespace aligngs {
 
-/// Lengths are in metres where the scale is known, else in scene units. Places are in the room's own frame: z up, the floor at z = 0, the
-/// longest wall along x, and no corner with a negative x or y.
+/// Lengths are in metres where the scale is known, else in scene units. Places are in the room's own frame: z up, the
+/// floor at z = 0, the longest wall along x. No corner has a negative x or y.
 enum class ScaleSource {
   kUnknown,  ///< the scene has no unit: lengths are scene units
   kNetwork,  ///< a network's estimate of metres

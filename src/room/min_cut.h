@@ -15,7 +15,8 @@ class MinCut {
   void add_node_costs(size_t node, double in, double out);
   /// Cost of two nodes' being in different parts.
   void add_edge_cost(size_t a, size_t b, double cost);
-  /// 1 for each node that is in, in a division of least cost (max-flow, Edmonds and Karp 1972). Of equal ones, that with fewest in.
+  /// 1 for each node that is in, in a division of least cost (max-flow, Edmonds and Karp 1972). Among equal ones, that
+  /// with fewest in.
   std::vector<uint8_t> solve();
 
  private:

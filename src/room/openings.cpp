@@ -127,7 +127,7 @@ std::vector<MeasuredOpening> find_openings(const WallVotes& votes, int wall, con
       double share = 0;
       if (filled(mask, r, &seen) < s.least_filled) continue;
       const int label = class_in(votes, kind, r, share);
-      // What is only seen through belongs to the kind that is named there.
+      // A place that is only seen through belongs to the kind that is named there.
       if (label < 0 || label >= labels.size() || share < s.least_filled / 2) continue;
       MeasuredOpening o;
       o.kind = kind;

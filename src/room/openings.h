@@ -17,8 +17,8 @@ struct OpeningSettings {
   double snap_to_floor = 0.2;///< metres: a door this near to the floor reaches it
 };
 
-/// The rectangles on wall number `wall`, largest first by kind. A side with few squares of the kind is drawn in, so that the nose of a window sill
-/// or a stray label does not widen the rectangle.
+/// The rectangles on wall number `wall`, largest first by kind. A side with few squares of the kind is drawn in. The
+/// nose of a window sill or a stray label hence does not widen the rectangle.
 std::vector<MeasuredOpening> find_openings(const WallVotes& votes, int wall, const LabelSet& labels, const OpeningSettings& settings = {});
 
 }  // namespace aligngs

@@ -11,7 +11,8 @@ namespace {
 
 constexpr uint16_t kWallClass = 0, kPaneClass = 8, kDoorClass = 14, kPaintingClass = 22;  // ADE20K
 
-/// One wall 4 m long and 2.5 m high along y = 0, seen from 2 m before it: `label_at` gives what each place shows, `behind` how far behind the wall.
+/// One wall 4 m long and 2.5 m high along y = 0, seen from 2 m before it. `label_at` gives the label of each place,
+/// `behind` its distance behind the wall.
 template <class Label, class Behind>
 WallVotes votes_of(Label&& label_at, Behind&& behind) {
   const MeasuredWall wall{{0, 0}, {4, 0}, {0, 1, 0}, 2.5, 0, 0, false};

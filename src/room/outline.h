@@ -26,8 +26,9 @@ struct OutlineSide {
   SideEvidence evidence;
 };
 
-/// The sides in order, counter-clockwise, with corners where their lines meet; empty where there is no free space. `lines` by falling
-/// number of points. Where no wall closes a side of the box of the surfaces, the box does, along the axes of the frame: such lines are assumed.
+/// The sides in order, counter-clockwise, with corners where their lines meet; empty where there is no free space.
+/// `lines` by falling number of points. If no wall closes a side of the box of the surfaces, the box does, along the
+/// axes of the frame: such lines are assumed.
 std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
                                       const RoomOutlineSettings& settings = {});
 

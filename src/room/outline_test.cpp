@@ -23,7 +23,8 @@ double area_of(const std::vector<OutlineSide>& sides) {
   return signed_area(corners);
 }
 
-/// What cameras at `centres` see all around of walls along `corners` (counter-clockwise); from side `hidden` on they see something else.
+/// The view all around from cameras at `centres` on walls along `corners` (counter-clockwise); from side `hidden` on
+/// they see something else.
 std::vector<SeenRay> look(const std::vector<Vec2d>& corners, const std::vector<Vec2d>& centres, size_t hidden = 1000) {
   std::vector<SeenRay> rays;
   for (const Vec2d& c : centres) {

@@ -14,7 +14,7 @@ struct RoomFrameSettings {
   double level_angle = 20;    ///< degrees from level within which a floor plane may be the floor
 };
 
-/// Planes of a room, told apart. Indices into the planes that were given.
+/// Planes of a room by kind. Indices into the planes that were given.
 struct RoomFrame {
   Rigidd to_room;               ///< world to the frame; the origin is not yet in a corner
   std::optional<size_t> floor;

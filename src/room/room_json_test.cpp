@@ -16,7 +16,7 @@ namespace {
 class RoomJson : public testing::Test {
  protected:
   void SetUp() override { std::filesystem::remove(file_); }
-  /// What reading room.json says after `change` of its document.
+  /// The field in the error of reading room.json after `change` of its document.
   template <class Change>
   std::string error_after(Change&& change) {
     nlohmann::ordered_json document = parse_ordered_json(room_json(sample_room::make()));

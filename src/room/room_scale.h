@@ -9,8 +9,9 @@ namespace aligngs {
 
 enum class KnownSide { kWidth, kHeight, kDepth, kLength };
 
-/// The measured length of a side of what has that name: "door.1", "door" where there is only one, "wall.2" (length and height), "ceiling" (height),
-/// "sofa.1". Error{kUsage} with the names that there are for a name that is unknown or that several things have, and for a side that it has not.
+/// The measured length of a side of what has that name: "door.1", "door" where there is only one, "wall.2" (length and
+/// height), "ceiling" (height), "sofa.1". Error{kUsage}, with the existing names, for a name that is unknown or that
+/// several things have, and for a missing side.
 double measured_side(const MeasuredRoom& room, const std::string& name, KnownSide side);
 
 /// The room with lengths such that `measured` becomes `metres`. Error{kUsage} unless both are positive and finite, and the scale changes by less than a

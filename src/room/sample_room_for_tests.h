@@ -5,7 +5,8 @@
 
 namespace aligngs::sample_room {
 
-/// 4 m x 3 m x 2.5 m with a door, a window, a picture, a sofa on the floor and a lamp on it; the wall at x = 0 is assumed.
+/// 4 m x 3 m x 2.5 m with a door, a window, a picture, a sofa on the floor and a lamp on it. The wall at x = 0 is
+/// assumed.
 inline MeasuredRoom make() {
   MeasuredRoom room;
   room.metric = true;

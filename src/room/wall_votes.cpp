@@ -20,7 +20,7 @@ WallFrame frame_of(const MeasuredWall& wall) {
   return {wall.from, {(wall.to.x - wall.from.x) / length, (wall.to.y - wall.from.y) / length}, wall.normal, length, wall.height};
 }
 
-/// Where a ray meets a wall from its front: the share of its length, and the place on the wall.
+/// The point where a ray meets a wall from its front: the share of its length, and the place on the wall.
 struct Meeting {
   double t = 0, along = 0, height = 0;
 };
@@ -43,7 +43,7 @@ void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behin
   if (column >= votes.columns || row >= votes.rows) return;
   const size_t i = votes.index(column, row);
   const bool standing = c.opening && !c.glass;
-  if (behind < -(standing ? s.proud : s.on_wall)) return;  // something stands before the wall
+  if (behind < -(standing ? s.proud : s.on_wall)) return;  // something hides the wall
   if (c.glass || (standing && behind < s.proud)) {
     votes.kinds[static_cast<size_t>(*c.opening)][i] += 1;
     votes.labels[i] = ray.label;

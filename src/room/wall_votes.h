@@ -1,4 +1,4 @@
-// What the photos show on each wall, square by square.
+// The labels that the photos show on each wall, square by square.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace aligngs {
 struct WallVoteSettings {
   double cell = 0.02;        ///< metres, side of a square: two pixels of a photo 320 wide at 2.5 m
   double on_wall = 0.12;     ///< metres from the wall within which a surface is on it
-  double proud = 0.25;       ///< for doors, whose leaves stand open a little, and pictures
+  double proud = 0.25;       ///< for doors, whose leaves are open a little, and pictures
   double beyond = 0.06;      ///< metres: what lies farther behind the wall is seen through it
 };
 
@@ -29,8 +29,8 @@ struct WallVotes {
   float total(size_t i) const { return kinds[0][i] + kinds[1][i] + kinds[2][i] + kinds[3][i] + wall[i] + beyond[i]; }
 };
 
-/// A ray votes on the first wall that it meets from inside, unless something stands before that wall. Rectangles of more than a few million squares
-/// have none.
+/// A ray votes on the first wall that it meets from inside, unless something hides that wall. Rectangles of more than a
+/// few million squares have none.
 std::vector<WallVotes> wall_votes(const std::vector<MeasuredWall>& walls, const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
                                   const WallVoteSettings& settings = {});
 

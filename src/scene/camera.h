@@ -5,8 +5,8 @@
 
 namespace aligngs {
 
-/// Pixel i covers [i, i + 1) and its centre is i + 0.5; the principal point is in the same coordinates
-/// (COLMAP's convention), so it is width / 2 for a centred camera.
+/// Pixel i covers [i, i + 1) and its centre is i + 0.5. The principal point is in the same coordinates (COLMAP's
+/// convention), so it is width / 2 for a centred camera.
 struct Camera {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels

@@ -39,9 +39,9 @@ bool at_silhouette(const ImageF& depth, int x, int y, double jump) {
 
 enum class Verdict { kNothing, kAgrees, kSeesThrough };
 
-/// Evidence of one view about a world point. The one of the four pixels around its projection that agrees best
-/// counts: on a slanted surface the nearest pixel alone may be off by half a footprint. The point is seen
-/// through only when all valid ones of the four lie farther away.
+/// Evidence of one view about a world point. The best match among the four pixels around its projection counts. On a
+/// slanted surface the nearest pixel alone may be off by half a footprint. The point is seen through only when all
+/// valid ones of the four lie farther away.
 Verdict judge(const DepthCloudView& view, const Vec3d& world, const DepthCloudOptions& options) {
   const Vec3d p = view.camera.world_to_camera * world;
   if (!(p.z > 0)) return Verdict::kNothing;

@@ -112,7 +112,8 @@ class Placing {
     }
   }
 
-  /// One factor: views count alike, however many points they show. Where no view shows enough, their samples count together.
+  /// One factor: views count alike, however many points they show. If no view shows enough, their samples count
+  /// together.
   void place_together() {
     std::vector<double> logs, all;
     std::vector<uint8_t> told(maps_.size(), 0);

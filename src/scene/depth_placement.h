@@ -13,7 +13,7 @@
 
 namespace aligngs {
 
-/// Where most of a list of log ratios lie.
+/// Place of most of a list of log ratios.
 struct LogScale {
   double log = 0;       ///< the ratio's logarithm
   double spread = 0;    ///< median of |log ratio - log| over all samples, outliers included

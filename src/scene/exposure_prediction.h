@@ -7,9 +7,9 @@
 
 namespace aligngs {
 
-/// One per view: View::log_gain of training views, and for test views what the training views nearest in place and direction say.
-/// Zeros for test views where neighbours do not tell: when the gains of the training views themselves, each predicted from the
-/// rest, are not known better for it by half (exposures set by chance). The test photos are not looked at.
+/// One per view: View::log_gain of training views. Gains of test views follow from the training views nearest in place
+/// and direction. Zeros for test views if neighbours do not predict gains (exposures set by chance). The check predicts
+/// each training view's gain from the rest: its error must fall by half. The test photos are not looked at.
 std::vector<Vec3f> predict_log_gains(const Scene& scene);
 
 }  // namespace aligngs

@@ -23,7 +23,7 @@ std::string folded(const std::string& text) {
   return out;
 }
 
-/// Splits one CSV line; a field may stand in double quotes, with "" for a quote (RFC 4180, single lines only).
+/// Splits one CSV line; a field may be in double quotes, with "" for a quote (RFC 4180, single lines only).
 std::vector<std::string> split_csv(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;

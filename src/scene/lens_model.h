@@ -21,8 +21,8 @@ enum class LensProjection {
 /// With q the projected point and s = |q|:
 ///   kPerspective: q (1 + k1 s^2 + k2 s^4 + k3 s^6) / (1 + k4 s^2 + k5 s^4 + k6 s^6), Brown's model as OpenCV and COLMAP have it;
 ///   kFisheye:     q (1 + k1 s^2 + ... + k6 s^12);
-/// then tangential terms (2 p1 qx qy + p2 (s^2 + 2 qx^2), y alike with p1 and p2 exchanged) and thin prism terms
-/// (prism[0] s^2 + prism[1] s^4, prism[2] s^2 + prism[3] s^4) are added.
+/// then tangential terms (2 p1 qx qy + p2 (s^2 + 2 qx^2), y alike with p1 and p2 exchanged) are added. Thin prism terms
+/// (prism[0] s^2 + prism[1] s^4, prism[2] s^2 + prism[3] s^4) are added, too.
 struct LensModel {
   LensProjection projection = LensProjection::kPerspective;
   int width = 0, height = 0;       ///< pixels
@@ -44,8 +44,8 @@ struct LensModel {
   LensModel resized(int w, int h) const;
 };
 
-/// All of COLMAP's models but EQUIRECTANGULAR, which is no view of a pinhole; that one, a size that is not within 1..65535,
-/// parameters that are not finite and focal lengths that are not positive are Error{kBadInput} naming `path` and the camera.
+/// All of COLMAP's models but EQUIRECTANGULAR, which is no view of a pinhole. Error{kBadInput} naming `path` and the
+/// camera: that model, a size not within 1..65535, non-finite parameters, focal lengths that are not positive.
 LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path);
 
 /// A camera model for images resized to w x h.

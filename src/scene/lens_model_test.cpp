@@ -49,8 +49,8 @@ TEST(LensOf, BadCamerasAreNamed) {
   EXPECT_THROW(lens_of(huge, "c"), Error);
 }
 
-/// Checks the pixel of the ray (0.5, -0.25, 1). The expected values were computed apart from this program, from the angles
-/// of the ray (theta = atan 0.559017) and, for the division model, by bisection of its inverse.
+/// Checks the pixel of the ray (0.5, -0.25, 1). The expected values were computed apart from this program, from the
+/// angles of the ray (theta = atan 0.559017). The division model's follow from bisection of its inverse.
 void expect_pixel(const std::string& model, std::vector<double> params, double u, double v) {
   const Vec2d pixel = lens_of(colmap_camera(model, std::move(params)), "c").project({0.5, -0.25});
   EXPECT_NEAR(pixel.x, u, 1e-8) << model;

@@ -1,4 +1,4 @@
-// Which pixels of a photo count: pictures in masks/, as COLMAP and nerfstudio have them, 0 = leave this pixel out.
+// Masks of photos: pictures in masks/, as COLMAP and nerfstudio have them. A value of 0 leaves the pixel out.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@ namespace aligngs {
 
 inline constexpr const char* kMaskFolder = "masks";
 
-/// The mask of a photo, empty when there is none: masks/ beside the photo, or beside one of the two folders around it, with the
-/// same path from there. For images/left/a.jpg: masks/left/a.jpg.png (COLMAP), masks/left/a.png or masks/left/a.jpg.
+/// The mask of a photo, empty when there is none. It lies in a folder masks/ beside the photo, or beside one of the two
+/// folders around it, with the same path from there. For images/left/a.jpg: masks/left/a.jpg.png (COLMAP), masks/left/a.png or masks/left/a.jpg.
 std::filesystem::path find_mask(const std::filesystem::path& photo);
 
 /// The mask for pixels of the photo at width x height, 255 = use, else 0. `upright`: for the photo after EXIF orientation, else

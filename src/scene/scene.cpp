@@ -120,7 +120,7 @@ void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const 
     fit = fit_photo(read_image_info(view.image), view.camera.width, view.camera.height);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kBadInput) throw;
-    return;  // the check of headers says so
+    return;  // the check of headers reports it
   }
   if (fit) view.camera = view.camera.resized(fit->width, fit->height);
 }

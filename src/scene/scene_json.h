@@ -67,8 +67,8 @@ void write_exposure_json(const std::filesystem::path& path, const ExposureJson& 
 const char* name_of(SemanticKind kind);
 const char* name_of(DepthScale scale);
 
-/// Scale of prior depth: as priors.json states it. Files of before it could be stated say it by depth.settings.units, which
-/// `aligngs priors` wrote ("arbitrary": own, "metres": metres), else by the model's name: names of monocular networks mean
+/// Scale of prior depth: as priors.json states it. Older files state it by depth.settings.units, which `aligngs priors`
+/// wrote ("arbitrary": own, "metres": metres). Else the model's name decides: names of monocular networks mean
 /// per_view. All others, and depth that `aligngs refine` corrected, are in scene units.
 DepthScale depth_scale_of(const PriorsJson& priors, bool refined);
 

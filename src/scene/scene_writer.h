@@ -24,7 +24,7 @@ struct SemanticMap {
   std::vector<float> values;  ///< [C][height][width]
 };
 
-/// Everything of one view. What is empty is not written.
+/// Everything of one view. Empty parts are not written.
 struct SceneViewParts {
   std::string name;     ///< stem of all files; unique within the scene
   Camera camera;        ///< at the size of the image

@@ -12,10 +12,9 @@ struct SemanticConversion {
   double least_score_sum = kUnknownScoreSum;
 };
 
-/// Converts values[C][height][width]:
-/// logits: softmax; scores: max(s, 0)^gamma / sum, confidence 0 where sum of max(s, 0) < least_score_sum; probabilities: as
-/// they are (brought to sum 1), confidence 0 where they sum to less. Pixels with a value that is not
-/// finite and pixels without any positive value get uniform probabilities and confidence 0.
+/// Converts values[C][height][width]. Logits: softmax. Scores: max(s, 0)^gamma / sum, confidence 0 where sum of max(s,
+/// 0) < least_score_sum. Probabilities: normalised to sum 1, confidence 0 where they sum to less. Pixels with a value
+/// that is not finite and pixels without any positive value get uniform probabilities and confidence 0.
 SemanticTarget semantic_target(const float* values, int channels, int width, int height,
                                const SemanticConversion& conversion);
 

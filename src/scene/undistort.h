@@ -9,13 +9,13 @@
 
 namespace aligngs {
 
-/// A pinhole of the lens's size and principal point whose every pixel has a source in the distorted image: the
-/// smallest such scale of the focal lengths within [0.5, 2]. Error{kBadInput} naming `path` when the distortion
-/// folds over (not invertible in the image) at any of these scales.
+/// A pinhole of the lens's size and principal point whose every pixel has a source in the distorted image. It has the
+/// smallest such scale of the focal lengths within [0.5, 2]. Error{kBadInput} naming `path` when the distortion folds
+/// over (not invertible in the image) at any of these scales.
 Camera undistorted_camera(const LensModel& lens, const std::filesystem::path& path);
 
-/// Resamples to `pinhole` (pose ignored). The map's size may differ from the lens's: both cameras are scaled to
-/// it, and the result has the aspect of `pinhole` with the map's width. Outside of the source: 0.
+/// Resamples to `pinhole` (pose ignored). The map's size may differ from the lens's: both cameras are scaled to it. The
+/// result has the aspect of `pinhole` with the map's width. Outside of the source: 0.
 ImageF undistort_image(const ImageF& image, const LensModel& lens, const Camera& pinhole);  ///< bilinear, any channels
 /// Depth along the z axis is unchanged by undistortion. Bilinear where the four samples are valid and within
 /// `jump` relative of each other, else the nearest one: no flying pixels.

@@ -1,4 +1,4 @@
-// Finds the direction that is up in a world that does not say so.
+// Finds the up direction of a world that does not state it.
 #pragma once
 
 #include <optional>
@@ -22,9 +22,9 @@ struct ViewUp {
 /// For a picture that was held as its EXIF orientation (1 to 8) says; 1 where the pixels are upright.
 ViewUp view_up(const Rigidd& world_to_camera, int orientation = 1);
 
-/// From the plane through the points that are labelled as floor, else from the plane that the points form below the cameras,
-/// else from the mean up of the cameras. A plane counts within 30 degrees of that mean. Empty without cameras and when their
-/// ups cancel each other.
+/// From the plane through the points labelled as floor, else from the plane of the points below the cameras. Else from
+/// the mean up of the cameras. A plane counts within 30 degrees of that mean. Empty without cameras and when their ups
+/// cancel each other.
 std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor, const std::vector<Vec3d>& points);
 
 /// Whether a convention's up agrees with the cameras: it is not below their horizon on the mean.

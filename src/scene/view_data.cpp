@@ -99,7 +99,7 @@ void hide(const Image<uint8_t>& mask, ViewData& data) {
   }
 }
 
-/// What masks/ and ignored classes leave out of the view.
+/// Leaves out of the view what masks/ and ignored classes hide.
 void apply_masks(const Scene& scene, const View& view, const LoadOptions& options, ViewData& data) {
   const int width = data.camera.width, height = data.camera.height;
   if (!view.mask.empty()) {

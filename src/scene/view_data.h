@@ -21,8 +21,8 @@ struct SemanticTarget {
   /// One per target pixel: 1 / the sum of its stored numbers, by which they are multiplied wherever they are used. Rounding leaves
   /// that sum up to 5e-4 off 1, which is much beside a KL divergence of equals. Empty: 1 everywhere.
   std::vector<float> scale;
-  /// One per target pixel, [0, 1]: what a score teacher's numbers of the pixel summed to, at most 1; it is low where the network found no
-  /// object. Logits and probabilities: 1. Empty: 1 everywhere.
+  /// One per target pixel, [0, 1]: the sum of a score teacher's numbers of the pixel, at most 1. It is low where the
+  /// network found no object. Logits and probabilities: 1. Empty: 1 everywhere.
   std::vector<float> score_sum;
   /// One per target pixel, [0, 1]: 0 where the teacher says nothing.
   std::vector<float> confidence;
@@ -63,14 +63,14 @@ void divide_exposure(const Vec3f& log_gain, ImageF& color);
 /// Throws Error{kBadInput} naming the file, the field and the remedy.
 ViewData load_view(const Scene& scene, int view, const LoadOptions& options = {});
 
-/// True depth in metres, which are the units of truth/sparse and, when the scene is metric, of the scene;
-/// 0 = none; resized (nearest) to the given camera's size.
+/// True depth in metres; 0 = none. Metres are the units of truth/sparse and, when the scene is metric, of the scene.
+/// Resized (nearest) to the given camera's size.
 ImageF load_truth_depth(const Scene& scene, int view, const Camera& camera);
 /// True labels, kNoLabel = none; resized (nearest) to the given camera's size.
 Image<uint16_t> load_truth_labels(const Scene& scene, int view, const Camera& camera);
 
-/// Opens and checks every file of every view, training and test; returns one message per problem found,
-/// each naming file, field and remedy; empty when all is well. `train` calls this before its first step.
+/// Opens and checks every file of every view, training and test. Returns one message per problem found, each naming
+/// file, field and remedy; empty without problems. `train` calls this before its first step.
 struct SceneProblem {
   std::filesystem::path path;
   std::string field, message, remedy;
@@ -79,8 +79,8 @@ struct SceneProblem {
 };
 std::vector<SceneProblem> check_scene(const Scene& scene);
 
-/// Takes the views with a fatal problem out of the lists, into scene.left_out, and returns the problems that are left: warnings
-/// and what concerns the scene as a whole. Error{kBadInput} when too few training views remain.
+/// Takes the views with a fatal problem out of the lists, into scene.left_out. Returns the remaining problems: warnings
+/// and those of the scene as a whole. Error{kBadInput} when too few training views remain.
 std::vector<SceneProblem> leave_out_bad_views(Scene& scene, const std::vector<SceneProblem>& problems);
 /// The same for views that were found out before, by name.
 void leave_out_views(Scene& scene, const std::vector<std::string>& names);

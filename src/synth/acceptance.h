@@ -34,15 +34,15 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports);
 
 /// Measures everything that needs no training:
 /// - fused points of the training views' depth (the 70 % most confident pixels of each view) against the true surface
-///   that these views see, after the similarity that fits corresponding points best: accuracy mean and median,
-///   completeness mean (cm). The published completeness is of few views, so it is measured on groups of four;
-///   `on cameras`: after the similarity of the cameras (for information);
+///   that these views see. Measured after the similarity that fits corresponding points best: accuracy mean and median,
+///   completeness mean (cm). The published completeness is of few views, so it is measured on groups of four; `on
+///   cameras`: after the similarity of the cameras (for information);
 /// - pair pose error: over pairs of training views, the larger of rotation and direction-of-translation error,
 ///   clipped at 3 degrees as AUC@3 does, mean;
 /// - rank correlation of confidence with the depth error that the view itself has;
 /// - mono depth: RMSE (m) and Pearson correlation, per view, mean;
-/// - semantics: pixel accuracy, mIoU of classes with >= 0.1 % of the pixels, accuracy within 3 px of a label edge,
-///   share of wrong pixels that are wrong in most views that see the point;
+/// - semantics: pixel accuracy, mIoU of classes with >= 0.1 % of the pixels, accuracy within 3 px of a label edge. Also
+///   the share of wrong pixels that are wrong in most views that see the point;
 /// - the room: share of bare surface, of far test pixels that training saw, of surface seen twice.
 /// Ranges are given for the medium level of the simulated teacher only. Deterministic.
 AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool);

@@ -18,8 +18,8 @@ struct PoseFigures {
 };
 PoseFigures measure_pair_poses(const SynthScene& scene);
 
-/// Spearman correlation between confidence and minus the error that a view has apart from the world's bend (to
-/// which confidence is blind), mean over training views.
+/// Spearman correlation between confidence and minus the error that a view has apart from the world's bend, mean over
+/// training views. Confidence is blind to the bend.
 double measure_confidence(const SynthScene& scene);
 
 struct MonoFigures {

@@ -13,8 +13,8 @@ constexpr int kEdgeBand = 3;      // pixels around a true label edge
 constexpr int kSampleStep = 5;    // wrong pixels looked up in other views: every n-th
 constexpr double kPresent = 1e-3; // share of the pixels from which a class counts as present
 
-/// Pixel of `view` that shows the world point, or -1 when the point is outside or hidden: the view's own depth
-/// there must agree within 2 % + 2 cm.
+/// Pixel of `view` that shows the world point, or -1 when the point is outside or hidden. The view's own depth there
+/// must agree within 2 % + 2 cm.
 long pixel_of(const RenderedView& view, const Vec3d& point) {
   const Vec3d q = view.camera.world_to_camera * point;
   if (q.z <= 0.05) return -1;

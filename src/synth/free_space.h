@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// A grid over the floor, room frame. A person stands on cells with room around them; the camera may be held over
-/// low furniture at arm's length from such a cell.
+/// A grid over the floor, room frame. A person takes cells with room around them; the camera may be held over low
+/// furniture at arm's length from such a cell.
 class FreeSpace {
  public:
   explicit FreeSpace(const RoomModel& room);

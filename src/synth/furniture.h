@@ -1,5 +1,5 @@
-// Pieces of furniture. Each function adds its piece in the builder's current frame: x along the wall with the
-// piece centred at x = 0, y from the wall (0) into the room, z up from the floor; metres.
+// Pieces of furniture. Each function adds its piece in the builder's current frame, in metres. x runs along the wall
+// with the piece centred at x = 0, y from the wall (0) into the room, z up from the floor.
 #pragma once
 
 #include "synth/mesh_builder.h"
@@ -34,9 +34,8 @@ void add_cabinet(MeshBuilder& b, const RoomStyle& s, double width, double height
 /// A row of books standing on z, from x0 to x1, backs at `front_y` (towards the room).
 void add_books(MeshBuilder& b, double x0, double x1, double z, double front_y, double max_height);
 
-// furniture_kitchen.cpp
-/// The whole kitchen run along a wall of the given length, from left to right: cupboards, sink, stove with hood,
-/// refrigerator at the end; wall cupboards above except over [window_low, window_high] (same x).
+// furniture_kitchen.cpp The whole kitchen run along a wall of the given length, from left to right: cupboards, sink,
+/// stove with hood, refrigerator. Wall cupboards are above except over [window_low, window_high] (same x).
 void add_kitchen_run(MeshBuilder& b, const RoomStyle& s, double length, double window_low, double window_high);
 
 // furniture_decor.cpp

@@ -1,4 +1,4 @@
-// Beds and what stands beside them.
+// Beds and the furniture beside them.
 #include "synth/furniture.h"
 
 namespace aligngs {

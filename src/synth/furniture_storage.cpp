@@ -90,7 +90,7 @@ void add_books(MeshBuilder& b, double x0, double x1, double z, double front_y, d
     const double depth = std::min(front_y - 0.02, r.uniform(0.13, 0.2)), back = r.uniform(0.0, 0.025);
     if (x + t > x1) break;
     b.use(book_material(r));
-    // The back stands towards the room; its texture starts at the foot of the book.
+    // The back faces the room; its texture starts at the foot of the book.
     const double y = front_y - back;
     b.rectangle({x + t, y, z}, {-t, 0, 0}, {0, 0, h});
     b.rectangle({x, y, z}, {0, -depth, 0}, {0, 0, h});

@@ -26,7 +26,7 @@ void wall_surface(MeshBuilder& b, const RoomPlan& plan, int wall) {
     for (const WallOpening& o : w.openings) {
       if (!o.is_door && o.s0 <= s0 + 1e-6 && o.s1 >= s1 - 1e-6) below = o.z0, above = o.z1;
     }
-    // Facing +y of the wall frame: u runs towards -x. Texture coordinates follow s all the same.
+    // Facing +y of the wall frame: u runs towards -x. Texture coordinates still follow s.
     const auto patch = [&](double z0, double z1) {
       if (z1 - z0 < 1e-6) return;
       b.rectangle({s1, 0, z0}, {s0 - s1, 0, 0}, {0, 0, z1 - z0}, false, {length - s1, z0});

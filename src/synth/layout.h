@@ -28,18 +28,18 @@ struct RoomPlan {
   double wall_length(int wall) const { return wall % 2 == 0 ? width : depth; }
 };
 
-/// Frame of a piece that stands against a wall: origin on the floor at distance s along it, x along the wall,
-/// y into the room, z up.
+/// Frame of a piece against a wall: origin on the floor at distance s along it. x is along the wall, y into the room, z
+/// up.
 Rigidd wall_frame(const RoomPlan& plan, int wall, double s, double gap = 0.0);
 
 /// Floor, ceiling, walls, skirting, windows with daylight behind them, doors.
 void build_shell(MeshBuilder& builder, const RoomStyle& style, const RoomPlan& plan);
 
-/// True when the rectangle keeps `margin` to every footprint that stands on the floor, and to the walls.
+/// True when the rectangle keeps `margin` to every footprint on the floor, and to the walls.
 bool is_free(const RoomModel& room, const Footprint& rectangle, double margin);
 
-/// Drops small things (plants, baskets, stools, ...) where the floor is free: up to `count` of those in `pieces`,
-/// each a size in metres and what to build, at a wall or in a corner.
+/// Drops small things (plants, baskets, stools, ...) where the floor is free: up to `count` of those in `pieces`, at a
+/// wall or in a corner. Each piece has a size in metres and a function that builds it.
 struct LoosePiece {
   double width, depth;
   void (*add)(MeshBuilder&, const RoomStyle&);

@@ -19,9 +19,9 @@ float value_noise(float x, float y, uint32_t seed);
 /// Sum of `octaves` value noises, each at twice the frequency and half the amplitude; about [-1, 1].
 float fractal_noise(float x, float y, int octaves, uint32_t seed);
 
-/// A smooth random map: normal values on a lattice of columns x rows control points that spans the image,
-/// interpolated with a cubic B-spline and rescaled so that its root mean square is exactly `rms`.
-/// columns, rows >= 1. This is the "low-frequency warp" of the simulated teachers.
+/// A smooth random map: normal values on a lattice of columns x rows control points that spans the image. It is
+/// interpolated with a cubic B-spline, and rescaled to a root mean square of exactly `rms`. columns, rows >= 1. This is
+/// the "low-frequency warp" of the simulated teachers.
 ImageF smooth_random_map(int width, int height, int columns, int rows, double rms, Random& random);
 
 }  // namespace aligngs

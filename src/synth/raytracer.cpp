@@ -74,7 +74,7 @@ RayHit RoomRays::intersect(const Vec3d& origin, const Vec3d& direction, double n
               c = room_.positions[t[2]].cast<double>();
   const Vec3d n = cross(b - a, c - a);
   const double slope = dot(n, direction);
-  // Seen edge-on the plane says nothing; Embree's own distance stands there.
+  // Seen edge-on the plane gives no distance; Embree's own is kept.
   if (std::fabs(slope) > 1e-4 * norm(n) * norm(direction)) hit.distance = dot(n, a - origin) / slope;
   return hit;
 }

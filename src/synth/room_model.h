@@ -30,7 +30,7 @@ struct AreaLight {
 struct Footprint {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   double top = 0;     ///< height of the object
-  double bottom = 0;  ///< > 0 for something that hangs: one can stand under it
+  double bottom = 0;  ///< > 0 for something that hangs: the floor below is free
 };
 
 /// A window's hole in a wall, or a door with its frame. Walls are numbered as in synth/layout.h; lengths along the wall and above the floor, metres.

@@ -6,8 +6,8 @@
 
 namespace aligngs {
 
-/// Walls, openings, pictures and furniture of a room, wherever it stands in its world. Pictures are things that hang flat on a wall. Boxes enclose all of an
-/// object, in the turn of its smallest footprint.
+/// Walls, openings, pictures and furniture of a room, wherever it is in its world. Pictures are things that hang flat
+/// on a wall. Boxes enclose all of an object, in the turn of its smallest footprint.
 MeasuredRoom room_truth(const RoomModel& room);
 
 }  // namespace aligngs

@@ -16,10 +16,11 @@ struct SimulatedPriorOptions {
   bool overwrite = false;
 };
 
-/// Writes a scene with the photos, split and truth of `scene`, but with the cameras, depth and points of the simulated network (the teacher of
-/// synthetic rooms, with errors of the same sizes): its truth mesh is seen through its true cameras, then everything is
-/// disturbed. priors.json calls the result simulated. Labels are not made: nothing says what they would be.
-/// Errors: kBadInput for a scene without truth mesh, or one that is not in metres, the unit of the errors; kUsage as SceneWriter.
+/// Writes a scene with the photos, split and truth of `scene`, but with the cameras, depth and points of the simulated
+/// network. The network is the teacher of synthetic rooms, with errors of the same sizes. Its truth mesh is seen
+/// through its true cameras, then everything is disturbed. priors.json calls the result simulated. Labels are not made:
+/// their values are unknown. Errors: kBadInput for a scene without truth mesh, or one that is not in metres, the unit
+/// of the errors; kUsage as SceneWriter.
 void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder, const SimulatedPriorOptions& options, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -75,8 +75,8 @@ using SynthProgress = std::function<void(double, const std::string&)>;
 /// are Error{kUsage}.
 SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const SynthProgress& progress = {});
 
-/// Writes the scene folder of the design: images, sparse/ and priors of the teacher, truth/. Exact or simulated,
-/// priors.json says so. `pred_confidence/<stem>.npy` (float16, H x W, >= 1 as VGGT's, 0 = no value) is an extra
+/// Writes the scene folder of the design: images, sparse/ and priors of the teacher, truth/. priors.json says whether
+/// they are exact or simulated. `pred_confidence/<stem>.npy` (float16, H x W, >= 1 as VGGT's, 0 = no value) is an extra
 /// that readers may ignore. `overwrite` as in SceneWriter.
 void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite = false);
 

@@ -17,8 +17,8 @@ constexpr int kPatch = 14;          // of their tokens, network pixels
 
 Vec3d gaussian_vector(Random& random) { return {random.normal(), random.normal(), random.normal()}; }
 
-/// Depth along the ray of each pixel of the bent camera: of the bent surface alone, and of the bent surface as all
-/// views misjudge it.
+/// Depth along the ray of each pixel of the bent camera. One is of the bent surface alone, one of the bent surface with
+/// the errors common to all views.
 struct BentDepth {
   ImageF bent, misjudged;
 };
@@ -55,8 +55,8 @@ BentDepth bent_depth(const RenderedView& view, const WorldBend& bend, const Shar
   return out;
 }
 
-/// Per object of a view: the relative depth error of glass and black gloss, +-10 to 30 %; half of it belongs to
-/// the object in all views. Also whether the network knows that it fails there.
+/// Per object of a view: the relative depth error of glass and black gloss, +-10 to 30 %. Half of it belongs to the
+/// object in all views. Also whether the network knows that it fails there.
 struct UnreliableError {
   double relative = 0;
   bool noticed = false;
@@ -274,7 +274,7 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
       const BentDepth depth = bent_depth(view, bend, misjudged, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
-      // Region in which a smooth map of unit variance exceeds its (1 - share) quantile; the mean excess there is about
+      // Region in which a smooth map of unit variance exceeds its (1 - share) quantile. The mean excess there is about
       // 0.5, and the mean of the clamped sign map 0.72.
       const double failure_level = upper_quantile(s.failure_share), failure_gain = s.failure_size / 0.36;
       t.depth = mix_across_edges(depth.misjudged, jumps, s.edge_width);

@@ -16,11 +16,10 @@ enum class TeacherLevel { kLow, kMedium, kHigh };
 const char* teacher_level_name(TeacherLevel level);  ///< "low", "medium", "high"
 TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} for another name
 
-/// Error sizes for a metric room of 4 to 6 m, chosen so that pose and point errors lie where those of published
-/// feed-forward networks do (synth/acceptance.h). A bend of 1.8 cm and 3 degrees was tried first and was too much of
-/// both; misjudged regions give the heavy tail that published figures have (mean well
-/// above the median). Most of these are shared by all views: with independent ones fusion looks magical (TSDF F-score
-/// above the accepted range).
+/// Error sizes for a metric room of 4 to 6 m. Pose and point errors match those of published feed-forward networks
+/// (synth/acceptance.h). A bend of 1.8 cm and 3 degrees was tried first and was too much of both. Misjudged regions
+/// give the heavy tail of published figures (mean well above the median). Most of these are shared by all views: with
+/// independent ones fusion is too good (TSDF F-score above the accepted range).
 struct GeometryTeacherSettings {
   double bend_rms = 0.014;            ///< metres
   double bend_degrees = 2.2;          ///< opposite walls from parallel

@@ -23,8 +23,8 @@ ImageF simulate_mono_depth(const RenderedView& view, size_t view_number, const M
                            const Random& random) {
   Random r = random.fork(1000 + view_number);
   const int w = view.depth.width, h = view.depth.height;
-  // Uniform with the given root mean square, and spread evenly over the views of a scene (steps of the golden ratio
-  // and of the square root of two from a random start), so that every scene gets a network of the same quality.
+  // Uniform with the given root mean square, and spread evenly over the views of a scene. Steps are the golden ratio
+  // and the square root of two from a random start. Every scene hence gets a network of the same quality.
   const double root3 = std::sqrt(3.0), number = static_cast<double>(view_number);
   Random start = random.fork(3);
   const auto spread = [&](double step) {

@@ -154,9 +154,9 @@ SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, dou
   return m;
 }
 
-/// Draws which objects are confused. One draw in some hundred gives all large pieces or none; the draw whose confused
-/// share is nearest to the expected one, of the pixels of things as well as of their classes, is kept, so that every
-/// scene has a teacher of the same quality.
+/// Draws which objects are confused. One draw in some hundred gives all large pieces or none. The kept draw has the
+/// confused share nearest to the expected one, of the pixels of things as well as of their classes. Every scene hence
+/// has a teacher of the same quality.
 std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& views, const RoomModel& room,
                                              const SemanticTeacherSettings& s, Random random) {
   constexpr int kDraws = 256;
@@ -206,7 +206,7 @@ std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& vi
   return best;
 }
 
-/// p_q: the classes a query stands for, with their scores.
+/// p_q: the classes of a query, with their scores.
 std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, const RenderedView& view,
                                                       const std::vector<ObjectConfusion>& confusions,
                                                       const SemanticTeacherSettings& s, bool duplicate, Random& random) {

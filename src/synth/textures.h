@@ -47,8 +47,8 @@ struct Material {
   bool is_bare() const { return kind == TextureKind::kPlain && emission == 0 && a.x > 0.5f && a.y > 0.5f && a.z > 0.5f; }
 };
 
-/// Colour of a material at texture coordinates `uv` (metres). `footprint` is the size of a sample there in
-/// metres: detail finer than it is faded out, so that distant surfaces do not flicker between views.
+/// Colour of a material at texture coordinates `uv` (metres). `footprint` is the size of a sample there in metres:
+/// detail finer than it is faded out. Distant surfaces hence do not flicker between views.
 Vec3f texture_color(const Material& material, const Vec2f& uv, float footprint);
 
 /// Linear RGB of sRGB bytes.

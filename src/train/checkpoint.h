@@ -1,4 +1,4 @@
-// Everything a run needs to go on exactly where it stood, in one safetensors file per checkpoint.
+// Everything a run needs to continue exactly, in one safetensors file per checkpoint.
 #pragma once
 
 #include <array>

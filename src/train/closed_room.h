@@ -24,10 +24,10 @@ struct ClosedRoomRequest {
   RenderOptions render;                 ///< near planes are those of the views
 };
 
-/// Adds Gaussians for the unseen parts of the planes that the training views' rendered labels call wall, floor or ceiling, in the colour of
-/// the seen parts and with their label. Where a Gaussian lies already nothing is added, so that a second call changes little. Nothing
-/// that a training view shows is covered. The number added; 0 for a model without semantics or a room without planes, and where it would
-/// take more Gaussians than there may be, which the log says.
+/// Adds Gaussians for the unseen parts of planes that the training views' rendered labels call wall, floor or ceiling.
+/// They have the colour and the label of the seen parts. Nothing is added where a Gaussian already lies, so a second
+/// call changes little. Nothing that a training view shows is covered. Returns the number added. It is 0 for a model
+/// without semantics or a room without planes, or, with a log line, if too many Gaussians would be needed.
 size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -1,5 +1,5 @@
-// Every setting of a training run. The keys, ranges, presets and one-line documentation of these fields
-// stand in one table (config_keys.h); nothing here has a value until a preset fills it.
+// Every setting of a training run. The keys, ranges, presets and one-line documentation of these fields are in one
+// table (config_keys.h); nothing here has a value until a preset fills it.
 //
 // Lengths are shares of the robust scene extent E (scene/scene.h), so a similarity transform of the
 // scene changes nothing. Iteration counts marked [ref] are counted in a run of
@@ -79,7 +79,7 @@ struct LossConfig {
   int64_t plane_every = 0;   ///< [ref] iterations between fits
   double multi_view_geometric = 0, multi_view_photometric = 0;
   int64_t multi_view_from = 0;   ///< [ref] those two act after it
-  int64_t multi_view_every = 1;  ///< in every so-manieth iteration
+  int64_t multi_view_every = 1;  ///< they act in every n-th iteration
   bool paper_normals = false;
   double opacity_l1 = 0, scale_l1 = 0;
 };
@@ -122,7 +122,7 @@ struct OptimizerConfig {
   bool skip_invisible_semantics = true;
   double flat_ratio_max = 0, aspect_max = 0, scale_max = 0;  ///< hard limits after each step; scale / E
   double scale_min_pixels = 0;  ///< of the two larger scales, pixels of the sharpest training view; 0 = off
-  double pose_rotation = 0, pose_translation = 0;  ///< rates of the training cameras: radians, / E; 0 = they stand still
+  double pose_rotation = 0, pose_translation = 0;  ///< rates of the training cameras: radians, / E; 0 = fixed
   double pose_end = 1;    ///< share of both rates at pose_stop
   double pose_decay = 0;  ///< share of its offset that a camera gives back at each of its steps
   int64_t pose_start = 0, pose_stop = 0;  ///< [ref]
@@ -138,7 +138,7 @@ struct CheckpointConfig {
 struct MeshConfig {
   std::string depth;  ///< agreeing, median, plane, expected
   double depth_agreement = 0;      ///< agreeing: relative difference up to which plane depth is taken, not median depth
-  double plane_reach = 0;          ///< |log| of depth within which walls, floor and ceiling are drawn to their planes; 0 = off
+  double plane_reach = 0;          ///< |log| of depth within which walls, floor, ceiling move to their planes; 0 = off
   double smoothing = 0;            ///< pixels over which depth follows the rendered normals; 0 = off
   bool tangent_distance = false;   ///< distances from tangent planes
   double max_hole = 0;             ///< scene units

@@ -26,7 +26,7 @@ struct ConfigSources {
 /// contradictions between settings.
 TrainConfig resolve_config(const ConfigSources& sources);
 
-/// Applies the keys of a TOML file to `config`. Values stand in groups ([loss] l1 = 0.8) or dotted.
+/// Applies the keys of a TOML file to `config`. Values are in groups ([loss] l1 = 0.8) or dotted.
 void apply_config_file(const std::filesystem::path& path, TrainConfig& config);
 /// Applies one "key=value".
 void apply_config_set(const std::string& assignment, TrainConfig& config);

@@ -132,7 +132,7 @@ TEST_F(TrainOnCpu, CoarseStepsResumeByteIdentical) {
   train_run(fine);
   EXPECT_FALSE(ply(whole) == ply(fine));
   EXPECT_NE(read_file(RunFolder(whole.run).events()).find("views at 1 of the working resolution"), std::string::npos);
-  expect_resumes(whole, coarse, {}, {15, 20, 21});  // checkpoints stand at 10 and 20
+  expect_resumes(whole, coarse, {}, {15, 20, 21});  // checkpoints exist at 10 and 20
 }
 
 TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {

@@ -14,8 +14,8 @@ namespace aligngs {
 
 class EventLog {
  public:
-  /// Opens for appending, after cutting away every line of a step beyond `completed_iterations` and a line that a
-  /// killed writer left incomplete: a resumed run writes those steps again. Error{kResources} when it cannot.
+  /// Opens for appending. First removes every line of a step beyond `completed_iterations`, and a line that a killed
+  /// writer left incomplete. A resumed run writes those steps again. Error{kResources} when it cannot.
   EventLog(std::filesystem::path path, int64_t completed_iterations);
 
   /// {"step", "view", "losses": {...}, "psnr", "gaussians", "visible", "seconds_per_step", "memory_bytes"}

@@ -1,4 +1,4 @@
-// What a run keeps when its training is over.
+// The files that a run keeps when its training is over.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

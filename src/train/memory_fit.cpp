@@ -12,8 +12,8 @@
 namespace aligngs {
 namespace {
 
-// Without a growth factor (the paper): the hard cap of the published method, and not more than half as many
-// Gaussians as there are pixels to learn from; 36 views of 640 x 480 give just about the former.
+// Without a growth factor (the paper): the hard cap of the published method, and at most half as many Gaussians as
+// training pixels. 36 views of 640 x 480 give about the former.
 constexpr double kMostGaussians = 6000000, kMostPerPixel = 0.5;
 
 uint64_t cap_of_settings(const CapInputs& in) {

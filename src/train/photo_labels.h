@@ -21,11 +21,12 @@ struct PhotoLabelReport {
   size_t moved = 0;    ///< Gaussians that outlines gave another label than most of their votes have
 };
 
-/// Replaces the semantic rows of every Gaussian that a photo shows by the logarithms of nine tenths of a decision and one of its votes' shares; the
-/// others keep theirs. A photo's pixel counts with the square of its sum of scores. The decision is made in three steps: regions of one class
-/// get their names (name_regions); votes for the other names that some photo has for a region become votes for its name, so that it is
-/// sharpened as a whole; Gaussians settle the outlines (label_outlines), where a class may go that two photos give this Gaussian or
-/// that a neighbour has. Nothing happens without semantics or Gaussians. The same for any number of threads.
+/// Replaces the semantic rows of every Gaussian that a photo shows; the others keep theirs. The row is the logarithm of
+/// nine tenths of a decision and one tenth of its votes' shares. A photo's pixel counts with the square of its sum of
+/// scores. The decision is made in three steps. Regions of one class get their names (name_regions). Votes for other
+/// names that some photo has for a region become votes for its name, so that it is sharpened as a whole. Gaussians
+/// settle the outlines (label_outlines): a class may go to a Gaussian if two photos give it or a neighbour has it.
+/// Nothing happens without semantics or Gaussians. The same for any number of threads.
 PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -1,4 +1,4 @@
-// A wall with a small thing on it, seen by four cameras that stand side by side.
+// A wall with a small thing on it, seen by four cameras side by side.
 #include "train/photo_labels.h"
 
 #include <gtest/gtest.h>

@@ -29,17 +29,19 @@ struct PhotoOpinions {
   std::vector<std::vector<PhotoOpinion>> of_photo;  ///< by ascending Gaussian
 };
 
-/// Gathers them. `views` have their cameras in place; near_planes are theirs. Gaussians hidden in a photo get no more of it than the light
-/// that reaches them is worth; less than a hundredth of a pixel is no opinion. The same for any number of threads.
+/// Gathers them. `views` have their cameras in place; near_planes are theirs. Gaussians hidden in a photo get only as
+/// much of it as light reaches them. Less than a hundredth of a pixel is no opinion. The same for any number of
+/// threads.
 PhotoOpinions gather_opinions(const GaussianModel& model, const std::vector<TrainingView>& views, const std::vector<float>& near_planes,
                               const RasterSettings& raster, ThreadPool& pool);
 
 /// Sums of votes times weights, [N][channels].
 std::vector<float> sum_votes(const PhotoOpinions& opinions, size_t gaussians);
 
-/// Sets the weights to the log-odds that such an opinion is right, by its traits. Right is what agrees with the other photos' votes: the
-/// share of opinions that do is measured for eight ranges of each trait, and the traits' log-odds against the mean add up as those of
-/// independent witnesses (naive Bayes). Never below a tenth, so that the only photo of a thing still names it. Needs no truth.
+/// Sets the weights to the log-odds that such an opinion is right, by its traits. An opinion is right if it agrees with
+/// the other photos' votes. The share of right opinions is measured for eight ranges of each trait. The traits'
+/// log-odds against the mean add up as those of independent witnesses (naive Bayes). Never below a tenth, so that the
+/// only photo of a thing still names it. Needs no truth.
 void calibrate_opinions(size_t gaussians, PhotoOpinions& opinions);
 
 }  // namespace aligngs

@@ -1,5 +1,5 @@
-// Planes in the loop: walls, floor and ceiling (and tables) fitted to what the Gaussians show by now, towards which the depth and normal
-// terms then draw the pixels whose rendered label names such a surface (ManhattanSDF, Guo et al. 2022, of any planes).
+// Planes in the loop: walls, floor and ceiling (and tables) fitted to the current Gaussians. The depth and normal terms
+// pull pixels whose rendered label names such a surface to them (ManhattanSDF, Guo et al. 2022, of any planes).
 #pragma once
 
 #include <cstdint>
@@ -40,11 +40,11 @@ struct PlaneFitRequest {
 /// threads. A model without semantics, or nothing flat: no planes, and no pixel on one.
 PlaneTargets fit_plane_targets(const Engine& engine, const PlaneFitRequest& request, ThreadPool& pool);
 
-/// Draws prior depth, its weight and prior normals of the views to the planes. A pixel whose prior has weight w and whose plane has p =
-/// `strength` times its weight gets the depth whose logarithm is the mean of both with these weights, the normal that is their mean, and
-/// the weight min(1, w + p): for small errors L_z and the normal term then are the sum of both pulls. Where there is no prior, the plane
-/// alone. Views may have another resolution than those of the fit. Without targets nothing changes.
-/// Error{kFailed} when there are targets of another number of views.
+/// Draws prior depth, its weight and prior normals of the views to the planes. The prior of a pixel has weight w, its
+/// plane p = `strength` times the plane's weight. The logarithm of its depth and its normal are the means of both with
+/// these weights. Its weight is min(1, w + p). For small errors L_z and the normal term then are the sum of both pulls.
+/// Without a prior, the plane alone counts. Views may have another resolution than those of the fit. Without targets
+/// nothing changes. Error{kFailed} when there are targets of another number of views.
 void draw_to_planes(const PlaneTargets& targets, double strength, std::vector<TrainingView>& views);
 
 }  // namespace aligngs

@@ -40,7 +40,7 @@ double mean_weight(const PlaneTargets& targets) {
 }
 
 TEST_F(FittedPlanes, AreThoseOfTheRoomWhereRenderedLabelsNameThem) {
-  constexpr double kThickness = 0.05;  // log depth: the round Gaussians of the room stand before its surfaces
+  constexpr double kThickness = 0.05;  // log depth: the round Gaussians of the room lie before its surfaces
   const PlaneTargets targets = fit(box_room::trained_room());
   ASSERT_EQ(targets.views.size(), guides_.size());
   EXPECT_GT(targets.share(), 0.5);

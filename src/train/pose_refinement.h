@@ -15,7 +15,7 @@ struct CameraMotion {
   int64_t updates = 0;
 };
 
-/// Rates of one step; both 0: cameras stand still.
+/// Rates of one step; both 0: cameras do not move.
 struct PoseRates {
   double rotation = 0;     ///< radians
   double translation = 0;  ///< scene units

@@ -42,7 +42,7 @@ TEST(PoseRefinement, AGradientThatIsNoNumberChangesNothing) {
   EXPECT_EQ(motion.m[0], 0);
 }
 
-/// The whole way: a photo taken by the engine itself, a camera that is wrong, and a scene that stands still.
+/// The whole way: a photo taken by the engine itself, a camera that is wrong, and a scene that does not change.
 TEST(PoseRefinement, FindsTheCameraThatTookThePhoto) {
   using namespace cpu::testing_scene;
   cpu::testing_scene::SceneOptions o;

@@ -15,10 +15,10 @@ struct PriorAlignmentRule {
   double outlier = 0.2;        ///< samples whose depth differs by more than this share are other surfaces
 };
 
-/// exp(median log(reference / prior)) over pixels where both have a value, clamped to [1 - limit, 1 + limit]:
-/// the closed-form minimiser of the absolute log difference over one scale. Nothing below min_samples.
-/// `prior` and `reference` are H x W x 1 of the same size, 0 or non-finite = no value; `weight` may be empty
-/// (1 everywhere), pixels of weight 0 are left out.
+/// exp(median log(reference / prior)) over pixels where both have a value, clamped to [1 - limit, 1 + limit]: the
+/// closed-form minimiser of the absolute log difference over one scale. Nothing below min_samples. `prior` and
+/// `reference` are H x W x 1 of the same size, 0 or non-finite = no value. `weight` may be empty (1 everywhere). Pixels
+/// of weight 0 are left out.
 std::optional<float> align_prior_to_depth(const ImageF& prior, const ImageF& weight, const ImageF& reference,
                                           const PriorAlignmentRule& rule);
 

@@ -23,8 +23,8 @@ ResolvedRun resolve_run(const TrainOptions& options) {
   own.config_file = folder.config();
   resolved.config = resolve_config(own);
   const int64_t old_end = resolved.config.train.iterations;
-  // Settings on the command line of a resumed run may repeat what it has (so that the same command line can be
-  // used again), but not change it: the first part of the run was made with the old ones.
+  // Settings on the command line of a resumed run may repeat the old ones, so that the same command line can be used
+  // again. They may not change them: the first part of the run used the old ones.
   if (options.config.any()) {
     ConfigSources given = options.config;
     if (given.config_file.empty() && given.preset.empty()) given.config_file = own.config_file;

@@ -27,16 +27,16 @@ class RunFolder {
   std::filesystem::path sparse() const { return folder_ / "sparse" / "0"; }
   std::filesystem::path transforms() const { return folder_ / "transforms.json"; }
 
-  bool has_run() const;  ///< a run.json that this program wrote stands in it
+  bool has_run() const;  ///< it holds a run.json that this program wrote
 
   /// Applies the rules of the mode without changing anything; call before long checks. Error{kUsage} when
   /// the folder holds a run and the mode is kNew, or holds files that are not a run's.
   void check(RunMode mode) const;
-  /// Error{kUsage} when a run here would write into the scene or photos that it is made from, or over them: the folder is or lies in
-  /// `source`, or `source` lies in what a run writes. RUN/scene is no such place.
+  /// Error{kUsage} when a run here would write into or over the scene or photos that it is made from. The folder is or
+  /// lies in `source`, or `source` lies in a folder that a run writes. RUN/scene is no such place.
   void require_apart_from(const std::filesystem::path& source) const;
-  /// Error{kUsage} when writing `file` would replace something that the run's training or stages wrote, or lie in RUN/scene or in
-  /// `scene`, which may be empty. What `export` and `mesh` write may be replaced.
+  /// Error{kUsage} when writing `file` would replace something that the run's training or stages wrote, or lie in
+  /// RUN/scene or in `scene`, which may be empty. Files of `export` and `mesh` may be replaced.
   void require_not_of_run(const std::filesystem::path& file, const std::filesystem::path& scene = {}) const;
   /// check(), then creates the folder, removes a previous run (kOverwrite) and temporary files of killed writers.
   void prepare(RunMode mode) const;

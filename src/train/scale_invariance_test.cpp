@@ -93,7 +93,8 @@ TEST_F(ScaleInvariance, EveryPresetInItsFirstStep) {
   }
 }
 
-/// A key that is a share of the extent, with values of it that differ in what they do to a short run, and what else makes it act.
+/// A key that is a share of the extent. It has values with different effects on a short run, and the other settings
+/// that it needs.
 struct ShareOfExtent {
   const char* key;
   double acting, other;

@@ -31,10 +31,10 @@ struct ScheduleFacts {
   size_t max_gaussians = 0;       ///< cap of density control; 0 = none
 };
 
-/// Iterations are 1-based. Iteration keys are scaled by schedule length / train.reference_iterations and
-/// rounded; all rates and weights reach their end values at the schedule's length and stay there, so a run
-/// that is extended goes on with the end values. (The paper's release decays positions over 30000
-/// iterations and stops at 7000, a third of the way; here the decay always ends with the run.)
+/// Iterations are 1-based. Iteration keys are scaled by schedule length / train.reference_iterations and rounded. All
+/// rates and weights reach their end values at the schedule's length and stay there. An extended run hence continues
+/// with the end values. (The paper's release decays positions over 30000 iterations and stops at 7000. Here the decay
+/// always ends with the run.)
 class Schedule {
  public:
   Schedule(const TrainConfig& config, const ScheduleFacts& facts);
@@ -42,8 +42,8 @@ class Schedule {
   /// Everything but `view`, its neighbour and its prior depth scale.
   StepRequest request(int64_t iteration) const;
 
-  /// After the step of this iteration. Nothing is restructured after the last step of a run, but for the closed room: other
-  /// rows that no step has touched do not belong in its result.
+  /// After the step of this iteration. Only the closed room follows the last step of a run: other rows that no step has
+  /// touched do not belong in its result.
   bool densifies(int64_t iteration) const;
   /// Never so close to the end that the opacity could not recover: opacity_recovery() steps remain at least. Short runs have no reset.
   bool resets_opacity(int64_t iteration) const;

@@ -1,5 +1,5 @@
-// The smallest scale that any photo can tell from a point: the 3-D smoothing filter of Mip-Splatting (Yu et al., CVPR 2024)
-// as a hard limit.
+// The smallest scale that any photo can distinguish from a point. It is the 3-D smoothing filter of Mip-Splatting (Yu
+// et al., CVPR 2024) as a hard limit.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace aligngs {
 
-/// Per Gaussian the natural logarithm of `pixels` of the training view that sees it sharpest (focal length / depth), scene units; minus
-/// infinity where no view sees it. A view sees what lies beyond its near plane and in its image or up to 15 % of it beside, as
-/// there.
+/// Per Gaussian the natural logarithm of `pixels` of the training view that sees it sharpest (focal length / depth),
+/// scene units. Minus infinity if no view sees it. A view sees everything beyond its near plane and in its image, or up
+/// to 15 % of it beside, as there.
 std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels, ThreadPool& pool);
 
 }  // namespace aligngs

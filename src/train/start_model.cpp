@@ -18,8 +18,8 @@ constexpr double kRandomNear = 0.1, kRandomFar = 2.0;
 
 float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
 
-// Unsure depth still says more than nothing about where surface is: it counts this much in the start (the fusion drops
-// what is below 0.05), so that it fills what no sure depth covers and is outvoted where there is some.
+// Uncertain depth still helps to find the surface. It counts this much in the start (the fusion drops weights below
+// 0.05). It fills places without certain depth, and is outvoted elsewhere.
 constexpr float kLeastStartWeight = 0.06f;
 
 /// By how much cubes must grow when n points are too many: points of a surface fall with the square of the edge.

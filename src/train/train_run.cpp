@@ -49,7 +49,7 @@ TrainResult result_of_finished(const RunRecord& record) {
   return result;
 }
 
-/// One run from checked settings to its outputs; the error handling stands around it in train_run.
+/// One run from checked settings to its outputs; train_run handles its errors.
 class Run {
  public:
   Run(const TrainOptions& options, const ResolvedRun& resolved, const EngineFactory& make_engine)
@@ -221,7 +221,7 @@ TrainResult Run::train() {
   }
   record_.device = engine->device_name();
   write_run_record(folder_.record(), record_);
-  write_camera_outputs(folder_, scene_, config_);  // where the photos stand can be looked at from the start
+  write_camera_outputs(folder_, scene_, config_);  // the photos' places can be looked at from the start
 
   TrainerInputs inputs;
   inputs.config = config_;

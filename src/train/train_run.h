@@ -41,11 +41,11 @@ struct TrainResult {
   std::vector<std::string> warnings;
 };
 
-/// Checks every file of the scene first, then the memory, then trains. The settings of a run that is resumed
-/// come from its config.toml; settings given as well must agree with it, except iterations, which may grow:
-/// the schedules then keep their old end and the rates their final values.
-/// Errors: kUsage (folder rules, settings), kBadInput (scene), kWeights (require_priors), kResources, kInterrupted
-/// (checkpoint written), kFailed. After the folder has been prepared every end is recorded in run.json.
+/// Checks every file of the scene first, then the memory, then trains. The settings of a run that is resumed come from
+/// its config.toml; settings given as well must agree with it. Iterations alone may grow: the schedules then keep their
+/// old end and the rates their final values. Errors: kUsage (folder rules, settings), kBadInput (scene), kWeights
+/// (require_priors), kResources, kInterrupted (checkpoint written), kFailed. After the folder has been prepared every
+/// end is recorded in run.json.
 TrainResult train_run(const TrainOptions& options);
 /// With another engine than the options'.
 TrainResult train_run(const TrainOptions& options, const EngineFactory& make_engine);
@@ -53,7 +53,7 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
 /// The settings a run would have: of its config.toml when it is resumed, else from the sources.
 struct ResolvedRun {
   TrainConfig config;
-  bool exists = false;    ///< config.toml stands in the folder and resume is set
+  bool exists = false;    ///< config.toml exists in the folder and resume is set
   bool finished = false;  ///< trained to config.train.iterations already
   bool extended = false;  ///< iterations were raised beyond the old end
 };

@@ -334,7 +334,7 @@ void Trainer::write_state() {
   state_.order = order_.state();
   state_.density_random = density_random_.state();
   state_.seconds = seconds_before_ + seconds_since_start();
-  // Of the finished run, stages and edits need the scene alone.
+  // Stages and edits need the scene alone of a finished run.
   state_.trainable = in_.config.checkpoint.keep_finished || state_.iteration < in_.config.train.iterations;
   if (state_.trainable) engine_.save_state(state_.engine);
   else engine_.store(state_.engine.model);

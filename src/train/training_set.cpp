@@ -11,8 +11,8 @@
 namespace aligngs {
 namespace {
 
-// Per pixel of a prepared view: colour, mask, prior depth, its weight, prior normal (3), semantic weight as
-// floats, labels (2 bytes) and label edges (1 byte).
+// Per pixel of a prepared view: colour, mask, prior depth, its weight, prior normal (3), semantic weight as floats.
+// Labels take 2 bytes, label edges 1.
 constexpr uint64_t kColorBytes = 3 * 4, kMaskBytes = 4, kDepthBytes = (1 + 1 + 3) * 4, kSemanticBytes = 4 + 2 + 1;
 constexpr uint64_t kPlaneBytes = 2;  // number and weight, train/plane_targets.h
 

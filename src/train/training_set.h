@@ -28,9 +28,9 @@ struct PriorUse {
   bool is_unplaced(size_t training_view) const;
 };
 
-/// Prior depth in scene units is metric. Depth of another scale is metric where it fits the scene's points to 5 %, or, without
-/// points, itself from view to view to 20 %; otherwise only its correlation with the rendered depth is used.
-/// Reads the maps of depth that is not in scene units. Error{kBadInput} naming a file that cannot be read.
+/// Prior depth in scene units is metric. Depth of another scale is metric if it fits the scene's points to 5 %, or,
+/// without points, itself between views to 20 %. Otherwise only its correlation with the rendered depth is used. Reads
+/// the maps of depth that is not in scene units. Error{kBadInput} naming a file that cannot be read.
 PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config);
 
 /// Checks shape and aspect of every pred_confidence/<view>.npy that a run will read. Error{kBadInput}.
@@ -62,7 +62,7 @@ std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const P
 /// is farther. A camera whose estimated pose lies behind a wall would otherwise see nothing but that wall.
 float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double extent);
 
-/// The near plane with which training drew this view, for stages that render it again; the prior depth is read when
+/// The near plane with which training rendered this view, for stages that render it again. The prior depth is read when
 /// the settings ask for it. A view that is no training view has the scene's near plane.
 float near_plane_of_view(const Scene& scene, const TrainConfig& config, const PriorUse& use, int view);
 

@@ -41,8 +41,8 @@ void free_unplaced(const PriorUse& use, PriorScales& scales);
 /// From the scene's points where a view sees enough of them.
 PriorScales align_to_points(const std::vector<GuideView>& views, const PointCloud& cloud, double limit);
 
-/// 1 for every view, to stay: of depth that was corrected or measured together with the cameras. The points of such a scene may be
-/// those that came with the cameras as they were: by them a development bedroom's walls moved outwards by 2 cm.
+/// 1 for every view, to stay: of depth that was corrected or measured together with the cameras. The points of such a
+/// scene may belong to the cameras before correction. They moved a development bedroom's walls outwards by 2 cm.
 PriorScales scales_of_agreeing_depth(size_t views);
 
 /// Updates the scales that are not known, from the rendered median depth. `known` and `free` as in PriorScales.

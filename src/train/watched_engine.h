@@ -56,7 +56,7 @@ class WatchedEngine final : public Engine {
   AfterStep after_step_;
 };
 
-/// Stands for kill -9: thrown in the middle of a step, nothing is written after it.
+/// Simulates kill -9: thrown in the middle of a step, nothing is written after it.
 struct Killed {};
 inline WatchedEngine::AfterStep killed_at(int64_t step) {
   return [step](const StepRequest& request) {

@@ -1,5 +1,5 @@
-// Whole trainings with the CUDA engine, on a scene of a few hundred pixels: what happens between steps, and what is left
-// when one ends in the middle.
+// Whole trainings with the CUDA engine, on a scene of a few hundred pixels. Tests events between steps, and the files
+// left when a training ends in the middle.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,8 +43,8 @@ class TrainOnCuda : public testing::Test {
   }
   void TearDown() override { set_log_level(LogLevel::kInfo); }
 
-  /// Within 12 iterations everything happens that changes state: density control after 4, 8, the start of the labels
-  /// before 4, opacity reset after 6, free space after 7, scales of the prior after 5.
+  /// Within 12 iterations everything happens that changes state: density control after 4 and 8, the start of the labels
+  /// before 4. Scales of the prior follow after 5, opacity reset after 6, free space after 7.
   TrainOptions options(const std::string& run) const {
     TrainOptions o;
     o.scene = scene_;
@@ -161,7 +161,7 @@ TEST_F(TrainOnCuda, MultiViewTermsActAndAResumedRunDrawsTheSameNeighbours) {
 }
 
 TEST_F(TrainOnCuda, OutOfMemoryInTheMiddleLeavesACheckpointToGoOnFrom) {
-  // What the device's memory must hold before anything grew, and at the end.
+  // The need of device memory before any growth, and at the end.
   uint64_t early = 0, late = 0;
   const TrainOptions whole = growing("whole");
   train_run(whole, engine([&](const StepRequest& r, const cuda::CudaEngine& e) {
@@ -172,7 +172,7 @@ TEST_F(TrainOnCuda, OutOfMemoryInTheMiddleLeavesACheckpointToGoOnFrom) {
   ASSERT_GT(late, early + (uint64_t(1) << 19)) << "the scene does not grow enough for this test";
 
   TrainOptions o = growing("small");
-  EXPECT_THROW(train_run(o, killed_at(4)), Killed);  // a checkpoint stands at 3
+  EXPECT_THROW(train_run(o, killed_at(4)), Killed);  // a checkpoint exists at 3
   o.resume = true;
   int64_t last_step = 0;
   try {

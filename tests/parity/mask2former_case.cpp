@@ -11,12 +11,12 @@ namespace aligngs::parity {
 namespace {
 
 // A query looks at the places whose mask logit is not negative. In bfloat16 a logit near zero may
-// round across that threshold; the query then looks elsewhere and everything after it is another
-// result, however exact the arithmetic. So results are judged with the network's own masks first.
-// Only where these go over the limits is the network given the reference's masks, layer by layer:
-// it must then keep every limit, mask logits included, which shows that masks differ only where the
-// reference's logit lies within the tolerance of the threshold; and some must differ, or the excess
-// has another cause.
+// round across that threshold. The query then looks elsewhere, and every later result differs,
+// however exact the arithmetic. So results are judged with the network's own masks first. Only if
+// these exceed the limits, the network gets the reference's masks, layer by layer. It must then
+// keep every limit, mask logits included. This shows that masks differ only where the reference's
+// logit lies within the tolerance of the threshold. Some must differ, or the excess has another
+// cause.
 
 /// Mask bits that differ between two maps of logits once both are brought to a level's size.
 int64_t flipped(nn::Compute& compute, const nn::FeatureMap& a, const nn::FeatureMap& b,
@@ -164,8 +164,8 @@ Slid slide_all(nn::Compute& compute, const nn::SegmentationNetwork& network,
   return out;
 }
 
-/// The network's own result; in bfloat16, where that is over the limits, the one with the masks of
-/// the float32 network (the case has none for its windows). Its own labels must be near even then.
+/// The network's own result. In bfloat16, if that exceeds the limits, the one with the masks of the
+/// float32 network (the case has none for its windows). Its own labels must be near even then.
 Slid judged_result(Case& test, nn::Compute& compute, const nn::Mask2Former& network,
                    const nn::Mask2FormerOptions& options, const std::vector<nn::FeatureMap>& images,
                    const nn::SlidingWindow& window, int64_t height, int64_t width) {

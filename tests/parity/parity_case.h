@@ -78,8 +78,8 @@ class Case {
              const std::vector<float>& reference, const Limits& limits);
   void fail(const std::string& name, const std::string& why);
 
-  /// Values of one image, or scene, of several: joined with those collected before under that name
-  /// and compared, with their number as the first axis, by compare_collected().
+  /// Values of one image, or scene, of several: joined with those collected before under that name. compare_collected()
+  /// compares them, with their number as the first axis.
   void collect(const std::string& name, const std::vector<float>& values, const Shape& one);
   void compare_collected();
 

@@ -4,7 +4,7 @@
     tests/reliability/series.py kill OUTPUT [--trials 100] [--seed 1]
     tests/reliability/series.py disk OUTPUT [--trials 20] [--seed 1]        (root: it mounts a small tmpfs)
 
-A trial is right when the second call ends with the bytes of a call that nothing disturbed, or says what to do, and what it says works.
+A trial is right when the second call ends with the bytes of an undisturbed call. It is right, too, if a message names a remedy that works.
 Nothing half-written may bear the name of an output. OUTPUT/kill.csv or disk.csv has a line per trial. ALIGNGS names the program
 (default build/aligngs). docs/reliability.md has the results."""
 import argparse
@@ -69,7 +69,7 @@ def without_clock(value):
 
 
 def digest(path):
-    """Of the files below, by name; JSON without what depends on the clock."""
+    """Digest of the files below, by name; JSON without the parts that depend on the clock."""
     found = {}
     files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file()) if path.exists() else []
     for file in files:
@@ -149,7 +149,7 @@ def undisturbed(output, prepared, command):
 
 
 def second_call(folder, command, wanted):
-    """What came of the same command again: 'same bytes', 'message, same bytes', or what went wrong."""
+    """The outcome of the same command again: 'same bytes', 'message, same bytes', or what went wrong."""
     status, message = call(folder, command.arguments)
     said = ""
     if status and state(folder, command) == wanted:

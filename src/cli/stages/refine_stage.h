@@ -22,9 +22,9 @@ bool measure_into_run(const std::filesystem::path& scene, const std::filesystem:
 /// before, and the program was built with Ceres. Otherwise says why not.
 bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
-/// Whether a run with these settings measures exposures and fills holes of the depth first: data.refine_exposure and data.exposure, or
-/// data.fill_depth, ask for it, and every training view has depth in scene units that a sensor made or somebody gave. Refining and
-/// measuring depth do such work themselves.
+/// Whether a run with these settings first measures exposures (data.refine_exposure and data.exposure) and fills holes of the
+/// depth (data.fill_depth). Every training view needs depth in scene units, of a sensor or given. Refining and measuring depth
+/// do such work themselves.
 bool should_complete(const std::filesystem::path& scene, const TrainConfig& config);
 
 /// Completes `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what was found.

@@ -16,7 +16,7 @@
 namespace aligngs {
 namespace {
 
-/// Half extents of the room, metres. The views stand at one end and look to the other.
+/// Half extents of the room, metres. The cameras are at one end and look to the other.
 constexpr double kHalf[3] = {2.2, 1.3, 3.4};
 constexpr int kFurniture = 9;       ///< boxes along the walls
 constexpr double kFurnitureShare = 0.3;  ///< of the Gaussians

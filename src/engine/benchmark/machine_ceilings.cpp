@@ -129,7 +129,7 @@ MachineCeilings measure_ceilings(ThreadPool& pool, bool matrix_tiles) {
       HWY_DYNAMIC_DISPATCH(Triad)(b.data() + begin, c.data() + begin, end - begin, a.data() + begin);
     });
   });
-  // What was computed is looked at, so that no compiler may leave it out.
+  // Reads the results, so that no compiler may leave the computation out.
   double seen = static_cast<double>(a[kElements / 2]);
   for (const float s : sums) seen += static_cast<double>(s);
   for (const float s : results) seen += static_cast<double>(s);

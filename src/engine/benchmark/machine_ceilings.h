@@ -1,4 +1,4 @@
-// What this machine can do at best, measured now: the yardstick for every stage.
+// Peak rates of this machine, measured now: every stage is compared with them.
 #pragma once
 
 #include <string>

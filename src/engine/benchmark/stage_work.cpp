@@ -1,5 +1,6 @@
-// The least that each stage must compute and move. Counts per item are of the formulas in engine/formulas with an
-// exponential at 12 operations; bytes are those of the arrays that cannot stay in a cache from one stage to the next.
+// The least that each stage must compute and move. Counts per item are of the formulas in engine/formulas; an
+// exponential counts as 12 operations. Bytes are those of the arrays that cannot stay in a cache from one stage to the
+// next.
 #include "engine/benchmark/step_benchmark.h"
 #include "engine/cpu/blend_backward.h"
 #include "engine/cpu/splats.h"

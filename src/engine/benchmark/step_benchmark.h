@@ -21,7 +21,7 @@ struct StepBenchmarkOptions {
   int warm_up = 4;     ///< steps before the first one that counts: buffers, what is prepared once per view
   int steps = 20;      ///< steps that count
   bool matrix_tiles = true;   ///< bfloat16 products where the processor has them; else float32 by vectors
-  /// What makes the engine; empty: the CPU's, with `matrix_tiles`. Its steps must report stages (stage_names()).
+  /// Makes the engine; empty: the CPU's, with `matrix_tiles`. Its steps must report stages (stage_names()).
   std::function<std::unique_ptr<Engine>(int threads)> make_engine;
   double pixel_share = 0.25;  ///< 1, 0.5 or 0.25 of the pixels take part in the semantic loss of a step, as preset default has it
   SemanticBlend blend = SemanticBlend::kProbabilities;  ///< kLogits: as preset paper has it
@@ -33,8 +33,8 @@ struct StepTiming {
   SemanticBlend blend = SemanticBlend::kProbabilities;  ///< StepBenchmarkOptions
   double seconds = 0;       ///< median wall time of a step: every loss, optimiser included
   double best_seconds = 0;  ///< of the fastest step, which other programs disturbed least
-  /// Median over the steps of the processor time of all threads together, divided by their number: what a step would
-  /// take were the machine free and the threads always busy. Other programs change it much less than wall time.
+  /// Median over the steps of the processor time of all threads together, divided by their number. A step would take as
+  /// long on a free machine with busy threads. Other programs change it much less than wall time.
   double cpu_seconds = 0;
   /// Median wall time by stage (StepReport::seconds), of the stages that most of the steps had.
   std::map<std::string, double> stages;
@@ -50,8 +50,8 @@ struct StepTiming {
 
 StepTiming time_steps(const StepBenchmarkOptions& options);
 
-/// What a stage has to do at least, whatever the implementation: its floor. Beside the stages of a step "densify", which is
-/// bytes alone.
+/// The least work of a stage, whatever the implementation: its floor. "densify" comes beside the stages of a step; it
+/// is bytes alone.
 struct StageWork {
   double vector_flops = 0;  ///< float32 operations on active (Gaussian, pixel) pairs, rows or pixels
   double matrix_flops = 0;  ///< operations of the semantic tile products

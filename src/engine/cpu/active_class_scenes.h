@@ -8,8 +8,8 @@ namespace aligngs::cpu::testing_scene {
 inline constexpr int kActive = 9;  ///< classes that the teacher shows: 3, 7, 11, ... of many
 inline uint16_t active_class(int i, int channels) { return static_cast<uint16_t>(channels < 40 ? i : 3 + 4 * i); }
 
-/// A teacher that mixes two active classes in smooth regions; the rest of its mass lies on the inactive classes, evenly
-/// or with `uneven` as chance has it.
+/// A teacher that mixes two active classes in smooth regions. The rest of its mass lies on the inactive classes, evenly
+/// or (`uneven`) at random.
 inline TrainingView teacher_view(const SceneOptions& o, bool uneven, double rest = 0.1) {
   Random random(o.seed + 7);
   TrainingView v = make_view(o);

@@ -1,16 +1,16 @@
 // Classes that no teacher ranks high are carried as one: a room shows 20 to 50 of 150 classes.
 //
 // A class is active when some pixel of some view ranks it among its top k. The others become one last channel, the
-// remainder, that stands for n classes of equal probability: its row number r means n equal logits r, its teacher is
-// the sum of theirs. With equal teachers among the n, losses and gradients are exactly those of all classes; unequal
-// ones cost the term sum t_c log(t_c / mean t) over the n, which training cannot act on. The remainder takes part in no
-// arg-max.
+// remainder, which represents n classes of equal probability. Its row number r means n equal logits r, and its teacher
+// is the sum of theirs. With equal teachers among the n, losses and gradients are exactly those of all classes. Unequal
+// teachers cost the term sum t_c log(t_c / mean t) over the n, which training cannot act on. The remainder takes part
+// in no arg-max.
 //
 // Files and callers always see all classes: expanding repeats r, compressing takes it back bit by bit.
 //
-// Teachers are kept at their native resolution in float16 of the channels. With 45 of 150 classes active that is less
-// than 8-bit log-probabilities of all classes take, and it costs below 1e-6 nats and 2^-12 of a probability where
-// those cost 9e-5 nats and 1.2 %, and the sixteen best classes alone 4e-2 nats (teacher_storage_test.cpp).
+// Teachers are kept at their native resolution in float16 of the channels. With 45 of 150 classes active they are
+// smaller than 8-bit log-probabilities of all classes. Their error is below 1e-6 nats and 2^-12 of a probability. 8-bit
+// log-probabilities cost 9e-5 nats and 1.2 %, the sixteen best classes alone 4e-2 nats (teacher_storage_test.cpp).
 #pragma once
 
 #include <cstddef>

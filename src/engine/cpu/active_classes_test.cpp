@@ -1,4 +1,4 @@
-// Which classes become the remainder, and how rows, teachers and files go to and from it.
+// The choice of the classes that become the remainder; rows, teachers and files go to and from it.
 #include "engine/cpu/active_classes.h"
 
 #include <gtest/gtest.h>
@@ -114,7 +114,7 @@ TEST(ActiveClasses, FilesKeepEveryClassAndResumeBitByBit) {
   resumed.store(b);
   EXPECT_EQ(a.semantics, b.semantics);
   EXPECT_EQ(a.positions, b.positions);
-  // What is rendered from the stored rows, where every class has a channel again, is what the engine rendered.
+  // The stored rows, where every class has a channel again, give the engine's own rendering.
   CpuEngine viewer(1);
   viewer.load(a);
   RenderOptions options;

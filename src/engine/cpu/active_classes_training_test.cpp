@@ -14,9 +14,9 @@ namespace {
 
 using namespace testing_scene;
 
-/// With equal teachers and equal logits among the inactive classes, nothing is lost: losses and gradients are those of
-/// all classes within float rounding; the remainder's row gradient is the sum of its classes'.
-/// What preset default runs where there are matrix tiles: a remainder and rows in bfloat16.
+/// With equal teachers and equal logits among the inactive classes, nothing is lost. Losses and gradients are those of
+/// all classes within float rounding. The remainder's row gradient is the sum of its classes'. Preset default with
+/// matrix tiles runs this: a remainder and rows in bfloat16.
 TEST(ActiveClasses, MatrixTilesWithARemainderGiveTheGradientsOfFloat32) {
   if (!matrix_tiles_available()) GTEST_SKIP() << "this processor has no matrix tiles";
   for (const int channels : {40, 150, 151}) {
@@ -106,8 +106,8 @@ LabelCounts compare_labels(const CpuEngine& all, const CpuEngine& few, const Tra
   return counts;
 }
 
-/// Four fifths of the teacher's mass, and most of every row's, on classes that no pixel ranks high: together they outweigh
-/// every single class, yet the teacher's label and the rendered one are the best single class.
+/// Four fifths of the teacher's mass, and most of every row's, on classes that no pixel ranks high: together they
+/// outweigh every single class. Yet the teacher's label and the rendered one are the best single class.
 TEST(ActiveClasses, TheRemainderIsNoLabelHoweverMuchItHolds) {
   const SceneOptions o = options(150);
   const TrainingView view = teacher_view(o, false, 0.8);
@@ -139,8 +139,8 @@ TEST(ActiveClasses, TheRemainderIsNoLabelHoweverMuchItHolds) {
   }
 }
 
-/// Nats that one remainder cannot express of an uneven rest: sum t log t over its classes less the same of their mean, mean
-/// over the pixels of the loss.
+/// Nats of an uneven rest that one remainder cannot express. Mean over the pixels of the loss: sum t log t over its
+/// classes, less the same of their mean.
 double unevenness_of(const TrainingView& view) {
   const SemanticTarget& teacher = view.data.semantics;
   const std::vector<uint8_t> active = active_flags(teacher.channels);
@@ -165,8 +165,8 @@ double unevenness_of(const TrainingView& view) {
   return sum / static_cast<double>(count_semantic_pixels(view.data));
 }
 
-/// The bounds on which the remainder is on by default (docs/method.md). With an uneven rest of a tenth of the mass, after
-/// training, the soft loss of all classes is that of the channels plus the constant that the rest's unevenness is.
+/// The bounds on which the remainder is on by default (docs/method.md). The rest is uneven and has a tenth of the mass.
+/// After training, the soft loss of all classes is that of the channels plus a constant for the unevenness.
 constexpr double kSoftAgreement = 0.002;   ///< nats
 constexpr double kHardAgreement = 0.002;   ///< nats
 constexpr double kSameLabels = 0.995;     ///< of the labelled pixels

@@ -30,7 +30,7 @@ struct AlphaConstants {
 
 using FloatMask = hn::Mask<FloatTag>;
 
-/// What a Gaussian does to a vector of pixels.
+/// The effect of a Gaussian on a vector of pixels.
 struct AlphaLanes {
   FloatVec alpha;  ///< 0 where it takes no part
   FloatVec slope;  ///< d alpha / d power, with the smooth cut-off only

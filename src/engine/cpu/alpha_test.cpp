@@ -1,5 +1,5 @@
-// The vectors' alpha against the scalar formula in double precision, above all beside the two thresholds that decide whether
-// a Gaussian takes part in a pixel.
+// The vectors' alpha against the scalar formula in double precision. Most cases lie near the two thresholds that decide
+// whether a Gaussian takes part in a pixel.
 #include "engine/cpu/every_target.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ namespace cpu {
 namespace HWY_NAMESPACE {
 
 /// alpha_lanes at one pixel, in the first lane; `t` is the transmittance before and after. The second alpha is that of
-/// alpha_lanes_within, which is told that the pixel is open if the first took it.
+/// alpha_lanes_within, with the pixel marked open if the first took it.
 void AlphaAt(const Splat& g, float pixel_x, float pixel_y, const RasterSettings& raster, float* t, float* alpha) {
   const FloatTag d;
   const AlphaConstants constants(raster);

@@ -1,4 +1,4 @@
-// Which Gaussians each tile blends, front to back.
+// The Gaussians that each tile blends, front to back.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace aligngs::cpu {
 
-/// An instance is a (Gaussian, tile) pair. Instances are numbered twice: by Gaussian (its slots are contiguous, in
-/// the row-major order of its rectangle), where gradients are left for reduction, and by tile in depth order.
+/// An instance is a (Gaussian, tile) pair. Instances are numbered twice. By Gaussian, its slots are contiguous, in the
+/// row-major order of its rectangle; gradients are left there for reduction. By tile, they are in depth order.
 struct TileLists {
   std::vector<uint64_t> slot_begin;  ///< [N + 1] first slot of each Gaussian
   std::vector<uint64_t> tile_begin;  ///< [tiles + 1] first entry of each tile in `gaussians`
@@ -24,8 +24,8 @@ struct TileLists {
   std::vector<uint64_t> cursors, chunk_visible, chunk_slots;
 };
 
-/// Depth order by a stable radix sort of the depths, then a counting sort by tile, both over fixed chunks, so the
-/// result does not depend on the number of threads. Offsets are 64-bit. Writes the slots into the view's splats.
+/// Depth order by a stable radix sort of the depths, then a counting sort by tile, both over fixed chunks. The result
+/// does not depend on the number of threads. Offsets are 64-bit. Writes the slots into the view's splats.
 void build_tile_lists(ProjectedView& view, ThreadPool& pool, TileLists& lists);
 
 }  // namespace aligngs::cpu

@@ -65,7 +65,7 @@ void tile_rays(const TileWeights& tile, const ProjectionCamera<float>& camera, b
   }
 }
 
-/// What stands behind the Gaussian at hand, per pixel.
+/// The blend behind the current Gaussian, per pixel.
 struct Behind {
   HWY_ALIGN float color[kTilePixels];
   HWY_ALIGN float all[kTilePixels];
@@ -119,7 +119,7 @@ class StripCursor {
     }
     return set;
   }
-  /// What the block of a strip holds of the Gaussian; `at` is the strip's first pixel as a number of the tile.
+  /// Values of the Gaussian in the block of a strip; `at` is the strip's first pixel as a number of the tile.
   const float* weight(size_t at) const { return weight_[at / kBlockPixels] + offset(at); }
   const float* alpha(size_t at) const { return alpha_[at / kBlockPixels] + offset(at); }
   const float* gain(size_t at) const { return gain_[at / kBlockPixels] + offset(at); }

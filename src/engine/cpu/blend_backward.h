@@ -6,8 +6,8 @@
 
 namespace aligngs::cpu {
 
-/// Sums over pixels that one Gaussian receives from one tile. With g = dL/dpower of a pixel and (p, r) = F^T (dx, dy)
-/// the whitened offset of the pixel (see Splat), the moments of g give mean, conic and opacity; kept in whitened form
+/// Sums over pixels that one Gaussian receives from one tile. g is dL/dpower of a pixel, and (p, r) = F^T (dx, dy) is
+/// its whitened offset (see Splat). The moments of g give mean, conic and opacity. They are kept in whitened form
 /// because the moments of (dx, dy) cancel for needles.
 struct alignas(64) SplatGradient {
   float color[3];
@@ -45,7 +45,7 @@ struct BackwardOptions {
   const uint32_t* coupling_rows = nullptr;
 };
 
-/// Where the sums of the tile's Gaussians go: slots[slot of the instance], see Splat.
+/// Destination of the sums of the tile's Gaussians: slots[slot of the instance], see Splat.
 struct TileSlots {
   SplatGradient* slots;
   int tile_x, tile_y;
@@ -53,10 +53,10 @@ struct TileSlots {
 
 /// Writes the sums of all Gaussians of the tile.
 ///
-/// Sweeps from the back: with v_k what Gaussian k shows (dL/dmaps . its values) and B_k what stands behind it,
+/// Sweeps from the back: with v_k the value of Gaussian k (dL/dmaps . its values) and B_k the blend behind it,
 ///   B_{k-1} = alpha_k v_k + (1 - alpha_k) B_k,   dL/dalpha_k = T_k (v_k - B_k),
 /// starting with the background. Unlike total-minus-prefix this neither divides by 1 - alpha nor cancels where T is
-/// small; the weights are at hand (tile_weights.h), so the order of the sweep is free. A Gaussian's sums stay in
+/// small. The weights are known (tile_weights.h), so the order of the sweep is free. A Gaussian's sums stay in
 /// registers over all its strips of the tile.
 void blend_tile_backward(const TileWeights& tile, const ProjectionCamera<float>& camera, const RasterSettings& raster,
                          const TileGradients& gradients, const BackwardOptions& options, const TileSlots& out);

@@ -90,8 +90,8 @@ struct GatheredSplats {
   int32_t place;     ///< of the first in the tile's list, plus one
 };
 
-/// Blends a list of a batch's Gaussians into the pixels of one vector, whose first is number `at` of the block at
-/// (x, y); `strip` is the bit of their strip. Returns false when all of them are closed.
+/// Blends a list of a batch's Gaussians into the pixels of one vector. Its first pixel is number `at` of the block at
+/// (x, y). `strip` is the bit of their strip. Returns false when all of them are closed.
 template <bool kGeometry, bool kSmooth>
 bool blend_pixels(const GatheredSplats& batch, const uint32_t* list, size_t count, const AlphaConstants& constants,
                   const ProjectionCamera<float>& camera, int x, int y, size_t at, unsigned strip, BlockMaps& maps) {

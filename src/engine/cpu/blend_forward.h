@@ -30,9 +30,9 @@ struct TileForward {
 };
 
 /// Blends tile (tile_x, tile_y) of the view into out.blocks. Takes the same alphas, bit for bit, as
-/// compute_tile_weights, but keeps none of them: each strip of 8 x 2 pixels sums its maps in registers over the
-/// Gaussians that can reach it, and ends when its own pixels are closed. `seen` [slots], unless nullptr, receives a 1
-/// for every Gaussian that some pixel took.
+/// compute_tile_weights, but keeps none of them. Each strip of 8 x 2 pixels sums its maps in registers over the
+/// Gaussians that can reach it. A strip ends when its own pixels are closed. `seen` [slots], unless nullptr, receives a
+/// 1 for every Gaussian that some pixel took.
 void blend_tile_forward(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
                         const RasterSettings& raster, bool geometry, uint8_t* seen, TileForward& out);
 

@@ -1,4 +1,4 @@
-// What the forward pass remembers of its blending, so that the backward pass computes again only what counted.
+// A record of the forward pass, so that the backward pass recomputes only the Gaussians that counted.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ inline constexpr int kBlockStrips = kBlockPixels / kStripPixels;
 inline constexpr int kTileStrips = kTileBlocks * kBlockStrips;  ///< strip s of block b is number 4 b + s of the tile
 inline constexpr int kTilePixels = kTileBlocks * kBlockPixels;  ///< pixel i of block b is number 64 b + i of the tile
 
-/// A pixel takes every Gaussian with alpha >= alpha_min until one would close it, so the last one taken tells all of
-/// them, and no transmittance has to be tested again. 2 bytes per (Gaussian, tile) pair and 4 per pixel; keeping the
+/// A pixel takes every Gaussian with alpha >= alpha_min until one would close it. The last one taken hence determines
+/// all of them, and no transmittance is tested again. 2 bytes per (Gaussian, tile) pair and 4 per pixel; keeping the
 /// weights themselves would take a hundred times as much.
 struct BlendRecord {
   /// [instances, in the order of TileLists::gaussians] bit k: some pixel of strip k took it.

@@ -1,4 +1,4 @@
-// What changes an engine's parameters between steps.
+// Changes of an engine's parameters between steps.
 #include <gtest/gtest.h>
 
 #include <limits>

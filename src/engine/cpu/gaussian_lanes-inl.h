@@ -93,7 +93,7 @@ HWY_INLINE void lanes_to_rows(const float (*in)[kLanes], size_t width, size_t co
 /// Rounded up to whole quads.
 constexpr size_t whole_quads(size_t width) { return (width + 3) / 4 * 4; }
 
-/// Parameters of the rows at hand; the camera's constants.
+/// Parameters of the current rows; the camera's constants.
 struct LaneShape {
   Lanes3 position, log_scale;
   FloatVec rotation[4];  ///< w x y z

@@ -31,7 +31,7 @@ namespace aligngs::cpu::testing_scene {
 /// terms partly cancel.
 struct VisitTolerance {
   double loss, rows, coupling;
-  double floor;  ///< how far from the floor, in units of it, the side is told on which a blended probability lies
+  double floor;  ///< distance from the floor, in units of it, beyond which the side of a blended probability is known
 };
 inline constexpr VisitTolerance kFloat32Tolerance{5e-6, 2e-5, 5e-5, 1e-5};
 inline constexpr VisitTolerance kBfloat16Tolerance{1e-2, 1.2e-2, 2e-2, 1.0 / 128};
@@ -167,7 +167,7 @@ class HandMadeTile {
   AlignedArray<float> coupling[kTileBlocks];
   std::vector<float> row_gradients;
   AlignedArray<SplatGradient> sums;
-  std::vector<double> want_alpha;  ///< [gaussians] sum over pixels of w (q - what stands behind)
+  std::vector<double> want_alpha;  ///< [gaussians] sum over pixels of w (q - the blend behind)
   /// (Pixel, class) pairs of blended probabilities: those without a gradient, those whose side of the floor is not told, all.
   size_t at_floor = 0, beside_floor = 0, classes_seen = 0;
 
@@ -185,8 +185,8 @@ class HandMadeTile {
     return d;
   }
 
-  /// Three classes share the tile: every row has one of them ten nats above the others, every pixel of the teacher nine
-  /// tenths of its mass on one.
+  /// Three classes share the tile. Every row has one of them ten nats above the others. Every pixel of the teacher has
+  /// nine tenths of its mass on one.
   void train(Random& random) {
     constexpr size_t kShown[3] = {3, 40, 97};
     for (size_t i = 0; i < options.gaussians; ++i) logits[i * channels + kShown[random.below(3)]] += 10.0f;

@@ -8,7 +8,7 @@
 
 namespace aligngs::cpu::testing_scene {
 
-/// What the four blocks of the tile blend; a Gaussian takes part in some of them.
+/// Gaussians of the tile's four blocks; each takes part in some of them.
 struct TileOptions {
   size_t gaussians = 60;
   int channels = 150;

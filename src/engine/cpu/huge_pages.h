@@ -11,8 +11,8 @@
 
 namespace aligngs::cpu {
 
-/// Asks the system to back a large vector, already filled, with pages of 2 MB: rows are read in gaps and pixels by
-/// tiles, and with 4 kB pages both would miss the TLB. A wish: where the system declines, nothing changes.
+/// Asks the system to back a large vector, already filled, with pages of 2 MB. Rows are read in gaps and pixels by
+/// tiles; with 4 kB pages both would miss the TLB. A wish: where the system declines, nothing changes.
 inline void ask_for_huge_pages(std::vector<float>& values) {
 #ifdef __linux__
   constexpr uintptr_t kHugePage = uintptr_t(1) << 21;

@@ -6,8 +6,8 @@
 
 namespace aligngs::cpu {
 
-/// The processor has bfloat16 tiles and AVX-512 with bfloat16, and the kernel of the system granted this process the
-/// use of tile data (asked for at the first call). Always false in scalar-only builds.
+/// The processor has bfloat16 tiles and AVX-512 with bfloat16, and the kernel grants this process the use of tile data.
+/// The first call asks for it. Always false in scalar-only builds.
 bool matrix_tiles_available();
 
 /// Configures this thread's tiles while it lives. Only with matrix_tiles_available(). Not to be nested.
@@ -25,8 +25,8 @@ inline constexpr size_t kTileNumbers = kTileRows * kTileDepth;  ///< of one oper
 
 /// C = initial + sum over `steps` of A[step] B[step], for 32 rows and a multiple of 16 columns, float32 sums.
 ///   A: bfloat16, row r of a step's 32 terms at a + step * a_step + r * a_row.
-///   B: bfloat16, pairs of terms beside each other: columns 0 to 15 of a step at b + step * b_step as [16][16][2],
-///      every further 16 columns at kTileNumbers behind the last.
+///   B: bfloat16, pairs of terms are neighbours. Columns 0 to 15 of a step at b + step * b_step as [16][16][2], every
+///      further 16 columns at kTileNumbers behind the last.
 ///   C: row r at c + r * c_row.
 /// Offsets are in numbers, not bytes.
 struct TileProduct {

@@ -1,4 +1,4 @@
-// What a step of the engine does to parameters is what Adam's formula says, with the gradients that the engine reports.
+// A step of the engine changes parameters by Adam's formula, with the gradients that the engine reports.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Which boxes of pixels a Gaussian can reach; compiled once per instruction set.
+// The boxes of pixels that a Gaussian can reach; compiled once per instruction set.
 #if defined(ALIGNGS_ENGINE_CPU_OVERLAP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ALIGNGS_ENGINE_CPU_OVERLAP_INL_H_
 #undef ALIGNGS_ENGINE_CPU_OVERLAP_INL_H_

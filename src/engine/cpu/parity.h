@@ -11,7 +11,7 @@
 namespace aligngs::cpu::testing_scene {
 
 /// Tolerances, relative to the largest entry of a map or of a class of gradients. A mean of a few hundred pixels has an
-/// ulp of 3e-5 pixels, which moves the alpha of a splat of one pixel's size by 1e-4 of itself.
+/// ulp of 3e-5 pixels. It moves the alpha of a splat of one pixel's size by 1e-4 of itself.
 struct Tolerance {
   double map = 2e-5;
   double loss = 2e-5;
@@ -49,8 +49,8 @@ void expect_close(const A& a, const B& b, double tolerance, const std::string& w
 
 inline constexpr CouplingBalance kBalance{2e-4, 1e-3};  ///< of earlier steps
 
-/// One step of the engine beside the reference. The map losses are evaluated once, on the engine's maps, so that a
-/// pixel on the edge of a loss's validity does not count as a difference of the engine.
+/// One step of the engine beside the reference. The map losses are evaluated once, on the engine's maps. A pixel on the
+/// edge of a loss's validity hence does not count as a difference of the engine.
 inline void compare_products(SemanticProducts products, const GaussianModel& model, const TrainingView& view,
                       const StepRequest& request, const Tolerance& tolerance, const CouplingBalance& balance) {
   CpuEngine engine(2);

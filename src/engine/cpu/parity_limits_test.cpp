@@ -1,5 +1,6 @@
-// The engine against the scalar reference where blending is at its limits: one Gaussian, ten thousand in a tile, alphas and
-// transmittances beside their thresholds; and a window of a scene with the tile statistics of a real room.
+// The engine against the scalar reference where blending is at its limits. The limits are one Gaussian, ten thousand in
+// a tile, alphas and transmittances near their thresholds. One case is a window of a scene with the tile statistics of
+// a real room.
 #include "engine/benchmark/benchmark_room.h"
 #include "engine/cpu/parity.h"
 #include "engine/cpu/project.h"
@@ -123,8 +124,8 @@ TEST_P(CpuParityAtLimits, TenThousandFaintGaussiansInOneTile) {
   compare_step(model, make_view(o), plain);
 }
 
-/// Dots before a room, each by as little above or below the threshold as float can tell: one too many or too few moves its
-/// pixel's colour by some 1e-3.
+/// Dots before a room, each above or below the threshold by the least that float can express. One too many or too few
+/// moves its pixel's colour by some 1e-3.
 TEST_P(CpuParityAtLimits, AlphaAtItsThreshold) {
   const SceneOptions o;
   const StepRequest r = make_geometry_request();
@@ -150,8 +151,8 @@ TEST_P(CpuParityAtLimits, AlphaAtItsThreshold) {
   compare_step(model, make_view(o), r);
 }
 
-/// Stacks of dots whose fourth would leave just more or just less than transmittance_min: it is the last one taken, or the
-/// first one not taken, and the fainter fifth behind it is never taken though there would be room for it.
+/// Stacks of dots whose fourth would leave just more or just less than transmittance_min. It is the last one taken, or
+/// the first one not taken. The fainter fifth behind it is never taken, though there would be room for it.
 TEST_P(CpuParityAtLimits, TransmittanceAtItsThreshold) {
   const SceneOptions o;
   const StepRequest r = make_geometry_request();

@@ -10,7 +10,7 @@
 
 namespace aligngs::cpu::testing_scene {
 
-/// GetParam() is the way; where the machine lacks it, the test says so.
+/// GetParam() is the implementation; where the machine lacks it, the test is skipped with a message.
 class ProductsTest : public testing::TestWithParam<SemanticProducts> {
  protected:
   void SetUp() override {

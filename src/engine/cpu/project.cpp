@@ -31,7 +31,7 @@ HWY_INLINE void range(FloatVec mean, FloatVec extent, int size, FloatVec& first,
   end = hn::Min(hn::Max(hn::Add(hn::Floor(hn::Sub(hn::Add(mean, extent), half)), constant(1.0f)), zero), top);
 }
 
-/// What a batch leaves for the scalar code that stores it.
+/// Results of a batch, for the scalar code that stores them.
 struct Batch {
   HWY_ALIGN float fields[17][kLanes];  ///< in the order of Splat
   HWY_ALIGN float radius[kLanes], visible[kLanes], suspect[kLanes];
@@ -62,7 +62,7 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   const auto good = finite(parameters);
   const LaneCamera c(camera);
   const Lanes3 centre = c.to_camera(g.position);
-  // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 all the same.
+  // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 anyway.
   const FloatVec factor = constant(raster.dropout.factor());
   const FloatVec opacity = hn::Div(factor, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
   auto visible = hn::And(

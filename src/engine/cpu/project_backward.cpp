@@ -73,8 +73,8 @@ HWY_INLINE void rotation_lanes(const LaneFrame& f, const FloatVec* g, FloatVec* 
   out[3] = hn::Mul(hn::NegMulAdd(along, z, dz), f.inverse_length);
 }
 
-/// The vector twin of project_backward and sh_color_backward. With M the moments of g in whitened coordinates
-/// y = F^T d, A = k F F^T and dL/dA = -1/2 sum g d d^T, the gradient of the covariance is
+/// The vector twin of project_backward and sh_color_backward. M are the moments of g in whitened coordinates y = F^T d.
+/// With A = k F F^T and dL/dA = -1/2 sum g d d^T, the gradient of the covariance is
 ///   dC = -A dL/dA A = k^2/2 F M F^T,
 /// which unlike the way over dL/dA does not cancel for needles.
 void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOutputs& out) {

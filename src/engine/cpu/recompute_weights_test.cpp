@@ -1,4 +1,4 @@
-// What the backward pass computes again is what the forward pass blended, bit for bit.
+// The weights that the backward pass recomputes are those of the forward pass, bit for bit.
 #include "engine/cpu/simd_targets.h"
 
 #include <gtest/gtest.h>

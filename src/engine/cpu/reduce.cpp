@@ -26,7 +26,7 @@ struct ChunkSums {
   double photometric = 0, coupling = 0;
 };
 
-/// What the shape terms need of a chunk of rows, beginning with row `first`; empty where no term asks for it.
+/// Inputs of the shape terms from a chunk of rows, beginning with row `first`; empty where no term asks for it.
 struct ShapeValues {
   size_t first = 0;
   AlignedArray<float> scales;     ///< [rows][3]

@@ -13,7 +13,7 @@
 
 namespace aligngs::cpu {
 
-/// What density control needs of a row's sums; see SplatGradient.
+/// Sums of a row that density control needs; see SplatGradient.
 struct DensitySums {
   float photometric_p, photometric_r, photometric_abs_p, photometric_abs_y, weight, residual, unsupported;
 };
@@ -47,7 +47,7 @@ struct ReduceTotals {
   double coupling_rms = 0;     ///< the same of the semantic coupling before its factor
 };
 
-/// Where a gradient is not usable: the first row, and the parameter in `term`.
+/// Place of an unusable gradient: the first row, and the parameter in `term`.
 struct BadGradient {
   int64_t row = -1;
   const char* term = nullptr;

@@ -10,7 +10,7 @@ namespace aligngs::cpu {
 namespace {
 
 /// Groups beyond this many list entries wait for the next batch, so that memory stays bounded however many Gaussians
-/// reach over the whole image: at most this many rows, and usually a tenth of it, are kept at a time.
+/// cover the whole image. At most this many rows are kept at a time, usually a tenth of it.
 constexpr uint64_t kEntriesPerBatch = uint64_t(1) << 20;
 constexpr int kGroupSizeMax = 4;   ///< tiles: the sums of 16 tiles, some 2000 rows of 640 bytes, fit a cache of 2 MB
 constexpr int kGroupsWanted = 64;

@@ -25,12 +25,12 @@ struct GroupSums {
   size_t count = 0;
   AlignedArray<float> rows;         ///< [count][padded]; everything behind is zero
   std::vector<uint32_t> gaussians;  ///< [count], and room for one more
-  std::vector<uint32_t> index;      ///< [N] any value: right only if that row says so
+  std::vector<uint32_t> index;      ///< [N] any value: valid only if that row confirms it
 
   void reset();  ///< no Gaussians, whatever happened before
 };
 
-/// What a tile adds to. Valid for one tile.
+/// The rows to which a tile adds. Valid for one tile.
 class TileRows {
  public:
   /// Room for `entries` more rows, so that pointers stay valid while the tile is visited.
@@ -54,9 +54,9 @@ struct SharedRows {
 };
 
 /// Groups of neighbouring tiles are visited in parallel, the tiles of one in order by one thread, whose sums stay in
-/// its cache meanwhile. Then the sums of a Gaussian that lies within the group go to their destination; those of one
-/// that reaches further are kept and added after all groups, in the groups' order. So a target's sum has one order whatever
-/// the threads are, and most rows leave the cache once.
+/// its cache meanwhile. Then the sums of a Gaussian that lies within the group go to their destination. Sums of one
+/// that reaches further are kept and added after all groups, in the groups' order. So a target's sum has one order
+/// whatever the threads are, and most rows leave the cache once.
 class RowBatches {
  public:
   using Visit = std::function<void(size_t tile, int worker, TileRows& rows)>;

@@ -49,7 +49,7 @@ std::vector<TileRect> random_rectangles(int tiles_x, int tiles_y, size_t count) 
   return rects;
 }
 
-/// What the tile adds to channel c of the Gaussian's row; every third tile does not ask for it.
+/// The tile's term of channel c of the Gaussian's row; every third tile does not ask for it.
 float term(size_t tile, uint32_t gaussian, size_t c) { return static_cast<float>((tile * 7 + gaussian * 3 + c) % 11); }
 bool asks(size_t tile, uint32_t gaussian) { return (tile + gaussian) % 3 != 0; }
 

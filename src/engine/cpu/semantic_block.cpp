@@ -81,7 +81,7 @@ HWY_INLINE FloatVec reciprocal(FloatVec x) {
 #endif
 }
 
-/// What one pixel adds to the block's terms.
+/// One pixel's part of the block's terms.
 struct PixelTerms {
   float soft, hard;
   float likelihood = 1;    ///< -log of it is still to be added to `hard`

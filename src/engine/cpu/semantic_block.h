@@ -8,9 +8,9 @@
 
 namespace aligngs::cpu {
 
-/// How many classes each channel stands for, as vectors over the padded channels. A model may carry the classes that no
-/// teacher ranks high as one last channel, the remainder, that stands for n classes of equal probability: its softmax
-/// term is n exp(r), its share of "nothing here" and its floor are n times those of a class.
+/// The number of classes that each channel represents, as vectors over the padded channels. A model may carry the
+/// classes that no teacher ranks high as one last channel, the remainder. It represents n classes of equal probability.
+/// Its softmax term is n exp(r). Its share of "nothing here" and its floor are n times those of a class.
 struct ClassCounts {
   int channels = 0;              ///< channels of the model, remainder included
   int remainder = 0;             ///< n; 0: every channel is a class of its own
@@ -19,7 +19,7 @@ struct ClassCounts {
   AlignedArray<float> log_count; ///< [padded] its logarithm, 0 beyond the channels
   AlignedArray<float> floor;     ///< [padded] smallest Q inside the logarithm, 1 beyond the channels
 
-  /// What softmax_row adds to the last logit.
+  /// The term that softmax_row adds to the last logit.
   float last_log_count() const { return log_count[static_cast<size_t>(channels - 1)]; }
   /// Classes that may be an arg-max: all but the remainder.
   int classes() const { return channels - (remainder > 0 ? 1 : 0); }
@@ -38,7 +38,7 @@ struct SemanticStep {
   size_t padded = 0;    ///< channels rounded up, tile_products.h
   bool couple = false;  ///< the coupling direction is wanted
 
-  /// What one pixel counts in a mean over the valid ones, of which this step may take a part.
+  /// The weight of one pixel in a mean over the valid ones; this step may sample a part of them.
   float pixel_weight() const { return losses->semantic_sample.scale() / static_cast<float>(cache->valid); }
 };
 

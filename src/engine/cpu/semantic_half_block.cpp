@@ -64,13 +64,13 @@ struct SideLanes {
         omega_inverse(hn::Set(FloatTag(), s.omega_inverse)) {}
 };
 
-/// What a pair of pixels adds to.
+/// Sums to which a pair of pixels adds.
 struct PairSums {
   FloatVec cross;  ///< sum of t log2 Q
   float gradient_sum[2] = {0, 0};
 };
 
-/// Where a pair of pixels goes.
+/// Destination of a pair of pixels.
 struct PairOutputs {
   uint16_t* HWY_RESTRICT gradients;      ///< [channel / 16] at kTileNumbers each, [channel % 16][2]
   uint16_t* HWY_RESTRICT directions[2];  ///< [depth] each
@@ -106,7 +106,7 @@ HWY_INLINE void side_channels(const PixelSide& s, const SideLanes& k, const Clas
   }
 }
 
-/// semantic_loss_probabilities and the coupling's direction for two pixels beside each other, but for the hard term.
+/// semantic_loss_probabilities and the coupling's direction for two neighbouring pixels, without the hard term.
 template <bool kBounded, bool kRemainder>
 void pixel_pair(const PixelSide* sides, const ClassCounts& classes, size_t padded, size_t depth, PairSums& sums,
                 const PairOutputs& out) {

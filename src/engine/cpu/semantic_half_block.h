@@ -1,5 +1,5 @@
 // The semantic loss of 32 pixels, from blended rows to the bfloat16 operands of the next products (matrix_tiles.h), so
-// that neither leaves the nearest cache; formulas of engine/formulas/semantic_loss.h. Logarithms are within 1e-5 and
+// that neither leaves the nearest cache. Formulas: engine/formulas/semantic_loss.h. Logarithms are within 1e-5 and
 // reciprocals within 2^-14: the blended rows have 8 bits, and so have the results.
 #pragma once
 

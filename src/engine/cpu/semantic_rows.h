@@ -7,15 +7,15 @@
 namespace aligngs::cpu {
 
 /// out[0..padded) = softmax(logits[0..channels)), zero-padded, with `last_shift` added to the last logit: the logarithm
-/// of how many classes it stands for.
+/// of the number of classes that it represents.
 void softmax_row(const float* logits, size_t channels, size_t padded, float last_shift, float* out);
 /// out[0..padded) = in[0..channels), zero-padded.
 void copy_row(const float* in, size_t channels, size_t padded, float* out);
 /// out[0..depth) = in[0..padded) - shift in bfloat16, rounded to nearest, ties to even; zero-padded, as are the numbers
 /// from `channels` on. Not a number stays not a number.
 void round_row(const float* in, size_t channels, size_t padded, size_t depth, float shift, uint16_t* out);
-/// What the products on AMX tiles read of a row of logits: its softmax, or with `probabilities` false the logits less
-/// their mean, as round_row writes it to out[0..depth). `scratch` is [padded].
+/// Operands of the products on AMX tiles from a row of logits: its softmax, or with `probabilities` false the logits
+/// less their mean. round_row writes them to out[0..depth). `scratch` is [padded].
 void round_features(const float* logits, size_t channels, size_t padded, size_t depth, bool probabilities,
                     float last_shift, float* scratch, uint16_t* out);
 /// Mean of a padded row's first `channels` numbers.

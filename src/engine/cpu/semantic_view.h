@@ -1,4 +1,4 @@
-// What the semantic loss needs of a training view and does not change between steps.
+// Inputs of the semantic loss from a training view that do not change between steps.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace aligngs::cpu {
 
-/// Of the teacher as sampled at the image's pixels; 6 bytes per pixel, so that neither its logarithms nor its arg-max
+/// Values of the teacher as sampled at the image's pixels, 6 bytes per pixel. Neither its logarithms nor its arg-max
 /// are computed twice.
 struct SemanticView {
   std::vector<float> negative_entropy;  ///< [H * W] sum t log t

@@ -15,8 +15,8 @@ namespace {
 constexpr size_t kGroup = 32;                                  ///< rows of a tile product
 constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
 
-/// Order of the sets of blocks: neighbours in a Gray code differ by one block, so that 32 Gaussians of neighbouring
-/// sets reach few blocks together.
+/// Order of the sets of blocks: neighbours in a Gray code differ by one block. 32 Gaussians of neighbouring sets hence
+/// reach few blocks together.
 constexpr size_t kBlockSets = size_t(1) << kTileBlocks;
 struct SetOrder {
   uint8_t place[kBlockSets] = {};

@@ -46,14 +46,14 @@ struct SemanticScratch {
   std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's products and back
   std::vector<uint8_t> group_set;        ///< of 32 rows of the tile's products: blocks that some of them reach
   std::vector<const uint16_t*> rounded;  ///< [rows] bfloat16 rows
-  std::vector<const float*> weights_of_row;  ///< [rows] in the block at hand
-  std::vector<uint32_t> block_groups;    ///< groups of 32 rows with a weight in the block at hand
+  std::vector<const float*> weights_of_row;  ///< [rows] in the current block
+  std::vector<uint32_t> block_groups;    ///< groups of 32 rows with a weight in the current block
   std::vector<uint32_t> depth_steps;     ///< 0, 1, 2, ...
   AlignedArray<uint16_t> tile_plain, tile_pairs;  ///< semantic rows as both operands, bf16_packing.h
   AlignedArray<uint16_t> weights_by_entry;  ///< [rows][256], blocks that a group does not reach unspecified
-  AlignedArray<uint16_t> weights_by_pixel;  ///< [rows / 32][64][32] of the block at hand
+  AlignedArray<uint16_t> weights_by_pixel;  ///< [rows / 32][64][32] of the current block
   AlignedArray<uint16_t> gradient_pairs;    ///< of the tile's pixels
-  AlignedArray<uint16_t> directions, direction_pairs;  ///< of the block at hand
+  AlignedArray<uint16_t> directions, direction_pairs;  ///< of the current block
   AlignedArray<float> group_sums;  ///< [32][padded] row gradients of 32 splats of the tile
 };
 
@@ -63,7 +63,7 @@ class SemanticVisit {
   SemanticVisit(const SemanticPass& pass, const TileWeights& tile, TileRows& rows, SemanticScratch& scratch);
 
   /// Visits a block; scratch.block.soft and hard are its terms. Returns q of the coupling, [rows][64], valid until the
-  /// next tile, or nullptr when there is none (also for a block without a teacher, whose terms are zero).
+  /// next tile, or nullptr when there is none. A block without a teacher has nullptr and terms of zero.
   const float* visit_block(int block);
   /// The row of q of a splat of the tile; nullptr: that of its entry in the block.
   const uint32_t* coupling_rows() const { return pass_.rounded != nullptr ? s_.row_of.data() : nullptr; }

@@ -13,9 +13,9 @@ namespace {
 
 using namespace testing_scene;
 
-/// The gradient -t / Q of blended probabilities jumps to 0 at the floor of Q, and a Q beside the floor may be rounded
-/// to its other side. With logits this close together every Q stays above; with the rows of TileOptions::trained hardly any
-/// does, and what stands within a 128th of the floor may be off by the jump.
+/// The gradient -t / Q of blended probabilities jumps to 0 at the floor of Q. A Q near the floor may be rounded to its
+/// other side. With logits this close together every Q stays above. With the rows of TileOptions::trained hardly any
+/// does, and a Q within a 128th of the floor may be off by the jump.
 constexpr double kAboveTheFloor = 0.5;
 
 class SemanticVisitTile : public ProductsTest {
@@ -115,8 +115,8 @@ TEST_P(SemanticVisitTile, PeakedRowsWithMostClassesAtTheFloor) {
   }
 }
 
-/// What a tile of a captured room holds: 415 listed Gaussians, of which some 260 are taken before its pixels are full, by a
-/// fifth of the pixels each.
+/// A tile of a captured room has 415 listed Gaussians. Some 260 are taken before its pixels are full, each by a fifth
+/// of the pixels.
 TEST_P(SemanticVisitTile, TileOfARealRoom) {
   TileOptions o;
   o.gaussians = 415;
@@ -148,8 +148,8 @@ TEST_P(SemanticVisitTile, EveryInstructionSet) {
   });
 }
 
-/// Behind an opaque surface dL/dalpha is T (q - what stands behind), with T < 0.01: a total of other rounding than the
-/// q that are summed would drown it. Here the error must be small beside the largest gradient *behind the surface*.
+/// Behind an opaque surface dL/dalpha is T (q - the blend behind), with T < 0.01. A total with other rounding than the
+/// summed q would drown it. Here the error must be small beside the largest gradient *behind the surface*.
 TEST_P(SemanticVisitTile, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
     for (const SemanticCoupling coupling :

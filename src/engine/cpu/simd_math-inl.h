@@ -23,8 +23,8 @@ inline constexpr size_t kLanes = hn::MaxLanes(FloatTag());
 
 using aligngs::HWY_NAMESPACE::fast_exp;
 
-/// 2^x within 2.5 ulp for x in [-126, 127]; smaller x give 2^-126. Minimax polynomial of degree 5 on [-1/2, 1/2] (9e-8),
-/// exact at 0. Adding 1.5 * 2^23 rounds to an integer, which then stands in the low bits.
+/// 2^x within 2.5 ulp for x in [-126, 127]; smaller x give 2^-126. Minimax polynomial of degree 5 on [-1/2, 1/2]
+/// (9e-8), exact at 0. Adding 1.5 * 2^23 rounds to an integer, which is then in the low bits.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_exp2(D d, V x) {
   const hn::RebindToSigned<D> di;
@@ -96,9 +96,9 @@ HWY_INLINE FloatVec loss_log(FloatVec x) {
   return hn::MulAdd(p, z, hn::Mul(hn::ConvertTo(d, e), hn::Set(d, 0.693147181f)));
 }
 
-/// log2(x) within 1.5e-5 for x in [2^-20, 4), within 2.5e-5 for any normal positive x. Exponent and mantissa together are a
-/// number that is linear in the mantissa m; the minimax polynomial of degree 5 of log2(m) - (m - 1) for m in [1, 2) is what it
-/// lacks.
+/// log2(x) within 1.5e-5 for x in [2^-20, 4), within 2.5e-5 for any normal positive x. Exponent and mantissa together
+/// are a number that is linear in the mantissa m. The minimax polynomial of degree 5 of log2(m) - (m - 1) for m in [1,
+/// 2) adds the rest.
 HWY_INLINE FloatVec rough_log2(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;

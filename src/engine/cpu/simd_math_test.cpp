@@ -93,7 +93,7 @@ double units_in_the_last_place(double got, double want) {
   return std::abs(got - want) / std::ldexp(1.0, std::ilogb(want) - 23);
 }
 double absolute(double got, double want) { return std::abs(got - want); }
-/// Of numbers below 1 their absolute error, of larger ones the relative.
+/// The absolute error of numbers below 1, the relative error of larger ones.
 double mixed(double got, double want) { return std::abs(got - want) / std::max(1.0, std::abs(want)); }
 
 /// The largest error over the arguments, for each instruction set.

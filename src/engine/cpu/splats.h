@@ -13,8 +13,8 @@ namespace aligngs::cpu {
 using aligngs::Splat;
 using aligngs::TileRect;
 
-/// Pixels of a block's edge. A tile of 16 x 16 is blended as four blocks: W, the matrix of blending weights, is
-/// about 20 % dense over a tile and 45 % over a block.
+/// Pixels of a block's edge. A tile of 16 x 16 is blended as four blocks. W, the matrix of blending weights, is about
+/// 20 % dense over a tile and 45 % over a block.
 inline constexpr int kBlockSize = 8;
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;  ///< pixel (x, y) of a block has index 8 y + x
 inline constexpr int kStripPixels = 16;                       ///< a strip of 8 x 2 pixels: one vector of AVX-512

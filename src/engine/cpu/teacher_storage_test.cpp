@@ -1,5 +1,5 @@
 // Why teacher maps are kept as float16 of the active classes: bytes and errors beside 8-bit log-probabilities and the
-// sixteen best classes, on maps like those of a segmentation network (a winner, a runner-up, a tail over decades).
+// sixteen best classes. The maps are like those of a segmentation network (a winner, a runner-up, a tail over decades).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -133,7 +133,7 @@ TEST(TeacherStorage, Float16OfActiveClassesIsBothSmallerAndMoreExact) {
   EXPECT_GE(map.active.size(), static_cast<size_t>(kShown) / 2);
   EXPECT_NEAR(1e-6 * kPixelsPerView * static_cast<double>(bytes) / static_cast<double>(pixels), kActiveMegabytes, 0.05);
   EXPECT_LT(bytes, pixels * kClasses * sizeof(uint8_t));  // less than 8 bits of every class
-  // What the active classes hold is exactly what was given; the remainder is the rest of the mass.
+  // The active classes hold exactly the given probabilities; the remainder is the rest of the mass.
   for (size_t i = 0; i < pixels; ++i) {
     double rest = 0;
     for (size_t c = 0; c < kClasses; ++c)

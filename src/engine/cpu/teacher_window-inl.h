@@ -49,7 +49,7 @@ HWY_INLINE void load_half_row(const uint16_t* row, float scale, size_t channels,
   for (; c < padded; c += kLanes) hn::Store(hn::Zero(d), d, out + c);
 }
 
-/// Where pixel i of a line of `size` falls in a line of `source` pixels; the rule of teacher_taps.
+/// Position of pixel i of a line of `size` in a line of `source` pixels; the rule of teacher_taps.
 HWY_INLINE void source_pair(int i, int size, int source, int& low, int& high, float& share) {
   const double at = (i + 0.5) * source / size - 0.5, floor_at = std::floor(at);
   share = static_cast<float>(at - floor_at);

@@ -1,5 +1,5 @@
-// Scenes for the thresholds of blending: Gaussians that stand beside one on purpose, and the removal of those that stand
-// there by chance, which float and double may take differently without either being wrong.
+// Scenes for the thresholds of blending: Gaussians placed near one, and the removal of those that are there by chance.
+// Float and double may take the latter differently without either being wrong.
 #pragma once
 
 #include <vector>
@@ -39,10 +39,10 @@ inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions&
   return m;
 }
 
-/// How close to a threshold counts as beside it, relative to the threshold. The mean of a Gaussian is some 1e-5 pixels off
-/// in float, which moves the alpha of one a pixel wide by as much of itself.
+/// How close to a threshold counts as beside it, relative to the threshold. The mean of a Gaussian is some 1e-5 pixels
+/// off in float. The alpha of one a pixel wide moves by as much of itself.
 inline constexpr double kThresholdMargin = 1e-4;
-/// The same for two depths, whose order decides which stands in front: some ten roundings of a float.
+/// The same for two depths, whose order decides which is in front: some ten roundings of a float.
 inline constexpr double kDepthMargin = 2e-6;
 
 /// Flags of rows whose part in some pixel, or whose place in the order, hangs on rounding.

@@ -128,7 +128,7 @@ void keep_record(const TileForward& s, size_t tile, size_t begin, BlendRecord& o
   }
 }
 
-/// Slots of a view whose Gaussians grew without bound may not fit: an error that says so rather than a killed process.
+/// Slots of a view whose Gaussians grew without bound may not fit: a clear error rather than a killed process.
 void size_slots(size_t instances, SlotGradients& out) {
   constexpr uint64_t kWorthAsking = uint64_t(1) << 30;  // bytes; smaller growth is not worth reading the system's state
   const uint64_t bytes = uint64_t(instances) * sizeof(SplatGradient);

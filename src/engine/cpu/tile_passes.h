@@ -32,7 +32,7 @@ struct ViewTiles {
 void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::vector<TileScratch>& scratch,
                   RenderMaps<float>& maps, BlendRecord* record);
 
-/// What the backward pass needs of the maps, planar as in engine/maps.h.
+/// Inputs of the backward pass from the maps, planar as in engine/maps.h.
 struct BackwardMaps {
   const MapGradients<float>& gradients;
   const float* residual = nullptr;  ///< [H * W] with density

@@ -42,7 +42,7 @@ struct TileWeights {
 void compute_tile_weights(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
                           const RasterSettings& raster, TileWeights& out);
 
-/// The same bits from what a forward pass recorded: only Gaussians that some pixel took are gathered, and only the
+/// The same bits from the record of a forward pass. Only Gaussians that some pixel took are gathered, and only the
 /// strips that took them are computed.
 void recompute_tile_weights(const ProjectedView& view, const TileLists& lists, int tile_x, int tile_y,
                             const RasterSettings& raster, const BlendRecord& record, TileWeights& out);

@@ -46,8 +46,8 @@ inline StepRequest make_pair_request() {
   return r;
 }
 
-/// The reference's gradients of such a step. The map losses are taken from maps of an engine, so that a pixel on a threshold
-/// is no difference; `depth` is the plane depth of the neighbour.
+/// The reference's gradients of such a step. The map losses are taken from maps of an engine, so that a pixel on a
+/// threshold is no difference. `depth` is the plane depth of the neighbour.
 inline auto pair_gradients(const RenderMaps<float>& maps, const ImageF& depth, const StepRequest& r, bool multi_view) {
   const std::vector<TrainingView> pair = make_view_pair();
   const NeighbourView<float> neighbour{pair[1], depth.data.data(), r.neighbour.seed};

@@ -1,4 +1,4 @@
-// What one photo's teacher says of each Gaussian, by the weight with which the photo shows it.
+// Votes of one photo's teacher for each Gaussian, by the weight with which the photo shows it.
 #pragma once
 
 #include <vector>
@@ -17,9 +17,10 @@ class ViewVotes {
   /// `channels`: of the views' teachers.
   ViewVotes(const GaussianModel& model, int channels, ThreadPool& pool);
 
-  /// Votes [N][channels] of one view, seen from its camera: the sum over its valid pixels (teacher_taps) of blending weight times the
-  /// teacher's numbers, SemanticTarget::scale included, so that a view's numbers may be weighed by it. Hidden Gaussians get what the
-  /// light that reaches them is worth. The same bits for any number of threads. Valid until the next call.
+  /// Votes [N][channels] of one view, seen from its camera: the sum over its valid pixels (teacher_taps) of blending
+  /// weight times the teacher's numbers. SemanticTarget::scale is included, so it may weigh a view's numbers. Hidden
+  /// Gaussians get what the light that reaches them is worth. The same bits for any number of threads. Valid until the
+  /// next call.
   const std::vector<float>& of(const TrainingView& view, const RasterSettings& raster);
 
  private:

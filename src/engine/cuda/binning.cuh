@@ -99,7 +99,7 @@ __global__ void __launch_bounds__(kRowThreads) pad_pairs(DeviceSpan<const uint32
   rows[i] = 0;
 }
 
-/// Where each tile begins: a thread whose key differs from the one before it opens every tile in between.
+/// The start of each tile: a thread whose key differs from the one before it opens every tile in between.
 __global__ void __launch_bounds__(kRowThreads) open_tiles(DeviceSpan<const uint32_t> tiles,
                                                           DeviceSpan<uint32_t> tile_begin) {
   const size_t i = item_index();

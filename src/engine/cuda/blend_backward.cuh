@@ -1,5 +1,5 @@
-// Kernel of BlendBackwardMethod::kPerPixel. One thread per pixel of a tile sweeps from the back and leaves weights and
-// gradients of the power of eight Gaussians in shared memory; then one warp per Gaussian adds them up over the pixels.
+// Kernel of BlendBackwardMethod::kPerPixel. One thread per pixel of a tile sweeps from the back. It leaves weights and
+// gradients of the power of eight Gaussians in shared memory. Then one warp per Gaussian adds them up over the pixels.
 // Each sum of an instance is formed by one warp in a fixed order, so nothing is added atomically.
 #pragma once
 
@@ -14,7 +14,7 @@ inline constexpr int kSplatVectors = sizeof(Splat) / sizeof(float4);
 struct BlendBackwardShared {
   Splat splats[kBackwardChunk];
   BackwardMaps maps;
-  /// Of the Gaussians at hand, as sweep_backward leaves them.
+  /// Values of the current Gaussians, as sweep_backward leaves them.
   float weight[kBackwardChunk][kTilePixels], all[kBackwardChunk][kTilePixels], by_color[kBackwardChunk][kTilePixels];
   uint32_t places[kTilePixels];
   int counts[kBackwardWarps];

@@ -24,7 +24,7 @@ struct alignas(16) SplatGradient {
 inline constexpr int kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
 static_assert(kSplatGradientFloats == 20, "five vectors of four");
 
-/// Two kernels for the same sums. Which is faster depends on the device and on how many Gaussians a tile has.
+/// Two kernels for the same sums. The faster one depends on the device and on the number of Gaussians per tile.
 enum class BlendBackwardMethod {
   kPerPixel,  ///< a thread per pixel sweeps through the list, then warps add up over the pixels
   kPerSplat   ///< a lane per Gaussian adds up while pixels pass by; needs checkpoints of the forward pass

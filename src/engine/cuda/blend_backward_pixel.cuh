@@ -1,4 +1,4 @@
-// What both kernels of blend_backward.h do at one pixel with one Gaussian.
+// The work of both kernels of blend_backward.h at one pixel with one Gaussian.
 //
 // The sweep from the back, B_{k-1} = alpha_k v_k + (1 - alpha_k) B_k and dL/dalpha_k = T_k (v_k - B_k), does not cancel
 // where T is small (engine/cpu/blend_backward.h). T_k is what is left behind divided by 1 - alpha_k >= 1 - alpha_max.
@@ -15,12 +15,12 @@ namespace aligngs::cuda {
 
 inline constexpr int kBackwardWarps = kTilePixels / kWarp;
 
-/// Of the pixels of a tile, in shared memory: what the sums multiply weights with.
+/// Values of a tile's pixels, in shared memory: the sums multiply weights with them.
 struct BackwardMaps {
   float color[3][kTilePixels], normal[3][kTilePixels], distance[kTilePixels], residual[kTilePixels];
 };
 
-/// What one thread knows of its pixel.
+/// The state of one thread's pixel.
 struct BackwardPixel {
   float x = 0, y = 0;  ///< centre
   Vec3<float> ray;
@@ -28,7 +28,7 @@ struct BackwardPixel {
   float distance = 0, alpha = 0;
   float prior = 0;
   uint32_t last = 0;
-  float transmittance = 1;  ///< behind the Gaussian at hand
+  float transmittance = 1;  ///< behind the current Gaussian
   float behind_color = 0, behind_all = 0;
 };
 
@@ -69,8 +69,8 @@ __device__ __forceinline__ BackwardPixel load_backward_pixel(const BlendBackward
   return px;
 }
 
-/// The pixel's share of one Gaussian that some pixel of its strip took: its weight, whose sign bit says that the prior
-/// does not support the Gaussian here, and dL/dpower by all losses and by colour alone.
+/// The pixel's share of one Gaussian that some pixel of its strip took: its weight, and dL/dpower by all losses and by
+/// colour alone. The weight's sign bit marks a Gaussian that the prior does not support here.
 template <bool kGeometry, bool kDensity>
 __device__ __forceinline__ void sweep_backward(const Splat& g, uint32_t place, const RasterSettings& raster,
                                                BackwardPixel& px, float& weight, float& all, float& by_color) {
@@ -96,8 +96,8 @@ __device__ __forceinline__ void sweep_backward(const Splat& g, uint32_t place, c
   }
 }
 
-/// Adds pixel i to the sums of a Gaussian whose mean lies (dx, dy) from its centre: the fields of SplatGradient in v but
-/// for the moments of all losses, which finish_backward_sums puts there.
+/// Adds pixel i to the sums of a Gaussian whose mean lies (dx, dy) from its centre. `v` has the fields of SplatGradient
+/// except the moments of all losses, which finish_backward_sums writes.
 template <bool kGeometry, bool kDensity, int kCount>
 __device__ __forceinline__ void add_backward_sums(const BackwardMaps& maps, int i, const Splat& g, float dx, float dy,
                                                   float signed_weight, float all, float by_color, float (&v)[kCount],

@@ -1,8 +1,8 @@
 // Kernel of BlendBackwardMethod::kPerSplat: a warp has 32 neighbours of a tile's list, a lane each, and the pixels pass
-// by: a pixel enters at the farthest Gaussian, with what the forward pass noted behind it, and moves a lane nearer at each
-// step. A lane adds up for its Gaussian alone, so the sums over pixels need neither shuffles nor shared memory. The idea is
-// that of Mallick et al. 2024 (Taming 3DGS, section 4.2); there pixels enter from the front, here from the back, because
-// that sweep does not cancel (blend_backward_pixel.cuh).
+// by. A pixel enters at the farthest Gaussian, with the forward pass's checkpoint behind it. It moves a lane nearer at
+// each step. A lane adds up for its Gaussian alone, so the sums over pixels need neither shuffles nor shared memory.
+// The idea is that of Mallick et al. 2024 (Taming 3DGS, section 4.2). There pixels enter from the front. Here they
+// enter from the back, because that sweep does not cancel (blend_backward_pixel.cuh).
 #pragma once
 
 #include "engine/cuda/blend_backward_pixel.cuh"
@@ -24,7 +24,7 @@ struct SplatBackwardShared {
   uint32_t last_of_warp[kBackwardWarps];
 };
 
-/// What moves from lane to lane: the state behind the Gaussian at hand.
+/// The state that moves from lane to lane: the blend behind the current Gaussian.
 struct PassingPixel {
   float transmittance = 1, behind_color = 0, behind_all = 0;
 };
@@ -55,8 +55,8 @@ __device__ __forceinline__ void keep_pixel(const BlendBackwardInputs& in, int ti
   s.last[i] = px.last;
 }
 
-/// Pixel i of the tile behind the place in front of `far`. Of what the pixel shows, what its checkpoint has not seen is
-/// behind it; the alpha map shows 1 - T.
+/// Pixel i of the tile behind the place in front of `far`. The part of the pixel that its checkpoint does not contain
+/// is behind it; the alpha map shows 1 - T.
 template <bool kGeometry>
 __device__ __forceinline__ PassingPixel enter_pixel(const BlendBackwardInputs& in, const SplatBackwardShared& s,
                                                     uint32_t begin, uint32_t far, int i) {

@@ -99,7 +99,7 @@ __global__ void __launch_bounds__(kTilePixels)
     }
   }
   if (keep) {
-    // Nobody takes what stands behind the last batch.
+    // No pixel takes a Gaussian behind the last batch.
     for (uint32_t at = first + threadIdx.x; at < end; at += kTilePixels) {
       record.strips[at] = 0;
       record.seen[static_cast<size_t>(view.splats[in.lists.gaussians[at]].slot(tile_x, tile_y))] = 0;

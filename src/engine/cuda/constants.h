@@ -1,5 +1,5 @@
-// Sizes of blocks and pieces of work on the device: what a measurement on a device may change. Sizes that follow from a
-// formula or from another one stand where they are used. Shared memory is named per block; a multiprocessor has 100 KB
+// Sizes of blocks and pieces of work on the device, to be tuned by measurement. Sizes that follow from a formula or
+// from another one are defined where they are used. Shared memory is named per block; a multiprocessor has 100 KB
 // (GeForce) to 228 KB (sm_90) for all its blocks.
 #pragma once
 
@@ -10,15 +10,15 @@ namespace aligngs::cuda {
 
 // ---- rows: one Gaussian or one (Gaussian, tile) pair per thread or warp
 
-/// Threads of a block that works on one Gaussian or one instance per thread: enough warps to hide memory, few enough
-/// registers' worth that several blocks share a multiprocessor.
+/// Threads of a block with one Gaussian or instance per thread: enough warps to hide memory latency, few enough
+/// registers for several blocks per multiprocessor.
 inline constexpr unsigned kRowThreads = 256;
 
 /// The same where a row needs about 100 registers, as in the way back through projection and colour.
 inline constexpr unsigned kGradientThreads = 128;
 
-/// Slots that a thread adds up itself; beyond, its warp does it together, because one Gaussian close to the camera has a
-/// slot in every tile and would keep 31 rows waiting.
+/// Slots that a thread adds up itself; its warp adds up any further ones. One Gaussian close to the camera has a slot
+/// in every tile and would keep 31 rows waiting.
 inline constexpr uint32_t kOwnSlots = 16;
 
 /// Rows per block of the semantic kernels, one warp each: 256 threads.
@@ -36,19 +36,19 @@ inline constexpr unsigned kWideRectangle = 32;
 /// Gaussians that a tile's block takes from its list at a time: one per thread, 20 KB of shared memory.
 inline constexpr int kBlendBatch = 256;
 
-/// Gaussians between two barriers of the backward pass: one for each of a tile's eight warps, which add up one each, and
-/// 24 KB of shared memory for the weights and gradients of their pixels.
+/// Gaussians between two barriers of the backward pass: each of a tile's eight warps adds up one. The weights and
+/// gradients of their pixels take 24 KB of shared memory.
 inline constexpr int kBackwardChunk = 8;
 
-/// Most blocks per tile of the backward pass per Gaussian: each loads the pixels of the tile again (20 KB), against 4 to
-/// 8 KB of checkpoints per 32 Gaussians.
+/// Most blocks per tile of the backward pass per Gaussian. Each loads the pixels of the tile again (20 KB); checkpoints
+/// take 4 to 8 KB per 32 Gaussians.
 inline constexpr size_t kMostBackwardBlocks = 8;
 
 /// Classes that labels take per sweep over a tile's list: their sums stay in registers.
 inline constexpr int kChannelSweep = 16;
 
 /// Gaussians whose weights the semantic start keeps at a time (x 256 pixels: 32 KB of shared memory), and channels per
-/// sweep: their product is one sum per thread of the tile.
+/// sweep. Their product is one sum per thread of the tile.
 inline constexpr int kLiftBatch = 32;
 inline constexpr int kLiftChannels = 8;
 
@@ -57,20 +57,20 @@ inline constexpr int kLiftChannels = 8;
 /// Threads of the block that visits a tile: four per pixel of a block of 8 x 8, eight warps for the products.
 inline constexpr int kVisitThreads = 256;
 
-/// Gaussians at a time: two steps of 16 of a product over Gaussians; more would need more shared memory for their rows
-/// (kVisitEntries x channels x 2 bytes) than blocks of 150 classes leave on GeForce.
+/// Gaussians at a time: two steps of 16 of a product over Gaussians. Rows take kVisitEntries x channels x 2 bytes of
+/// shared memory; blocks of 150 classes leave no more on GeForce.
 inline constexpr int kVisitEntries = 32;
 
 /// Places of a tile's list looked at at a time (4 bytes each): more than almost every tile has.
 inline constexpr int kVisitBatch = 1024;
 
-/// Rows of dS that pass through shared memory at a time, in float32: one step of a product, and no more than the rows of
-/// kVisitEntries in bfloat16, whose memory they take.
+/// Rows of dS that pass through shared memory at a time, in float32: one step of a product. They reuse the memory of
+/// the rows of kVisitEntries in bfloat16, so they may not be larger.
 inline constexpr int kSumRows = 16;
 
 // ---- maps
 
-/// Edge of the square of pixels that a block of the SSIM kernels has: with its windows (26 x 26) both pictures and five
+/// Edge of the square of pixels of a block of the SSIM kernels. With its windows (26 x 26) both pictures and five
 /// moments of their rows take 14 KB of shared memory.
 inline constexpr int kSsimTile = 16;
 
@@ -85,16 +85,16 @@ inline constexpr unsigned kSumThreads = 256;
 /// Threads of a block with one value of a tensor per thread, or one row per warp.
 inline constexpr unsigned kElementThreads = 256;
 
-/// Outputs from which on a product takes large blocks (128 x 128), which load each operand less often: 64 of them occupy
-/// half of the multiprocessors of a large device. Below, blocks of 32 x 64 keep more of a device busy.
+/// Outputs from which on a product takes large blocks (128 x 128), which load each operand less often. 64 of them
+/// occupy half of the multiprocessors of a large device. Below, blocks of 32 x 64 keep more of a device busy.
 inline constexpr int64_t kLargeProduct = int64_t(128) * 128 * 64;
 
-/// The product in float32: a block forms kFloatTile x kFloatTile outputs, a thread a square of kFloatPerThread, from
-/// kFloatStep inputs at a time (9 KB of shared memory).
+/// The product in float32: a block forms kFloatTile x kFloatTile outputs, a thread a square of kFloatPerThread.
+/// kFloatStep inputs at a time take 9 KB of shared memory.
 inline constexpr int kFloatTile = 64, kFloatStep = 16, kFloatPerThread = 4;
 
-/// Warps of a block of attention, with 16 queries each, and keys per step: four tiles of scores per warp in registers,
-/// and keys and values of 128 channels take 35 KB of shared memory.
+/// Warps of a block of attention, with 16 queries each, and keys per step. Each warp has four tiles of scores in
+/// registers. Keys and values of 128 channels take 35 KB of shared memory.
 inline constexpr int kAttentionWarps = 4, kAttentionKeys = 64;
 
 // ---- (Gaussian, tile) pairs

@@ -69,7 +69,7 @@ NeighbourSpans CudaEngine::render_neighbour(const StepRequest& request, const Vi
   const RasterSettings raster = request.neighbour_raster();
   const DeviceFrame frame = make_frame({other->camera, raster, request.sh_degree, true, false, other->pairs, false});
   blend_forward(*context_, {frame.view, frame.lists, raster, true}, frame.maps, frame.record);
-  // What the step needs of it outlives the arena's next reset.
+  // The step still needs this depth after the arena's next reset.
   neighbour_depth_.resize(*context_, frame.maps.alpha.size, "the depth of a neighbouring view");
   neighbour_bad_.resize(*context_, 1, "state of the step");
   const TrainingMapSpans maps = other->maps.spans();

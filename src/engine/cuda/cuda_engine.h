@@ -26,9 +26,9 @@
 
 namespace aligngs::cuda {
 
-/// Everything of a step stays on the device; the host waits once per step, for the losses and whether they are finite
-/// (and once more the first time that it sees a view, to learn how many (Gaussian, tile) pairs it has). Results are the
-/// same bits on every run on one kind of device. Not to be used from several threads at once.
+/// Everything of a step stays on the device. The host waits once per step, for the losses and whether they are finite.
+/// It waits once more for a new view, to learn its number of (Gaussian, tile) pairs. Results are the same bits on every
+/// run on one kind of device. Not to be used from several threads at once.
 class CudaEngine final : public Engine {
  public:
   CudaEngine(int device, uint64_t budget_bytes, int threads, const CudaEngineOptions& options = {});
@@ -73,7 +73,7 @@ class CudaEngine final : public Engine {
   const StepGraph::Counts& graph_counts() const { return graph_->counts(); }
 
  private:
-  /// What a step needs of a view.
+  /// Data of a view that a step needs.
   struct ViewOnDevice {
     Camera camera;
     TrainingMaps maps;
@@ -90,7 +90,7 @@ class CudaEngine final : public Engine {
     DeviceSpan<StepOutcome> outcome;
     bool semantics = false;
   };
-  /// What the host reads back at the end of a step.
+  /// Data that the host reads back at the end of a step.
   struct ReadBack {
     StepOutcome outcome;
     BinCounts counts;
@@ -104,7 +104,7 @@ class CudaEngine final : public Engine {
     bool geometry = false;  ///< maps beside colour and alpha
     bool record = false;    ///< what the backward passes need
     size_t pairs = 0;       ///< of the last visit; 0: waits to learn how many there are
-    bool stages = true;     ///< the timer hears of projection and lists
+    bool stages = true;     ///< the timer records projection and lists
   };
 
   /// Gradients of the losses of the semantic rows and of the coupling.

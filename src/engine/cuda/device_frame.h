@@ -18,9 +18,9 @@ struct DeviceFrame {
   DeviceSpan<unsigned long long> bad;  ///< [1] kNoBadGradient
 };
 
-/// Takes `view`, `maps` (colour and alpha, with geometry all), `counts` and `bad` of a view; all but `bad` are undefined
-/// until project_view, count_tile_pairs and blend_forward fill them. Throws Error{kFailed} for an image of more than a
-/// million pixels on a side.
+/// Allocates `view`, `maps` (colour and alpha, with geometry all), `counts` and `bad` of a view. All but `bad` are
+/// undefined until project_view, count_tile_pairs and blend_forward fill them. Throws Error{kFailed} for an image of
+/// more than a million pixels on a side.
 DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster, size_t gaussians,
                        bool geometry);
 

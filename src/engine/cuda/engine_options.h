@@ -1,5 +1,5 @@
-// What of the CUDA engine can be chosen without another result: kernels of which a device may prefer either, and how they are
-// launched. What is not measured on a device yet has the default that costs least memory.
+// Choices of the CUDA engine that keep its results: kernels of which a device may prefer either, and how they are
+// launched. A choice not yet measured on a device defaults to the one with least memory.
 #pragma once
 
 #include "engine/cuda/blend_backward.h"

@@ -377,8 +377,8 @@ TEST_F(CudaStep, GraphsOfStepsChangeNothing) {
   expect_same(train(graphs, o), train({}, o));
 }
 
-/// Two views in turn, classes, a restructuring in between: the first visit to a view waits, all later ones are a graph,
-/// which is made once and again after the restructuring.
+/// Two views in turn, classes, a restructuring in between. The first visit to a view waits. All later ones are a graph,
+/// which is made once, and again after the restructuring.
 TEST_F(CudaStep, AWarmStepIsOneGraphOfTheSameOperations) {
   CudaEngineOptions graphs;
   graphs.graphs = true;

@@ -1,5 +1,5 @@
-// Kernels of label_map.h: one thread per pixel of a tile goes through the tile's list once per sweep of channels, whose
-// sums stay in its registers.
+// Kernels of label_map.h: one thread per pixel of a tile goes through the tile's list once per sweep of channels. The
+// sweep's sums stay in its registers.
 #pragma once
 
 #include "engine/cuda/label_map.h"
@@ -32,7 +32,7 @@ struct LabelBatch {
   float features[kBlendBatch][kChannelSweep];
 };
 
-/// What a pixel knows after the channels seen so far.
+/// The state of a pixel after the channels seen so far.
 struct LabelState {
   float best = -3.4e38f, top = -3.4e38f, sum = 0;  ///< sum of count exp(blended - top)
   int channel = 0;

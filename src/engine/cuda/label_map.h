@@ -17,7 +17,7 @@ struct LabelInputs {
   DeviceSpan<const float> alpha;  ///< [H W]
   RasterSettings raster;
   SemanticBlend blend = SemanticBlend::kProbabilities;
-  int remainder = 0;           ///< classes that the last channel stands for; 0: it is one class
+  int remainder = 0;           ///< classes that the last channel represents; 0: it is one class
 };
 
 struct LabelOutputs {

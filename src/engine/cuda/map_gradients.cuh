@@ -5,7 +5,7 @@
 
 namespace aligngs::cuda {
 
-/// What the depth normals of the pixel and its four neighbours mean for the pixel's depth, not yet normalised.
+/// The gradient of the pixel's depth by the depth normals of it and its four neighbours, not yet normalised.
 __device__ __forceinline__ float gather_consistency(const MapTermInputs& in, const MapTermScratch& scratch, int x,
                                                     int y, size_t i) {
   const size_t width = static_cast<size_t>(in.maps.width);

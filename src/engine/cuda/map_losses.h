@@ -1,5 +1,5 @@
-// Every loss that is a function of the rendered maps of one view, values and gradients; the twin of
-// engine/losses/map_losses.h, whose terms and degenerate cases it has.
+// Every loss that is a function of the rendered maps of one view, values and gradients. It has the terms and degenerate
+// cases of its twin engine/losses/map_losses.h.
 #pragma once
 
 #include "engine/cuda/multi_view.h"

@@ -54,8 +54,8 @@ void set_weights(const Case& c, LossSettings& s) {
 
 class CudaMapLosses : public DeviceTest {
  protected:
-  /// A view in which every term meets what it can: two walls with a fold, labels that change across and along it, prior
-  /// values that are missing or silly, pixels without depth, with loose depth, and nearly transparent ones.
+  /// A view with all cases of every term: two walls with a fold, and labels that change across and along it. Prior
+  /// values are missing or absurd. Pixels lack depth, have loose depth, or are nearly transparent.
   static LossFixture rough_fixture(int width = 50, int height = 34) {
     LossFixture f(width, height, 5);
     Random random(8);

@@ -1,6 +1,7 @@
-// Losses on depth and normals in three passes over the pixels. Terms are normalised by how many pixels take part, so a
-// pass measures, the next one compares neighbours, and the last one, knowing every normalisation, forms the gradients.
-// A pixel gathers what its neighbours' terms mean for it; nothing is scattered, so sums have a fixed order.
+// Losses on depth and normals in three passes over the pixels. Terms are normalised by the number of pixels that take
+// part. One pass measures, the next one compares neighbours, and the last one forms the gradients with the known
+// normalisations. A pixel gathers the gradients of its neighbours' terms. Nothing is scattered, so sums have a fixed
+// order.
 #pragma once
 
 #include "engine/cuda/constants.h"

@@ -23,7 +23,7 @@ constexpr uint64_t kDensityStatistics = sizeof(DensitySpans) / sizeof(DeviceSpan
 /// An eighth of a step is lost between the blocks of an arena that is not warm yet.
 constexpr uint64_t kLostShare = 8;
 
-/// Of the model's rows on their way through a step.
+/// Bytes of the model's rows on their way through a step.
 uint64_t row_bytes(uint64_t channels) {
   const uint64_t projected = sizeof(Splat) + sizeof(TileRect) + kFloat;  // radius
   const uint64_t lists = 2 * kIndex + 4 * kIndex + kSortScratch;         // slots, ranks; depths sorted with their rows
@@ -37,7 +37,7 @@ uint64_t row_bytes(uint64_t channels) {
   return projected + lists + sums + statistics + semantics;
 }
 
-/// Of a (Gaussian, tile) pair.
+/// Bytes of a (Gaussian, tile) pair.
 uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
   // Tile and row, sorted and not; strips, seen.
   const uint64_t lists = 4 * kIndex + kSortScratch + 2 * sizeof(uint8_t);
@@ -50,7 +50,7 @@ uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
   return lists + slots + (checkpoints ? pixels * (sizeof(BlendCheckpoint) + sizeof(PlaneCheckpoint)) : 0);
 }
 
-/// Of the pixels of the view at work: maps, their gradients, residual, blend record, scratch of the losses.
+/// Bytes of the current view's pixels: maps, their gradients, residual, blend record, scratch of the losses.
 uint64_t pixel_bytes(uint64_t pixels) {
   LossSettings all;
   all.pearson_weight = 1;  // any loss on depth or normals: scratch is the same for all of them

@@ -1,4 +1,4 @@
-// What a run will need of the device's memory, before it starts.
+// Forecast of a run's device memory, before it starts.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@ namespace aligngs::cuda {
 void mark_touched(const DeviceContext& context, const TileListSpans& lists, const BlendRecordSpans& record,
                   DeviceSpan<uint8_t> touched, DeviceSpan<uint32_t> visible);
 
-/// What density control needs of a row's sums; see SplatGradient.
+/// Sums of a row that density control needs; see SplatGradient.
 struct DensitySums {
   float photometric_p, photometric_r, photometric_abs_p, photometric_abs_y, weight, residual, unsupported;
 };

@@ -1,5 +1,5 @@
-// Photometric losses: L1 and SSIM with separable windows in shared memory, one pass for the values and the derivatives
-// by the local moments, one for the gradient.
+// Photometric losses: L1 and SSIM with separable windows in shared memory. One pass forms the values and the
+// derivatives by the local moments, one the gradient.
 #pragma once
 
 #include "engine/cuda/constants.h"
@@ -26,7 +26,7 @@ struct PhotometricInputs {
   float ssim_factor = 0;  ///< -SSIM weight / (3 counted)
 };
 
-/// What the losses take for the render: the photo under the mask.
+/// The render as the losses take it: the photo replaces it under the mask.
 __device__ __forceinline__ float render_at(const PhotometricInputs& in, size_t plane, size_t pixel, float truth) {
   return pixel_counts(in.view, pixel) ? in.maps.color[plane + pixel] : truth;
 }

@@ -15,8 +15,8 @@ struct ProjectInputs {
 };
 
 /// Writes every rectangle, and splat and radius of the rows with one. `bad` [1] is lowered to the key
-/// (parameter_gradients.h) of the first row that has a parameter that is not finite; finite rows whose image overflows
-/// are only culled.
+/// (parameter_gradients.h) of the first row with a parameter that is not finite. Finite rows whose image overflows are
+/// only culled.
 void project_view(const DeviceContext& context, const ProjectInputs& in, const ViewSpans& view,
                   DeviceSpan<unsigned long long> bad);
 

@@ -1,5 +1,5 @@
-// Kernels of semantic_lift.h: one thread per pixel forms the weights of a batch of Gaussians and the teacher's values of
-// a sweep of channels, then one thread per Gaussian and channel adds their products up over the pixels.
+// Kernels of semantic_lift.h: one thread per pixel forms the weights of a batch of Gaussians and the teacher's values
+// of a sweep of channels. Then one thread per Gaussian and channel adds their products up over the pixels.
 #pragma once
 
 #include "engine/cuda/constants.h"

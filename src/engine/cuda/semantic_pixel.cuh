@@ -23,7 +23,7 @@ __device__ __forceinline__ float load_half(const uint16_t& bits) {
 #endif
 }
 
-/// What the loss needs besides the step's inputs.
+/// Inputs of the loss besides those of the step.
 struct PixelTeacher {
   int pixel[4];     ///< of the teacher's map
   float weight[4];  ///< TeacherTaps

@@ -18,7 +18,7 @@ __device__ __forceinline__ void load_logits(const SemanticRowInputs& in, size_t 
   }
 }
 
-/// softmax in place of the channels, the last of which stands for `remainder` classes; NaN where one is not finite.
+/// softmax in place of the channels, the last of which represents `remainder` classes; NaN where one is not finite.
 __device__ __forceinline__ void softmax_lanes(int channels, int remainder, float (&x)[kLaneChannels]) {
   const float shift = remainder > 1 ? std::log(static_cast<float>(remainder)) : 0.0f;
   float top = -3.0e38f, sum = 0;

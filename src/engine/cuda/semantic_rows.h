@@ -19,7 +19,7 @@ struct SemanticRowInputs {
   DeviceSpan<const uint8_t> touched;  ///< [N]
   DeviceSpan<const uint32_t> rank;    ///< [N] TileListSpans::rank
   SemanticBlend blend = SemanticBlend::kProbabilities;
-  int remainder = 0;  ///< classes that the last channel stands for (ActiveClasses::remainder); 0: every channel is one
+  int remainder = 0;  ///< classes that the last channel represents (ActiveClasses::remainder); 0: every channel is one
 };
 
 /// rows[rank][padded_channels] in bfloat16, zero beyond the channels, of every touched Gaussian. kProbabilities:

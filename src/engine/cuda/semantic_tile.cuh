@@ -1,5 +1,5 @@
-// What the semantic visit holds of a tile: its shared memory, and the Gaussians, rows and weights of a few at a time.
-// Thread t stands for pixel t % kPixels of a block of pixels and for part t / kPixels of the Gaussians.
+// Data of the semantic visit of a tile: its shared memory, and the Gaussians, rows and weights of a few at a time.
+// Thread t handles pixel t % kPixels of a block of pixels and part t / kPixels of the Gaussians.
 #pragma once
 
 #include "engine/cuda/constants.h"
@@ -10,8 +10,8 @@
 
 namespace aligngs::cuda {
 
-/// Sizes of a visit. A tile is visited in blocks of kPixels pixels, each with the list of the Gaussians that it took, by
-/// kThreads threads, kEntries Gaussians at a time.
+/// Sizes of a visit. kThreads threads visit a tile in blocks of kPixels pixels, kEntries Gaussians at a time. Each
+/// block has the list of the Gaussians that it took.
 template <int kPixelCount, int kThreadCount, int kEntryCount>
 struct VisitForm {
   static constexpr int kPixels = kPixelCount, kThreads = kThreadCount, kEntries = kEntryCount;
@@ -26,7 +26,7 @@ struct VisitForm {
   static_assert(kThreads >= kTilePixels && kThreads % kPixels == 0 && kEntries % kParts == 0 && kColumnParts >= 1);
   static_assert(kPixels / kWarps <= kWarp, "a lane per pixel of a warp");
 
-  /// Which blocks of the tile took an instance.
+  /// The blocks of the tile that took an instance.
   __device__ __forceinline__ static unsigned blocks_of(uint8_t strips) {
     constexpr int kStrips = kPixels / kStripPixels;
     unsigned blocks = 0;
@@ -38,8 +38,8 @@ struct VisitForm {
   }
 };
 using CompactedVisit = VisitForm<kBlockPixels, kVisitThreads, kVisitEntries>;
-/// Two threads per pixel, a warp for 16 pixels of P, and as many Gaussians as leave room for P of 150 classes in the 227 KB
-/// of sm_90.
+/// Two threads per pixel, a warp for 16 pixels of P. The number of Gaussians leaves room for P of 150 classes in the
+/// 227 KB of sm_90.
 using DenseVisit = VisitForm<kTilePixels, 512, 16>;
 
 /// Shared memory, followed by what depends on the number of channels.
@@ -71,7 +71,7 @@ struct VisitLayout {
   __host__ __device__ size_t rows_at() const {
     return blended_at() + sizeof(float) * static_cast<size_t>(Form::kPixels) * static_cast<size_t>(blended_stride());
   }
-  /// Of semantic rows [kEntries] in bfloat16, in whose place the sums [16] of dS stand later.
+  /// Stride of semantic rows [kEntries] in bfloat16; the sums [16] of dS take their place later.
   __host__ __device__ int row_stride() const { return padded + 8; }
   __host__ __device__ size_t bytes() const {
     const size_t rows = sizeof(Bf16) * static_cast<size_t>(Form::kEntries) * static_cast<size_t>(row_stride());
@@ -80,7 +80,7 @@ struct VisitLayout {
   }
 };
 
-/// What all functions of the kernel share.
+/// State that all functions of the kernel share.
 template <class Form>
 struct Visit {
   const SemanticVisitInputs& in;

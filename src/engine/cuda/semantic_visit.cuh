@@ -1,10 +1,10 @@
-// Kernel of semantic_visit.h: one block of threads per tile, which visits the tile's blocks of pixels in turn, four of
-// 8 x 8 or one of 16 x 16 (VisitForm):
+// Kernel of semantic_visit.h: one block of threads per tile. It visits the tile's blocks of pixels in turn, four of 8 x
+// 8 or one of 16 x 16 (VisitForm):
 //   forwards, a few Gaussians at a time: weights W to shared memory in bfloat16, P += W^T S in registers;
 //   P to shared memory, the loss by one warp per pixel, dP and H in bfloat16 into the place of P;
 //   backwards, a few Gaussians at a time: weights again, Q = S H^T, the sweep from the back, dS = W dP.
-// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes:
-// the first of its blocks sets them, later ones add. So every sum has a fixed order.
+// dS and the moments of a Gaussian are collected over the blocks in its slot, which only this block of threads writes.
+// The first of its blocks sets them, later ones add. So every sum has a fixed order.
 #pragma once
 
 #include "engine/cuda/semantic_pixel.cuh"
@@ -145,7 +145,7 @@ __device__ __forceinline__ void coupling_values(const Visit<Form>& v) {
   __syncthreads();
 }
 
-/// From q to g in place, and `behind` from what stands behind the loaded entries to what stands behind those before.
+/// From q to g in place. `behind` moves from the blend behind the loaded entries to that behind the entries before.
 /// Ends with a barrier.
 template <class Form>
 __device__ __forceinline__ void coupling_sweep(const Visit<Form>& v, const PartAlphas<Form>& a,

@@ -4,7 +4,7 @@
 // in bfloat16 with float32 sums; P never leaves shared memory. The loss is formed in float32.
 //
 // The coupling reaches alpha by a sweep from the back, dL/dalpha_k = T_k (q_k - B_k) with B_k the blend of the same
-// rounded q behind k: nothing cancels behind an opaque surface, whatever the rounding of q.
+// rounded q behind k. Nothing cancels behind an opaque surface, whatever the rounding of q.
 #pragma once
 
 #include "engine/cuda/runtime/device_memory.h"
@@ -41,7 +41,7 @@ struct SemanticVisitInputs {
   SemanticSample sample;    ///< pixels that take part
   SemanticVisitMethod method = SemanticVisitMethod::kAutomatic;
 
-  /// What one of them counts in a mean over the valid pixels.
+  /// The weight of one of them in a mean over the valid pixels.
   ALIGNGS_HD float pixel_weight() const { return sample.scale() / static_cast<float>(teacher.valid); }
 };
 
@@ -53,17 +53,17 @@ struct SemanticVisitOutputs {
   DeviceSpan<double> terms;              ///< [2] soft and hard loss, means over the valid pixels, unweighted
 };
 
-/// What a device has to do with the choice.
+/// Properties of a device that decide the choice.
 struct VisitDevice {
   int compute_major = 0, compute_minor = 0;
   size_t shared_bytes = 0;  ///< that a block may ask for
 };
-/// `wanted`, where kAutomatic means kDense on devices whose tensor cores outrun their memory many times, which are those
-/// with HBM (compute capability 8.0, 9.0, 10.x), and kCompacted on others. kCompacted where kDense does not fit.
+/// `wanted`; kAutomatic is kDense on devices with HBM (compute capability 8.0, 9.0, 10.x), whose tensor cores outrun
+/// their memory many times. On others it is kCompacted. kCompacted if kDense does not fit.
 SemanticVisitMethod semantic_visit_method(SemanticVisitMethod wanted, const VisitDevice& device, int channels);
 
-/// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels: more than
-/// kMaxSemanticChannels, or than the device's shared memory has room for (224 where a block has 99 KB, as on GeForce).
+/// Throws Error{kResources}, with a remedy, when a visit cannot hold this many channels. The limit is
+/// kMaxSemanticChannels or the device's shared memory (224 channels if a block has 99 KB, as on GeForce).
 void check_semantic_channels(const DeviceContext& context, int channels);
 
 /// Fills `out`. The channels must have passed check_semantic_channels. Nothing waits for the host.

@@ -47,7 +47,7 @@ struct Options {
   bool opaque_front = false;  ///< rows 0 and 1 cover everything with alpha 0.95
 };
 
-/// What a visit leaves, by either engine.
+/// Outputs of a visit, by either engine.
 struct Outcome {
   double soft = 0, hard = 0;
   std::vector<float> features;   ///< [visible][padded] dL/drows
@@ -235,7 +235,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
       return;
     }
     expect_near(got.features, want.features, kTolerance.semantic_gradient, "dL/drow");
-    // Of one class the row is always 1.
+    // The row of one class is always 1.
     if (channels > 1) expect_near(got.gradients, want.gradients, kTolerance.semantic_gradient, "dL/dlogit");
     if (channels == 1 && options.coupling == SemanticCoupling::kBounded) return;  // rounding of 0
     // Whitened coordinates are of order 1, so the six moments share a scale; single ones may cancel.
@@ -373,8 +373,8 @@ TEST_P(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
   EXPECT_EQ(alone.hard, coupled.hard);
 }
 
-/// Behind an opaque surface dL/dalpha is T (q - what stands behind) with T < 0.01: a total of other rounding than the q
-/// that are summed would drown it. The error must be small beside the largest gradient *behind the surface*.
+/// Behind an opaque surface dL/dalpha is T (q - the blend behind) with T < 0.01. A total with other rounding than the
+/// summed q would drown it. The error must be small beside the largest gradient *behind the surface*.
 TEST_P(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
     for (const SemanticCoupling coupling :

@@ -1,5 +1,5 @@
-// What closes a step before and beside the optimiser: shape terms and density statistics against the CPU engine's, the
-// outcome of a step, and the forecast of its memory.
+// The end of a step before and beside the optimiser. Tests shape terms and density statistics against the CPU engine's,
+// the outcome of a step, and the forecast of its memory.
 #include <gtest/gtest.h>
 
 #include <cmath>

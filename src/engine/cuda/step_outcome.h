@@ -1,4 +1,4 @@
-// What a step found, in one place on the device: the only thing that the host waits for.
+// The outcome of a step, in one place on the device: the host waits for it alone.
 #pragma once
 
 #include "engine/cuda/runtime/device_memory.h"
@@ -40,7 +40,7 @@ struct GradientScale {
 };
 GradientScale gradient_scale(const StepOutcome& outcome);
 
-/// Where the step failed: the first loss, else the first gradient. To be refined by find_bad_parameter.
+/// The place where the step failed: the first loss, else the first gradient. To be refined by find_bad_parameter.
 NonFinite symptom_of(const StepOutcome& outcome);
 
 }  // namespace aligngs::cuda

@@ -1,5 +1,6 @@
-// A view's semantic teacher on the device, in compact form: float16 probabilities of the channels at the teacher's own
-// resolution (engine/cpu/active_classes.h says what that costs against the full maps), and ten bytes per image pixel.
+// A view's semantic teacher on the device, in compact form. It has float16 probabilities of the channels at the
+// teacher's own resolution, and ten bytes per image pixel. engine/cpu/active_classes.h gives the error against the full
+// maps.
 #pragma once
 
 #include <cstdint>

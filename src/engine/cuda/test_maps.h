@@ -101,8 +101,8 @@ inline void expect_close_maps(const std::vector<float>& a, const std::vector<flo
 
 inline void expect_same_losses(const MapLossResult& device, const MapLossResult& cpu, double flips = 0) {
   const CudaTolerance tolerance;
-  // Terms are 1 - cosine, of one pixel in the smallest maps: the cosine's sum of three products, contracted or not, is off
-  // by two ulps of 1.
+  // Terms are 1 - cosine, of one pixel in the smallest maps. The cosine's sum of three products, contracted or not, is
+  // off by two ulps of 1.
   constexpr double kOneMinusCosine = 2.4e-7;
   const std::pair<const char*, double LossTerms::*> terms[] = {
       {"l1", &LossTerms::l1},

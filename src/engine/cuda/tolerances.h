@@ -6,8 +6,8 @@ namespace aligngs::cuda {
 
 /// Relative to the largest entry of a map or of a class of gradients, unless a unit is named.
 struct CudaTolerance {
-  // Tight: everything that is float32 on both sides. A mean of a few hundred pixels has an ulp of 3e-5 pixels, which
-  // moves the alpha of a splat of one pixel's size by 1e-4 of itself; sums are formed in another order.
+  // Tight: everything that is float32 on both sides. A mean of a few hundred pixels has an ulp of 3e-5 pixels. It moves
+  // the alpha of a splat of one pixel's size by 1e-4 of itself. Sums are formed in another order.
 
   // One operation, from the same inputs on both sides.
   double projection = 2e-5;     ///< a dozen operations per number, of which a device may contract products with sums
@@ -20,7 +20,7 @@ struct CudaTolerance {
   double pose_sum = 1e-4;       ///< shares of all rows, which partly cancel, each rounded as `row_gradient`
   double tile_product = 1e-5;   ///< absolute, 32 products of numbers in [-1, 1] that are exact in bfloat16
 
-  // What follows from several of them.
+  // Values that follow from several of them.
   double expected_depth = 2e-4;  ///< intersection depths of slanted splats amplify the rounding of the mean
   double depth = 1e-3;           ///< a depth is a ratio of two such sums; also relative to 1 + depth
   double unit_normal = 1e-4;     ///< a sum of normals that partly cancel, divided by its length
@@ -43,27 +43,27 @@ struct CudaTolerance {
   double visit_loss = 3e-4;         ///< nats, from the same maps and rows
   double semantic_loss = 2e-3;      ///< nats, of a whole step
   double semantic_gradient = 5e-3;
-  double coupling_moment = 2e-2;    ///< q - (what stands behind): the rounding of both remains where they cancel
+  double coupling_moment = 2e-2;    ///< q - (the blend behind): the rounding of both remains where they cancel
   double hidden_moment = 3e-2;      ///< the same behind an opaque surface, of the largest there
   double coupling = 2e-3;           ///< of gradients that the semantic loss reaches, beside `gradient`
   double coupling_rms = 1e-2;
   double trajectory = 5e-3;         ///< of the loss over a dozen steps: Adam turns the sign of a tiny gradient into a step
 
-  /// Share of entries that may lie beyond a limit because a decision fell the other way: an alpha at alpha_min, a
-  /// transmittance at a half or at its minimum, a rectangle at the edge of a tile. Of a small scene it is no entry. An H200 has
-  /// 2.1e-4 in the label map of 640 x 480 pixels.
+  /// Share of entries that may lie beyond a limit because a decision differs. Examples are an alpha at alpha_min, a
+  /// transmittance at a half or at its minimum, a rectangle at the edge of a tile. A small scene has no such entry. An
+  /// H200 has 2.1e-4 in the label map of 640 x 480 pixels.
   double flips = 3e-4;
-  /// The same of what one such decision changes much: a median depth jumps to another surface, a depth at its alpha is
-  /// there or not, the lifted row of a Gaussian of few pixels loses one of them. One entry in 500.
+  /// The same where one such decision changes much. A median depth jumps to another surface, or a depth at its alpha
+  /// exists or not. The lifted row of a Gaussian of few pixels loses one. One entry in 500.
   double large_flips = 2e-3;
-  /// The same of gradients of the multi-view terms. A patch has 49 samples, and the slope of each jumps at a line of pixel centres;
-  /// a pixel that comes home within a rounding has no direction. At 640 x 480 pixels, maps that are moved by an ulp change 1.8e-3
-  /// of the CPU's own entries, and an H200 differs in 2.7e-3 of them.
+  /// The same of gradients of the multi-view terms. A patch has 49 samples, and the slope of each jumps at a line of
+  /// pixel centres. A pixel that comes home within a rounding has no direction. At 640 x 480 pixels, maps moved by an
+  /// ulp change 1.8e-3 of the CPU's own entries. An H200 differs in 2.7e-3 of them.
   double two_view_flips = 5e-3;
   double two_view_gradient = 8e-2;  ///< of Gaussians that such pixels reach, in a whole step of few pixels; an H200 has 4.6e-2
 };
 
-/// Of the networks' operators, relative to the largest entry.
+/// Tolerances of the networks' operators, relative to the largest entry.
 struct CudaNetworkTolerance {
   double single = 2e-5;     ///< float32 sums in another order; TF32 with its 11 bits would be above 1e-4
   double bfloat16 = 2e-2;   ///< bfloat16 operands have 8 significant bits

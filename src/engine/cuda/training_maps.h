@@ -10,8 +10,8 @@
 
 namespace aligngs::cuda {
 
-/// What is known of a pixel from the view alone, one byte each. Pairs are those of formulas/label_edges.h: the pixel
-/// and its right or lower neighbour, whose labels are known and differ.
+/// Properties of a pixel that follow from the view alone, one byte each. Pairs are those of formulas/label_edges.h: the
+/// pixel and its right or lower neighbour, whose labels are known and differ.
 enum PixelFlag : uint8_t {
   kPixelCounts = 1,     ///< the mask keeps it
   kPixelLabelEdge = 2,  ///< TrainingView::label_edge

@@ -11,7 +11,7 @@
 
 namespace aligngs::cuda {
 
-/// A tile of 16 x 16 pixels is four blocks of 8 x 8, a block two strips of 8 x 4: pixel number i of a tile lies in
+/// A tile of 16 x 16 pixels is four blocks of 8 x 8, a block two strips of 8 x 4. Pixel number i of a tile lies in
 /// block i / 64 (x first) at column i % 8, row i % 64 / 8. A strip is 32 consecutive pixels, which is one warp.
 inline constexpr int kBlockSize = 8;                           ///< pixels, edge of a block
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;
@@ -37,8 +37,8 @@ struct ViewSpans {
   DeviceSpan<float> radius;       ///< [N] 3 standard deviations along the longer axis, pixels
 };
 
-/// Which Gaussians each tile blends. An instance is a (Gaussian, tile) pair, numbered by Gaussian ("slot", contiguous
-/// per Gaussian, in the row-major order of its rectangle) and by tile in depth order ("place").
+/// The Gaussians that each tile blends. An instance is a (Gaussian, tile) pair with two numbers. "slot" counts by
+/// Gaussian, in the row-major order of its rectangle; "place" counts by tile, in depth order.
 struct TileListSpans {
   DeviceSpan<uint32_t> slot_begin;  ///< [N + 1] first slot of each Gaussian; equal where it is culled
   DeviceSpan<uint32_t> tile_begin;  ///< [tiles + 1] first place of each tile in `gaussians`
@@ -63,8 +63,8 @@ ALIGNGS_HD inline size_t checkpoint_index(uint32_t begin, uint32_t place) {
   return size_t(begin / kCheckpointPlaces) + place / kCheckpointPlaces - 1;
 }
 
-/// What the forward pass remembers, so that the backward passes compute only what counted: a pixel takes every Gaussian
-/// whose alpha reaches alpha_min until one would close it.
+/// A record of the forward pass, so that the backward passes compute only Gaussians that counted. A pixel takes every
+/// Gaussian whose alpha reaches alpha_min until one would close it.
 struct BlendRecordSpans {
   DeviceSpan<uint8_t> strips;        ///< [instances, by place] bit s: some pixel of strip s of the tile took it
   DeviceSpan<uint8_t> seen;          ///< [instances, by slot] 1: some pixel of the tile took it, else 0
@@ -75,7 +75,7 @@ struct BlendRecordSpans {
   DeviceSpan<PlaneCheckpoint> plane_checkpoints{};  ///< the same, with geometry
 };
 
-/// What blending leaves per pixel, planar as in engine/maps.h, which says what each map is.
+/// Results of blending per pixel, planar as in engine/maps.h, which describes each map.
 struct RenderMapSpans {
   int width = 0, height = 0;
   DeviceSpan<float> color, normal;                      ///< [3][H W]

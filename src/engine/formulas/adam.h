@@ -26,9 +26,9 @@ inline AdamStep<T> make_adam_step(const AdamSettings& settings, double rate, int
   return {T(rate / c1), T(1.0 / std::sqrt(c2)), T(settings.beta1), T(settings.beta2), T(settings.epsilon)};
 }
 
-/// AdamStep of rows that are not updated at every step: the moments of a row know only its own updates, so its bias correction
-/// counts those. With the number of the step in their place the first update of a row would move it by
-/// (1 - beta1) / sqrt(1 - beta2) = 3.2 times the rate.
+/// AdamStep of rows that are not updated at every step. The moments of a row know only its own updates, so its bias
+/// correction counts those. With the number of the step instead, the first update of a row would be too large: (1 -
+/// beta1) / sqrt(1 - beta2) = 3.2 times the rate.
 struct AdamRowSteps {
   AdamStep<float> any;  ///< what all rows have in common
   float rate = 0, log_beta1 = 0, log_beta2 = 0;

@@ -78,13 +78,13 @@ ALIGNGS_HD inline bool blend_step(T alpha, T transmittance_min, T& transmittance
 
 /// dL/dalpha of the Gaussians of a pixel, FRONT TO BACK and without dividing by the transmittance.
 ///
-/// With w_k = alpha_k T_k, T_{k+1} = T_k (1 - alpha_k), a blended map M = sum_k w_k v_k + T_final b, its gradient
-/// g = dL/dM, and q_k = v_k . g, every Gaussian behind j carries the factor (1 - alpha_j), so
+/// A blended map is M = sum_k w_k v_k + T_final b with w_k = alpha_k T_k and T_{k+1} = T_k (1 - alpha_k). Its gradient
+/// is g = dL/dM, and q_k = v_k . g. Every Gaussian behind j carries the factor (1 - alpha_j), so
 ///   dL/dalpha_j = T_j q_j - [sum_{k>j} w_k q_k + T_final b . g] / (1 - alpha_j)
 ///               = T_j q_j - (total - prefix_j) / (1 - alpha_j),
 ///   total = sum_k w_k q_k + T_final b . g,   prefix_j = sum_{k<=j} w_k q_k   (inclusive).
 /// 1 - alpha_j >= 1 - alpha_max, so the division is safe. `total` must be the sum of the *same* rounded q_k that the
-/// prefix uses, in the same order; M . g from another rounding does not cancel behind a nearly opaque surface.
+/// prefix uses, in the same order. M . g from another rounding does not cancel behind a nearly opaque surface.
 template <class T>
 struct AlphaSweep {
   T total{};

@@ -106,8 +106,8 @@ TEST(Blending, SweepMatchesDifferences) {
   }
 }
 
-/// In float, with the total summed from the same q, the last of many layers keeps a gradient that is right relative to
-/// its own tiny transmittance.
+/// In float the total is summed from the same q. The last of many layers then keeps a gradient that is right relative
+/// to its own tiny transmittance.
 TEST(Blending, SweepOfManyLayersDoesNotDriftInFloat) {
   const float alpha = 0.4f, q = 0.37f;
   AlphaSweep<float> sweep;

@@ -1,5 +1,5 @@
-// Losses on the plane depth at one pixel: how far a depth can be trusted, the Huber norm of its log ratio to the prior
-// (our default), the Pearson correlation with the prior (AlignGS, Gao et al. 2025), and the way of dL/dz back to the maps.
+// Losses on the plane depth at one pixel: the validity of a depth, and dL/dz carried back to the maps. Terms: the Huber
+// norm of its log ratio to the prior (our default), the Pearson correlation with it (AlignGS, Gao et al. 2025).
 #pragma once
 
 #include <cmath>
@@ -35,7 +35,7 @@ ALIGNGS_HD inline float usable_weight(float w) { return w > 0 && w <= 1 ? w : 0.
 // ---- depth ----
 
 /// 1 / s of the guarded plane depth z = D / s (plane_depth.h), in a form that loops over pixels can vectorise:
-/// selections of plain values, not branches; where a pixel has no depth, its numbers are replaced by harmless ones.
+/// selections of plain values, not branches. If a pixel has no depth, its numbers are replaced by harmless ones.
 template <class T>
 struct PlaneSlope {
   T inverse{};           ///< 0 where there is no depth
@@ -70,7 +70,7 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE DepthSample<T> judge_depth(T z, T alpha, T expe
   return {(tight | loose) ? z : T(0), level};
 }
 
-/// What dL/dz = g means for the maps, of the guarded form.
+/// Gradients of the maps from dL/dz = g, of the guarded form.
 template <class T>
 struct DepthGradient {
   T distance{};
@@ -89,7 +89,7 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE DepthGradient<T> plane_depth_gradient(T g, cons
 
 inline constexpr double kHuberMinimum = 1e-9;  ///< log units: a delta of 0 means the absolute value
 
-/// log(x) for normal positive x in a form that loops over pixels can vectorise: within 2 ulp for float (the polynomial
+/// log(x) for normal positive x in a form that loops over pixels can vectorise. Within 2 ulp for float (the polynomial
 /// of Cephes' logf), the library's for double.
 ALIGNGS_HD ALIGNGS_ALWAYS_INLINE float log_of_positive(float x) {
   int32_t bits;

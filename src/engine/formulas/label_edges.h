@@ -10,7 +10,7 @@ struct LabelPair {
   int dx = 0, dy = 0;  ///< step to the second: (1, 0) or (0, 1)
 };
 
-/// What the prior says about the surface at a label edge.
+/// The prior's shape of the surface at a label edge.
 enum class EdgeKind { kNothing, kCrease, kCoplanar };
 
 inline constexpr double kCreaseAngleDegrees = 25;    ///< prior normals that differ by more fold the surface here

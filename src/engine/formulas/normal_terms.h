@@ -1,5 +1,5 @@
-// Losses on the blended normals at one pixel: their direction, its comparison with the normal that the depth map
-// implies (PGSR, Chen et al. 2024) and with the prior's, and the penalty at label edges (AlignGS, Gao et al. 2025).
+// Losses on the blended normals at one pixel. Their direction is compared with the normal that the depth map implies
+// (PGSR, Chen et al. 2024) and with the prior's. Label edges have a penalty (AlignGS, Gao et al. 2025).
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ struct UnitNormal {
   ALIGNGS_HD bool valid() const { return inverse_length > T(0); }
 };
 
-/// Of the blended, not normalised N: valid where A > 0.5, |N| > 0.1 A and the mask keeps the pixel.
+/// Direction of the blended, not normalised N: valid where A > 0.5, |N| > 0.1 A and the mask keeps the pixel.
 template <class T>
 ALIGNGS_HD inline UnitNormal<T> unit_normal_of(const Vec3<T>& blended, T alpha, bool pixel_counts) {
   const T length = norm(blended);
@@ -42,7 +42,7 @@ ALIGNGS_HD inline Vec3<T> normal_gradient(const UnitNormal<T>& normal, const Vec
 
 // ---- the normal of the depth map ----
 
-/// Which neighbours of a pixel stand for one axis of its difference.
+/// The neighbours of a pixel that form the difference along one axis.
 enum class Difference : uint8_t { kNone = 0, kCentral = 1, kForward = 2, kBackward = 3 };
 
 ALIGNGS_HD inline Difference difference_of(bool before, bool after) {
@@ -71,9 +71,9 @@ struct DepthStencil {
   }
 };
 
-/// As printed: central differences wherever all five pixels have loose depth validity, so never on the border.
-/// Default: tight validity; a one-sided difference where the neighbour on the other side is missing or lies
-/// across a depth jump (|dz| / z > 5 %), none where both do. `depth` and `validity`: [height][width].
+/// As printed: central differences wherever all five pixels have loose depth validity, so never on the border. Default:
+/// tight validity. The difference is one-sided if the other neighbour is missing or lies across a depth jump (|dz| / z
+/// > 5 %). It is none if both do. `depth` and `validity`: [height][width].
 template <class T>
 ALIGNGS_HD inline DepthStencil depth_stencil(const T* depth, const uint8_t* validity, int x, int y, int width,
                                              int height, bool as_printed) {
@@ -90,7 +90,7 @@ ALIGNGS_HD inline DepthStencil depth_stencil(const T* depth, const uint8_t* vali
   return as_printed && !stencil.central() ? DepthStencil{} : stencil;
 }
 
-/// What the depth normal of a pixel is made of. Neighbours are those of the stencil; an offset is the neighbour's
+/// The inputs of the depth normal of a pixel. Neighbours are those of the stencil. An offset is the neighbour's
 /// distance from the pixel, in pixels (0 where a one-sided difference uses the pixel itself).
 template <class T>
 struct DepthNeighbours {

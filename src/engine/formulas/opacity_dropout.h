@@ -1,4 +1,4 @@
-// Opacity dropout: a step leaves some Gaussians out and makes the others as much more opaque, so that no Gaussian can hide
+// Opacity dropout: a step leaves some Gaussians out and makes the others as much more opaque. No Gaussian can then hide
 // behind another that only its own photo needs (DropGaussian, Park et al., CVPR 2025). Alike on every engine.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// Of one step; a rate of 0 leaves everything as it is.
+/// The dropout of one step; a rate of 0 changes nothing.
 struct OpacityDropout {
   float rate = 0;     ///< share of the Gaussians that are left out, [0, kDropoutRateMax]
   uint64_t seed = 0;  ///< draws them

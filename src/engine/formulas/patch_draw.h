@@ -1,4 +1,4 @@
-// Which pixels a step compares patches at (patch_score.h), alike on every engine.
+// The pixels at which a step compares patches (patch_score.h), alike on every engine.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@ namespace aligngs {
 inline constexpr double kPatchesMax = 102400;
 inline constexpr double kPatchShare = kPatchesMax / (640.0 * 480.0);
 
-/// Of `agreeing` > 0 pixels of an image of `pixels`, the share that makes the number above expected; above 1: all of them.
+/// The share of `agreeing` > 0 pixels, in an image of `pixels`, that makes the number above expected; above 1: all of
+/// them.
 ALIGNGS_HD inline double patch_share(double agreeing, double pixels) {
   const double patches = kPatchShare * pixels;
   return (patches < kPatchesMax ? patches : kPatchesMax) / agreeing;

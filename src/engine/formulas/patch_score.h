@@ -1,5 +1,5 @@
-// How well a patch of a photo agrees with another photo across the plane that a pixel shows: 1 - NCC^2 and its derivative by
-// the plane (PGSR, Chen et al. 2024).
+// Agreement of a photo's patch with another photo across a pixel's plane: 1 - NCC^2 and its derivative by the plane
+// (PGSR, Chen et al. 2024).
 #pragma once
 
 #include "engine/formulas/two_views.h"
@@ -11,7 +11,7 @@ inline constexpr int kPatchSide = 2 * kPatchRadius + 1, kPatchPixels = kPatchSid
 inline constexpr double kPatchVarianceFloor = 1e-8;  ///< added to the product of the variances: flat patches score badly
 inline constexpr double kPatchScoreMax = 0.9;        ///< a worse score says that the patches show different things
 
-/// What patches compare: the luma of ITU-R BT.601, as published.
+/// The value that patches compare: the luma of ITU-R BT.601, as published.
 ALIGNGS_HD inline float grey_of(float red, float green, float blue) {
   return 0.299f * red + 0.587f * green + 0.114f * blue;
 }
@@ -40,8 +40,8 @@ struct GreyImages {
 
 namespace detail {
 
-/// Where the rays (z = 1) around a pixel meet the plane m . x = -1, seen by the other camera and divided by the depth in
-/// this one: H r with H = R - t m^T, affine in the offset from the pixel.
+/// The rays (z = 1) around a pixel meet the plane m . x = -1. The points, seen by the other camera and divided by the
+/// depth in this one, are H r with H = R - t m^T. They are affine in the offset from the pixel.
 template <class T>
 struct PatchWarp {
   Vec3<T> centre, step_x, step_y;
@@ -84,9 +84,9 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE Vec3<T> sample_between(const T* map, int width,
 
 }  // namespace detail
 
-/// Not used: next to the border of this image, where a corner of the patch is not between pixel centres of the other
-/// one, planes at no distance, without coverage or seen at less than kPlaneSlopeMin (where the depth does not follow the
-/// normal, either), patches without contrast, values that are not numbers.
+/// Not used: patches next to the border of this image, or with a corner that is not between pixel centres of the other
+/// one. Not used either: planes at no distance or without coverage, patches without contrast, and values that are not
+/// numbers. The same holds for planes seen at less than kPlaneSlopeMin, where the depth does not follow the normal.
 template <class T>
 ALIGNGS_HD inline PatchScore<T> patch_score(const TwoViews<T>& views, const GreyImages<T>& images,
                                             const BlendedPlane<T>& plane, int x, int y) {

@@ -1,5 +1,5 @@
-// Photometric losses at one pixel of one channel: absolute difference, and structural similarity (Wang et al. 2004) as
-// splatting papers use it: 11 x 11 Gaussian window with sigma 1.5, zero padding, population moments.
+// Photometric losses at one pixel of one channel: absolute difference, and structural similarity (Wang et al. 2004).
+// SSIM is as splatting papers use it: 11 x 11 Gaussian window with sigma 1.5, zero padding, population moments.
 #pragma once
 
 #include <cmath>
@@ -79,7 +79,7 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE SsimSample<T> ssim_sample(const LocalMoments<T>
   return {s, T(2) * (m.y * (a2 - a1) * inverse + m.x * (s_over_b2 - s_over_b1)), -s_over_b2, T(2) * a1 * inverse};
 }
 
-/// Sum over all windows that hold a pixel of dS / d render there, from the blurred derivatives: the window is
+/// Sum over all windows that hold a pixel of dS / d render there, from the blurred derivatives. The window is
 /// symmetric, so the adjoint of the blur is the blur.
 template <class T>
 ALIGNGS_HD ALIGNGS_ALWAYS_INLINE T ssim_gradient(T d_x, T d_xx, T d_xy, T render, T truth) {

@@ -1,5 +1,5 @@
-// Unbiased depth of a pixel from the blended plane (PGSR, Chen et al. 2024): the ray r (z = 1) meets the plane
-// N . x = -D at z = D / (-N . r); alpha cancels because N and D are both sums of w times the Gaussians' values.
+// Unbiased depth of a pixel from the blended plane (PGSR, Chen et al. 2024). The ray r (z = 1) meets the plane N . x =
+// -D at z = D / (-N . r). alpha cancels because N and D are both sums of w times the Gaussians' values.
 #pragma once
 
 #include "core/vec.h"
@@ -19,8 +19,8 @@ struct PlaneDepth {
   Vec3<T> dz_dnormal;
 };
 
-/// Guarded form: z = D / s with s = max(-N . r, 0.1 A |r|). Where the maximum is the second term, s counts as a
-/// constant: gradient through D only. No coverage (A <= 0) or a plane at no distance gives 0 without gradient.
+/// Guarded form: z = D / s with s = max(-N . r, 0.1 A |r|). If the maximum is the second term, s counts as a constant:
+/// gradient through D only. No coverage (A <= 0) or a plane at no distance gives 0 without gradient.
 template <class T>
 ALIGNGS_HD inline PlaneDepth<T> plane_depth(const Vec3<T>& normal, T distance, T alpha, const Vec3<T>& ray) {
   PlaneDepth<T> out;

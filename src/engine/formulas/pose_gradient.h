@@ -14,7 +14,7 @@ struct PoseGradient {
   Vec3<T> translation;  ///< per scene unit
 };
 
-/// What a row's share needs of the camera.
+/// Values of the camera that a row's share needs.
 template <class T>
 struct PoseFrame {
   Mat3<T> rotation;  ///< world to camera
@@ -55,8 +55,8 @@ ALIGNGS_HD inline Vec3<T> direction_part(int sh_degree, const Vec3<T>& position,
   return (along - dot(along, direction) * direction) * (T(1) / length);
 }
 
-/// One row's share: what a camera does to the picture is what the opposite rigid motion of all Gaussians does, but that a camera
-/// which turns about its own centre sees every Gaussian from the direction from which it saw it before.
+/// One row's share. A motion of the camera changes the picture as the opposite rigid motion of all Gaussians does, with
+/// one exception. A camera that turns about its own centre keeps its viewing direction to every Gaussian.
 template <class T>
 ALIGNGS_HD inline PoseGradient<T> row_pose_gradient(const PoseFrame<T>& camera, const PoseRow<T>& row, int sh_degree) {
   const Vec3<T> geometric = row.dposition - direction_part(sh_degree, row.position, camera.centre, row.sh, row.dsh);

@@ -1,4 +1,4 @@
-// What row_pose_gradient() reads, taken from a camera and from arrays laid out as in GaussianModel.
+// Inputs of row_pose_gradient(), taken from a camera and from arrays laid out as in GaussianModel.
 #pragma once
 
 #include "engine/formulas/pose_gradient.h"

@@ -9,7 +9,7 @@
 
 namespace aligngs {
 
-/// Of one step; a rate of 0 leaves everything as it is.
+/// The noise of one step; a rate of 0 changes nothing.
 struct PositionNoise {
   float rate = 0;     ///< learning rate of positions times the strength, scene units^-1 (the covariance has squares of them)
   uint64_t seed = 0;  ///< draws it
@@ -34,7 +34,7 @@ ALIGNGS_HD inline void normal_pair(uint64_t seed, size_t index, float& a, float&
   b = radius * sin(angle);
 }
 
-/// What is added to the position of row i: rate * gate(opacity) * covariance * N(0, 1).
+/// The addition to the position of row i: rate * gate(opacity) * covariance * N(0, 1).
 ALIGNGS_HD inline Vec3<float> position_noise(const PositionNoise& noise, size_t row, float opacity, const float* log_scales, const float* rotation) {
   using std::exp;
   if (!(opacity < kNoiseOpacityMax)) return {};

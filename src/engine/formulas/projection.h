@@ -58,7 +58,7 @@ struct Projection {
 template <class T>
 struct ProjectionGradient {
   Vec2<T> mean;
-  Symmetric2<T> conic;  ///< xy counted once, as it stands in the exponent of blending.h
+  Symmetric2<T> conic;  ///< xy counted once, as in the exponent of blending.h
   T opacity{};
   Vec3<T> normal;
   T distance{};
@@ -85,9 +85,9 @@ struct ShapeGradient {
 
 namespace projection_detail {
 
-/// Intermediate values shared by both directions. With V = R_wc R the axes in the camera frame and J the
-/// Jacobian of the perspective map at the clamped slopes, column k of J V S is (u[k], v[k]); the 2-D covariance
-/// is the Gram matrix of these two rows plus the low-pass.
+/// Intermediate values shared by both directions. V = R_wc R are the axes in the camera frame, and J is the Jacobian of
+/// the perspective map at the clamped slopes. Column k of J V S is (u[k], v[k]). The 2-D covariance is the Gram matrix
+/// of these two rows plus the low-pass.
 template <class T>
 struct Frame {
   Quaternion<T> rotation;  ///< unit
@@ -236,12 +236,13 @@ ALIGNGS_HD inline Projection<T> project(const GaussianShape<T>& g, const Project
   return out;
 }
 
-/// Gradient of the parameters from the gradient of the projection, for a visible Gaussian. Not differentiated:
-/// the choice of the normal's axis and sign, the pixel range, z (an order), z_min and z_max; and the slopes where
-/// the guard band clamps them.
+/// Gradient of the parameters from the gradient of the projection, for a visible Gaussian. Not differentiated: the
+/// choice of the normal's axis and sign, the pixel range, z (an order), z_min and z_max. Slopes that the guard band
+/// clamps are not differentiated either.
 ///
-/// C = Gram(u, v) + low-pass: du = 2 dC_xx u + dC_xy v, dv = 2 dC_yy v + dC_xy u. u_k = s_k (fx / z)(V_0k -
-/// slope_x V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k. Of `p` only the opacity with its factor, normal and normal_axis are read.
+/// C = Gram(u, v) + low-pass: du = 2 dC_xx u + dC_xy v, dv = 2 dC_yy v + dC_xy u. u_k = s_k (fx / z)(V_0k - slope_x
+/// V_2k), so dL/d(log s_k) = du_k u_k + dv_k v_k. Only the opacity with its factor, normal and normal_axis of `p` are
+/// read.
 template <class T>
 ALIGNGS_HD inline ShapeGradient<T> project_backward(const GaussianShape<T>& g, const ProjectionCamera<T>& camera,
                                                     const Projection<T>& p, const CovarianceGradient<T>& d) {

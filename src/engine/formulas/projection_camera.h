@@ -1,4 +1,4 @@
-// What projection needs of a camera, and the integer ranges of pixels and tiles.
+// Values of a camera that projection needs, and the integer ranges of pixels and tiles.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ ALIGNGS_HD inline T clamp_to(T x, T low, T high) {
   return x < low ? low : (x > high ? high : x);
 }
 
-/// What projection needs of a camera, computed once per view.
+/// Values of a camera that projection needs, computed once per view.
 template <class T>
 struct ProjectionCamera {
   int width = 0, height = 0;       ///< pixels
@@ -42,7 +42,7 @@ struct ProjectionCamera {
 };
 
 /// The guard band is the image's own range of slopes, (0 - cx)/fx .. (W - cx)/fx, widened about its middle by
-/// settings.guard_band: +-1.3 tan(FoV/2) of 3DGS when the principal point is central.
+/// settings.guard_band. It is +-1.3 tan(FoV/2) of 3DGS when the principal point is central.
 template <class T>
 inline ProjectionCamera<T> make_projection_camera(const Camera& camera, const RasterSettings& settings) {
   ProjectionCamera<T> c;

@@ -1,5 +1,5 @@
-// The semantic loss put together from its channels: that of semantic_loss.h where every channel is a class, and that of
-// n equal classes where the last channel stands for n.
+// The semantic loss put together from its channels. It is that of semantic_loss.h if every channel is a class. It is
+// that of n equal classes if the last channel represents n.
 #include "engine/formulas/semantic_channel.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(SemanticChannel, ProbabilitiesOfARemainderAreThoseOfItsClasses) {
     for (int c = 0; c < kChannels; ++c) {
       const ProbabilityChannel<double> channel =
           probability_channel(p.channels[c], rest, count_of(c), semantic_floor<double>(kClasses));
-      // What the channel's one row receives is what each of its equal classes' rows does.
+      // The channel's one row receives the gradient of each of its equal classes' rows.
       const double hard = c == top ? weights.hard : 0.0;
       EXPECT_NEAR(probability_gradient(channel, p.channel_teacher[c], weights.soft, hard), g[c], kTolerance);
       EXPECT_NEAR(bounded_probability_direction(p.channels[c], 1 / alpha, p.channel_teacher[c], omega, count_of(c)),

@@ -22,8 +22,8 @@ ALIGNGS_HD inline T semantic_floor(int channels) {
   return half_uniform < T(1e-3) ? half_uniform : T(1e-3);
 }
 
-/// Pixels with less coverage take no part in the bounded coupling: dividing by A is then no longer bounded, and
-/// "nothing here" is alpha < 0.5 everywhere in this program.
+/// Pixels with less coverage take no part in the bounded coupling: dividing by A is then no longer bounded. Everywhere
+/// in this program "nothing here" is alpha < 0.5.
 inline constexpr double kCouplingAlphaMin = 0.5;
 
 /// Unweighted values at one pixel.

@@ -194,7 +194,7 @@ TEST(TeacherSampling, HalfPixelRule) {
   }
 }
 
-/// The halves of a near-uniform row of 150 classes sum to 2e-4 off 1, and so far off 0 is the KL divergence of equals then.
+/// The halves of a near-uniform row of 150 classes sum to 2e-4 off 1. The KL divergence of equals is then as far off 0.
 TEST(TeacherSampling, SamplesSumToOneSoThatEqualsHaveNoLoss) {
   constexpr int kClasses = 150;
   std::vector<float> scores(2 * kClasses, 0.0f);

@@ -1,7 +1,7 @@
-// Which pixels the semantic loss of one step takes: all, or those of some of the squares that an image is divided into. Over
-// 4 / quarters visits of a view every pixel has its turn. The squares are large, a fifth of the image, because what a
-// step costs beside its products belongs to the Gaussians that it reaches (row gradients, Adam, softmax): many pixels of
-// few Gaussians are cheaper than few pixels of all, and each update knows more.
+// The pixels that the semantic loss of one step takes: all, or those of some squares of the image. Over 4 / quarters
+// visits of a view every pixel has its turn. The squares are large, a fifth of the image, because the cost beside the
+// products grows with the reached Gaussians (row gradients, Adam, softmax). Many pixels of few Gaussians are cheaper
+// than few pixels of all, and each update uses more pixels.
 #pragma once
 
 #include "core/host_device.h"
@@ -23,12 +23,13 @@ struct SemanticSample {
     return quarters == 2 ? turn / 2 == (phase & 1) : turn == (phase & 3);
   }
 
-  /// What a taken pixel counts, so that sums over taken pixels are on average the sums over all.
+  /// The weight of a taken pixel, so that sums over taken pixels are on average the sums over all.
   ALIGNGS_HD float scale() const { return 4.0f / static_cast<float>(quarters); }
 };
 
-/// The sample of visit number `visit` (from 0) of a view that takes `share` (1, 0.5 or 0.25) of its pixels. The squares are the
-/// largest of 16, 32, 64... pixels that fit at least three and a half times into `side`, the image's larger side in pixels.
+/// The sample of visit number `visit` (from 0) of a view that takes `share` (1, 0.5 or 0.25) of its pixels. The squares
+/// are the largest of 16, 32, 64... pixels of which `side` holds at least three and a half. `side` is the image's
+/// larger side in pixels.
 inline SemanticSample make_semantic_sample(double share, int visit, int side) {
   SemanticSample sample;
   sample.quarters = share > 0.75 ? 4 : share > 0.375 ? 2 : 1;

@@ -7,13 +7,13 @@
 
 namespace aligngs {
 
-/// epsilon inside the logarithm for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The first, in
-/// pixels per class, keeps a row that hardly any pixel saw near uniform; the second keeps absent classes just above the
-/// floor of the loss (semantic_floor), below which training could not change the row's mind.
+/// epsilon inside the logarithm for a row that saw the teacher with weights m in sum: kPseudoCount + kShare m. The
+/// first, in pixels per class, keeps a row that hardly any pixel saw near uniform. The second keeps absent classes just
+/// above the floor of the loss (semantic_floor). Below the floor training could not change the row's class.
 inline constexpr float kPseudoCount = 0.01f, kShare = 2e-3f;
 
 /// row_c = log(sums_c / count_c + epsilon) minus the mean over all classes, with sums_c = sum over pixels of w t_c. The
-/// last channel stands for `remainder` classes of equal probability (engine/cpu/active_classes.h); 0: it is one class.
+/// last channel represents `remainder` classes of equal probability (engine/cpu/active_classes.h); 0: it is one class.
 ALIGNGS_HD inline void semantic_start(const float* sums, int channels, int remainder, float* row) {
   using std::log;
   double mass = 0, mean = 0, classes = 0;

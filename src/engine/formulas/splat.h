@@ -10,9 +10,9 @@ namespace aligngs {
 
 /// Everything blending needs of one Gaussian, in one place because a tile gathers it from anywhere in memory.
 ///
-/// Instead of the conic A it holds the factor F of log2(e)/2 A = F F^T, F = [fxx 0; fxy fyy], so that
-/// exp(power) = 2^-(p^2 + r^2) with p = fxx dx + fxy dy and r = fyy dy: never positive, and a needle whose terms
-/// a dx^2, 2 b dx dy, c dy^2 are a million times their sum keeps its digits.
+/// Instead of the conic A it holds the factor F of log2(e)/2 A = F F^T, F = [fxx 0; fxy fyy], so that exp(power) =
+/// 2^-(p^2 + r^2) with p = fxx dx + fxy dy and r = fyy dy. The power is never positive. A needle keeps its digits even
+/// if its terms a dx^2, 2 b dx dy, c dy^2 are a million times their sum.
 struct alignas(16) Splat {
   float x, y;  ///< mean, pixels
   float fxx, fxy, fyy;
@@ -29,7 +29,7 @@ struct alignas(16) Splat {
 };
 static_assert(sizeof(Splat) == 80, "one and a quarter cache lines");
 
-/// What intersection_depth (blending.h) reads of a projection.
+/// The part of a projection that intersection_depth (blending.h) reads.
 ALIGNGS_HD inline Projection<float> plane_of(const Splat& g) {
   Projection<float> plane;
   plane.normal = {g.normal[0], g.normal[1], g.normal[2]};

@@ -1,4 +1,4 @@
-// Two cameras that look at the same surface: bilinear samples of the other one's maps, and the forward-backward
+// Two cameras that look at the same surface. Bilinear samples of the other one's maps, and the forward-backward
 // reprojection of a depth between them (PGSR, Chen et al. 2024).
 #pragma once
 
@@ -81,8 +81,8 @@ ALIGNGS_HD inline BilinearSample<T> sample_bilinear(const V* map, int width, int
   return s;
 }
 
-/// A depth between pixel centres is none where one of the four pixels has none or they lie on both sides of a
-/// discontinuity (as for the other depth terms).
+/// A depth between pixel centres is none if one of the four pixels has none. It is none, too, if they lie on both sides
+/// of a discontinuity (as for the other depth terms).
 template <class T>
 ALIGNGS_HD inline bool continuous_depth(const BilinearSample<T>& s) {
   return s.smallest > T(0) && s.largest <= (T(1) + T(kDepthJumpShare)) * s.smallest;
@@ -96,10 +96,10 @@ struct Reprojection {
   T slope{};     ///< d phi / dz; 0 at phi = 0, where phi has no derivative
 };
 
-/// Takes the point at depth z on the ray of image point p into the other view, reads the depth there, and takes the
-/// point at that depth on the other view's ray back: phi is the distance of its image from p. Not valid outside the other
-/// image, without a depth there, or for phi >= kReprojectionMax. The other depth map is a constant; where it is read moves
-/// with z, and the slope contains that. Values that are not numbers are not valid.
+/// Takes the point at depth z on the ray of image point p into the other view, and reads the depth there. Takes the
+/// point at that depth on the other view's ray back. phi is the distance of its image from p. Not valid outside the
+/// other image, without a depth there, or for phi >= kReprojectionMax. The other depth map is a constant. The place
+/// where it is read moves with z, and the slope contains that. Values that are not numbers are not valid.
 template <class T, class V>
 ALIGNGS_HD inline Reprojection<T> forward_backward(const TwoViews<T>& views, const V* other_depth, T z,
                                                    const Vec2<T>& p) {

@@ -1,5 +1,5 @@
-// Opacity of a Gaussian at a pixel and its derivatives in whitened coordinates (splat.h): the same values as alpha_at
-// of blending.h and the conic of projection.h, without their cancellation for needles in float.
+// Opacity of a Gaussian at a pixel and its derivatives in whitened coordinates (splat.h). The values equal alpha_at of
+// blending.h and the conic of projection.h, without their cancellation for needles in float.
 #pragma once
 
 #include <cmath>
@@ -37,8 +37,8 @@ struct WhitenedAlpha {
   bool wanted = false;  ///< raw opacity >= alpha_min
 };
 
-/// (pixel_x, pixel_y) is the pixel's centre. Every product that is added to something is an explicit fma, so that all
-/// compilations of it, forward and backward, host and device, agree on every bit but the last of exp2.
+/// (pixel_x, pixel_y) is the pixel's centre. Every product that is added to something is an explicit fma. All its
+/// compilations, forward and backward, host and device, hence agree on every bit but the last of exp2.
 ALIGNGS_HD inline WhitenedAlpha whitened_alpha(const Splat& g, float pixel_x, float pixel_y,
                                                const RasterSettings& settings) {
   using std::exp2;

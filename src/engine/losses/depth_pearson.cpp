@@ -49,7 +49,7 @@ ALIGNGS_ALWAYS_INLINE void centre_row(const PearsonRow<T>& row, double mean_rend
   }
 }
 
-// What is compiled per instruction set: function versions cannot be templates.
+// Compiled per instruction set: function versions cannot be templates.
 ALIGNGS_FUNCTION_VERSIONS
 void centre(const PearsonRow<float>& row, double mean_rendered, double mean_prior, double* used, double* rendered,
             double* prior) {

@@ -17,7 +17,7 @@ struct JoinedRow {
   std::vector<int> before, after, above, below;
 };
 
-// What depth_stencil calls joined, for pixels z and their neighbours in `other`.
+// Joined, in the sense of depth_stencil, for pixels z and their neighbours in `other`.
 template <class T>
 ALIGNGS_ALWAYS_INLINE void join(const T* __restrict z, const uint8_t* __restrict valid, const T* other,
                                 const uint8_t* other_valid, int count, bool as_printed, int* __restrict out) {
@@ -59,7 +59,7 @@ ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t
   const int width = map.width;
   const size_t stride = static_cast<size_t>(width);
   const T* __restrict z = map.depth + static_cast<size_t>(y) * stride;
-  // Where a row or column ends nothing is joined: the pixel stands for itself.
+  // At the end of a row or column nothing is joined: the pixel replaces its neighbour.
   const T *above = y > 0 ? z - width : z, *below = y + 1 < map.height ? z + width : z;
   T *right = in + kInRight * stride, *left = in + kInLeft * stride, *top = in + kInTop * stride,
     *bottom = in + kInBottom * stride;
@@ -113,7 +113,7 @@ JoinedRow& cleared(int width) {
   return joined;
 }
 
-// What is compiled per instruction set: function versions cannot be templates.
+// Compiled per instruction set: function versions cannot be templates.
 ALIGNGS_FUNCTION_VERSIONS
 void fill_stencils(const StencilMap<float>& map, int y, const float* inverse_length, bool as_printed, JoinedRow& joined,
                    uint8_t* stencil) {

@@ -6,7 +6,7 @@
 
 namespace aligngs {
 
-/// What the forward-backward reprojection (formulas/two_views.h) says about a view as a whole.
+/// The forward-backward reprojection (formulas/two_views.h) of a view as a whole.
 struct ViewAgreement {
   double count = 0;     ///< pixels that come home within kReprojectionMax
   double distance = 0;  ///< sum of w phi over them

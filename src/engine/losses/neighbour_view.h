@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// Constants of a step: no gradient reaches them. PGSR renders the neighbour's depth with gradients, too; here the
-/// neighbour is trained when the roles are exchanged in another step, which halves the cost of this one.
+/// Constants of a step: no gradient reaches them. PGSR renders the neighbour's depth with gradients, too. Here another
+/// step exchanges the roles and trains the neighbour, which halves the cost of this one.
 template <class T>
 struct NeighbourView {
   const TrainingView& view;   ///< its camera and photo
@@ -20,9 +20,9 @@ struct NeighbourView {
 template <class T>
 struct MapLossInputs;
 
-/// Computes the plane depth of rendered maps as map_losses does, keeps what is kDepthTight, and leaves it in
-/// workspace.neighbour_depth, where later calls of map_losses with this workspace do not touch it.
-/// `inputs` are the maps of the neighbour and its view; its mask counts.
+/// Computes the plane depth of rendered maps as map_losses does, and keeps the kDepthTight part in
+/// workspace.neighbour_depth. Later calls of map_losses with this workspace do not change it. `inputs` are the maps of
+/// the neighbour and its view; its mask counts.
 template <class T>
 void keep_neighbour_depth(const MapLossInputs<T>& inputs, MapLossWorkspace<T>& workspace);
 

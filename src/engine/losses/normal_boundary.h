@@ -7,9 +7,8 @@
 namespace aligngs {
 
 /// Mean of boundary_penalty over pairs of right and down neighbours with different teacher labels and blended
-/// directions on both sides; zero when there is no such pair. With settings.paper_normals off, pairs whose
-/// depths are not tightly valid or jump by more than 5 % are left out (needs compute_depth_map then).
-/// Needs compute_unit_normals.
+/// directions on both sides. Zero when there is no such pair. With settings.paper_normals off, pairs whose depths are
+/// not tightly valid or jump by more than 5 % are left out (needs compute_depth_map then). Needs compute_unit_normals.
 template <class T>
 double normal_boundary_loss(const MapLossInputs<T>& inputs, double weight, MapLossWorkspace<T>& workspace,
                             MapGradients<T>& gradients);

@@ -1,13 +1,13 @@
-// One row of the comparison of blended normals with the normals that the depth map implies, laid out in arrays
-// so that it can be computed several pixels at a time.
+// One row of the comparison of blended normals with the normals that the depth map implies. It is laid out in arrays,
+// so that several pixels are computed at a time.
 #pragma once
 
 #include <cstddef>
 
 namespace aligngs {
 
-/// Arrays of `width` values each, one after the other. Neighbours are those of the depth stencil; an offset is
-/// the neighbour's distance from the pixel, in pixels (0 where a one-sided difference uses the pixel itself).
+/// Arrays of `width` values each, one after the other. Neighbours are those of the depth stencil. An offset is the
+/// neighbour's distance from the pixel, in pixels (0 where a one-sided difference uses the pixel itself).
 enum NormalRowInput {
   kInRight, kInLeft, kInTop, kInBottom,                          // depths
   kInRightOffset, kInLeftOffset, kInTopOffset, kInBottomOffset,  // 1 | 0, -1 | 0, -1 | 0, 1 | 0

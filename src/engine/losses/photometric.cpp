@@ -72,8 +72,8 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
 
   const double scale = 1.0 / (3.0 * static_cast<double>(counted));
   const T step = static_cast<T>(static_cast<double>(in.settings.l1_weight) * scale);
-  // L1 row by row while the row laid out for SSIM is in the cache. It is not part of SSIM's own rounds, which go by channel:
-  // its sum would have another order, and a setting without SSIM would need this one as well.
+  // L1 row by row while the row laid out for SSIM is in the cache. It is not part of SSIM's own rounds, which go by
+  // channel. Its sum would have another order there, and a setting without SSIM would need this one as well.
   const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
     prepare_row(in, y, workspace);
     thread_local std::vector<T> scratch;

@@ -6,9 +6,9 @@
 
 namespace aligngs {
 
-/// Adds l1, ssim (as 1 - SSIM), psnr and their part of total, and gradients to gradients.color.
-/// Pixels under the mask (view.data.mask <= 0.5) have no loss and no gradient: they are left out of every
-/// mean, and the windows of SSIM see the truth there. Nothing left: all terms zero.
+/// Adds l1, ssim (as 1 - SSIM), psnr and their part of total, and gradients to gradients.color. Pixels under the mask
+/// (view.data.mask <= 0.5) have no loss and no gradient. They are left out of every mean, and the windows of SSIM see
+/// the truth there. Nothing left: all terms zero.
 template <class T>
 void photometric_losses(const MapLossInputs<T>& inputs, MapLossWorkspace<T>& workspace, LossTerms& terms,
                         MapGradients<T>& gradients);

@@ -43,9 +43,9 @@ std::array<double, K> sum_rows(ThreadPool* pool, int rows, std::vector<double>& 
 inline constexpr int kScatterRows = 4;   ///< how far above and below its own row a scattering body may write
 inline constexpr int kBandRows = 16;     ///< rows of one band, at least 2 * kScatterRows
 
-/// Like for_each_row for bodies that add to rows y - kScatterRows .. y + kScatterRows. Bands of rows are run
-/// in two rounds, even bands then odd ones, so that no two concurrent bodies touch the same row and every
-/// sum is formed in the same order whatever the number of threads.
+/// Like for_each_row for bodies that add to rows y - kScatterRows .. y + kScatterRows. Bands of rows are run in two
+/// rounds, even bands then odd ones. No two concurrent bodies touch the same row. Every sum is formed in the same order
+/// whatever the number of threads.
 template <class Body>
 void for_each_row_scattering(ThreadPool* pool, int rows, const Body& body) {
   const int bands = (rows + kBandRows - 1) / kBandRows;

@@ -119,7 +119,7 @@ ALIGNGS_ALWAYS_INLINE void backward_of_row(const RowPointers<T>* rows, const T* 
   gradient_of_row<T>(blurred, x, y, width, w, scale, gradient);
 }
 
-// What is compiled per instruction set: function versions cannot be templates.
+// Compiled per instruction set: function versions cannot be templates.
 ALIGNGS_FUNCTION_VERSIONS
 void row_forward(const RowPointers<float>& x, const RowPointers<float>& y, int width, const SsimWindow<float>& w,
                  float* moments, float* value, float* d_ex, float* d_exx, float* d_exy) {

@@ -131,8 +131,8 @@ double largest(const MapGradients<T>& g) {
   return m;
 }
 
-/// Largest difference of analytic and central-difference gradients of terms.total over every value of the colour,
-/// normal, distance and alpha maps, as a share of the largest gradient.
+/// Largest difference of analytic and central-difference gradients of terms.total, as a share of the largest gradient.
+/// Covers every value of the colour, normal, distance and alpha maps.
 inline double gradient_error(LossFixture& f, double h = 1e-6) {
   MapGradients<double> analytic, unused;
   f.run(analytic);

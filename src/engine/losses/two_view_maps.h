@@ -36,7 +36,7 @@ struct TwoViewFixture : LossFixture {
     }
   }
 
-  /// Where the ray of a pixel meets the two walls of LossFixture, seen from inside: the nearer one.
+  /// Intersection of the ray of a pixel with the two walls of LossFixture, seen from inside: the nearer one.
   static Vec3d wall_point(const Camera& camera, int x, int y) {
     const Rigidd to_world = camera.world_to_camera.inverse();
     const Vec3d origin = to_world.translation, ray = to_world.rotation * camera.ray(x + 0.5, y + 0.5);
@@ -75,8 +75,8 @@ inline void show_plane_everywhere(TwoViewFixture& f, const Vec3d& n, double d) {
   }
 }
 
-/// Gradients of the maps against central differences of `value(pixel)`, which depends on the maps of its own pixel alone:
-/// largest error as a share of the largest gradient.
+/// Largest error of the maps' gradients against central differences of `value(pixel)`, as a share of the largest
+/// gradient. The value depends on the maps of its own pixel alone.
 template <class Value>
 double pixelwise_gradient_error(TwoViewFixture& f, const MapGradients<double>& analytic, const Value& value,
                                 double h = 1e-6) {

@@ -38,7 +38,7 @@ ALIGNGS_ALWAYS_INLINE void normalise_either(const BlendedNormalRow<T>& row, T* x
   }
 }
 
-// What is compiled per instruction set: function versions cannot be templates.
+// Compiled per instruction set: function versions cannot be templates.
 ALIGNGS_FUNCTION_VERSIONS
 void normalise(const BlendedNormalRow<float>& row, float* x, float* y, float* z, float* inverse_length) {
   normalise_either(row, x, y, z, inverse_length);

@@ -21,7 +21,7 @@ struct MapLossWorkspace {
   std::vector<uint8_t> stencil;   ///< which neighbours the depth normal of a pixel uses
   std::vector<double> row_sums;
 
-  // Of the multi-view terms.
+  // Arrays of the multi-view terms.
   std::vector<T> neighbour_depth;  ///< of the neighbour's camera; kept until the next keep_neighbour_depth
   std::vector<T> agreement, agreement_slope;  ///< w = exp(-phi), 0 = none; w dphi/dz
   std::vector<T> grey, neighbour_grey;

@@ -28,8 +28,8 @@ inline Camera make_camera() {
   return c;
 }
 
-/// Eight Gaussians between 1.5 and 4 in front of the camera, overlapping, flat, long and round; row 6 lies outside
-/// the guard band (its Jacobian is clamped) but reaches into the image.
+/// Eight Gaussians between 1.5 and 4 in front of the camera, overlapping, flat, long and round. Row 6 lies outside the
+/// guard band (its Jacobian is clamped) but reaches into the image.
 template <class T>
 GaussianModelT<T> make_model() {
   struct Row {
@@ -132,7 +132,7 @@ inline const std::vector<ParameterClass>& parameter_classes() {
   return classes;
 }
 
-/// What comparing a gradient with differences found, for one class of parameters.
+/// The comparison of a gradient with differences, for one class of parameters.
 struct Comparison {
   double worst = 0;    ///< largest |analytic - numeric| / (scale of the class's gradient)
   double largest = 0;  ///< largest |numeric|: 0 means that the test would see nothing

@@ -25,8 +25,8 @@ const Term kTerms[] = {
     {"prior_normal", &LossSettings::prior_normal_weight, &LossTerms::prior_normal, true},
 };
 
-/// Flat Gaussians that face the camera and fill the image: two overlapping sheets that meet in a fold, so that plane
-/// depth is valid everywhere and no guard is active.
+/// Flat Gaussians that face the camera and fill the image: two overlapping sheets that meet in a fold. Plane depth is
+/// valid everywhere and no guard is active.
 Model sheets(const Camera& camera) {
   const Rigidd to_world = camera.world_to_camera.inverse();
   Model m;

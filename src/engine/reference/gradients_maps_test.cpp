@@ -17,8 +17,8 @@ void probe(const std::vector<double>& map, LossTerms& terms, std::vector<double>
   }
 }
 
-/// Which pixels' plane depth the probe uses, fixed before the differences: covered, and not near the slope guard,
-/// whose clamp has a gradient that differences do not see.
+/// The pixels whose plane depth the probe uses, fixed before the differences. They are covered and not near the slope
+/// guard, whose clamp has a gradient that differences do not see.
 std::vector<uint8_t> steady_plane_pixels(const RenderMaps<double>& m, const ProjectionCamera<double>& camera) {
   std::vector<uint8_t> use(m.pixels(), 0);
   const size_t n = m.pixels();
@@ -141,8 +141,8 @@ TEST(Gradients, StatisticsAreInNormalisedDeviceCoordinates) {
   EXPECT_NEAR(weight, alpha, 1e-5);
 }
 
-/// dL/d mean2D of the statistics is itself right: moving the principal point moves every mean, and with the
-/// guard band and the rays out of the way only the means.
+/// dL/d mean2D of the statistics is itself right. Moving the principal point moves every mean. Without guard band and
+/// rays it moves only the means.
 TEST(Gradients, MeanGradientSumsToTheShiftOfTheImage) {
   const Model model = make_model<double>();
   TrainingView view = make_view();

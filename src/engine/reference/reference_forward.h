@@ -147,7 +147,7 @@ RenderMaps<T> render_maps(const Splats<T>& s, const RasterSettings& raster) {
   return m;
 }
 
-/// What is blended per Gaussian for the semantics, [N][C]: the logits themselves, or softmax of each row.
+/// The blended values per Gaussian for the semantics, [N][C]: the logits themselves, or softmax of each row.
 template <class T>
 std::vector<T> semantic_features(const GaussianModelT<T>& model, SemanticBlend blend) {
   std::vector<T> x = model.semantics;

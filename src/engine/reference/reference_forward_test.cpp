@@ -1,4 +1,4 @@
-// What the maps mean, on scenes whose answer is known.
+// The meaning of the maps, on scenes with known values.
 #include <gtest/gtest.h>
 
 #include "engine/reference/gradient_test_scene.h"

@@ -239,7 +239,7 @@ void to_parameters(const GaussianModelT<T>& model, const Splats<T>& s, const Row
 }  // namespace detail
 
 /// Values and gradients of one view. `bounded_scale` is the factor of the bounded coupling (coupling_factor in
-/// formulas/semantic_loss.h; an engine keeps the balance, here it is an input); kPlain takes the strength instead.
+/// formulas/semantic_loss.h). An engine keeps the balance; here it is an input. kPlain takes the strength instead.
 /// Rates and Adam settings of the request are not used.
 template <class T>
 Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view, const StepRequest& request,

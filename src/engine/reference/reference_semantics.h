@@ -10,7 +10,7 @@
 
 namespace aligngs::reference {
 
-/// What one pixel passes on; see formulas/semantic_loss.h for g, h and h_0.
+/// Values that one pixel passes on; see formulas/semantic_loss.h for g, h and h_0.
 template <class T>
 struct SemanticPixel {
   bool counts = false;           ///< false: everything else is empty

@@ -27,7 +27,7 @@ class CudaTsdfDevice : public TsdfDevice {
     DeviceArray<float> maps(context_, kFloatsPerPixel * pixels, "maps of a view to fuse");
     const uint64_t per_block = kBlockVoxels * sizeof(Voxel) + sizeof(BlockCoordinate) + sizeof(PlacedBlock);
     const uint64_t left = context_.budget() - std::min(context_.budget(), context_.used());
-    // What does not fit at once is fused part after part. One block too many for the device is its error.
+    // Blocks that do not fit at once are fused part after part. One block too many for the device is its error.
     const size_t part = std::clamp<uint64_t>(left / per_block, 1, blocks.size());
     for (size_t first = 0; first < blocks.size(); first += part) {
       fuse_part(views, coordinates, blocks, first, std::min(part, blocks.size() - first), maps.span());

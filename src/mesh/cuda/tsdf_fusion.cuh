@@ -7,8 +7,8 @@
 
 namespace aligngs::cuda {
 
-/// Threads of the kernel that has one per block of voxels, of which a part of a volume has some ten thousand: small, so
-/// that they spread over all multiprocessors.
+/// Threads of the kernel that has one per block of voxels. A part of a volume has some ten thousand blocks. The number
+/// is small, so that they spread over all multiprocessors.
 inline constexpr unsigned kPlaceThreads = 128;
 
 struct PlacedBlock {

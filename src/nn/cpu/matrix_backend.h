@@ -1,4 +1,4 @@
-// Products with matrices of weights, packed once for the processor at hand.
+// Products with matrices of weights, packed once for the current processor.
 #pragma once
 
 #include <cstdint>

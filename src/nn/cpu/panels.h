@@ -18,9 +18,9 @@ struct PanelProduct {
 };
 void multiply_panel(const PanelProduct& product);
 
-/// One step of the softmax of attention over `keys` rows of scores, 16 queries side by side:
-/// scores [keys, 16] (in units of log2) become weights 2^(score - most); the running maximum, the
-/// running sum of weights and the sums [dimensions, 16] so far are brought to the new maximum.
+/// One step of the softmax of attention over `keys` rows of scores, 16 queries side by side. Scores
+/// [keys, 16] (in units of log2) become weights 2^(score - most). The running maximum, the running
+/// sum of weights and the sums [dimensions, 16] so far are brought to the new maximum.
 struct SoftmaxStep {
   float* scores;
   int64_t keys;

@@ -20,8 +20,8 @@ using FloatTag = HWY_CAPPED(float, 16);
 using FloatVec = hn::Vec<FloatTag>;
 inline constexpr size_t kLanes = hn::MaxLanes(FloatTag());
 
-/// 2^x within 2 ulp for x in [-126, 127]; smaller x give 2^-126. Polynomial of degree 6 on
-/// [-1/2, 1/2] (2e-9). Adding 1.5 * 2^23 rounds to an integer, which then stands in the low bits.
+/// 2^x within 2 ulp for x in [-126, 127]; smaller x give 2^-126. Polynomial of degree 6 on [-1/2,
+/// 1/2] (2e-9). Adding 1.5 * 2^23 rounds to an integer, which is then in the low bits.
 HWY_INLINE FloatVec exp2_of(FloatVec x) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;
@@ -40,8 +40,8 @@ HWY_INLINE FloatVec exp2_of(FloatVec x) {
 
 using aligngs::HWY_NAMESPACE::fast_exp;
 
-/// erf(x) within 4e-7: quotient of polynomials of degrees 13 and 8 on [-4, 4], where erf is 1 to
-/// float accuracy at the ends (the approximation that Eigen and XLA use).
+/// erf(x) within 4e-7: quotient of polynomials of degrees 13 and 8 on [-4, 4] (the approximation
+/// that Eigen and XLA use). At the ends erf is 1 to float accuracy.
 HWY_INLINE FloatVec erf_of(FloatVec x) {
   const FloatTag d;
   x = hn::Min(hn::Max(x, hn::Set(d, -4.0f)), hn::Set(d, 4.0f));

@@ -1,4 +1,5 @@
-// Which instruction sets the vector kernels are compiled for. Include before any Highway header.
+// The instruction sets for which the vector kernels are compiled. Include before any Highway
+// header.
 #pragma once
 
 // The baseline x86-64-v2 has no PCLMUL or AES, which the kernels do not use; without this Highway

@@ -1,5 +1,5 @@
-// Depth Anything 3, any-view (Lin et al. 2025): cameras, depth and rays of all photographs of a scene in one pass, with
-// known cameras as an optional input. Small, Base, Large and Giant are told apart by the shapes of their tensors.
+// Depth Anything 3, any-view (Lin et al. 2025): cameras, depth and rays of all photographs of a scene in one pass.
+// Known cameras are an optional input. The shapes of the tensors distinguish Small, Base, Large and Giant.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace aligngs::nn {
 
-/// What the weights do not tell; the defaults are those of the published networks.
+/// Settings that the weights do not hold; the defaults are those of the published networks.
 struct Da3Options {
   Da3TrunkOptions trunk;      ///< `joined` is read from the head
   int64_t camera_heads = 16;  ///< of the blocks that read given cameras

@@ -1,4 +1,4 @@
-// Which view of a scene Depth Anything 3 takes as its reference (Lin et al. 2025; published rule "saddle_balanced").
+// The view of a scene that Depth Anything 3 takes as its reference (Lin et al. 2025; published rule "saddle_balanced").
 #pragma once
 
 #include <cstdint>

@@ -37,7 +37,7 @@ VitOptions vit_options(int64_t heads) {
   return options;
 }
 
-/// Of the published networks: Small and Base, Large, Giant.
+/// Layers of the published networks: Small and Base, Large, Giant.
 std::vector<int> published_layers(int64_t depth) {
   if (depth == 12) return {5, 7, 9, 11};
   if (depth == 24) return {11, 15, 19, 23};
@@ -61,7 +61,7 @@ Matrix first_tokens(const Matrix& x, int64_t views) {
   return out;
 }
 
-/// Class and camera tokens stand at (0, 0). Patches stand from (1, 1) on, across views all of them at (1, 1).
+/// Class and camera tokens are at (0, 0). Patches begin at (1, 1), across views all of them at (1, 1).
 TokenPlaces places_of(const Rope2d& rope, const VitTokens& tokens, bool across) {
   TokenPlaces places{rope, {{0, 0}}};
   for (int y = 1; y <= int(tokens.grid_height); ++y) {

@@ -1,4 +1,4 @@
-// The trunk of Depth Anything 3 (Lin et al. 2025): a DINOv2 transformer whose later blocks attend within each view and
+// The trunk of Depth Anything 3 (Lin et al. 2025): a DINOv2 transformer. Its later blocks attend within each view and
 // across all views in turn.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace aligngs::nn {
 
-/// What the tensors do not tell. The defaults are those of the published networks.
+/// Settings that the tensors do not hold. The defaults are those of the published networks.
 struct Da3TrunkOptions {
   int64_t heads = 0;        ///< 0: by the width of the norms of queries, else channels / 64
   std::vector<int> layers;  ///< blocks (0-based) that the heads read; empty: by the depth
@@ -22,7 +22,7 @@ struct Da3TrunkOptions {
   bool joined = true;              ///< tokens are those of the last local block and of the block itself, side by side
 };
 
-/// What is asked of one pass.
+/// The request for one pass.
 struct Da3TrunkRequest {
   Matrix camera_tokens;  ///< [views, channels] of given cameras; empty: none are given
   Da3ReferenceRule rule = Da3ReferenceRule::kSaddleBalanced;

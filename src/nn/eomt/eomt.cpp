@@ -23,7 +23,7 @@ VitOptions vit_options(int64_t heads) {
   return options;
 }
 
-/// What a file says about its own pixels, [1, 3, 1, 1].
+/// A file's values for its pixels, [1, 3, 1, 1].
 void load_pixel_values(const Weights& weights, const std::string& name, std::array<float, 3>& values) {
   if (!weights.has(name)) return;
   const std::vector<float> found = weights.load(name, {1, 3, 1, 1});

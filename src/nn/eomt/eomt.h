@@ -1,4 +1,4 @@
-// EoMT (Kerssies et al. 2025, "Your ViT is secretly an image segmentation model"): a DINOv2 transformer whose last
+// EoMT (Kerssies et al. 2025, "Your ViT is secretly an image segmentation model"): a DINOv2 transformer. Its last
 // blocks also hold learned queries, each of which becomes a class and a mask.
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace aligngs::nn {
 
-/// What the tensors do not tell.
+/// Settings that the tensors do not hold.
 struct EomtOptions {
   int64_t heads = 0;         ///< 0: channels / 64
   int64_t query_blocks = 0;  ///< last blocks that hold the queries; 0: as many as attn_mask_probs has
-  /// Of RGB in [0, 1], where the file has no pixel_mean and pixel_std. The default is ImageNet's.
+  /// Moments of RGB in [0, 1], if the file has no pixel_mean and pixel_std. The default is ImageNet's.
   std::array<float, 3> mean{0.485f, 0.456f, 0.406f}, deviation{0.229f, 0.224f, 0.225f};
 };
 
-/// What config.json and preprocessor_config.json beside a file of Hugging Face's layout say; the defaults where there
-/// are none. Error{kBadInput} when one is damaged.
+/// The options in config.json and preprocessor_config.json beside a file of Hugging Face's layout; the defaults where
+/// there are none. Error{kBadInput} when one is damaged.
 EomtOptions eomt_options_beside(const std::filesystem::path& weights);
 
 /// One window's queries.

@@ -61,7 +61,7 @@ Linear shares_of(Compute& compute, const EomtPrediction& prediction) {
   return Linear(compute, class_shares(prediction), prediction.classes.columns - 1, prediction.masks.channels, {});
 }
 
-/// Which of the `places` (sorted, along one side of the resized photo) lie in [begin, begin + side).
+/// Those of the `places` (sorted, along one side of the resized photo) that lie in [begin, begin + side).
 struct Covered {
   size_t first = 0;              ///< of them in `places`
   std::vector<int64_t> outputs;  ///< their places in the window

@@ -24,7 +24,7 @@ DeformableAttention::DeformableAttention(const Compute& compute, const Weights& 
                  "set the number of heads"});
   }
   value_ = Linear(compute, weights, "value_proj", inner, channels);
-  // Where to look is not rounded: a hundredth of an offset of many pixels is many edges away.
+  // Offsets are not rounded: a hundredth of an offset of many pixels is many edges away.
   offsets_ = Linear(compute, weights, "sampling_offsets", offsets, channels, true);
   weights_ = Linear(compute, weights, "attention_weights", offsets / 2, channels, true);
   output_ = Linear(compute, weights, "output_proj", channels, inner);

@@ -6,7 +6,7 @@
 namespace aligngs::nn {
 
 /// VGGT's dense heads: places of a map span a rectangle of the image's aspect (width / height)
-/// whose diagonal is 2; for x (first half of the channels) then y: sin(p w_k), cos(p w_k) with w_k
+/// whose diagonal is 2. For x (first half of the channels) then y: sin(p w_k), cos(p w_k) with w_k
 /// = 100^(-k / (channels / 4)).
 FeatureMap uv_embedding(int64_t height, int64_t width, int64_t channels, double aspect);
 /// (x, y) of each place of the above.

@@ -1,4 +1,4 @@
-// Where a photograph lies in the image that a network is shown.
+// The place of a photograph in the input image of a network.
 #pragma once
 
 namespace aligngs::nn {

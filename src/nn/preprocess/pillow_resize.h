@@ -8,7 +8,7 @@
 namespace aligngs::nn {
 
 /// Antialiased cubic (a = -0.5), weights in 22-bit fixed point, rounded to 8 bits between the
-/// horizontal and the vertical pass; a pass is left out where the size stays.
+/// horizontal and the vertical pass. A pass is left out if the size stays.
 Image<uint8_t> pillow_resize_bicubic(const Image<uint8_t>& image, int width, int height);
 /// The same with a triangle in place of the cubic: BILINEAR, antialiased when shrinking.
 Image<uint8_t> pillow_resize_bilinear(const Image<uint8_t>& image, int width, int height);

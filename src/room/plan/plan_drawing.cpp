@@ -14,7 +14,7 @@ namespace {
 constexpr double kMillimetres = 1000;  // per metre
 constexpr double kLetterWidth = 0.6;   // of a letter's height, on the mean
 constexpr double kTick = 1.2;          // mm on paper: half of the stroke that ends a dimension
-constexpr double kPaneGap = 80;        // mm: depth at which a window's two lines are drawn, so that they are told apart at 1:50
+constexpr double kPaneGap = 80;        // mm: depth of a window's two lines, so that they are distinct at 1:50
 
 Vec2d millimetres(const Vec3d& p) { return {p.x * kMillimetres, p.y * kMillimetres}; }
 Vec2d plus(const Vec2d& a, const Vec2d& b, double t) { return {a.x + t * b.x, a.y + t * b.y}; }
@@ -105,7 +105,7 @@ class Plan {
       const Vec2d p = place(stop), slant{along.x + out.x, along.y + out.y};
       add(PlanLayer::kDimensions, {plus(p, slant, -tick / 2), plus(p, slant, tick / 2)});
     }
-    // Letters stand on the line, on the side that is up for them.
+    // Letters are on the line, on the side that is up for them.
     const Vec2d up{-std::sin(turn * kRadiansPerDegree), std::cos(turn * kRadiansPerDegree)};
     for (size_t i = 0; i + 1 < stops.size(); ++i) {
       const double size = stops[i + 1] - stops[i];

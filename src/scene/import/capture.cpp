@@ -38,8 +38,8 @@ CaptureLayout detect_layout(const fs::path& folder) {
   return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
 }
 
-/// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map with the depth
-/// image's width and the colour image's aspect; the nearer sample wins.
+/// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map. The map has
+/// the depth image's width and the colour image's aspect. The nearer sample wins.
 ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const ColmapCamera& color) {
   const Camera camera = lens_of(color, "camera").pinhole();
   const int height = std::max(1, static_cast<int>(std::lround(static_cast<double>(depth.width) * camera.height / camera.width)));

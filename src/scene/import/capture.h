@@ -93,8 +93,8 @@ Capture read_colmap_capture(const std::filesystem::path& folder, const PhotoLook
 /// transforms.json, or Blender's transforms_train.json.
 bool may_hold_transforms(const std::filesystem::path& folder);
 
-/// The last step of every reader: frames listed twice and photos with two cameras are left out, frames without
-/// depth where most have one as well, and the world is placed near its origin. Error{kBadInput} when no frame is left.
+/// The last step of every reader. Left out are frames listed twice, photos with two cameras, and frames without depth
+/// if most have one. The world is placed near its origin. Error{kBadInput} when no frame is left.
 void finish_capture(Capture& capture);
 
 /// Depth of a frame in scene units, registered to the (undistorted) colour camera, 0 = none; empty image when the

@@ -34,14 +34,13 @@ void note_poses_without_photo(Capture& capture, const std::filesystem::path& pos
 /// Sets the depth when the file is there.
 void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
 
-/// For numbered files (img12.png) beside a list of `poses`: the index of each file's pose. Files and poses pair in order when
-/// there are as many of one as of the other, else by the number in the name; -1 where the list holds none.
-/// Error{kBadInput} naming `file` when numbers do not help: names without one.
-/// Poses whose photo is missing get a line.
+/// For numbered files (img12.png) beside a list of `poses`: the index of each file's pose. Files and poses pair in
+/// order when their numbers are equal, else by the number in the name. -1 where the list holds none. Error{kBadInput}
+/// naming `file` when numbers do not help: names without one. Poses whose photo is missing get a line.
 std::vector<int> poses_of_numbered(Capture& capture, const std::vector<std::filesystem::path>& photos, size_t poses, const std::filesystem::path& file);
 
-/// Finds the frame that a name in a list means: the one of that name, with or without extension, else the only one whose path ends
-/// like it.
+/// Finds the frame of a name in a list: the one of that name, with or without extension. Else the only one whose path
+/// ends like it.
 class FrameNames {
  public:
   explicit FrameNames(const std::vector<CapturedFrame>& frames);
@@ -54,8 +53,8 @@ class FrameNames {
 /// Names that are paths of files become paths below the folder that all photos share, without extension and "..".
 void shorten_names(Capture& capture);
 
-/// Moves a world that lies far from its origin to it, in double precision, and scales one of arbitrary units whose size is far
-/// from 1 by a power of ten; Capture::to_original takes it back.
+/// Moves a world far from its origin to it, in double precision. Scales one of arbitrary units whose size is far from 1
+/// by a power of ten. Capture::to_original takes it back.
 void place_near_origin(Capture& capture);
 
 }  // namespace aligngs

@@ -1,5 +1,6 @@
-// A COLMAP reconstruction and its photos: sparse/[N/] or colmap/sparse/[N/] (bin or txt), or the model in the folder itself; photos
-// in images/, in the folder or in a subfolder of it (photo_lookup.h). Rigs and frames are not needed: images.bin has every pose.
+// A COLMAP reconstruction and its photos. The model (bin or txt) is in sparse/[N/], colmap/sparse/[N/] or the folder
+// itself. Photos are in images/, in the folder or in a subfolder of it (photo_lookup.h). Rigs and frames are not
+// needed: images.bin has every pose.
 #include <algorithm>
 #include <map>
 

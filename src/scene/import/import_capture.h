@@ -12,8 +12,8 @@
 namespace aligngs {
 
 struct ImportOptions {
-  // Choice of the frames that train and test. At most one of views, stride and train_names; none of them: the split that came with the
-  // capture, else all frames train (a capture of more than kMaxUnselected frames is thinned to kDefaultViews).
+  // Choice of the frames that train and test. At most one of views, stride and train_names is given. Without them the
+  // capture's own split holds, else all frames train (more than kMaxUnselected frames are thinned to kDefaultViews).
   int views = 0;                         ///< so many well-spread sharp views
   int stride = 0;                        ///< every n-th frame
   std::vector<std::string> train_names;  ///< exactly these
@@ -44,9 +44,9 @@ struct ImportReport {
   bool depth_prior = false;
 };
 
-/// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that do not
-/// exist, when fewer than kFewestTrainingViews are left of more, and for anything that training would refuse: the scene is
-/// checked as training checks it before it takes its place. The folder appears complete or not at all.
+/// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that
+/// do not exist, and when fewer than kFewestTrainingViews are left of more. Also for anything that training would
+/// refuse: the scene passes training's check before it takes its place. The folder appears complete or not at all.
 ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options, ThreadPool& pool);
 
 /// SfM points of a COLMAP model brought into the capture's world by the similarity of their common cameras.

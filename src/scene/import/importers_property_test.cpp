@@ -12,7 +12,7 @@
 namespace aligngs {
 namespace {
 
-/// Where the imported camera and the frame's own disagree, in world units and degrees.
+/// Difference between the imported camera and the frame's own, in world units and degrees.
 void expect_camera(const Camera& camera, const RandomFrame& frame, const std::optional<Similarity>& to_original) {
   const Vec3d own = frame.world_to_camera.inverse().translation, read = camera.centre();
   const Vec3d back = to_original ? *to_original * read : read;

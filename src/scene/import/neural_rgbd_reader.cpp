@@ -1,6 +1,6 @@
-// Neural RGB-D: images/imgN.png, depth/ or depth_filtered/ depthN.png (uint16 mm), focal.txt (one number), poses.txt and
-// trainval_poses.txt (4N x 4 camera-to-world, OpenGL axes; a matrix whose first line holds "nan" is invalid), gt_mesh.ply.
-// The principal point is not stored; it is the image centre.
+// Neural RGB-D: images/imgN.png, depth/ or depth_filtered/ depthN.png (uint16 mm), focal.txt (one number), poses.txt
+// and trainval_poses.txt, gt_mesh.ply. Poses are 4N x 4 camera-to-world, OpenGL axes; a matrix whose first line holds
+// "nan" is invalid. The principal point is not stored; it is the image centre.
 #include <string>
 
 #include "core/error.h"

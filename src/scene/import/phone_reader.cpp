@@ -1,5 +1,5 @@
-// Raw captures of LiDAR telephones: one JSON a frame with intrinsics and a camera-to-world matrix of ARKit (world +y up, camera x right,
-// y up, z back, metres), depth in millimetres registered to the photo, and a confidence where 0 is low.
+// Raw captures of LiDAR telephones. A frame has a JSON with intrinsics and a camera-to-world matrix of ARKit (world +y up, camera
+// x right, y up, z back, metres). Depth is in millimetres and registered to the photo. A confidence of 0 is low.
 //
 // Polycam, "raw data": keyframes/{corrected_cameras,cameras}/T.json (fx fy cx cy width height t_00 .. t_23),
 //   keyframes/{corrected_images,images}/T.jpg, keyframes/depth/T.png, keyframes/confidence/T.png.

@@ -17,7 +17,7 @@
 
 namespace aligngs {
 
-/// What makes a frame unusable.
+/// The fault that makes a frame unusable.
 enum class Fault { kNone, kNoPhoto, kEmptyPhoto, kCutPhoto, kNanPose };
 
 struct RandomLens {
@@ -26,7 +26,7 @@ struct RandomLens {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels, the first pixel's centre at 0.5
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
 
-  /// Where the ray (x, y, 1) meets the picture, in units of the focal length.
+  /// Intersection of the ray (x, y, 1) with the picture, in units of the focal length.
   Vec2d bent(const Vec2d& p) const {
     const double r2 = p.x * p.x + p.y * p.y;
     if (model == "OPENCV_FISHEYE") {
@@ -65,7 +65,7 @@ struct RandomFrame {
   Rigidd world_to_camera;
   Quaterniond turn;     ///< its rotation
   Fault fault = Fault::kNone;
-  int orientation = 1;  ///< EXIF; the pixels stored are the camera's all the same
+  int orientation = 1;  ///< EXIF; the stored pixels stay the camera's
 };
 
 /// The colour that a frame sees along the ray (x, y, 1), sRGB in [0, 1].

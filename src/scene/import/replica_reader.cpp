@@ -1,6 +1,6 @@
 // Replica as rendered for NICE-SLAM: [ROOM/]results/frameNNNNNN.jpg and depthNNNNNN.png (1/6553.5 m), [ROOM/]traj.txt
-// (16 numbers per line, camera-to-world, OpenCV axes), ROOM_mesh.ply or mesh.ply; 1200x680, f = 600, centre (599.5, 339.5)
-// counted from the centre of the first pixel. cam_params.json beside or above says otherwise where it is there.
+// (16 numbers per line, camera-to-world, OpenCV axes), ROOM_mesh.ply or mesh.ply. 1200x680, f = 600, centre (599.5,
+// 339.5) counted from the centre of the first pixel. A cam_params.json beside or above replaces these.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

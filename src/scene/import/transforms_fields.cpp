@@ -20,7 +20,7 @@ const std::set<std::string> kUsed = {
     "fisheye_crop_radius", "rolling_shutter", "ftheta_p0", "ftheta_p1", "ftheta_p2", "ftheta_p3", "ftheta_p4", "latlong", "equirectangular",
     "orthographic", "time"};
 
-/// They change nothing here: poses and points stand in the file's own world, which its viewers alone move and scale.
+/// They change nothing here: poses and points are in the file's own world, which its viewers alone move and scale.
 const std::set<std::string> kHarmless = {
     "applied_transform", "applied_scale", "aabb_scale", "aabb", "scale", "offset", "render_aabb", "up", "n_frames", "sharpness", "sharpen",
     "colmap_im_id", "rotation", "orientation_override", "auto_scale_poses_override", "white_transparent", "black_transparent", "from_na",

@@ -1,5 +1,5 @@
 // Each operation of src/engine/cuda beside the CPU's. The inputs of an operation are the CPU's, so that a difference
-// belongs to the operation that shows it; only the last group runs both engines from end to end.
+// belongs to the operation that shows it. Only the last group runs both engines from end to end.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ void compare_multi_view(cuda::DeviceContext& context, const BenchmarkRoom& room,
 /// Render, labels, lift, restructuring and a whole step, by the engines.
 void compare_engines(int device, const CompareScene& scene, OpTable& table);
 
-/// What is not of the scene: fusion of views of a ball, and the operators in which networks spend their time.
+/// Operations without the scene: fusion of views of a ball, and the operators in which networks spend their time.
 void compare_fusion(int device, OpTable& table);
 void compare_networks(int device, OpTable& table);
 

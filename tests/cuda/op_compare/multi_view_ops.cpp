@@ -14,8 +14,8 @@ void compare_multi_view(cuda::DeviceContext& context, const BenchmarkRoom& room,
   table.compare_number(op, "geometric", got.terms.multi_view_geometric, want.terms.multi_view_geometric, tight(t.relative_loss));
   table.compare_number(op, "photometric", got.terms.multi_view_photometric, want.terms.multi_view_photometric,
                        tight(t.relative_loss));
-  // A pixel that comes home on one side alone, or a patch at its limit, changes its own gradient wholly; a sample of a patch at a line of pixel centres
-  // changes it a little.
+  // A pixel that comes home on one side alone, or a patch at its limit, changes its own gradient wholly. A sample of a
+  // patch at a line of pixel centres changes it a little.
   table.compare(op, "d normal", got.gradients.normal, want.gradients.normal, with_two_view_flips(tight(t.gradient)));
   table.compare(op, "d distance", got.gradients.distance, want.gradients.distance, with_two_view_flips(tight(t.gradient)));
 }

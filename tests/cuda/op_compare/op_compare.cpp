@@ -1,5 +1,5 @@
-// Every operation of the CUDA engine beside the CPU's on one made-up scene: a table of differences and, where asked for,
-// the outputs of both as .npy files.
+// Every operation of the CUDA engine beside the CPU's on one made-up scene. Prints a table of differences and, on
+// request, writes the outputs of both as .npy files.
 //   op_compare [--device N] [--width W] [--height H] [--gaussians N] [--channels C] [--dump FOLDER]
 // Exit status 0: every channel is within its limit, 1: some is not, 2: usage, 77: no device answers.
 #include <charconv>

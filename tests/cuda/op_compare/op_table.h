@@ -11,7 +11,7 @@ namespace aligngs::op_compare {
 
 enum class LimitKind { kExact, kTight, kLoose };
 
-/// What a channel is held to.
+/// The limits of a channel.
 struct Limit {
   LimitKind kind = LimitKind::kExact;
   double value = 0;       ///< of |got - want|

@@ -1,4 +1,4 @@
-// What the table of differences calls a difference.
+// The differences that the table reports.
 #include "op_table.h"
 
 #include <gmock/gmock.h>

@@ -28,7 +28,7 @@ std::vector<float> sums_of_slots(const CpuStep& step, size_t width, const SlotFl
   return out;
 }
 
-/// What the visit and the gradients behind it leave, on the host.
+/// Outputs of the visit and the gradients behind it, on the host.
 struct VisitResult {
   std::vector<uint8_t> seen, written;
   std::vector<float> row_slots, gradients;

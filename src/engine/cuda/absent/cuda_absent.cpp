@@ -1,4 +1,4 @@
-// Stands in for the CUDA sources in builds without CUDA.
+// Replaces the CUDA sources in builds without CUDA.
 #include "core/error.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/networks/network_device.h"

@@ -1,5 +1,5 @@
-// Kernels of attention_kernels.h. On tensor cores a block holds 64 queries and goes through the keys 64 at a time; scores
-// and sums stay in registers and are rescaled as larger scores appear. In float32 one warp has one query.
+// Kernels of attention_kernels.h. On tensor cores a block holds 64 queries and goes through the keys 64 at a time.
+// Scores and sums stay in registers and are rescaled as larger scores appear. In float32 one warp has one query.
 #pragma once
 
 #include "engine/cuda/constants.h"
@@ -14,7 +14,7 @@ inline constexpr int kAttentionThreads = 32 * kAttentionWarps;
 inline constexpr int kAttentionQueries = 16 * kAttentionWarps;  ///< per block: a tile of rows for each warp
 inline constexpr int kScoreTiles = kAttentionKeys / kMmaTile;
 
-/// What one block works on.
+/// Input of one block.
 struct AttentionStream {
   int64_t sequence, head, first_query;
 };

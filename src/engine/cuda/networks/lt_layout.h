@@ -1,4 +1,5 @@
-// How a product of this project is told to cuBLASLt, which counts in columns. Plain C++: checked without the library.
+// How a product of this project is described to cuBLASLt, which is column-major. Plain C++: checked without the
+// library.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +19,13 @@ struct LtLayout {
   ColumnMajorMatrix left, right, result;
 };
 
-/// y [rows, outputs] = x [rows, depth] (w [outputs, depth])^T. What is y row by row is y^T column by column, and
-/// y^T = w x^T: the weights come first, transposed, because column by column they read as w^T.
+/// y [rows, outputs] = x [rows, depth] (w [outputs, depth])^T. y in row-major order is y^T in column-major order, and
+/// y^T = w x^T. The weights come first, transposed, because in column-major order they read as w^T.
 constexpr LtLayout lt_layout(int64_t rows, int64_t outputs, int64_t depth) {
   return {{depth, outputs, depth, true}, {depth, rows, depth, false}, {outputs, rows, outputs, false}};
 }
 
-/// What the library does to the sums: its bias goes along the rows of y^T, which are the outputs.
+/// The library's operation on the sums: its bias goes along the rows of y^T, which are the outputs.
 struct LtEpilogue {
   bool bias = false, relu = false;
   bool activate_after = false;  ///< bias and activation by activate(), in a pass of their own

@@ -17,14 +17,15 @@
 namespace aligngs::cuda {
 namespace {
 
-// Partial sums of products that are split along their depth. What NVIDIA recommends for its largest devices (cuBLAS
-// documentation, cublasSetWorkspace: 32 MiB on Hopper and Blackwell, 4 MiB elsewhere); an algorithm takes what it needs.
+// Partial sums of products that are split along their depth. NVIDIA recommends this size for its largest devices
+// (cuBLAS documentation, cublasSetWorkspace: 32 MiB on Hopper and Blackwell, 4 MiB elsewhere). An algorithm takes the
+// part that it needs.
 constexpr uint64_t kMostWorkspaceBytes = uint64_t(32) << 20;
 
 template <class Pointer>
 using LtOwner = std::unique_ptr<std::remove_pointer_t<Pointer>, cublasStatus_t (*)(Pointer)>;
 
-/// What decides how a product is formed. Alignments, because the library's fast loads need some.
+/// The key by which an algorithm is chosen. It has alignments, because the library's fast loads need some.
 struct LtShape {
   bool halves = false;
   int64_t rows = 0, outputs = 0, depth = 0;

@@ -62,8 +62,8 @@ class LtProductsTest : public DeviceTest {
     multiply_bf16(pool_->context(), p, x, w);
   }
 
-  /// Largest difference of the library's and the own product, in parts of the largest value; infinite if refused or not
-  /// the same bits when formed again.
+  /// Largest difference of the library's and the own product, in parts of the largest value. Infinite if refused, or if
+  /// a second product has other bits.
   template <class T>
   double distance(const Case& c, const std::vector<T>& x_values, const std::vector<T>& w_values) {
     const size_t count = size_t(c.rows * c.outputs);

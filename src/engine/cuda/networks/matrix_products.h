@@ -1,4 +1,4 @@
-// Which way a product goes: through a library for the device where there is one and it takes the shape, otherwise through
+// Chooses the implementation of a product: a library for the device if there is one and it takes the shape, otherwise
 // the kernels of products.h.
 #pragma once
 

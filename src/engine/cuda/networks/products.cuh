@@ -22,8 +22,8 @@ __device__ __forceinline__ float finished_product(float sum, const ProductEnds& 
   return activated(ends.bias == nullptr ? sum : sum + ends.bias[column], ends.activation);
 }
 
-/// A block forms kWarpsM * kTilesM x kWarpsN * kTilesN tiles of 16 x 16; the next step's operands travel from memory to
-/// registers while the tensor cores work on this one's.
+/// A block forms kWarpsM * kTilesM x kWarpsN * kTilesN tiles of 16 x 16. The next step's operands are loaded to
+/// registers while the tensor cores work on the current ones.
 template <int kWarpsM, int kWarpsN, int kTilesM, int kTilesN>
 struct ProductBlock {
   static constexpr int kThreadCount = 32 * kWarpsM * kWarpsN;

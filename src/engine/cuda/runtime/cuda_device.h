@@ -1,4 +1,4 @@
-// Which CUDA devices there are, and which device a run uses. Exists in builds without CUDA as well, which have none.
+// Lists the CUDA devices, and chooses the device of a run. Exists in builds without CUDA as well, which have none.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct CudaDevices {
 
 /// Never throws: a missing driver is a reason like any other.
 CudaDevices list_cuda_devices();
-/// What this build can run on: "built without CUDA", or the toolkit and the architectures.
+/// The devices that this build supports: "built without CUDA", or the toolkit and the architectures.
 std::string cuda_build();
 
-/// In builds without CUDA: Error{kResources} that says so, with the remedy.
+/// In builds without CUDA: Error{kResources} with this reason and the remedy.
 [[noreturn]] void throw_without_cuda(int device);
 
 /// Whether code compiled for `architectures`, as CMake lists them ("80-real;90;100-virtual"), runs on a device of that
-/// compute capability: machine code within its major version, PTX on everything later.
+/// compute capability. Machine code runs within its major version, PTX on everything later.
 bool architectures_run(const std::string& architectures, int major, int minor);
 
 struct DeviceChoice {

@@ -1,6 +1,6 @@
-// What this program asks of the CUDA runtime, one function each, so that everything above is plain C++ and the same on a
-// device and on its emulation (emulation/device_calls.cpp). As in CUDA, calls without a stream act on the current device
-// of the calling thread, and work on a stream wants the stream's device to be current: DeviceContext sees to that.
+// This program's calls of the CUDA runtime, one function each. Everything above is plain C++ and the same on a device
+// and on its emulation (emulation/device_calls.cpp). As in CUDA, calls without a stream act on the current device of
+// the calling thread. Work on a stream needs the stream's device to be current; DeviceContext ensures it.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a CUDA device can do at best, measured now: the yardstick for every stage of a step on it. The twin of
+// Peak rates of a CUDA device, measured now: every stage of a step on it is compared with them. The twin of
 // engine/benchmark/machine_ceilings.h. Exists in builds without CUDA as well.
 #pragma once
 
@@ -22,7 +22,7 @@ struct CeilingEffort {
   int blocks_per_multiprocessor = 8;          ///< of 256 threads: as many as a multiprocessor holds
   int runs = 5;
 };
-/// That of a measurement; on an emulated device next to nothing, whose rates mean nothing.
+/// The effort of a measurement; minimal on an emulated device, whose rates mean nothing.
 CeilingEffort usual_effort();
 
 /// Takes a second and 1 GB of the device's memory. Throws Error{kResources} when the device or that memory is not there.

@@ -1,9 +1,9 @@
-// The language of kernels. Under nvcc: CUDA. With ALIGNGS_CUDA_EMULATED, where the same sources are compiled as plain
-// C++: the part of CUDA that this engine uses, on the emulation of its execution model (emulation/emulation.h).
+// The language of kernels. Under nvcc: CUDA. With ALIGNGS_CUDA_EMULATED the same sources are compiled as plain C++. The
+// part of CUDA that this engine uses then runs on the emulation of its execution model (emulation/emulation.h).
 //
-// Of the mathematical functions use std::exp, std::min, ... (constexpr or device overloads exist for both); masks of
-// warp operations name lanes that exist and have not returned; blocks are a multiple of 32 threads. Static shared
-// memory is plain __shared__; dynamic shared memory is dynamic_shared<T>().
+// Mathematical functions are std::exp, std::min, ... (constexpr or device overloads exist for both). Masks of warp
+// operations name lanes that exist and have not returned. Blocks are a multiple of 32 threads. Static shared memory is
+// plain __shared__; dynamic shared memory is dynamic_shared<T>().
 #pragma once
 
 #ifndef ALIGNGS_CUDA_EMULATED

@@ -11,8 +11,8 @@ namespace {
 
 constexpr uint64_t kAlignment = 256;  ///< what cudaMalloc gives: enough for every vector load and bulk copy
 constexpr uint64_t kFirstBlock = uint64_t(1) << 20;  ///< of an arena; on a device an allocation takes no less
-constexpr uint64_t kSpareShare = 8;  ///< an eighth: of a warm arena to spare, because lists change their length from visit
-                                     ///< to visit; of the room left, at most, that a block takes beyond its piece
+constexpr uint64_t kSpareShare = 8;  ///< an eighth of a warm arena is spare, as lists change their length between
+                                     ///< visits. A block takes at most an eighth of the room left beyond its piece
 
 std::string megabytes(uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MB"; }
 
@@ -132,8 +132,8 @@ void* DeviceArena::take_bytes(uint64_t bytes, const char* what) {
   if (bytes == 0) return nullptr;
   const uint64_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
   if (blocks_.empty() || used_ + rounded > blocks_.back().bytes) {
-    // As much again as there is, so that a cold step allocates a few times only; little beyond the piece where the
-    // budget ends, because what is left over at the end of a block serves nobody.
+    // As much again as there is, so that a cold step allocates a few times only. Near the end of the budget it is
+    // little beyond the piece, because the rest of a block is unused.
     add_block(std::max(rounded, std::min(std::max(held_, kFirstBlock), context_->room() / kSpareShare)), what);
   }
   unsigned char* piece = blocks_.back().data + used_;

@@ -29,8 +29,8 @@ class DeviceContext {
   DeviceContext& operator=(const DeviceContext&) = delete;
 
   /// Makes the context's device the current one of the calling thread, as all functions below and launch() do; to be
-  /// called before another library's functions. The device that was current is not put back: nobody else asks for one,
-  /// and putting it back would start a device that the run does not use.
+  /// called before another library's functions. The previous current device is not restored. Nothing else relies on it,
+  /// and restoring it would start a device that the run does not use.
   void use() const;
   const calls::DeviceFacts& facts() const { return facts_; }
 
@@ -150,9 +150,9 @@ class DeviceArray {
   size_t size_ = 0, capacity_ = 0;
 };
 
-/// Scratch of one step: taken piece by piece, given back all at once. A step that needs more than there is adds blocks;
-/// reset() makes them one, so that once warm, one allocation serves every later step, and pieces taken in the same order
-/// lie at the same addresses.
+/// Scratch of one step: taken piece by piece, given back all at once. A step that needs more than there is adds blocks,
+/// and reset() makes them one. Once warm, one allocation serves every later step, and pieces taken in the same order
+/// have the same addresses.
 class DeviceArena {
  public:
   explicit DeviceArena(DeviceContext& context) : context_(&context) {}

@@ -60,7 +60,7 @@ struct CapturedGraph {
 
 /// Ends the capture in any case: a stream that captures takes no other work. Empty: captured.
 std::string capture(CUstream_st* stream, const std::function<void()>& body, CapturedGraph& out) {
-  // Of this thread alone: what others do with the device is no part of the step and does not spoil it.
+  // Captures this thread alone: calls of other threads are no part of the step and do not spoil it.
   const cudaError_t begun = cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal);
   if (begun != cudaSuccess) {
     (void)cudaGetLastError();
@@ -115,7 +115,7 @@ bool StepGraph::run_captured(const std::function<void()>& body) {
 
 #endif
 
-// Where Executable is known.
+// Defined here, as Executable is complete here.
 StepGraph::StepGraph(const DeviceContext& context, bool on) : context_(&context), on_(on) {}
 StepGraph::~StepGraph() = default;
 void StepGraph::drop() { executable_.reset(); }

@@ -1,7 +1,7 @@
-// The operations of a step as one CUDA graph instead of launches one by one. What a step puts on the stream is captured
-// anew each time, because nearly every kernel has an argument that changes with the step (camera, rates, room for
-// pairs); the executable graph of the step before gets the new arguments, or is made anew where the operations are
-// others. Emulated: a list of the operations, recorded and then carried out.
+// The operations of a step as one CUDA graph instead of launches one by one. The operations of a step are captured anew
+// each time. Nearly every kernel has an argument that changes with the step (camera, rates, room for pairs). The
+// executable graph of the step before gets the new arguments, or is made anew if the operations differ. Emulated: a
+// list of the operations, recorded and then carried out.
 #pragma once
 
 #include <cstdint>
@@ -33,9 +33,9 @@ class StepGraph {
   StepGraph(const StepGraph&) = delete;
   StepGraph& operator=(const StepGraph&) = delete;
 
-  /// Puts on the stream what `body` puts there. Body may run twice: first captured and, where that fails (it waits for
-  /// the device, takes memory, or the graph is refused), once more with plain launches; what it throws then is thrown.
-  /// It must not read on the host what its own operations write.
+  /// Puts on the stream what `body` puts there. `body` may run twice: first captured, and if that fails, once more with
+  /// plain launches. Capture fails if it waits for the device, takes memory, or the graph is refused. An exception of
+  /// the second run is passed on. It must not read on the host what its own operations write.
   void run(const std::function<void()>& body);
   /// Forgets the executable graph: memory that it names is about to go.
   void drop();

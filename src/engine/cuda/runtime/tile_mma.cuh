@@ -1,8 +1,8 @@
 // Products of 16 x 16 blocks in bfloat16 with float32 sums, formed by a warp: mma.m16n8k16 on tensor cores, loops
 // under emulation. All 32 lanes call every function together.
 //
-// Which lane holds what is part of the interface (PTX ISA, fragments of mma.m16n8k16), so that a warp can work on the
-// sums in registers: TileSum::value[i] of a lane is element (row_of(i), column_of(i)).
+// The layout of the lanes is part of the interface (PTX ISA, fragments of mma.m16n8k16). A warp can hence work on the
+// sums in registers. TileSum::value[i] of a lane is element (row_of(i), column_of(i)).
 #pragma once
 
 #include "core/error.h"

@@ -1,4 +1,4 @@
-// Stands in for TSDF fusion on a device in builds without CUDA.
+// Replaces TSDF fusion on a device in builds without CUDA.
 #include "engine/cuda/runtime/cuda_device.h"
 #include "mesh/cuda/tsdf_fusion.h"
 

@@ -1,5 +1,5 @@
-// The part of cuBLASLt that products use, on the host and by the words of its header: what a product is told is checked
-// as strictly as the library may check it, and then formed by the definition.
+// The part of cuBLASLt that products use, on the host and by the words of its header. A product's arguments are checked
+// as strictly as the library may check them. The product is then formed by the definition.
 #pragma once
 
 #include "engine/cuda/networks/cublas_lt.h"
@@ -8,7 +8,7 @@
 
 namespace aligngs::cuda {
 
-/// What stands behind a handle of the functions below.
+/// The object behind a handle of the functions below.
 struct HostCublasLt {
   int choices = 0;                                    ///< calls of the heuristic
   cublasStatus_t choice = CUBLAS_STATUS_SUCCESS;      ///< what it answers

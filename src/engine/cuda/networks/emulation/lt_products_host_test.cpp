@@ -1,5 +1,5 @@
-// What cuBLASLt is told about products, with a library on the host that goes by the words of its header, against the
-// program's own kernels. Nothing where the build has no such header.
+// The program's calls of cuBLASLt against its own kernels. A library on the host that goes by the words of the header
+// replaces cuBLASLt. Nothing where the build has no such header.
 #include "engine/cuda/networks/emulation/host_cublas_lt.h"
 
 #ifdef ALIGNGS_CUBLAS_LT

@@ -1,6 +1,6 @@
-// The devices that the emulation pretends to have: one, or as many as a test asks for. Memory belongs to the device that
-// was current when it was allocated, and work on a stream of another device than the current one is an error, as it is
-// under CUDA, so that a forgotten change of the current device shows without two devices.
+// The devices that the emulation pretends to have: one, or as many as a test asks for. Memory belongs to the device
+// that was current when it was allocated. As under CUDA, work on a stream of another device than the current one is an
+// error. A forgotten change of the current device hence shows without two devices.
 #pragma once
 
 #include <cstdint>

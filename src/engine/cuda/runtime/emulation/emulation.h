@@ -1,9 +1,10 @@
-// The CUDA execution model on the CPU, for tests: one block at a time, each of its threads a fiber on the calling
-// thread of the host. A barrier or warp operation yields to the next thread. Nothing depends on time, so a run can be
-// repeated exactly, and the order in which threads take turns can be changed to find missing barriers.
+// The CUDA execution model on the CPU, for tests. Blocks run one at a time; each of their threads is a fiber on the
+// calling host thread. A barrier or warp operation yields to the next thread. Nothing depends on time, so a run can be
+// repeated exactly. The order in which threads take turns can be changed to find missing barriers.
 //
-// Mistakes that hang or corrupt on a device are errors here (Error{kFailed} naming block and thread): a barrier that
-// some threads never reach, a warp operation with a missing lane, lanes of one warp in different operations.
+// Mistakes that hang or corrupt on a device are errors here (Error{kFailed} naming block and thread). Examples are a
+// barrier that some threads never reach, a warp operation with a missing lane, lanes of one warp in different
+// operations.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +41,7 @@ struct EmulatedShape {
 /// Throws what a thread throws, and Error{kFailed} on the mistakes named above.
 void emulate_grid(EmulatedShape grid, EmulatedShape block, size_t shared_bytes, void (*body)(void*), void* context);
 
-/// Of the running thread.
+/// Indices of the running thread.
 extern constinit thread_local EmulatedIndex emulated_thread, emulated_block;
 extern constinit thread_local EmulatedShape emulated_block_shape, emulated_grid_shape;
 
@@ -48,8 +49,8 @@ constexpr int kEmulatedWarp = 32;
 
 /// All threads of the block meet. Returns how many came with `predicate`.
 int emulated_barrier(bool predicate);
-/// The lanes in `mask` meet with one payload each; when the last has come, `complete` runs once over the payloads
-/// (null for lanes outside the mask) and all go on. `kind` tells operations apart.
+/// The lanes in `mask` meet with one payload each. When the last arrives, `complete` runs once over the payloads (null
+/// for lanes outside the mask) and all continue. `kind` tells operations apart.
 void emulated_collective(uint32_t mask, int kind, void* payload, void (*complete)(void* const* payloads));
 /// Index of the running thread in its warp.
 int emulated_lane();

@@ -1,4 +1,4 @@
-// What the emulation promises: the meaning of barriers and warp operations, and errors where a device would hang.
+// Guarantees of the emulation: the meaning of barriers and warp operations, and errors where a device would hang.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

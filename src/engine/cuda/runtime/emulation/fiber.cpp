@@ -99,7 +99,7 @@ void Fiber::prepare(void (*entry)()) {
 
 #ifdef ALIGNGS_FIBER_ASAN
 namespace {
-/// Where the stack of the fiber that was left lies is known only on arrival in the next one.
+/// The stack address of the fiber that was left is known only on arrival in the next one.
 struct LeftStack {
   const void** bottom = nullptr;
   size_t* bytes = nullptr;

@@ -1,5 +1,5 @@
-// The emulated twin of stream capture: while a tape records, operations that are put on the stream are kept instead of
-// carried out, in their order and with their arguments.
+// The emulated twin of stream capture: while a tape records, operations put on the stream are kept and not carried out.
+// It keeps their order and their arguments.
 #pragma once
 
 #include <functional>
@@ -48,8 +48,8 @@ void emulated_stream_operation(const char* name, const Operation& operation) {
   }
 }
 
-/// Throws Error{kFailed} while a tape records: what waits for the device, or reads memory of the host that may be gone
-/// when the graph runs, cannot be captured.
+/// Throws Error{kFailed} while a tape records. An operation that waits for the device cannot be captured, nor one that
+/// reads host memory which may be gone when the graph runs.
 void refuse_while_recording(const char* what);
 
 }  // namespace aligngs::cuda
