@@ -35,21 +35,21 @@ constexpr const char* kSlurm = R"(#!/bin/bash
 #SBATCH --output=aligngs-%A_%a.log
 #SBATCH --open-mode=append
 
-again=no
-{program} batch {list} -o {folder} --shards {tasks} --threads "${{SLURM_CPUS_PER_TASK:-0}}" &
-worker=$!
-# Out of time: the rooms write their checkpoints, and this task goes back into the queue.
-trap 'again=yes; kill -USR1 "$worker" 2>/dev/null' USR1
-# Preempted or cancelled: the rooms write their checkpoints. Slurm decides whether the task comes back.
-trap 'kill -TERM "$worker" 2>/dev/null' TERM
-wait "$worker"
+# A step of its own hears what Slurm sends before it preempts or cancels the task.
+srun --ntasks=1 --cpus-per-task="$SLURM_CPUS_PER_TASK" \
+  {program} batch {list} -o {folder} --shards {tasks} --threads "$SLURM_CPUS_PER_TASK" &
+step=$!
+trap 'kill -USR1 "$step" 2>/dev/null' USR1
+wait "$step"
 status=$?
-while kill -0 "$worker" 2>/dev/null; do  # a signal ended the wait, not the worker
-  wait "$worker"
+while kill -0 "$step" 2>/dev/null; do  # a signal ended the wait, not the step
+  wait "$step"
   status=$?
 done
-if [ "$status" -eq 75 ] && [ "$again" = yes ]; then
-  scontrol requeue "${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
+# Stopped with checkpoints: back into the queue, unless somebody cancelled the task.
+task="${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}"
+if [ "$status" -eq 75 ] && scontrol show job "$task" | grep -q JobState=RUNNING; then
+  scontrol requeue "$task"
 fi
 exit "$status"
 )";
