@@ -3,26 +3,13 @@
 # Usage: scripts/check_package.sh [DEB]     needs root and debootstrap; 77 where either is missing
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/clean_root.sh
 case "${1:-}" in -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;; esac
 deb=${1:-$(ls -t dist/aligngs_*.deb 2>/dev/null | head -n 1)}
 [ -f "$deb" ] || { echo "check_package.sh: there is no package: run scripts/package.sh first" >&2; exit 3; }
-if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
-  echo "skipped: a clean Debian needs root and debootstrap (apt-get install debootstrap)"
-  exit 77
-fi
-# The mirror of this machine, in either form of apt's lists; debootstrap's own without one.
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources 2>/dev/null |
-         sed -n 's/^URIs: *//p; s/^deb \(\[[^]]*\] \)\?\(http[^ ]*\) .*/\2/p' | grep -v security | grep debian | head -n 1 || true)
-root=$(mktemp -d)
-chmod 755 "$root"
-trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
-debootstrap --variant=minbase bookworm "$root" ${mirror:+"$mirror"} >"$root.log" 2>&1 || { tail "$root.log" >&2; exit 5; }
-rm -f "$root.log"
-apt-config dump | grep '^Acquire::' >"$root/etc/apt/apt.conf.d/90host"  # proxies and the like, as they are here
-mount -t proc proc "$root/proc"
+clean_root_or_skip
+make_clean_root
 cp "$deb" "$root/tmp/aligngs.deb"
-inside() { LC_ALL=C chroot "$root" "$@"; }
-echo 'APT::Sandbox::User "root";' >>"$root/etc/apt/apt.conf.d/90host"
 inside apt-get update -qq
 inside env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends /tmp/aligngs.deb >/dev/null
 inside useradd --create-home visitor
