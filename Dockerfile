@@ -16,7 +16,7 @@ RUN scripts/package.sh build
 
 FROM debian:12-slim AS cpu
 COPY --from=build /src/dist /tmp/dist
-RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends ca-certificates /tmp/dist/*.deb && rm -rf /tmp/dist /var/lib/apt/lists/* /var/cache/apt/*
+RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends ca-certificates /tmp/dist/aligngs_*.deb && rm -rf /tmp/dist /var/lib/apt/lists/* /var/cache/apt/*
 RUN useradd --uid 1000 --create-home aligngs && mkdir -p /data && chown aligngs /data
 ENV ALIGNGS_MODELS=/data/models
 WORKDIR /data
@@ -36,7 +36,7 @@ RUN scripts/package.sh build
 
 FROM ubuntu:24.04 AS cuda
 COPY --from=build-cuda /src/dist /tmp/dist
-RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends ca-certificates /tmp/dist/*.deb && rm -rf /tmp/dist /var/lib/apt/lists/*
+RUN apt-get update -qq && apt-get install -qq -y --no-install-recommends ca-certificates /tmp/dist/aligngs_*.deb && rm -rf /tmp/dist /var/lib/apt/lists/*
 RUN userdel --remove ubuntu; useradd --uid 1000 --create-home aligngs && mkdir -p /data && chown aligngs /data
 ENV ALIGNGS_MODELS=/data/models NVIDIA_VISIBLE_DEVICES=all NVIDIA_DRIVER_CAPABILITIES=compute,utility
 WORKDIR /data

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the package of dist/ in a clean Debian 12 and runs it there as an ordinary user.
+# Installs the packages of dist/ in a clean Debian 12 and runs them there as an ordinary user.
 # Usage: scripts/check_package.sh [DEB]     needs root and debootstrap; 77 where either is missing
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,7 +9,9 @@ deb=${1:-$(ls -t dist/aligngs_*.deb 2>/dev/null | head -n 1)}
 [ -f "$deb" ] || { echo "check_package.sh: there is no package: run scripts/package.sh first" >&2; exit 3; }
 clean_root_or_skip
 make_clean_root
+python=$(ls -t dist/python3-aligngs_*.deb 2>/dev/null | head -n 1 || true)
 cp "$deb" "$root/tmp/aligngs.deb"
+[ -z "$python" ] || cp "$python" "$root/tmp/python3-aligngs.deb"
 inside apt-get update -qq
 inside env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends /tmp/aligngs.deb >/dev/null
 inside useradd --create-home visitor
@@ -22,6 +24,11 @@ for file in home/visitor/run/report.html home/visitor/run/mesh/mesh.ply usr/shar
             usr/share/fish/vendor_completions.d/aligngs.fish; do
   [ -s "$root/$file" ] || { echo "check_package.sh: /$file is missing after the install" >&2; exit 1; }
 done
+if [ -n "$python" ]; then
+  inside env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends /tmp/python3-aligngs.deb >/dev/null
+  as_visitor "python3 -c 'import aligngs; print(len(aligngs.Run(\"run\").gaussians), \"splats in Python\")'"
+  inside apt-get remove -qq -y python3-aligngs >/dev/null
+fi
 inside apt-get remove -qq -y aligngs >/dev/null
 [ ! -e "$root/usr/bin/aligngs" ] || { echo "check_package.sh: the program stays after its removal" >&2; exit 1; }
 echo "check_package.sh: $(basename "$deb") installs, runs its demo and goes again"

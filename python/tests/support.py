@@ -8,6 +8,7 @@ import numpy as np
 
 FAKE_PROGRAM = """#!/bin/sh
 source=$2
+[ "$1" = demo ] && source=good
 while [ $# -gt 0 ]; do
   [ "$1" = -o ] && run=$2
   shift
