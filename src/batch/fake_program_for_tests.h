@@ -18,7 +18,7 @@ namespace aligngs::test_batch {
 namespace fs = std::filesystem;
 
 /// "good": done at once. "broken": status 3 with an error as --json prints it. "slow": waits for SIGTERM, then status 75; done when it is
-/// resumed. "killed": ends by SIGKILL. Each start is a line of starts.txt: the room and --resume or --overwrite.
+/// resumed. "killed", "early": end by SIGKILL or by SIGTERM. Each start is a line of starts.txt: the room and --resume or --overwrite.
 inline constexpr const char* kFakeProgram = R"(#!/bin/sh
 source=$(basename "$2")
 while [ $# -gt 0 ]; do
@@ -44,6 +44,7 @@ case $source in
     trap 'record stopped train; exit 75' TERM
     while :; do sleep 0.02; done ;;
   killed*) kill -9 $$ ;;
+  early*) kill -TERM $$ ;;
 esac
 )";
 

@@ -20,6 +20,11 @@ namespace fs = std::filesystem;
 constexpr uint64_t kLargestOutput = uint64_t(64) << 20;  // bytes: metrics.json of some thousand views
 constexpr int kStopped = static_cast<int>(ErrorKind::kInterrupted);
 
+/// Whether a status is that of a process which was asked to stop before it could answer, as in its first milliseconds.
+bool was_asked_to_stop(int status) {
+  return status == 128 + SIGTERM || status == 128 + SIGINT || status == 128 + SIGHUP || status == 128 + SIGUSR1;
+}
+
 /// Writes the record of a beginning attempt before its process starts.
 RoomRecord begun(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& before, const InputDigest& inputs,
                  const std::vector<std::string>& words) {
@@ -84,13 +89,15 @@ RoomAttempt::RoomAttempt(const BatchFolder& folder, const Batch& batch, const Ro
       memory_bytes_(options.memory_bytes),
       process_(command_of(folder, batch, room, room_command(folder, batch, room, may_resume(folder, room, record, inputs), options))) {}
 
-RoomRecord RoomAttempt::settle() {
+bool RoomAttempt::killed() const { return process_.status() == 128 + SIGKILL; }
+
+RoomRecord RoomAttempt::settle(bool interrupted) {
   const int status = process_.status();
   record_.ended = utc_now();
   record_.exit_status = status;
   if (status == 0 && run_is_done(folder_.run(room_.name))) {
     record_.state = "done";
-  } else if (status == kStopped) {
+  } else if (status == kStopped || was_asked_to_stop(status) || (interrupted && killed())) {
     record_.state = "stopped";
   } else {
     record_.state = "failed";

@@ -37,8 +37,10 @@ class RoomAttempt {
   void ask_to_stop() const { process_.ask_to_stop(); }
   /// Whether somebody else has the room now: the attempt must be dropped without a record, which ends its process.
   bool lost() const { return lease_.lost(); }
-  /// After ended(): writes and returns the record.
-  RoomRecord settle();
+  /// After ended(): whether SIGKILL ended it, by the system for its memory, or together with this worker.
+  bool killed() const;
+  /// After ended(): writes and returns the record. `interrupted`: this worker was asked to stop, and so was the process.
+  RoomRecord settle(bool interrupted);
 
  private:
   const BatchFolder& folder_;

@@ -19,6 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kTick = std::chrono::milliseconds(50);         // how soon the end of a room or a signal is seen
+// A cluster kills the processes of a job one after the other: a worker that outlives this was not meant.
+constexpr auto kOwnDeath = std::chrono::milliseconds(1000);
 constexpr auto kLookPause = std::chrono::milliseconds(1000);  // between two looks at a room of somebody else
 
 /// A room that is not done, as far as this worker knows.
@@ -134,7 +136,8 @@ class Worker {
         log_warning("{}: another worker took it, since this one was away for too long", room.name);
         waiting_.push_back({.room = room});
       } else {
-        report(room, (*attempt)->settle());
+        if ((*attempt)->killed()) std::this_thread::sleep_for(kOwnDeath);
+        report(room, (*attempt)->settle(summary_.interrupted || stop_requested()));
       }
       attempt = running_.erase(attempt);
       for (Waiting& w : waiting_) w.seen.reset();  // workers that were alive may be gone by now

@@ -60,6 +60,13 @@ TEST_F(WorkerTest, ARoomThatASignalEndedFails) {
   EXPECT_EQ(read_room_record(folder().record("killed"))->exit_status, 128 + 9);
 }
 
+/// In its first milliseconds a process does not answer signals yet.
+TEST_F(WorkerTest, ARoomThatWasAskedToStopBeforeItListenedDidNotFail) {
+  add("early");
+  EXPECT_THAT(work().stopped, ElementsAre("early"));
+  EXPECT_EQ(read_room_record(folder().record("early"))->state, "stopped");
+}
+
 TEST_F(WorkerTest, AFinishedRoomWithOtherInputsBeginsAnew) {
   add("good");
   work();
