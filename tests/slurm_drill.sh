@@ -22,10 +22,10 @@ declare -A daemon=()
 
 stop_all() {
   scancel --quiet --user=root 2>/dev/null || true
+  for node in n1 n2; do kill_jobs_of "$node"; done  # while the controller still knows them
   for name in n1 n2 slurmctld munged; do
     [ -z "${daemon[$name]:-}" ] || { kill -9 "${daemon[$name]}" && wait "${daemon[$name]}"; } 2>/dev/null || true
   done
-  for node in n1 n2; do kill_jobs_of "$node"; done
   [ -n "${keep:-}" ] || rm -rf "$work"
 }
 [ $# -lt 2 ] || keep=1

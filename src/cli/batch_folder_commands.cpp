@@ -94,7 +94,7 @@ void retry(const RetryOptions& options, const CommandContext& context) {
   }
   if (forgotten.empty()) throw_usage("no room failed", "`aligngs batch status DIR` lists the rooms");
   if (!options.later) return work_and_report(folder, batch, forgotten, options.work, context);
-  std::printf("%zu rooms go on when the batch is run again\n", forgotten.size());
+  std::printf("noted for the next `aligngs batch`: %zu of %zu rooms\n", forgotten.size(), batch.rooms.size());
 }
 
 }  // namespace
