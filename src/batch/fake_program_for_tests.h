@@ -18,7 +18,8 @@ namespace aligngs::test_batch {
 namespace fs = std::filesystem;
 
 /// "good": done at once. "broken": status 3 with an error as --json prints it. "slow": waits for SIGTERM, then status 75; done when it is
-/// resumed. "killed", "early": end by SIGKILL or by SIGTERM. Each start is a line of starts.txt: the room and --resume or --overwrite.
+/// resumed. "killed", "early": end by SIGKILL or by SIGTERM. "meets":
+/// leaves a file met.txt where another of its kind works at the same time. Each start is a line of starts.txt: the room and --resume or --overwrite.
 inline constexpr const char* kFakeProgram = R"(#!/bin/sh
 source=$(basename "$2")
 while [ $# -gt 0 ]; do
@@ -45,6 +46,11 @@ case $source in
     while :; do sleep 0.02; done ;;
   killed*) kill -9 $$ ;;
   early*) kill -TERM $$ ;;
+  meets*)
+    mkdir "$(dirname "$0")/busy" || touch "$(dirname "$0")/met.txt"
+    sleep 0.5
+    rmdir "$(dirname "$0")/busy"
+    record done done ;;
 esac
 )";
 

@@ -60,6 +60,22 @@ TEST_F(WorkerTest, ARoomThatASignalEndedFails) {
   EXPECT_EQ(read_room_record(folder().record("killed"))->exit_status, 128 + 9);
 }
 
+TEST_F(WorkerTest, RoomsRunTogetherOnlyWhereTheirMemoryFits) {
+  options_.jobs = 2;
+  for (const char* room : {"meets1", "meets2"}) {
+    add(room);
+    batch_.rooms.back().options = {"--memory", "0.6"};  // GB
+  }
+  options_.memory_bytes = 1'000'000'000;
+  EXPECT_EQ(work().done.size(), 2u);
+  EXPECT_FALSE(fs::exists(base_ / "met.txt"));
+
+  for (RoomEntry& room : batch_.rooms) room.options.push_back("--strict");  // other inputs: both begin anew
+  options_.memory_bytes = 2'000'000'000;
+  EXPECT_EQ(work().done.size(), 2u);
+  EXPECT_TRUE(fs::exists(base_ / "met.txt"));
+}
+
 /// In its first milliseconds a process does not answer signals yet.
 TEST_F(WorkerTest, ARoomThatWasAskedToStopBeforeItListenedDidNotFail) {
   add("early");
