@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-MODULE_FILE = re.compile(r"(core|io|scene|nn|priors|synth|refine|room|gaussians|engine|metrics|train|mesh|edit|serve|cli)/[\w/*]+\.(h|cpp|cuh?)")
+MODULE_FILE = re.compile(r"(core|io|scene|nn|priors|synth|refine|room|gaussians|engine|metrics|train|mesh|edit|serve|batch|cli)/[\w/*]+\.(h|cpp|cuh?)")
 TOP_FOLDERS = ("src/", "docs/", "scripts/", "tests/", "benchmarks/", "web/", "cmake/")
 NOT_IN_THE_TREE = ("web/dist/", "build/", "tests/node/node_modules")
 

@@ -1,28 +1,17 @@
 #!/usr/bin/env bash
-# Installs the package of dist/ in a clean Debian 12 and runs it there as an ordinary user.
+# Installs the packages of dist/ in a clean Debian 12 and runs them there as an ordinary user.
 # Usage: scripts/check_package.sh [DEB]     needs root and debootstrap; 77 where either is missing
 set -euo pipefail
 cd "$(dirname "$0")/.."
+. scripts/clean_root.sh
 case "${1:-}" in -h|--help) sed -n '2,3p' "$0" | cut -c3-; exit 0 ;; esac
 deb=${1:-$(ls -t dist/aligngs_*.deb 2>/dev/null | head -n 1)}
 [ -f "$deb" ] || { echo "check_package.sh: there is no package: run scripts/package.sh first" >&2; exit 3; }
-if [ "$(id -u)" -ne 0 ] || ! command -v debootstrap >/dev/null; then
-  echo "skipped: a clean Debian needs root and debootstrap (apt-get install debootstrap)"
-  exit 77
-fi
-# The mirror of this machine, in either form of apt's lists; debootstrap's own without one.
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list /etc/apt/sources.list.d/*.sources 2>/dev/null |
-         sed -n 's/^URIs: *//p; s/^deb \(\[[^]]*\] \)\?\(http[^ ]*\) .*/\2/p' | grep -v security | grep debian | head -n 1 || true)
-root=$(mktemp -d)
-chmod 755 "$root"
-trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
-debootstrap --variant=minbase bookworm "$root" ${mirror:+"$mirror"} >"$root.log" 2>&1 || { tail "$root.log" >&2; exit 5; }
-rm -f "$root.log"
-apt-config dump | grep '^Acquire::' >"$root/etc/apt/apt.conf.d/90host"  # proxies and the like, as they are here
-mount -t proc proc "$root/proc"
+clean_root_or_skip
+make_clean_root
+python=$(ls -t dist/python3-aligngs_*.deb 2>/dev/null | head -n 1 || true)
 cp "$deb" "$root/tmp/aligngs.deb"
-inside() { LC_ALL=C chroot "$root" "$@"; }
-echo 'APT::Sandbox::User "root";' >>"$root/etc/apt/apt.conf.d/90host"
+[ -z "$python" ] || cp "$python" "$root/tmp/python3-aligngs.deb"
 inside apt-get update -qq
 inside env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends /tmp/aligngs.deb >/dev/null
 inside useradd --create-home visitor
@@ -35,6 +24,11 @@ for file in home/visitor/run/report.html home/visitor/run/mesh/mesh.ply usr/shar
             usr/share/fish/vendor_completions.d/aligngs.fish; do
   [ -s "$root/$file" ] || { echo "check_package.sh: /$file is missing after the install" >&2; exit 1; }
 done
+if [ -n "$python" ]; then
+  inside env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends /tmp/python3-aligngs.deb >/dev/null
+  as_visitor "python3 -c 'import aligngs; print(len(aligngs.Run(\"run\").gaussians), \"splats in Python\")'"
+  inside apt-get remove -qq -y python3-aligngs >/dev/null
+fi
 inside apt-get remove -qq -y aligngs >/dev/null
 [ ! -e "$root/usr/bin/aligngs" ] || { echo "check_package.sh: the program stays after its removal" >&2; exit 1; }
 echo "check_package.sh: $(basename "$deb") installs, runs its demo and goes again"

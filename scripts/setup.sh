@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
-# Usage: scripts/setup.sh [--clang] [--browser]     --clang adds clang 14 and the fuzzing runtime; --browser adds what the
-# tests of the page, of the exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg
+# Usage: scripts/setup.sh [--clang] [--browser] [--python]     --clang adds clang 14 and the fuzzing runtime; --browser adds
+# what the tests of the page, of exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg; --python adds what the
+# tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema
 set -euo pipefail
 
 packages=(
@@ -21,7 +22,8 @@ for option in "$@"; do
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)
       ;;
-    -h|--help) sed -n '2,4p' "$0" | cut -c3-; exit 0 ;;
+    --python) packages+=(python3-numpy python3-yaml python3-jsonschema) ;;
+    -h|--help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using testing_support::ProcessResult;
 using testing_support::run_aligngs;
 
-constexpr std::array<const char*, 25> kCommands = {"run", "demo", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
+constexpr std::array<const char*, 26> kCommands = {"run", "demo", "batch", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
                                                    "eval", "room", "scale", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench",
                                                    "completion", "manual"};
 
@@ -38,7 +38,7 @@ TEST_F(Program, HelpListsTheCommandsAndAnExample) {
 
 TEST_F(Program, EveryCommandHasHelpWithWhatItReadsAndWritesAndTwoExamples) {
   std::vector<std::string> commands(kCommands.begin(), kCommands.end());
-  for (const char* nested : {"data check", "models list", "models download", "models verify", "models path", "models import"}) commands.push_back(nested);
+  for (const char* nested : {"data check", "models list", "models download", "models verify", "models path", "models import", "batch status", "batch collect", "batch retry"}) commands.push_back(nested);
   for (const std::string& command : commands) {
     const ProcessResult result = run(command + " --help");
     EXPECT_EQ(result.status, 0) << command;

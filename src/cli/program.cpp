@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <new>
 
+#include "cli/batch_command.h"
 #include "cli/command.h"
 #include "cli/print_json.h"
 #include "core/edit_distance.h"
@@ -117,7 +118,7 @@ int run_program(int argc, char** argv) {
     if (context.global.quiet) set_log_level(LogLevel::kWarning);
     if (context.global.verbose > 0) set_log_level(LogLevel::kDebug);
   });
-  for (const AddCommand add : {&add_run_command, &add_demo_command, &add_import_command, &add_synth_command, &add_refine_command,
+  for (const AddCommand add : {&add_run_command, &add_demo_command, &add_batch_command, &add_import_command, &add_synth_command, &add_refine_command,
                                &add_data_command, &add_models_command,
                                &add_poses_command,
                                &add_priors_command,

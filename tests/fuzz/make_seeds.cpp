@@ -41,6 +41,8 @@ void make_seeds(const std::filesystem::path& out) {
     {"operation": "recolor", "select": "sofa", "threshold": "0.25", "color": "#add8e6"}]})");
   seed("fuzz_selection", "list", "pillow, Cushions#2 and the couch");
   seed("fuzz_selection", "exclusion", "everything but wall, floor");
+  seed("fuzz_room_list", "table", "# room\nkitchen\tphotos/kitchen\t--method colmap\ntrial\tdemo\t-n 50 --config 'a b.toml'\n");
+  seed("fuzz_room_list", "tables", "options = [\"-n\", \"50\"]\n[[room]]\nname = \"a\"\nsource = \"demo\"\noptions = \"--strict\"\n");
   std::filesystem::remove_all(scratch);
 }
 
