@@ -14,6 +14,7 @@
 #include "serve/http_client_for_tests.h"
 #include "support/process.h"
 #include "support/small_scene.h"
+#include "support/started_process.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -211,36 +212,38 @@ TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
   EXPECT_FALSE(fs::exists(run_ / "control" / "stop"));
 }
 
-TEST(PageOption, TrainWithViewServesWhileItTrains) {
+TEST(PageOption, TrainWithViewServesWhileItTrainsAndAfterAStop) {
   const fs::path folder = fs::path(testing::TempDir()) / "page_option";
   fs::remove_all(folder);
   testing_support::write_small_scene(folder / "scene");
   const fs::path run = folder / "run";
   const uint16_t port = static_cast<uint16_t>(20000 + getpid() % 20000);
-  testing_support::ProcessResult result;
-  std::thread training([&] {
-    result = run_aligngs("train '" + (folder / "scene").string() + "' -o '" + run.string() + "' -n 100000 --view --view-port " + std::to_string(port), folder);
-  });
+  testing_support::StartedProcess training({"train", (folder / "scene").string(), "-o", run.string(), "-n", "100000", "--view", "--view-port",
+                                            std::to_string(port)}, folder);
   json state;
-  for (int i = 0; i < 300; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    const std::string answer = test_http::get(port, "/api/state");
-    if (test_http::status(answer) != 200) continue;
-    state = parse_json(test_http::body(answer));
-    if (state["splats"] == "live/scene.ply") break;
-    test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");  // somebody looks on
-  }
-  EXPECT_EQ(state["splats"], "live/scene.ply");
+  const auto state_is = [&](const std::function<bool()>& wanted) {
+    return testing_support::wait_until([&] {
+      const std::string answer = test_http::get(port, "/api/state");
+      if (test_http::status(answer) != 200) return false;
+      state = parse_json(test_http::body(answer));
+      if (wanted()) return true;
+      test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");  // somebody looks on
+      return false;
+    }, 30);
+  };
+  EXPECT_TRUE(state_is([&] { return state["splats"] == "live/scene.ply"; })) << state;
   EXPECT_EQ(state["active"], true);
   EXPECT_FALSE(state["cameras"].is_null());
   const std::string page = test_http::get(port, "/");
   const size_t at = page.find("aligngs_9000=") + 13;
   const std::string headers = "Content-Type: application/json\r\nX-AlignGS-Token: " + page.substr(at, page.find(';', at) - at) + "\r\n";
   EXPECT_EQ(test_http::status(test_http::post(port, "/api/control", headers, R"({"action":"stop"})")), 200);
-  training.join();
-  EXPECT_EQ(result.status, 75) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("http://127.0.0.1:" + std::to_string(port) + "/"));
-  EXPECT_THAT(result.err, HasSubstr("--resume"));
+  EXPECT_TRUE(state_is([&] { return state["active"] == false && state["status"] == "stopped"; })) << "the page can be used after a stop";
+  EXPECT_THAT(state["not_editable"].get<std::string>(), HasSubstr("--resume"));
+  training.send(SIGINT);
+  EXPECT_EQ(training.wait(10), 75) << training.err();
+  EXPECT_THAT(training.err(), HasSubstr("http://127.0.0.1:" + std::to_string(port) + "/"));
+  EXPECT_THAT(training.err(), HasSubstr("--resume"));
 }
 
 }  // namespace

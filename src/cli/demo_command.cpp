@@ -40,20 +40,21 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume) options.iterations = kDemoIterations;
   TrainOptions train = train_options(options, context);
   const auto page = serve_while_working(options.view, options.view_port, run, scene, train.threads);
-  if (!options.resume || !fs::exists(scene)) {
-    log_info("making a synthetic {} with simulated priors", synth.synth.room);
-    const bool overwrite = fs::exists(scene);
-    require_scene_place(scene, overwrite);
-    write_synth_scene(make_scene(synth_options(synth), context), scene, overwrite);
-  }
-  const bool begun = options.resume && fs::exists(RunFolder(run).record());
-  const TrainConfig config = resolve_run(train).config;
-  if (!begun && should_refine(scene, config)) refine_into_run(scene, run, config, context);
-  train.scene = scene;
-  train.resume_command = "aligngs demo -o " + options.output + " --resume";
-  run_pipeline(train, context, fusion_of_device(options.device));
-  if (!context.global.json) print_next_steps(options.output);
-  go_on_serving(page);
+  work_beside_page(page, [&] {
+    if (!options.resume || !fs::exists(scene)) {
+      log_info("making a synthetic {} with simulated priors", synth.synth.room);
+      const bool overwrite = fs::exists(scene);
+      require_scene_place(scene, overwrite);
+      write_synth_scene(make_scene(synth_options(synth), context), scene, overwrite);
+    }
+    const bool begun = options.resume && fs::exists(RunFolder(run).record());
+    const TrainConfig config = resolve_run(train).config;
+    if (!begun && should_refine(scene, config)) refine_into_run(scene, run, config, context);
+    train.scene = scene;
+    train.resume_command = "aligngs demo -o " + options.output + " --resume";
+    run_pipeline(train, context, fusion_of_device(options.device));
+    if (!context.global.json) print_next_steps(options.output);
+  });
 }
 
 }  // namespace

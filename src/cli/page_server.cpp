@@ -14,12 +14,14 @@ namespace aligngs {
 
 PageServer::PageServer(PageServerOptions options) {
   const std::filesystem::path& run = options.server.run;
+  scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
+  scenes_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
     edits_ = std::make_unique<EditService>(EditServiceOptions{run, options.scene, options.threads});
     edits_->serve(options.server);
     renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
-    serve_control(run, options.server);
+    serve_control(run, options.server, [this] { stop_asked_ = true; });
   }
   server_ = std::make_unique<ViewServer>(std::move(options.server));
   thread_ = std::thread([this] {
@@ -77,7 +79,16 @@ std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const 
   return server;
 }
 
-void go_on_serving(const std::unique_ptr<PageServer>& server) {
+void work_beside_page(const std::unique_ptr<PageServer>& server, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (server && server->stop_was_asked() && error.kind() == ErrorKind::kInterrupted && !stop_requested()) {
+      log_info("{}; the page stays at {} until Ctrl-C", error.details().message, server->url());
+      server->wait();
+    }
+    throw;
+  }
   if (!server || stop_requested()) return;
   log_info("done; the page stays at {} until Ctrl-C", server->url());
   server->wait();

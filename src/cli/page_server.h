@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -10,6 +11,7 @@
 #include "cli/command.h"
 #include "cli/view_renders.h"
 #include "serve/edit_service.h"
+#include "serve/scene_service.h"
 #include "serve/view_server.h"
 
 namespace aligngs {
@@ -36,12 +38,15 @@ class PageServer {
   void announce() const;
   /// Serves until Ctrl-C or SIGTERM.
   void wait() const;
+  /// Whether somebody pressed "stop" on the page.
+  bool stop_was_asked() const { return stop_asked_; }
 
  private:
+  std::unique_ptr<SceneService> scenes_;
   std::unique_ptr<EditService> edits_;
   std::unique_ptr<ViewRenders> renders_;
   std::unique_ptr<ViewServer> server_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, stop_asked_{false};
   std::thread thread_;
 };
 
@@ -49,7 +54,8 @@ class PageServer {
 /// begins in it. `scene`: empty where run.json will say it.
 std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const std::filesystem::path& run,
                                                 const std::filesystem::path& scene, int threads);
-/// After the work: tells the address again and serves until Ctrl-C. Nothing without a server.
-void go_on_serving(const std::unique_ptr<PageServer>& server);
+/// Does the work of a command beside its page, then tells the address again and serves until Ctrl-C. A training that was
+/// stopped from the page leaves the page too; the error (kInterrupted) follows at Ctrl-C. Without a server: the work alone.
+void work_beside_page(const std::unique_ptr<PageServer>& server, const std::function<void()>& work);
 
 }  // namespace aligngs

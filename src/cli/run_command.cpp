@@ -135,35 +135,37 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   fs::path scene = has_own ? own : source;
   // Served before all that takes long. Which scene a new run gets follows from that; its run.json says it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, begun ? scene : fs::path(), train.threads);
-  if (!begun && !photos) {
-    if (const MissingPriors missing = missing_priors(source, store, options, config); missing.any()) {
-      write_scene_copy(source, own, true);
-      basis = scene = own;
-      fill_priors(own, missing, store, options, context);
+  nlohmann::json metrics;
+  work_beside_page(page, [&] {
+    if (!begun && !photos) {
+      if (const MissingPriors missing = missing_priors(source, store, options, config); missing.any()) {
+        write_scene_copy(source, own, true);
+        basis = scene = own;
+        fill_priors(own, missing, store, options, context);
+      }
     }
-  }
-  bool refine = !begun && !photos && should_refine(basis, config);
-  const bool measured = !begun && !photos && should_measure(basis, config) && measure_into_run(basis, run, config, context);
-  const bool completed = !begun && !photos && !refine && !measured && should_complete(basis, config) && complete_into_run(basis, run, config, context);
-  if (refine || measured || completed) scene = own;
-  if (photos && !(begun && may_hold_colmap_model(scene))) {
-    options.photos.memory_gigabytes = options.train.memory_gigabytes;
-    ScenePhotosOptions poses = photo_options(options.photos, context);
-    if (uses_network(poses.method)) put_networks_on(options.train.device, options.photos.precision, false, poses);
-    poses.overwrite = fs::exists(scene);
-    poses.strict = options.train.strict;
-    fs::create_directories(run);
-    const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
-    log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
-    fill_priors(scene, missing_priors(scene, store, options, config), store, options, context);
-    if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
-    refine = should_refine(scene, config);
-    if (!refine && should_complete(scene, config)) complete_into_run(scene, run, config, context);
-  }
-  if (refine) refine_into_run(photos ? scene : basis, run, config, context);
-  train.scene = scene;
-  const nlohmann::json metrics = run_pipeline(train, context, fusion_of_device(options.train.device));
-  go_on_serving(page);
+    bool refine = !begun && !photos && should_refine(basis, config);
+    const bool measured = !begun && !photos && should_measure(basis, config) && measure_into_run(basis, run, config, context);
+    const bool completed = !begun && !photos && !refine && !measured && should_complete(basis, config) && complete_into_run(basis, run, config, context);
+    if (refine || measured || completed) scene = own;
+    if (photos && !(begun && may_hold_colmap_model(scene))) {
+      options.photos.memory_gigabytes = options.train.memory_gigabytes;
+      ScenePhotosOptions poses = photo_options(options.photos, context);
+      if (uses_network(poses.method)) put_networks_on(options.train.device, options.photos.precision, false, poses);
+      poses.overwrite = fs::exists(scene);
+      poses.strict = options.train.strict;
+      fs::create_directories(run);
+      const ScenePhotosReport report = run_poses(options.source, scene.string(), poses, store);
+      log_info("{} of {} photos placed by {}, {} points", report.placed, report.photos, report.method, report.points);
+      fill_priors(scene, missing_priors(scene, store, options, config), store, options, context);
+      if (should_measure(scene, config)) measure_into_run(scene, run, config, context);
+      refine = should_refine(scene, config);
+      if (!refine && should_complete(scene, config)) complete_into_run(scene, run, config, context);
+    }
+    if (refine) refine_into_run(photos ? scene : basis, run, config, context);
+    train.scene = scene;
+    metrics = run_pipeline(train, context, fusion_of_device(options.train.device));
+  });
   return metrics;
 }
 

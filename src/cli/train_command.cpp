@@ -27,21 +27,22 @@ void run_train(const CommandContext& context, const std::string& scene, bool pri
   RunFolder(options.output).check(mode);  // before the page shows a folder that is somebody else's
   if (!scene.empty()) RunFolder(options.output).require_apart_from(scene);
   const auto page = serve_while_working(options.view, options.view_port, options.output, scene, train.threads);
-  const TrainResult result = train_run(train);
-  if (context.global.json) {
-    const nlohmann::json document = {{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
-                                     {"gaussians", result.gaussians}, {"seconds", result.seconds}, {"train_psnr", result.psnr},
-                                     {"warnings", result.warnings}};
-    print_json(document);
-  } else if (result.already_finished) {
-    std::printf("%s: finished already (%lld iterations); -n beyond that extends it\n", options.output.c_str(), static_cast<long long>(result.iterations));
-  } else {
-    std::printf("%s: %lld iterations in %s, %llu Gaussians, training PSNR %.2f dB\n", options.output.c_str(),
-                static_cast<long long>(result.iterations), format_duration(result.seconds).c_str(),
-                static_cast<unsigned long long>(result.gaussians), result.psnr);
-  }
-  std::fflush(stdout);
-  go_on_serving(page);
+  work_beside_page(page, [&] {
+    const TrainResult result = train_run(train);
+    if (context.global.json) {
+      const nlohmann::json document = {{"run", options.output}, {"already_finished", result.already_finished}, {"iterations", result.iterations},
+                                       {"gaussians", result.gaussians}, {"seconds", result.seconds}, {"train_psnr", result.psnr},
+                                       {"warnings", result.warnings}};
+      print_json(document);
+    } else if (result.already_finished) {
+      std::printf("%s: finished already (%lld iterations); -n beyond that extends it\n", options.output.c_str(), static_cast<long long>(result.iterations));
+    } else {
+      std::printf("%s: %lld iterations in %s, %llu Gaussians, training PSNR %.2f dB\n", options.output.c_str(),
+                  static_cast<long long>(result.iterations), format_duration(result.seconds).c_str(),
+                  static_cast<unsigned long long>(result.gaussians), result.psnr);
+    }
+    std::fflush(stdout);
+  });
 }
 
 }  // namespace

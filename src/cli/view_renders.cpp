@@ -5,6 +5,7 @@
 #include "cli/pictures.h"
 #include "core/error.h"
 #include "io/image_file.h"
+#include "serve/plain_run.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -48,6 +49,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
   const std::string checkpoint = newest_checkpoint(folder_);
   if (!run_ || checkpoint != opened_) {
     run_.reset();
+    require_plain_run(folder_);
     run_.emplace(open_run(folder_, options_));
     opened_ = checkpoint;
   }
@@ -58,7 +60,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
   const auto image = picture_of(run_->engine->render(camera, run_->render_options()), kind, run_->scene.labels);
   if (!image) return {};
   const std::vector<uint8_t> png = encode_png(*image);
-  return GetAnswer{"image/png", std::string(reinterpret_cast<const char*>(png.data()), png.size())};
+  return GetAnswer{"image/png", std::string(reinterpret_cast<const char*>(png.data()), png.size()), {}, {}};
 }
 
 void ViewRenders::serve(ViewServerOptions& options) {

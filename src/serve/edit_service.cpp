@@ -11,6 +11,7 @@
 #include "io/json_text.h"
 #include "serve/export_file.h"
 #include "serve/file_version.h"
+#include "serve/plain_run.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -63,6 +64,7 @@ EditSession& EditService::session() {
   if (!session_ || files != opened_) {
     session_.reset();
     redo_.clear();
+    require_plain_run(options_.run);
     session_ = std::make_unique<EditSession>(options_.run, EditSessionOptions{options_.scene, options_.threads});
     opened_ = files;
   }
@@ -142,7 +144,7 @@ std::string EditService::export_file(const std::string& request) {
 }
 
 void EditService::serve(ViewServerOptions& options) {
-  options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> { return GetAnswer{"application/json", list()}; };
+  options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> { return GetAnswer{"application/json", list(), {}, {}}; };
   options.post["/api/edits/preview"] = [this](const std::string& body) { return preview(body); };
   options.post["/api/edits/push"] = [this](const std::string& body) { return push(body); };
   options.post["/api/edits/undo"] = [this](const std::string& body) { return undo(body); };
@@ -150,16 +152,17 @@ void EditService::serve(ViewServerOptions& options) {
   options.post["/api/export"] = [this](const std::string& body) { return export_file(body); };
 }
 
-void serve_control(const fs::path& run, ViewServerOptions& options) {
-  options.post["/api/control"] = [run](const std::string& body) -> std::string {
+void serve_control(const fs::path& run, ViewServerOptions& options, std::function<void()> stop_asked) {
+  options.post["/api/control"] = [run, stop_asked](const std::string& body) -> std::string {
     using Flag = RunControl::Flag;
     const std::string action = request_of(body, {"action"})["action"].get<std::string>();
+    require_plain_run(run);
     const RunControl control(run);
     if (!control.active()) throw_usage("nothing is being made here", "start it again: aligngs run ... --resume");
     if (action == "pause") control.ask(Flag::kPause);
     else if (action == "resume") control.withdraw(Flag::kPause);
     else if (action == "checkpoint") control.ask(Flag::kCheckpoint);
-    else if (action == "stop") control.ask(Flag::kStop);
+    else if (action == "stop") control.ask(Flag::kStop), stop_asked();
     else throw_usage("there is no action \"" + action.substr(0, 40) + "\"", "pause, resume, checkpoint or stop");
     return "{}";
   };

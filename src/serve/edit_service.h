@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -55,7 +56,7 @@ class EditService {
 };
 
 /// POST /api/control {"action": "pause" | "resume" | "checkpoint" | "stop"}: speaks to the training of an active run
-/// (run_control.h); Error{kUsage} when there is none.
-void serve_control(const std::filesystem::path& run, ViewServerOptions& options);
+/// (run_control.h); Error{kUsage} when there is none. `stop_asked` is called at each "stop".
+void serve_control(const std::filesystem::path& run, ViewServerOptions& options, std::function<void()> stop_asked);
 
 }  // namespace aligngs

@@ -89,17 +89,23 @@ bool post_allowed(const PostHeaders& h, std::string_view token) {
   return same_secret(h.token, token);
 }
 
-std::optional<std::filesystem::path> file_below(const std::filesystem::path& root, std::string_view relative) {
-  namespace fs = std::filesystem;
-  const fs::path asked{std::string(relative)};
-  if (asked.empty() || asked.is_absolute()) return {};
-  std::error_code error;
-  const fs::path found = fs::canonical(root / asked, error);
-  if (error) return {};
-  const fs::path inside = found.lexically_relative(root);
-  if (inside.empty() || *inside.begin() == "..") return {};
-  if (!fs::is_regular_file(found, error) || error) return {};
-  return found;
+bool fetch_allowed(const FetchOrigin& origin, bool get, std::string_view path) {
+  if (origin.site.empty() || origin.site == "same-origin" || origin.site == "none") return true;
+  return get && path == "/" && origin.mode == "navigate" && origin.destination == "document";
+}
+
+bool accepts_gzip(std::string_view accept_encoding) {
+  while (!accept_encoding.empty()) {
+    std::string_view item = accept_encoding.substr(0, accept_encoding.find(','));
+    accept_encoding.remove_prefix(std::min(accept_encoding.size(), item.size() + 1));
+    while (!item.empty() && item.front() == ' ') item.remove_prefix(1);
+    const size_t semicolon = item.find(';');
+    const std::string_view name = item.substr(0, semicolon);
+    if (name != "gzip" && name != "*") continue;
+    const std::string_view weight = semicolon == std::string_view::npos ? std::string_view() : item.substr(semicolon + 1);
+    return weight.find_first_of("123456789") != std::string_view::npos || weight.find('q') == std::string_view::npos;  // "q=0" refuses it
+  }
+  return false;
 }
 
 std::string random_token() {
@@ -123,6 +129,11 @@ std::string_view content_type_of(const std::filesystem::path& path) {
     if (extension == ending) return type;
   }
   return "application/octet-stream";
+}
+
+bool is_text_type(std::string_view content_type) {
+  return content_type.substr(0, 5) == "text/" || content_type == "application/json" || content_type == "application/x-ndjson" ||
+         content_type == "image/svg+xml";
 }
 
 }  // namespace aligngs

@@ -30,14 +30,24 @@ struct PostHeaders {
 /// Origin absent or "http://<Host>", the run's token, a JSON body: another site's page can send none of these.
 bool post_allowed(const PostHeaders& headers, std::string_view token);
 
-/// The regular file that `relative` names below `root` (a canonical folder), or nothing when it does not exist or
-/// lies outside, through "..", an absolute path or a symbolic link.
-std::optional<std::filesystem::path> file_below(const std::filesystem::path& root, std::string_view relative);
+/// What a browser tells of where a request comes from: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty in
+/// clients that are no browser.
+struct FetchOrigin {
+  std::string_view site, mode, destination;
+};
+/// The request comes from the page itself, from the address line, or from no browser. A link on another site may open the
+/// page (a GET of "/" in a window of its own) and nothing else.
+bool fetch_allowed(const FetchOrigin& origin, bool get, std::string_view path);
+
+/// Whether Accept-Encoding takes gzip.
+bool accepts_gzip(std::string_view accept_encoding);
 
 /// 32 hexadecimal digits from the system's random source.
 std::string random_token();
 
 /// Content type by the file's extension.
 std::string_view content_type_of(const std::filesystem::path& path);
+/// The type is text, which gzip makes several times smaller; pictures and splats are packed already.
+bool is_text_type(std::string_view content_type);
 
 }  // namespace aligngs

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 namespace aligngs {
 namespace {
 
@@ -65,23 +63,29 @@ TEST(PostRule, NeedsOriginTypeAndToken) {
   EXPECT_FALSE(post_allowed(h, ""));
 }
 
-TEST(FileBelow, FindsFilesOfTheFolderAndNothingElse) {
-  namespace fs = std::filesystem;
-  const fs::path base = fs::path(testing::TempDir()) / "aligngs_file_below";
-  fs::remove_all(base);
-  fs::create_directories(base / "run" / "mesh");
-  std::ofstream(base / "run" / "scene.ply") << "x";
-  std::ofstream(base / "secret.txt") << "s";
-  fs::create_symlink(base / "secret.txt", base / "run" / "link.txt");
-  const fs::path root = fs::canonical(base / "run");
-  EXPECT_TRUE(file_below(root, "scene.ply").has_value());
-  EXPECT_TRUE(file_below(root, "mesh/../scene.ply").has_value());
-  const std::string absolute = (base / "secret.txt").string();
-  for (const std::string& name : std::vector<std::string>{"", ".", "mesh", "../secret.txt", "mesh/../../secret.txt", "link.txt",
-                                                          absolute, "absent.ply"}) {
-    EXPECT_FALSE(file_below(root, name).has_value()) << name;
+TEST(FetchRule, RefusesWhatAnotherSiteSends) {
+  EXPECT_TRUE(fetch_allowed({}, true, "/api/state")) << "curl sends no such headers";
+  EXPECT_TRUE(fetch_allowed({"same-origin", "cors", "empty"}, false, "/api/edits/push"));
+  EXPECT_TRUE(fetch_allowed({"none", "navigate", "document"}, true, "/files/report.html")) << "typed into the address line";
+  for (const char* site : {"cross-site", "same-site", "nonsense"}) {
+    EXPECT_FALSE(fetch_allowed({site, "no-cors", "image"}, true, "/files/scene.ply")) << site;
+    EXPECT_FALSE(fetch_allowed({site, "cors", "empty"}, false, "/api/edits/push")) << site;
+    EXPECT_FALSE(fetch_allowed({site, "navigate", "iframe"}, true, "/")) << site;
   }
-  fs::remove_all(base);
+}
+
+TEST(FetchRule, ALinkOfAnotherSiteOpensThePageAlone) {
+  EXPECT_TRUE(fetch_allowed({"cross-site", "navigate", "document"}, true, "/"));
+  EXPECT_FALSE(fetch_allowed({"cross-site", "navigate", "document"}, true, "/files/report.html"));
+  EXPECT_FALSE(fetch_allowed({"cross-site", "navigate", "document"}, false, "/"));
+}
+
+TEST(AcceptEncoding, NamesGzip) {
+  EXPECT_TRUE(accepts_gzip("gzip, deflate, br"));
+  EXPECT_TRUE(accepts_gzip("br;q=1.0, gzip;q=0.5"));
+  EXPECT_FALSE(accepts_gzip(""));
+  EXPECT_FALSE(accepts_gzip("br"));
+  EXPECT_FALSE(accepts_gzip("gzip;q=0"));
 }
 
 TEST(RandomToken, IsLongAndNew) {

@@ -1,15 +1,13 @@
 #include "serve/served_run.h"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "scene/label_set.h"
 #include "serve/file_version.h"
-#include "serve/request_rules.h"
+#include "serve/request_body.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -22,13 +20,38 @@ namespace {
 constexpr uint64_t kMaxJson = uint64_t(64) << 20;  // bytes of one description file
 constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
 
-Json read_json(const fs::path& path) {
-  try {
-    Json json = parse_json(read_file(path, kMaxJson));
-    return json.is_discarded() ? Json() : json;
-  } catch (const Error&) {
+/// The JSON files of a run; what is wrong with them is told on the page.
+class RunDescriptions {
+ public:
+  /// The value of a file below `root`, null when it is absent, unreadable or nested too deeply.
+  Json read(const fs::path& root, const std::string& name) {
+    const auto file = ServedFile::open(root, name);
+    if (!file) return nullptr;
+    const auto text = file->content(kMaxJson);
+    if (!text) return problem(name + " is larger than 64 MiB");
+    if (json_depth(*text) > kDeepestFile) return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
+    Json json = parse_json(*text);
+    return json.is_discarded() ? Json() : json;  // a file that is being replaced
+  }
+  const Json& problems() const { return problems_; }
+
+ private:
+  Json problem(const std::string& told) {
+    problems_.push_back(told);
     return nullptr;
   }
+  Json problems_ = Json::array();
+};
+
+bool has_file(const fs::path& root, const std::string& name) { return ServedFile::open(root, name).has_value(); }
+
+/// Whether a folder lies in the run, links followed.
+bool has_folder(const fs::path& root, const fs::path& name) {
+  std::error_code error;
+  const fs::path found = fs::canonical(root / name, error);
+  if (error || !fs::is_directory(found, error)) return false;
+  const fs::path inside = found.lexically_relative(root);
+  return !inside.empty() && *inside.begin() != "..";
 }
 
 Json field(const Json& object, const char* name) {
@@ -41,6 +64,7 @@ Json rendered_views(const fs::path& root) {
   std::error_code error;
   for (const char* split : {"test", "train"}) {
     for (const char* kind : {"gt", "rgb", "depth", "normal", "label", "error"}) {
+      if (!has_folder(root, fs::path("renders") / split / kind)) continue;
       for (fs::directory_iterator i(root / "renders" / split / kind, error), end; !error && i != end; i.increment(error)) {
         if (i->path().extension() != ".png") continue;
         Json& view = views[i->path().stem().string()];
@@ -57,7 +81,7 @@ Json rendered_views(const fs::path& root) {
 Json scene_classes(const fs::path& scene) {
   LabelSet labels = ade20k_labels();
   try {
-    if (fs::exists(scene / "labels.csv")) labels = read_label_csv(scene / "labels.csv");
+    if (has_file(scene, "labels.csv")) labels = read_label_csv(scene / "labels.csv");
   } catch (const Error&) {
     return nullptr;
   }
@@ -89,6 +113,17 @@ Json stages_of(const fs::path& root, const Json& run, bool active) {
   return stages;
 }
 
+/// Why edits, pictures and exports are not there for this run; null when they are.
+Json why_not_editable(const fs::path& root, bool active) {
+  if (active) return "the run is still being made";
+  if (!has_file(root, "scene.ply")) {
+    return has_folder(root, "checkpoints") ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
+                                           : "nothing has been trained yet";
+  }
+  if (!has_folder(root, "checkpoints")) return "the run has no checkpoints: it can be looked at, but not edited, rendered or exported";
+  return nullptr;
+}
+
 }  // namespace
 
 ServedRun::ServedRun(const fs::path& path, bool expect_run) {
@@ -109,14 +144,18 @@ ServedRun::ServedRun(const fs::path& path, bool expect_run) {
 }
 
 fs::path ServedRun::scene_folder() const {
-  const Json scene = field(read_json(root_ / "run.json"), "scene");
-  return scene.is_string() ? root_ / scene.get<std::string>() : fs::path();
+  const Json scene = field(RunDescriptions().read(root_, "run.json"), "scene");
+  if (!scene.is_string()) return {};
+  std::error_code error;
+  const fs::path found = fs::canonical(root_ / scene.get<std::string>(), error);
+  return error ? fs::path() : found;
 }
 
 std::string ServedRun::state() const {
   Json state = {{"splats", nullptr}, {"original", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr},
                 {"classes", nullptr}, {"cameras", nullptr}, {"views", Json::object()}, {"train", nullptr}, {"report", false},
-                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false}};
+                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false},
+                {"not_editable", nullptr}, {"room", nullptr}, {"problems", Json::array()}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -124,7 +163,8 @@ std::string ServedRun::state() const {
     return json_line(state);
   }
   state["name"] = root_.filename().string();
-  const Json run = read_json(root_ / "run.json");
+  RunDescriptions descriptions;
+  const Json run = descriptions.read(root_, "run.json");
   for (const char* name : {"status", "stage", "train"}) state[name] = field(run, name);
   if (run.is_null()) state["status"] = "starting";
   const bool active = RunControl(root_).active();
@@ -132,11 +172,11 @@ std::string ServedRun::state() const {
   state["stages"] = stages_of(root_, run, active);
   std::string trained;
   for (const char* name : {"scene.labels.ply", "scene.ply"}) {
-    if (trained.empty() && fs::exists(root_ / name)) trained = name;
+    if (trained.empty() && has_file(root_, name)) trained = name;
   }
-  const bool live = active && fs::exists(root_ / "live" / "scene.ply");
-  const bool labelled_edit = fs::exists(root_ / "edits" / "scene.labels.ply");  // a run without labels has edits without them
-  const bool edited = !live && (labelled_edit || fs::exists(root_ / "edits" / "scene.ply"));
+  const bool live = active && has_file(root_, "live/scene.ply");
+  const bool labelled_edit = has_file(root_, "edits/scene.labels.ply");  // a run without labels has edits without them
+  const bool edited = !live && (labelled_edit || has_file(root_, "edits/scene.ply"));
   const fs::path shown = edited ? root_ / "edits" : root_;
   if (live) {
     state["splats"] = "live/scene.ply";
@@ -146,21 +186,25 @@ std::string ServedRun::state() const {
   } else if (!trained.empty()) {
     state["splats"] = trained;
   }
-  if (fs::exists(shown / "mesh" / "mesh.ply")) state["mesh"] = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
+  const std::string mesh = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
+  if (has_file(root_, mesh)) state["mesh"] = mesh;
   state["edited"] = edited;
-  state["editable"] = !active && fs::exists(root_ / "scene.ply") && fs::exists(root_ / "checkpoints");
+  state["not_editable"] = why_not_editable(root_, active);
+  state["editable"] = state["not_editable"].is_null();
   state["version"] = (live ? file_version(root_ / "live" / "scene.ply") : file_version(shown / "scene.ply")) + file_version(shown / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
-  state["classes"] = field(read_json(shown / "classes.json"), "classes");
+  state["classes"] = field(descriptions.read(root_, edited ? "edits/classes.json" : "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
-  state["cameras"] = read_json(root_ / "cameras.json");
+  state["cameras"] = descriptions.read(root_, "cameras.json");
   state["views"] = rendered_views(root_);
-  state["report"] = fs::exists(root_ / "report.html");
+  state["report"] = has_file(root_, "report.html");
+  if (has_file(root_, "room.json")) state["room"] = "room.json";
   if (!scene.empty()) {
-    const Json description = read_json(scene / "scene.json");
+    const Json description = descriptions.read(scene, "scene.json");
     state["up"] = field(description, "up");
     state["units"] = field(description, "units");
   }
+  state["problems"] = descriptions.problems();
   return json_line(state);
 }
 
@@ -175,7 +219,7 @@ std::string ServedRun::signature() const {
 }
 
 void ServedRun::ask_for_snapshot() const {
-  if (!only_.empty()) return;
+  if (!only_.empty() || !has_folder(root_, "control")) return;
   const RunControl control(root_);
   if (!control.active()) return;
   try {
@@ -185,12 +229,12 @@ void ServedRun::ask_for_snapshot() const {
   }
 }
 
-std::optional<fs::path> ServedRun::file(std::string_view relative) const {
+std::optional<ServedFile> ServedRun::file(std::string_view relative) const {
   if (!only_.empty() && relative != only_) return {};
-  return file_below(root_, relative);
+  return ServedFile::open(root_, relative);
 }
 
-std::optional<fs::path> ServedRun::photo(std::string_view view) const {
+std::optional<ServedFile> ServedRun::photo(std::string_view view) const {
   if (!only_.empty() || view.find('/') != std::string_view::npos) return {};
   const fs::path scene = scene_folder();
   if (scene.empty()) return {};
@@ -198,24 +242,26 @@ std::optional<fs::path> ServedRun::photo(std::string_view view) const {
   const fs::path images = fs::canonical(scene / "images", error);
   if (error) return {};
   for (const char* ending : {".png", ".jpg", ".jpeg", ".JPG", ".JPEG", ".PNG"}) {
-    if (auto found = file_below(images, std::string(view) + ending)) return found;
+    if (auto found = ServedFile::open(images, std::string(view) + ending)) return found;
   }
   return {};
 }
 
 std::string ServedRun::events(uint64_t& offset, size_t limit) const {
   if (!only_.empty()) return {};
-  std::ifstream in(root_ / "events.ndjson", std::ios::binary | std::ios::ate);
-  if (!in) return {};
-  const uint64_t size = static_cast<uint64_t>(in.tellg());
+  const auto file = ServedFile::open(root_, "events.ndjson");
+  if (!file) return {};
+  const uint64_t size = file->size();
   if (offset > size) offset = 0;
   const size_t wanted = static_cast<size_t>(std::min<uint64_t>(size - offset, std::max(limit, kMaxLine)));
   std::string text(wanted, '\0');
-  in.seekg(static_cast<std::streamoff>(offset));
-  in.read(text.data(), static_cast<std::streamsize>(wanted));
-  text.resize(static_cast<size_t>(in.gcount()));
+  text.resize(file->read(offset, text));
   size_t end = text.rfind('\n', limit == 0 ? 0 : limit - 1);
   if (end == std::string::npos) end = text.find('\n');  // the first line is longer than the limit
+  if (end == std::string::npos && text.size() >= kMaxLine) {
+    offset += text.size();  // no event is that long: a torn file does not hide what follows
+    return {};
+  }
   text.resize(end == std::string::npos ? 0 : end + 1);
   offset += text.size();
   return text;

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "serve/served_file.h"
+
 namespace aligngs {
 
 /// A run folder, or a single PLY file. Read afresh at every request, so that a run in progress shows its progress.
@@ -18,18 +20,19 @@ class ServedRun {
   const std::filesystem::path& folder() const { return root_; }
 
   /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "splats", "original", "mesh", "version",
-  /// "up", "units", "classes", "cameras", "views", "train", "report"}. "splats", "original" and
+  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "not_editable", "problems"}. "splats", "original" and
   /// "mesh" are paths below /files/, null when absent: the live snapshot of a training, the edited room of a run with
   /// edits ("original" is then what was trained), else what was trained. "version" changes with these files; "active"
   /// tells whether a process works on the run, "editable" whether edits can be made; "stages" lists {"name", "state":
   /// "done" | "now" | "waiting"}; "up" is the unit up vector or null; "views" tells per picture name which renders exist.
-  /// Unreadable parts (a file that is being replaced) are null.
+  /// "room" is the path of room.json or null, "not_editable" says why edits, pictures and exports are not there, "problems" lists
+  /// files that are too large or nested too deeply. Unreadable parts (a file that is being replaced) are null.
   std::string state() const;
 
   /// A file of the run folder; of a single PLY only the file itself.
-  std::optional<std::filesystem::path> file(std::string_view relative) const;
+  std::optional<ServedFile> file(std::string_view relative) const;
   /// The photo of a view, by its name, from the run's scene folder.
-  std::optional<std::filesystem::path> photo(std::string_view view) const;
+  std::optional<ServedFile> photo(std::string_view view) const;
 
   /// Changes whenever state() may have changed; cheap.
   std::string signature() const;

@@ -1,6 +1,7 @@
 // The local web server of `aligngs view`: one port, one thread, plain HTTP and Server-Sent Events.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -19,8 +20,17 @@ using PostHandler = std::function<std::string(const std::string& body)>;
 struct GetAnswer {
   std::string type;  ///< content type
   std::string body;
+  std::shared_ptr<const std::string> bytes;  ///< instead of `body`: bytes that are kept and sent to many
+  std::string etag;                          ///< of `bytes`, with its quotes: the download can be resumed
 };
 using GetHandler = std::function<std::optional<GetAnswer>(const std::string& name)>;
+
+/// Limits of time count silence: a slow download goes on for as long as its bytes flow.
+struct ServerLimits {
+  std::chrono::milliseconds request{15000};  ///< for the head of a request, and between two parts of its body
+  std::chrono::milliseconds silence{60000};  ///< during an answer: the client takes no byte
+  size_t connections = 64;                   ///< at a time; a browser holds six
+};
 
 struct ViewServerOptions {
   std::filesystem::path run;                ///< run folder or .ply file
@@ -30,23 +40,26 @@ struct ViewServerOptions {
   std::filesystem::path web_root;           ///< serve the page from here (for its development); empty: embedded
   std::map<std::string, PostHandler> post;  ///< by path, e.g. "/api/edit"
   std::map<std::string, GetHandler> get;    ///< by path, e.g. "/api/edits", or by its beginning, e.g. "/api/render/"
+  ServerLimits limits;
 };
 
 /// GET /               the page, with the run's token in a SameSite=Strict cookie named aligngs_<port of the Host header>
 ///                     (cookies know no ports: two runs shown at a time must not overwrite each other's)
 /// GET /api/state      ServedRun::state()
-/// GET /api/events     Server-Sent Events: `events` (lines of events.ndjson as a JSON array, id: byte offset) and `state`
-///                     (the version of the scene files) whenever they change
+/// GET /api/events     Server-Sent Events (event_stream.h)
 /// GET /api/photo/V    the photo of view V
 /// GET /files/...      files of the run
 /// GET, POST           the handlers of the options, one at a time on a thread of their own; a POST needs Origin absent or
 ///                     this host, a JSON body and X-AlignGS-Token
 ///
+/// Downloads have an ETag and take Range, If-Range and If-None-Match. Text is compressed once and kept. HEAD tells the length.
+///
 /// While a page listens to a run that is being trained, the trainer is asked for live snapshots (run_control.h).
 ///
-/// Bound to 127.0.0.1. Headers up to 16 KiB, bodies up to 64 KiB, 15 s to send a request; a larger or slower one is
-/// cut off. Every answer carries a content security policy; that of the run's own files allows no script, as a run may
-/// come from anywhere. No cross-origin header is ever sent.
+/// Bound to 127.0.0.1. Requests of other sites (Host, Sec-Fetch-Site) are refused before their body is read. Headers are at
+/// most 16 KiB (status 431), bodies 64 KiB (413), and what is no HTTP is answered with 400. When all connections are taken,
+/// the one that is idle longest makes room. Every answer carries a content security policy; that of the run's own files
+/// allows no script, as a run may come from anywhere. No cross-origin header is ever sent.
 class ViewServer {
  public:
   /// Opens the port. Error{kBadInput} when the run is none, Error{kResources} when no port is free.
@@ -57,7 +70,7 @@ class ViewServer {
 
   uint16_t port() const;
   const std::string& token() const;
-  /// Serves until `stop` says so (asked five times a second).
+  /// Serves until `stop` says so (asked twenty times a second).
   void run(const std::function<bool()>& stop);
 
  private:

@@ -1,17 +1,13 @@
 // The server as a browser sees it, and as an attacker does. Plain sockets, so that every byte is ours.
 #include "serve/view_server.h"
 
-#include <gtest/gtest.h>
+#include <sys/stat.h>
 
-#include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "core/error.h"
 #include "io/json_text.h"
-#include "serve/http_client_for_tests.h"
+#include "serve/view_server_for_tests.h"
 #include "train/run_control.h"
 
 namespace aligngs {
@@ -19,65 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using test_http::body;
+using testing_support::ViewServerTest;
 using test_http::status;
-
-/// A small run and a server for it, on its own thread.
-class ViewServerTest : public testing::Test {
- protected:
-  void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / ("aligngs_view_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(base_);
-    fs::create_directories(base_ / "run" / "renders" / "test" / "rgb");
-    fs::create_directories(base_ / "run" / "scene" / "images");
-    write("run/run.json", R"({"scene": "scene", "status": "running", "stage": "train"})");
-    write("run/scene.ply", "ply");
-    write("run/classes.json", R"({"schema": 1, "classes": [{"id": 0, "name": "wall", "color": [1, 2, 3]}]})");
-    write("run/events.ndjson", "{\"step\":1}\n{\"step\":2}\n{\"st");
-    write("run/renders/test/rgb/view_003.png", "picture");
-    write("run/scene/scene.json", R"({"units": "metres", "up": [0, -1, 0]})");
-    write("run/scene/images/view_000.png", "photo");
-    write("secret.txt", "secret");
-    fs::create_symlink(base_ / "secret.txt", base_ / "run" / "link.txt");
-    ViewServerOptions options;
-    options.run = base_ / "run";
-    options.post["/api/echo"] = [](const std::string& body) { return body; };
-    options.post["/api/slow"] = [this](const std::string&) {
-      while (!release_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      return std::string("{}");
-    };
-    options.post["/api/throw"] = [](const std::string&) -> std::string { throw std::runtime_error("a surprise"); };
-    options.get["/api/double"] = [](const std::string&) { return GetAnswer{"text/plain", "twice"}; };
-    options.get["/api/below/"] = [](const std::string& name) -> std::optional<GetAnswer> {
-      if (name == "absent") return {};
-      return GetAnswer{"text/plain", name};
-    };
-    options.post["/api/fail"] = [](const std::string&) -> std::string { throw_usage("no such object", "look"); };
-    server_ = std::make_unique<ViewServer>(options);
-    thread_ = std::thread([this] { server_->run([this] { return stop_.load(); }); });
-  }
-
-  void TearDown() override {
-    stop_ = true;
-    thread_.join();
-    server_.reset();
-    fs::remove_all(base_);
-  }
-
-  void write(const std::string& name, const std::string& content) { std::ofstream(base_ / name, std::ios::binary) << content; }
-
-  std::string raw(const std::string& bytes, const std::string& until = "") const { return test_http::raw(server_->port(), bytes, until); }
-  std::string get(const std::string& target, const std::string& host = "localhost:9000") const {
-    return test_http::get(server_->port(), target, host);
-  }
-  std::string post(const std::string& target, const std::string& headers, const std::string& body) const {
-    return test_http::post(server_->port(), target, headers, body);
-  }
-
-  fs::path base_;
-  std::unique_ptr<ViewServer> server_;
-  std::thread thread_;
-  std::atomic<bool> stop_{false}, release_{false};
-};
 
 TEST_F(ViewServerTest, SendsThePageWithItsTokenAndAPolicy) {
   const std::string answer = get("/");
@@ -212,6 +151,25 @@ TEST_F(ViewServerTest, StreamsCompleteEventsAndResumesWhereAPageLeftOff) {
   EXPECT_NE(rest.find("data: [{\"step\":2}]"), std::string::npos);
 }
 
+TEST_F(ViewServerTest, ATornEventLineLosesThatLineAlone) {
+  write("run/events.ndjson", "{\"step\":1}\n{\"st{\"step\":2}\n{\"step\":3}\n");
+  const std::string all = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
+  EXPECT_NE(all.find("data: [{\"step\":1},{\"step\":3}]"), std::string::npos);
+}
+
+TEST_F(ViewServerTest, APageLearnsThatItsServerWasStartedAnew) {
+  const auto name_of = [&](uint16_t port) {
+    const std::string answer = test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
+    const size_t at = answer.find("event: server\ndata: ");
+    return at == std::string::npos ? std::string() : answer.substr(at + 20, 34);
+  };
+  const std::string first = name_of(server_->port());
+  EXPECT_EQ(first.size(), 34u);
+  EXPECT_EQ(name_of(server_->port()), first);
+  restart();
+  EXPECT_NE(name_of(server_->port()), first);
+}
+
 TEST_F(ViewServerTest, TellsPagesOfNewEvents) {
   std::thread later([this] {
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -238,6 +196,64 @@ TEST_F(ViewServerTest, NoPathLeavesTheRunFolder) {
   for (const char* target : {"/files/scene.ply%00.txt", "/files/..%5csecret.txt", "/files/%zz"}) EXPECT_EQ(status(get(target)), 400) << target;
 }
 
+TEST_F(ViewServerTest, AFifoInTheRunStopsNothing) {
+  for (const char* name : {"run/report.html", "run/room.json"}) ASSERT_EQ(mkfifo((base_ / name).c_str(), 0600), 0);
+  for (const char* name : {"run/events.ndjson", "run/classes.json", "run/scene.ply"}) {
+    fs::remove(base_ / name);
+    ASSERT_EQ(mkfifo((base_ / name).c_str(), 0600), 0);
+  }
+  EXPECT_EQ(status(get("/files/report.html")), 404);
+  EXPECT_EQ(status(raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")), 200);
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_TRUE(state["splats"].is_null());
+  EXPECT_TRUE(state["room"].is_null());
+  EXPECT_EQ(state["report"], false);
+}
+
+TEST_F(ViewServerTest, NoRouteFollowsALinkOutOfTheRun) {
+  write("classes.json", R"({"classes": [{"id": 0, "name": "secret", "color": [1, 2, 3]}]})");
+  write("events.ndjson", "{\"secret\":1}\n");
+  fs::create_directories(base_ / "outside" / "rgb");
+  write("outside/rgb/secret_view.png", "secret");
+  for (const char* name : {"classes.json", "events.ndjson"}) {
+    fs::remove(base_ / "run" / name);
+    fs::create_symlink(base_ / name, base_ / "run" / name);
+  }
+  fs::create_directory_symlink(base_ / "outside", base_ / "run" / "renders" / "train");
+  for (const std::string& answer : {get("/api/state"), get("/files/classes.json"), get("/files/renders/train/rgb/secret_view.png"),
+                                    raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")}) {
+    EXPECT_EQ(body(answer).find("secret"), std::string::npos) << answer;
+  }
+}
+
+TEST_F(ViewServerTest, FilesThatAreNestedTooDeeplyAreNamed) {
+  write("run/cameras.json", std::string(100000, '['));
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_TRUE(state["cameras"].is_null());
+  EXPECT_EQ(state["problems"][0], "cameras.json is nested deeper than 32 levels");
+}
+
+TEST_F(ViewServerTest, ARunWithoutCheckpointsSaysWhatItCannotDo) {
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["editable"], false);
+  EXPECT_NE(state["not_editable"].get<std::string>().find("no checkpoints"), std::string::npos);
+  fs::create_directories(base_ / "run" / "checkpoints");
+  EXPECT_TRUE(parse_json(body(get("/api/state")))["not_editable"].is_null());
+}
+
+TEST_F(ViewServerTest, RequestsOfOtherSitesAreRefusedBeforeAnyWork) {
+  const std::string site = "Sec-Fetch-Site: cross-site\r\n";
+  for (const char* target : {"/api/state", "/files/scene.ply", "/api/double", "/api/below/x", "/api/events", "/api/photo/view_000", "/app.js"}) {
+    EXPECT_EQ(status(test_http::ask(server_->port(), "GET", target, site + "Sec-Fetch-Mode: no-cors\r\n")), 403) << target;
+  }
+  EXPECT_EQ(calls_, 0) << "no handler ran";
+  const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\nContent-Type: application/json\r\n";
+  EXPECT_EQ(status(test_http::raw(server_->port(), "POST /api/echo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n" + token + site + "\r\n")),
+            403) << "the body is not waited for";
+  EXPECT_EQ(status(test_http::ask(server_->port(), "GET", "/api/double", "Sec-Fetch-Site: same-origin\r\n")), 200);
+  EXPECT_EQ(calls_, 1);
+}
+
 TEST_F(ViewServerTest, PostsNeedTheTokenTheOriginAndJson) {
   const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\n", json = "Content-Type: application/json\r\n";
   EXPECT_EQ(body(post("/api/echo", token + json + "Origin: http://localhost:9000\r\n", "{\"a\":1}")), "{\"a\":1}");
@@ -246,7 +262,9 @@ TEST_F(ViewServerTest, PostsNeedTheTokenTheOriginAndJson) {
   EXPECT_EQ(status(post("/api/echo", token + json + "Origin: http://evil.example\r\n", "{}")), 403);
   EXPECT_EQ(status(post("/api/echo", token + "Content-Type: text/plain\r\n", "{}")), 403);
   EXPECT_EQ(status(post("/api/echo", token + json, "{")), 400);
-  EXPECT_EQ(status(post("/api/echo", token + json, std::string(30000, '['))), 400) << "nested too deeply";
+  const std::string deep = post("/api/echo", token + json, std::string(30000, '['));
+  EXPECT_EQ(status(deep), 400);
+  EXPECT_NE(body(deep).find("nested deeper than 8 levels"), std::string::npos);
   EXPECT_EQ(status(post("/api/fail", token + json, "{}")), 400);
   EXPECT_EQ(status(post("/api/state", token + json, "{}")), 404);
 }
@@ -256,12 +274,14 @@ TEST_F(ViewServerTest, OtherMethodsAreRefused) {
   EXPECT_TRUE(fs::exists(base_ / "run" / "scene.ply"));
 }
 
-TEST_F(ViewServerTest, OversizedRequestsAndNoiseAreCutOff) {
-  EXPECT_NE(status(raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(40000, 'x') + "\r\n\r\n")), 200);
+TEST_F(ViewServerTest, OversizedRequestsAndNoiseAreAnswered) {
+  EXPECT_EQ(status(raw("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(40000, 'x') + "\r\n\r\n")), 431);
   const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\nContent-Type: application/json\r\n";
-  EXPECT_NE(status(post("/api/echo", token, "\"" + std::string(70000, 'x') + "\"")), 200);
-  raw("\x16\x03\x01 this is not HTTP\r\n\r\n");
-  EXPECT_EQ(status(get("/api/state")), 200);  // and it still serves
+  EXPECT_EQ(status(post("/api/echo", token, "\"" + std::string(70000, 'x') + "\"")), 413);
+  const std::string noise = raw("\x16\x03\x01 this is not HTTP\r\n\r\n");
+  EXPECT_EQ(status(noise), 400);
+  EXPECT_NE(noise.find("Content-Security-Policy: default-src "), std::string::npos);
+  EXPECT_EQ(status(get("/api/state")), 200) << "and it still serves";
 }
 
 TEST_F(ViewServerTest, ManyPagesAtOnceAreServedAndThenRefused) {

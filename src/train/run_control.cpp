@@ -33,7 +33,8 @@ const char* name_of(RunControl::Flag flag) {
 fs::path RunControl::file(Flag flag) const { return folder_ / name_of(flag); }
 
 bool RunControl::active() const {
-  const int descriptor = open((folder_ / "lock").c_str(), O_RDONLY | O_CLOEXEC);
+  // A FIFO in its place, or a link to one, is not waited for.
+  const int descriptor = open((folder_ / "lock").c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return false;
   // A shared lock is refused while the worker holds its exclusive one; many may ask at a time.
   const bool refused = flock(descriptor, LOCK_SH | LOCK_NB) != 0;
@@ -44,7 +45,7 @@ bool RunControl::active() const {
 void RunControl::ask(Flag flag) const {
   std::error_code error;
   fs::create_directories(folder_, error);
-  const int descriptor = open(file(flag).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  const int descriptor = open(file(flag).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0644);
   if (descriptor < 0) {
     throw_resources(file(flag), std::string("cannot be written: ") + std::strerror(errno), "you need write access to the run folder");
   }

@@ -1,5 +1,6 @@
 // What the server says of a run (src/serve/served_run.h), the stream of its events, and what the page asks of it. In an
 // exported page (src/serve/html_export.h) the scene is in the file and there is no server.
+import { type Columns } from './columns';
 import { unpackScene } from './packed_scene';
 
 export interface ClassInfo { id: number; name: string; synonyms: string[]; color: [number, number, number]; gaussians?: number }
@@ -17,11 +18,14 @@ export interface RunState {
   views: Record<string, { split: string; kinds: string[] }>;
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;
   report: boolean;
+  room: string | null;                // path of room.json
+  not_editable: string | null;        // why edits, pictures and exports are not there
+  problems: string[];                 // files of the run that cannot be read
 }
 export interface TrainEvent { step: number; event?: string; losses?: Record<string, number>; psnr?: number; gaussians?: number; seconds_per_step?: number }
 export interface EditList {
   edits: string[]; redo: string[]; formats: string[];
-  objects: { object: string; class_id: number; instance: number; gaussians: number }[];
+  objects: { object: string; class_id: number; instance: number; gaussians: number; centre: [number, number, number] }[];
   report?: EditReport; undone?: string;
 }
 export interface EditReport {
@@ -32,55 +36,98 @@ export interface EditReport {
 const embedded = document.getElementById('aligngs-scene');
 /// Whether the page came from a file, without a server.
 export const kExported = embedded !== null;
-let exportedSplats = ''; // blob URL
 
 export const fileUrl = (path: string, version = ''): string =>
-  kExported ? exportedSplats : '/files/' + path.split('/').map(encodeURIComponent).join('/') + (version ? '?v=' + encodeURIComponent(version) : '');
+  '/files/' + path.split('/').map(encodeURIComponent).join('/') + (version ? '?v=' + encodeURIComponent(version) : '');
 export const photoUrl = (view: string): string => '/api/photo/' + encodeURIComponent(view);
 export const renderUrl = (view: string, kind: string): string => `/api/render/${encodeURIComponent(view)}/${kind}.png`;
 
+let exported: Columns | null = null;
+/// The splats of an exported page, after fetchState().
+export const exportedColumns = async (): Promise<Columns> => exported!;
+
 export async function fetchState(): Promise<RunState> {
   if (embedded) {
-    const { state, ply } = await unpackScene(embedded.textContent!.trim());
-    if (!exportedSplats) exportedSplats = URL.createObjectURL(new Blob([ply]));
-    return { stage: null, stages: [], active: false, editable: false, edited: false, original: null, mesh: null, views: {}, train: null, report: false, ...(state as Partial<RunState>) } as RunState;
+    const { state, columns } = await unpackScene(embedded.textContent!.trim());
+    exported = columns;
+    return { stage: null, stages: [], active: false, editable: false, edited: false, original: null, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
-  return answered(await fetch('/api/state'));
+  return answered(await request('/api/state'));
+}
+
+/// fetch() with an error that a reader understands: the browser's own is "Failed to fetch".
+export async function request(url: string, init: RequestInit = {}): Promise<Response> {
+  try {
+    return await fetch(url, init);
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new Error('The server does not answer. It has ended, or the connection is lost.');
+  }
 }
 
 /// What the server refused, in its words.
-async function answered<T>(answer: Response): Promise<T> {
-  const text = await answer.text();
-  if (answer.ok) return JSON.parse(text) as T;
+export async function refusal(answer: Response): Promise<Error> {
   let told: { error?: string; remedy?: string } = {};
-  try { told = JSON.parse(text); } catch { /* not ours */ }
-  throw new Error(told.error ? told.error + (told.remedy ? `: ${told.remedy}` : '') : `the server answered ${answer.status}`);
+  try { told = JSON.parse(await answer.text()); } catch { /* not ours */ }
+  return new Error(told.error ? told.error + (told.remedy ? `: ${told.remedy}` : '') : `The server answered ${answer.status}.`);
+}
+async function answered<T>(answer: Response): Promise<T> {
+  if (!answer.ok) throw await refusal(answer);
+  return await answer.json() as T;
 }
 
 /// The token of this server: cookies know no ports, so their name has it.
 const token = (): string => new RegExp(`(?:^|; )aligngs_${location.port || '80'}=([0-9a-f]+)`).exec(document.cookie)?.[1] ?? '';
 
+/// Fetches the page again: with it comes the token of a server that was started anew.
+export async function signIn(): Promise<void> { await request('/', { cache: 'no-store' }); }
+
 export async function post<T>(path: string, body: Record<string, string>): Promise<T> {
-  return answered(await fetch(path, {
+  const send = () => request(path, {
     method: 'POST', headers: { 'Content-Type': 'application/json', 'X-AlignGS-Token': token() }, body: JSON.stringify(body),
-  }));
+  });
+  let answer = await send();
+  if (answer.status === 403) { // another server than the one that this page came from
+    await signIn();
+    answer = await send();
+  }
+  return answered(answer);
 }
-export const fetchEdits = async (): Promise<EditList> => answered(await fetch('/api/edits'));
+export const fetchEdits = async (): Promise<EditList> => answered(await request('/api/edits'));
+
+export interface Listener {
+  reset(): void;                     // events come again from the first one
+  events(events: TrainEvent[]): void;
+  state(version: string): void;
+  lost(): void;                      // the server does not answer; it is asked again every few seconds
+  found(restarted: boolean): void;   // it answers (again); `restarted`: it is another one than before
+}
+const kAskAgain = 3000; // milliseconds after the browser has given up on a stream
 
 /// One event stream per visible page: browsers allow six connections to a host. Starts again from the first event
 /// whenever the page comes back, after `reset`.
-export function listen(handlers: { reset(): void; events(events: TrainEvent[]): void; state(version: string): void; lost(): void }): void {
+export function listen(listener: Listener): void {
   if (kExported) return;
-  let source: EventSource | null = null;
+  let source: EventSource | null = null, server = '', again = 0;
   const open = () => {
-    handlers.reset();
+    window.clearTimeout(again);
+    listener.reset();
     source = new EventSource('/api/events');
-    source.addEventListener('events', (e) => handlers.events(JSON.parse((e as MessageEvent).data)));
-    source.addEventListener('error', () => handlers.lost());
-    source.addEventListener('state', (e) => handlers.state(JSON.parse((e as MessageEvent).data)));
+    source.addEventListener('server', (e) => {
+      const name: string = JSON.parse((e as MessageEvent).data), restarted = server !== '' && name !== server;
+      server = name;
+      // The new server begins with the first event, and knows nothing of the place where the old one was.
+      if (restarted) { source?.close(); void signIn().then(open, () => listener.lost()).then(() => listener.found(true)); } else listener.found(false);
+    });
+    source.addEventListener('events', (e) => listener.events(JSON.parse((e as MessageEvent).data)));
+    source.addEventListener('state', (e) => listener.state(JSON.parse((e as MessageEvent).data)));
+    source.addEventListener('error', () => {
+      listener.lost();
+      if (source?.readyState === EventSource.CLOSED) { source = null; again = window.setTimeout(() => { if (!document.hidden && !source) open(); }, kAskAgain); }
+    });
   };
   document.addEventListener('visibilitychange', () => {
-    if (document.hidden) { source?.close(); source = null; }
+    if (document.hidden) { source?.close(); source = null; window.clearTimeout(again); }
     else if (!source) open();
   });
   open();

@@ -13,7 +13,8 @@ export class Charts {
 
   constructor(private element: HTMLElement) {
     const chart = (title: string, color: string, values: () => number[]) => {
-      const axis = { stroke: '#9aa4b2', grid: { stroke: '#2a313c' }, ticks: { stroke: '#2a313c' }, size: 38, font: '10px system-ui' };
+      const color_of = (name: string) => () => getComputedStyle(document.documentElement).getPropertyValue(name);
+      const axis = { stroke: color_of('--dim'), grid: { stroke: color_of('--line') }, ticks: { stroke: color_of('--line') }, size: 38, font: '10px system-ui' };
       const plot = new uPlot({
         width: this.width(), height: 120, title, legend: { show: false }, cursor: { y: false },
         scales: { x: { time: false } }, axes: [{ ...axis, size: 26 }, axis], series: [{}, { stroke: color, width: 1.5, points: { show: false } }],
@@ -36,6 +37,9 @@ export class Charts {
     }
     this.update();
   }
+
+  /// Draws with the colours of another theme.
+  recolor(): void { if (this.points > 0) this.update(); }
 
   get points(): number { return this.steps.length; }
 

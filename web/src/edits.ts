@@ -1,7 +1,8 @@
 // Edits by name: the text box, the buttons of a clicked object, undo and redo, exports.
-import { fetchEdits, fileUrl, post, type EditList, type EditReport, type RunState } from './api';
+import { fetchEdits, fileUrl, kExported, post, type EditList, type EditReport, type RunState } from './api';
+import { element } from './dom';
+import { type Messages } from './messages';
 
-const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
 export class EditPanel {
   private list: EditList = { edits: [], redo: [], formats: [], objects: [] };
@@ -9,7 +10,7 @@ export class EditPanel {
   private busy = false;
 
   /// `changed` is called when the server has other splats to show.
-  constructor(private message: (text: string) => void, private changed: () => Promise<void>) {
+  constructor(private messages: Messages, private changed: () => Promise<void>) {
     const text = element<HTMLInputElement>('edit-text');
     element('edit-form').addEventListener('submit', (e) => { e.preventDefault(); void this.apply(text.value); });
     element('edit-preview').addEventListener('click', () => void this.preview(text.value));
@@ -24,10 +25,26 @@ export class EditPanel {
   /// something changed.
   async refresh(state: RunState): Promise<void> {
     element('editing').hidden = !state.editable;
+    this.tellWhyNot(state);
     if (!state.editable) { this.asked = ''; return; }
     if (this.asked === state.version || this.busy) return;
     this.asked = state.version;
-    try { this.show(await fetchEdits()); } catch (e) { this.asked = ''; this.tell(e); }
+    try { this.show(await fetchEdits()); } catch (e) { this.asked = ''; this.messages.error(e); }
+  }
+
+  /// A run that cannot be edited tells why, and gives the files that it has.
+  private tellWhyNot(state: RunState): void {
+    const told = kExported || state.active ? null : state.not_editable;
+    element('not-editable').hidden = !told;
+    element('why-not-editable').textContent = told ? `${told[0].toUpperCase()}${told.slice(1)}.` : '';
+    const files = [state.splats, state.mesh].filter((f): f is string => !!f);
+    element('plain-files').replaceChildren(...files.map((file) => {
+      const link = document.createElement('a');
+      link.href = fileUrl(file, state.version);
+      link.download = file.replace(/.*\//, '');
+      link.textContent = link.download;
+      return link;
+    }));
   }
 
   get objects(): EditList['objects'] { return this.list.objects; }
@@ -64,11 +81,11 @@ export class EditPanel {
       const report = await post<EditReport>('/api/edits/preview', { edit });
       element<HTMLImageElement>('preview-picture').src = report.picture ?? '';
       element('preview-text').textContent = `${summary(report)}; view ${report.view}; nothing is changed yet`;
-      element('preview').hidden = false;
+      element<HTMLDialogElement>('preview').showModal();
       return { told: '' };
     });
   }
-  closePreview(): void { element('preview').hidden = true; }
+  closePreview(): void { element<HTMLDialogElement>('preview').close(); }
 
   async download(format: string): Promise<void> {
     await this.work(`writing ${format} ...`, async () => {
@@ -84,13 +101,13 @@ export class EditPanel {
   private async work(doing: string, action: () => Promise<{ answer?: EditList; told: string }>): Promise<void> {
     if (this.busy) return;
     this.setBusy(true);
-    this.message(doing);
+    this.messages.show(doing, 'work');
     try {
       const { answer, told } = await action();
       if (answer) { this.show(answer); await this.changed(); }
-      this.message(told);
+      this.messages.show(told);
     } catch (e) {
-      this.tell(e);
+      this.messages.error(e);
     } finally {
       this.setBusy(false);
     }
@@ -125,8 +142,6 @@ export class EditPanel {
     formats.value = list.formats.includes(before) ? before : 'glb';
     this.enable();
   }
-
-  private tell(e: unknown): void { this.message(e instanceof Error ? e.message : String(e)); }
 }
 
 function summary(r: EditReport): string {

@@ -9,7 +9,7 @@ const kLeastOpacity = 0.1;
 export interface Hit { label: number; share: number; instance: number; confidence: number; distance: number }
 
 /// `origin`, `direction` (unit) in the splats' own frame. Hidden classes let the ray through.
-export function pickSplat(s: Splats, origin: number[], direction: number[], hidden: (label: number) => boolean): Hit | null {
+export function pickSplat(s: Splats, origin: number[], direction: number[], hidden: (label: number, instance: number) => boolean): Hit | null {
   const hits: { t: number; alpha: number; index: number }[] = [];
   const [dx, dy, dz] = direction;
   for (let i = 0; i < s.count; ++i) {
@@ -18,7 +18,7 @@ export function pickSplat(s: Splats, origin: number[], direction: number[], hidd
     if (along <= 0.02) continue;
     const largest = 3 * Math.max(s.scales[3 * i], s.scales[3 * i + 1], s.scales[3 * i + 2]);
     if (px * px + py * py + pz * pz - along * along > largest * largest) continue;
-    if (s.labels && hidden(s.labels[i])) continue;
+    if (s.labels && hidden(s.labels[i], s.instances ? s.instances[i] : 0)) continue;
     const w = s.rotations[4 * i], x = s.rotations[4 * i + 1], y = s.rotations[4 * i + 2], z = s.rotations[4 * i + 3];
     // Rows of R^T: the Gaussian's axes.
     const axes = [

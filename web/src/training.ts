@@ -1,18 +1,22 @@
 // What is being made: stages, progress, charts, and the buttons that pause, save and stop.
 import { post, type RunState, type TrainEvent } from './api';
 import { Charts } from './charts';
+import { element } from './dom';
+import { type Messages } from './messages';
 
-const element = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
+
+const kTitles: Record<string, string> = { pause: 'Space', checkpoint: 'write a checkpoint now', stop: 'write a checkpoint and end' };
 
 export class TrainingPanel {
   readonly charts = new Charts(element('charts'));
   private state: RunState | null = null;
+  private wasActive: boolean | null = null;
 
-  constructor(private message: (text: string) => void) {
+  constructor(private messages: Messages) {
     const on = (id: string, action: () => string, told: string) => element(id).addEventListener('click', () => void this.control(action(), told));
     on('pause', () => (this.state?.status === 'paused' ? 'resume' : 'pause'), '');
-    on('checkpoint', () => 'checkpoint', 'a checkpoint is being written');
-    on('stop', () => 'stop', 'stopping: a checkpoint is being written; `--resume` goes on from it');
+    on('checkpoint', () => 'checkpoint', 'A checkpoint is being written.');
+    on('stop', () => 'stop', 'The training ends with a checkpoint. `--resume` goes on from it.');
   }
 
   reset(): void { this.charts.reset(); }
@@ -38,7 +42,11 @@ export class TrainingPanel {
     }));
     element('pause').textContent = state.status === 'paused' ? 'go on' : 'pause';
     element('controls').hidden = !state.active;
-    for (const id of ['pause', 'checkpoint']) element<HTMLButtonElement>(id).disabled = state.stage !== 'train';
+    for (const id of ['pause', 'checkpoint', 'stop']) {
+      element<HTMLButtonElement>(id).disabled = state.stage !== 'train';
+      element(id).title = state.stage === 'train' ? kTitles[id] : 'This is for the training. Ctrl-C ends the other stages.';
+    }
+    this.place(state.active);
     this.update();
   }
 
@@ -49,10 +57,20 @@ export class TrainingPanel {
   private async control(action: string, told: string): Promise<void> {
     try {
       await post('/api/control', { action });
-      this.message(told);
+      this.messages.show(told);
     } catch (e) {
-      this.message(e instanceof Error ? e.message : String(e));
+      this.messages.error(e);
     }
+  }
+
+  /// Above the lists while something is made, closed below them afterwards.
+  private place(active: boolean): void {
+    if (this.wasActive === active) return;
+    this.wasActive = active;
+    const box = element<HTMLDetailsElement>('training');
+    box.open = active;
+    if (active) element('lists').before(box);
+    else element('lists').after(box);
   }
 
   private update(): void { element('training').hidden = this.charts.points === 0 && !this.state?.active; }

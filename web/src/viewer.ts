@@ -1,18 +1,27 @@
 // The 3D view: splats or mesh with a style per class, drawn only when something changes. PlayCanvas stands behind this
 // class alone.
 import {
-  AppBase, AppOptions, Asset, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
-  GSplatHandler, GSPLAT_STREAM_INSTANCE, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem,
-  StandardMaterial, Texture, TextureHandler, Vec3, WORKBUFFER_UPDATE_ONCE, createGraphicsDevice, type GSplatResource,
+  AppBase, AppOptions, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
+  GSplatHandler, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem, StandardMaterial, Texture,
+  TextureHandler, Vec3, createGraphicsDevice,
 } from 'playcanvas';
-import { type CameraInfo } from './api';
+import { request, type CameraInfo } from './api';
+import { type Columns } from './columns';
 import { parseMeshPly, type PlyMesh } from './mesh_ply';
 import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
+import { RoomBox } from './room_box';
+import { kStyles, objectKey, SplatLayer } from './splat_layer';
 
-export interface ClassStyle { color: [number, number, number]; visible: boolean }
+/// `shell`: walls, ceiling and what hangs on them; it is cut away where it hides the room.
+export interface ClassStyle { color: [number, number, number]; visible: boolean; shell?: boolean }
 
-const kStyles = 256; // classes that can be styled; 255: no class
 const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
+const kMostPixelRatio = 1.5;     // device pixels a CSS pixel: more is not seen and costs time
+const kMovingResolution = 0.6;   // of the pixels in each direction while the camera moves
+const kSharpAfter = 200;         // milliseconds of rest
+const kPoints = 8000;            // splats that the room's box is made of
+const kSolid = 0.3;              // opacity of a splat that is no haze
+const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
 const kSettle = 300; // milliseconds of drawing after a change, so that the worker that sorts hears of it
 
 export class Viewer {
@@ -23,8 +32,11 @@ export class Viewer {
   frames = 0;
   settled = false; // the last picture has all splats in their final order
   onPose: () => void = () => {};
-  private splatEntity: Entity | null = null;
-  private splatAsset: Asset | null = null;
+  room: RoomBox | null = null;
+  private cutSides = '';
+  private hiddenObjects = new Set<string>();
+  private sharp = 0; // timer: the full resolution comes back
+  private layer: SplatLayer | null = null;
   private meshEntity: Entity | null = null;
   private styleTexture!: Texture;
   private styles: ClassStyle[] = [];
@@ -36,7 +48,7 @@ export class Viewer {
 
   static async create(canvas: HTMLCanvasElement): Promise<Viewer> {
     const device = await createGraphicsDevice(canvas, { deviceTypes: ['webgl2'], antialias: false, preserveDrawingBuffer: true } as object);
-    device.maxPixelRatio = Math.min(window.devicePixelRatio, 1.5);
+    device.maxPixelRatio = Math.min(window.devicePixelRatio, kMostPixelRatio);
     const options = new AppOptions();
     options.graphicsDevice = device;
     options.componentSystems = [RenderComponentSystem, CameraComponentSystem, GSplatComponentSystem];
@@ -60,7 +72,8 @@ export class Viewer {
     app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
     app.on('prerender', () => { ++viewer.frames; for (const l of viewer.lines) app.drawLines(l.points, l.color); });
     app.start();
-    new ResizeObserver(() => { app.resizeCanvas(canvas.clientWidth, canvas.clientHeight); viewer.draw(); }).observe(canvas);
+    // The canvas is given the size of its place in pixels, so that place is watched.
+    new ResizeObserver(() => { viewer.resize(); viewer.draw(); }).observe(canvas.parentElement!);
     return viewer;
   }
 
@@ -69,62 +82,84 @@ export class Viewer {
     this.app.renderNextFrame = true;
     this.settled = false;
     this.drawUntil = performance.now() + kSettle;
+  }
+
+  /// The camera has moved: fewer pixels until it rests, and walls that are in the way go.
+  moved(): void {
+    this.setResolution(kMovingResolution);
+    window.clearTimeout(this.sharp);
+    this.sharp = window.setTimeout(() => { this.setResolution(1); this.draw(); }, kSharpAfter);
+    this.cutWalls();
+    this.draw();
     this.onPose();
+  }
+
+  private setResolution(share: number): void {
+    const device = this.app.graphicsDevice, ratio = share * Math.min(window.devicePixelRatio, kMostPixelRatio);
+    if (device.maxPixelRatio === ratio) return;
+    device.maxPixelRatio = ratio;
+    this.resize();
+  }
+
+  private resize(): void {
+    const place = this.canvas.parentElement!;
+    this.app.resizeCanvas(place.clientWidth, place.clientHeight);
+  }
+
+  private cutWalls(): void {
+    const cuts = this.room?.cuts(this.camera.getPosition()) ?? [], key = cuts.map((c) => c.normal.toString()).join();
+    if (key === this.cutSides) return;
+    this.cutSides = key;
+    this.layer?.cut(cuts, kWallShare * (this.room?.diagonal ?? 1));
   }
 
   setUp(up: Vec3): void {
     this.world.setLocalRotation(new Quat().setFromDirections(up.clone().normalize(), Vec3.UP));
   }
 
+  setBackground(dark: boolean): void {
+    this.camera.camera!.clearColor = dark ? new Color(0.09, 0.1, 0.12) : new Color(0.93, 0.94, 0.95);
+    this.draw();
+  }
+
+  /// A place or a direction of the y-up world in the scene's own axes.
+  fromWorld(v: Vec3, place: boolean): number[] {
+    const back = this.world.getWorldTransform().clone().invert(), out = place ? back.transformPoint(v) : back.transformVector(v);
+    return [out.x, out.y, out.z];
+  }
+
   toWorld(p: number[]): Vec3 { return this.world.getWorldTransform().transformPoint(new Vec3(p[0], p[1], p[2])); }
 
-  async loadSplats(url: string): Promise<void> {
-    const asset = new Asset('splats', 'gsplat', { url, filename: 'scene.ply' }, { reorder: false } as object);
-    this.app.assets.add(asset);
-    await new Promise<void>((resolve, reject) => {
-      asset.once('error', (e: string) => reject(new Error(e)));
-      asset.ready(() => resolve());
-      this.app.assets.load(asset);
-    });
-    const entity = new Entity('splats');
-    entity.addComponent('gsplat', { asset });
-    const resource = asset.resource as GSplatResource;
-    this.splats = readSplats(resource);
-    this.attachStyles(entity, resource);
-    const old = this.splatEntity, oldAsset = this.splatAsset;
-    this.world.addChild(entity);
-    entity.enabled = old ? old.enabled : true;
-    this.splatEntity = entity;
-    this.splatAsset = asset;
+  /// Draws these splats instead of those before.
+  setSplats(columns: Columns): void {
+    const old = this.layer;
+    this.layer = new SplatLayer(this.app.graphicsDevice, this.world, columns, this.styleTexture);
+    this.splats = this.layer.splats;
+    this.layer.entity.enabled = old ? old.entity.enabled : true;
     old?.destroy();
-    if (oldAsset) { this.app.assets.remove(oldAsset); oldAsset.unload(); }
+    this.room = RoomBox.of(this.seenPoints());
+    this.cutSides = '';
+    this.cutWalls();
+    this.layer.showObjects(this.hiddenObjects);
     this.applyStyles();
   }
 
-  private attachStyles(entity: Entity, resource: GSplatResource): void {
-    const splats = this.splats!;
-    if (!splats.labels) return;
-    resource.format.addExtraStreams([{ name: 'splatLabel', format: PIXELFORMAT_RGBA8, storage: GSPLAT_STREAM_INSTANCE }]);
-    const texture = entity.gsplat!.getInstanceTexture('splatLabel')!;
-    const data = texture.lock() as Uint8Array;
-    for (let i = 0; i < splats.count; ++i) data[4 * i] = Math.min(kStyles - 1, splats.labels[i]);
-    texture.unlock();
-    entity.gsplat!.setParameter('aligngsStyle', this.styleTexture as unknown as number);
-    entity.gsplat!.setWorkBufferModifier({ glsl: `
-      uniform sampler2D aligngsStyle;
-      void modifySplatCenter(inout vec3 center) {}
-      void modifySplatRotationScale(vec3 originalCenter, vec3 modifiedCenter, inout vec4 rotation, inout vec3 scale) {}
-      void modifySplatColor(vec3 center, inout vec4 color) {
-        int label = int(loadSplatLabel().r * 255.0 + 0.5);
-        vec4 style = texelFetch(aligngsStyle, ivec2(label, 0), 0);
-        color.rgb = mix(color.rgb, style.rgb, style.a);
-        color.a *= texelFetch(aligngsStyle, ivec2(label, 1), 0).r;
-      }` } as never);
+  /// Lets an object glow; `strength` 0 to 1.
+  glow(which: { label: number; instance: number } | null, strength = 0.5): void {
+    this.layer?.glow(which, strength);
+    this.draw();
+  }
+
+  /// Objects (objectKey) that are not drawn and not picked.
+  hideObjects(hidden: Set<string>): void {
+    this.hiddenObjects = hidden;
+    this.layer?.showObjects(hidden);
+    this.draw();
   }
 
   async loadMesh(url: string): Promise<void> {
-    const answer = await fetch(url);
-    if (!answer.ok) throw new Error(`mesh: the server answered ${answer.status}`);
+    const answer = await request(url);
+    if (!answer.ok) throw new Error(`The mesh cannot be loaded. The server answered ${answer.status}.`);
     this.mesh = parseMeshPly(await answer.arrayBuffer());
     this.buildMesh();
   }
@@ -173,7 +208,7 @@ export class Viewer {
   get showsMesh(): boolean { return !!this.meshEntity?.enabled; }
 
   show(what: 'splats' | 'mesh'): void {
-    if (this.splatEntity) this.splatEntity.enabled = what === 'splats';
+    if (this.layer) this.layer.entity.enabled = what === 'splats';
     if (this.meshEntity) this.meshEntity.enabled = what === 'mesh';
     this.draw();
   }
@@ -193,10 +228,10 @@ export class Viewer {
     for (let i = 0; i < kStyles; ++i) {
       const s = this.style(i);
       data.set([...s.color, Math.round(255 * this.mix)], 4 * i);
-      data.set([s.visible ? 255 : 0, 0, 0, 0], 4 * (kStyles + i));
+      data.set([s.visible ? 255 : 0, s.shell ? 255 : 0, 0, 0], 4 * (kStyles + i));
     }
     this.styleTexture.unlock();
-    if (this.splatEntity?.gsplat) this.splatEntity.gsplat.workBufferUpdate = WORKBUFFER_UPDATE_ONCE;
+    this.layer?.update();
     this.draw();
   }
 
@@ -209,7 +244,7 @@ export class Viewer {
     this.camera.lookAt(eye.clone().add(axis(2, 1)), axis(1, -1));
     const w = this.canvas.clientWidth, h = this.canvas.clientHeight, scale = Math.min(w / c.width, h / c.height);
     this.camera.camera!.fov = (2 * Math.atan((0.5 * h) / (c.fy * scale)) * 180) / Math.PI;
-    this.draw();
+    this.moved();
     return { width: c.width * scale, height: c.height * scale };
   }
 
@@ -247,7 +282,7 @@ export class Viewer {
     const eye = this.camera.getPosition(), direction = far.sub(eye).normalize();
     const back = this.world.getWorldTransform().clone().invert();
     const o = back.transformPoint(eye), d = back.transformVector(direction);
-    const hit = pickSplat(this.splats, [o.x, o.y, o.z], [d.x, d.y, d.z], (label) => !this.style(label).visible);
+    const hit = pickSplat(this.splats, [o.x, o.y, o.z], [d.x, d.y, d.z], (label, instance) => !this.style(label).visible || this.hiddenObjects.has(objectKey(label, instance)));
     return hit && { hit, point: eye.clone().add(direction.mulScalar(hit.distance)) };
   }
 
@@ -260,33 +295,13 @@ export class Viewer {
     const median = [0, 1, 2].map((k) => Float32Array.from(seen, (i) => s.centres[3 * i + k]).sort()[seen.length >> 1]);
     return this.toWorld(median);
   }
-}
 
-function readSplats(resource: GSplatResource): Splats {
-  const data = resource.gsplatData as unknown as { numSplats: number; getProp(name: string): ArrayLike<number> | undefined };
-  const n = data.numSplats;
-  const column = (name: string) => data.getProp(name);
-  const columns = (names: string[], map: (v: number) => number) => {
-    const out = new Float32Array(n * names.length);
-    names.forEach((name, k) => {
-      const values = column(name)!;
-      for (let i = 0; i < n; ++i) out[i * names.length + k] = map(values[i]);
-    });
-    return out;
-  };
-  const rotations = columns(['rot_0', 'rot_1', 'rot_2', 'rot_3'], (v) => v);
-  for (let i = 0; i < n; ++i) {
-    const l = Math.hypot(rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2], rotations[4 * i + 3]) || 1;
-    for (let k = 0; k < 4; ++k) rotations[4 * i + k] /= l;
+  /// A sample of the splats that can be seen, in the y-up world.
+  private seenPoints(): Vec3[] {
+    const s = this.splats!, step = Math.max(1, Math.floor(s.count / kPoints)), points: Vec3[] = [];
+    for (let i = 0; i < s.count; i += step) {
+      if (s.opacities[i] >= kSolid) points.push(this.toWorld([s.centres[3 * i], s.centres[3 * i + 1], s.centres[3 * i + 2]]));
+    }
+    return points;
   }
-  const integers = <T>(name: string, make: (v: ArrayLike<number>) => T): T | null => {
-    const values = column(name);
-    return values ? make(values) : null;
-  };
-  return {
-    count: n, centres: columns(['x', 'y', 'z'], (v) => v), scales: columns(['scale_0', 'scale_1', 'scale_2'], Math.exp), rotations,
-    opacities: columns(['opacity'], (v) => 1 / (1 + Math.exp(-v))),
-    labels: integers('label', (v) => Uint16Array.from(v)), instances: integers('instance', (v) => Uint16Array.from(v)),
-    confidences: integers('confidence', (v) => Uint8Array.from(v)),
-  };
 }

@@ -30,9 +30,9 @@ export function aligngs(program, ...args) {
 }
 
 /// `aligngs view`; resolves when it tells its address.
-export async function serve(program, path) {
+export async function serve(program, path, port = 0) {
   const developed = process.env.ALIGNGS_WEB_ROOT ? ['--web-root', process.env.ALIGNGS_WEB_ROOT] : []; // without building the program
-  const server = spawn(program, ['view', path, '--json', ...developed], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const server = spawn(program, ['view', path, '--json', ...(port ? ['--port', String(port)] : []), ...developed], { stdio: ['ignore', 'pipe', 'inherit'] });
   const { url } = JSON.parse(await new Promise((resolve, reject) => {
     server.stdout.once('data', (d) => resolve(String(d)));
     server.once('exit', (status) => reject(new Error(`aligngs view ended with ${status}`)));
@@ -66,7 +66,8 @@ export async function open(browser, url, { width = 800, height = 480, shots = ''
   const page = await browser.newPage({ viewport: { width, height } });
   const complaints = [];
   page.on('console', (m) => { if (m.type() === 'error') complaints.push(m.text()); });
-  page.on('pageerror', (e) => complaints.push(String(e)));
+  page.on('pageerror', (e) => complaints.push(e.stack ?? String(e)));
+  await page.emulateMedia({ colorScheme: 'dark' });
   const started = Date.now();
   await page.goto(url);
   await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });

@@ -54,11 +54,19 @@ await withBrowser(async (browser) => {
   await page.waitForFunction((before) => document.getElementById('progress').textContent !== before, step, { timeout: 30000 });
   check(true, 'the space bar lets it go on');
   await page.locator('#stop').click();
-  const status = await Promise.race([ended, sleep(30000).then(() => 'nothing')]);
-  check(status === 75, `stop ends it as Ctrl-C does (status ${status})`);
-  check(JSON.parse(readFileSync(join(run, 'run.json'))).status === 'stopped' && told.includes('--resume'), 'with a checkpoint and the words to go on');
+  await page.waitForFunction(() => document.getElementById('status').textContent === 'stopped', null, { timeout: 30000 });
+  check(JSON.parse(readFileSync(join(run, 'run.json'))).status === 'stopped', 'stop ends the training with a checkpoint');
+  for (let i = 0; i < 50 && existsSync(join(run, 'live')); ++i) await sleep(100);
   check(!existsSync(join(run, 'live')), 'and leaves no snapshot behind');
+  check(await splats() > 0 && difference(await small(), second) < 60, 'the page goes on and shows the last splats');
+  check(!(await page.locator('#controls').isVisible()) && /--resume/.test(await page.locator('#why-not-editable').textContent()),
+    'it has no buttons for what has ended, and tells how to go on');
+  check(!(await page.locator('#training').evaluate((e) => e.open)), 'and the charts of the finished training are closed');
+  await shot('stopped');
+  trainer.kill('SIGINT');
+  const status = await Promise.race([ended, sleep(30000).then(() => 'nothing')]);
+  check(status === 75 && told.includes('--resume'), `Ctrl-C then ends it as a stopped training (status ${status}), with the words to go on`);
   await page.waitForFunction(() => document.getElementById('status').textContent === 'no connection', null, { timeout: 10000 });
-  check(true, 'the page says that its server is gone');
+  check(await page.locator('#offline').isVisible(), 'the page says that its server is gone');
   check(complaints.filter((c) => !/ERR_CONNECTION|ERR_INCOMPLETE|404/.test(c)).length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
 }, { cleanup: () => { trainer.kill('SIGKILL'); remove(folder); } });

@@ -67,6 +67,7 @@ await withBrowser(async (browser) => {
   await page.mouse.move(box.x + 420, box.y + 230, { steps: 4 });
   await page.mouse.up();
   check(difference(start, await picture()) > 5, 'dragging turns the view');
+  await page.locator('#picked-close').click(); // it glows
   await page.keyboard.press('h');
   check(difference(start, await picture()) < 1, 'home goes back to the start pose');
 
@@ -119,6 +120,10 @@ await withBrowser(async (browser) => {
   appendFileSync(join(run, 'events.ndjson'), '{"step":99999,"losses":{"total":0.1},"psnr":30.5,"gaussians":1234}\n');
   await page.waitForFunction((n) => window.aligngs.page.training.charts.points === n + 1, points, { timeout: 10000 });
   check((await page.locator('#progress').textContent()).includes('99999'), 'a new event reaches the charts');
+  check(!(await page.locator('#progress').isVisible()), 'charts of a finished training are closed');
+  await page.locator('#training summary').click();
+  check(await page.evaluate(() => document.getElementById('lists').compareDocumentPosition(document.getElementById('training')) & 4) === 4, 'and lie below the lists');
+  await page.locator('#charts').scrollIntoViewIfNeeded();
   await shot('charts');
 
   if (existsSync(join(run, 'mesh', 'mesh.ply'))) {

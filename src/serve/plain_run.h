@@ -1,0 +1,12 @@
+// A run that others may have made, before the page's server opens it for edits and pictures.
+#pragma once
+
+#include <filesystem>
+
+namespace aligngs {
+
+/// Error{kBadInput} when a file that edits, pictures and exports read or write is a link out of the run folder, or no
+/// regular file (reading a FIFO never ends). The command line follows such links, as its user has typed the path.
+void require_plain_run(const std::filesystem::path& run);
+
+}  // namespace aligngs

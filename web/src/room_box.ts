@@ -1,0 +1,58 @@
+// The box of the room in the y-up world, and which of its sides are between the camera and the room.
+import { Vec3 } from 'playcanvas';
+
+const kAngles = 30;        // directions of walls that are tried, over a right angle
+const kSample = 4000;
+const kTail = 0.02;        // share of splats at either end that do not count: haze behind the walls
+const kWall = 0.06;        // share of the box that a wall may be thick or bent
+const kLeast = 1e-3;       // scene units
+
+/// A side that is cut away: splats with dot(position, normal) > offset.
+export interface Cut { normal: Vec3; offset: number }
+
+export class RoomBox {
+  private constructor(private axes: Vec3[], private low: number[], private high: number[]) {}
+
+  /// From positions of splats in the y-up world; walls stand along the box's sides.
+  static of(points: Vec3[]): RoomBox | null {
+    if (points.length < 16) return null;
+    const step = Math.max(1, Math.floor(points.length / kSample)), sample = points.filter((_, i) => i % step === 0);
+    const range = (axis: Vec3): [number, number] => {
+      const values = Float32Array.from(sample, (p) => p.dot(axis)).sort();
+      return [values[Math.floor(kTail * values.length)], values[Math.floor((1 - kTail) * values.length)]];
+    };
+    let best: { axes: Vec3[]; area: number } | null = null;
+    for (let k = 0; k < kAngles; ++k) {
+      const a = (k / kAngles) * (Math.PI / 2), axes = [new Vec3(Math.cos(a), 0, Math.sin(a)), new Vec3(-Math.sin(a), 0, Math.cos(a))];
+      const area = axes.map(range).reduce((product, [l, h]) => product * (h - l), 1);
+      if (!best || area < best.area) best = { axes, area };
+    }
+    const axes = [best!.axes[0], Vec3.UP, best!.axes[1]], ranges = axes.map(range);
+    return new RoomBox(axes, ranges.map((r) => r[0]), ranges.map((r) => r[1]));
+  }
+
+  get diagonal(): number { return Math.max(kLeast, Math.hypot(...this.axes.map((_, k) => this.high[k] - this.low[k]))); }
+  get floor(): number { return this.low[1]; }
+  get ceiling(): number { return this.high[1]; }
+
+  /// Sides that the eye is beyond: what hides the room from there.
+  cuts(eye: Vec3): Cut[] {
+    const found: Cut[] = [];
+    this.axes.forEach((axis, k) => {
+      const at = eye.dot(axis), margin = kWall * (this.high[k] - this.low[k]);
+      if (at > this.high[k] + margin) found.push({ normal: axis.clone(), offset: this.high[k] - margin });
+      if (at < this.low[k] - margin) found.push({ normal: axis.clone().mulScalar(-1), offset: -(this.low[k] + margin) });
+    });
+    return found;
+  }
+
+  /// The nearest place inside, `margin` scene units off the walls.
+  inside(p: Vec3, margin: number): Vec3 {
+    const out = new Vec3();
+    this.axes.forEach((axis, k) => {
+      const half = (this.high[k] - this.low[k]) / 2, m = Math.min(margin, 0.8 * half);
+      out.add(axis.clone().mulScalar(Math.max(this.low[k] + m, Math.min(this.high[k] - m, p.dot(axis)))));
+    });
+    return out;
+  }
+}

@@ -1,0 +1,134 @@
+// One scene of splats in the 3D view. Its shader takes the colours and the visibility of the classes from a texture.
+import {
+  Entity, GSPLAT_STREAM_INSTANCE, GSplatData, GSplatResource, PIXELFORMAT_RGBA8, WORKBUFFER_UPDATE_ONCE, type GraphicsDevice, type Texture,
+} from 'playcanvas';
+import { type Columns } from './columns';
+import { type Splats } from './pick';
+import { type Cut } from './room_box';
+
+export const kStyles = 256; // classes that can be styled; 255: no class
+
+/// Class, object number (low and high byte) and visibility of each splat come in splatLabel. Row 0 of aligngsStyle is the
+/// colour of a class, row 1 whether it is drawn (r) and whether it belongs to the shell of the room (g).
+const kModifier = `
+  uniform sampler2D aligngsStyle;
+  uniform vec4 aligngsGlow;    // class, object number or -1 for all, strength
+  uniform vec4 aligngsCut0;    // sides of the room that are in the way: normal, offset; (0, 0, 0, 1000): none
+  uniform vec4 aligngsCut1;
+  uniform vec4 aligngsCut2;
+  uniform float aligngsWall;   // how thick a wall is, scene units
+  void modifySplatCenter(inout vec3 center) {}
+  void modifySplatRotationScale(vec3 originalCenter, vec3 modifiedCenter, inout vec4 rotation, inout vec3 scale) {}
+  float beyond(vec3 center, vec4 cut, bool shell) {
+    float d = dot(center, cut.xyz) - cut.w;
+    return 1.0 - smoothstep(0.0, aligngsWall, shell ? d : d - 2.0 * aligngsWall);
+  }
+  void modifySplatColor(vec3 center, inout vec4 color) {
+    vec4 own = loadSplatLabel();
+    int label = int(own.r * 255.0 + 0.5);
+    float number = floor(own.g * 255.0 + 0.5) + 256.0 * floor(own.b * 255.0 + 0.5);
+    vec4 style = texelFetch(aligngsStyle, ivec2(label, 0), 0), flags = texelFetch(aligngsStyle, ivec2(label, 1), 0);
+    bool shell = flags.g > 0.5;
+    color.rgb = mix(color.rgb, style.rgb, style.a);
+    color.a *= flags.r * own.a;
+    color.a *= beyond(center, aligngsCut0, shell) * beyond(center, aligngsCut1, shell) * beyond(center, aligngsCut2, shell);
+    if (abs(float(label) - aligngsGlow.x) < 0.5 && (aligngsGlow.y < 0.0 || abs(number - aligngsGlow.y) < 0.5)) {
+      color.rgb = mix(color.rgb, vec3(1.0, 0.72, 0.15), aligngsGlow.z) + 0.15 * aligngsGlow.z;
+    }
+  }`;
+
+export class SplatLayer {
+  readonly entity = new Entity('splats');
+  readonly splats: Splats;
+  private resource: GSplatResource;
+
+  constructor(device: GraphicsDevice, parent: Entity, columns: Columns, styles: Texture) {
+    const properties = [...columns.values].filter(([name]) => !['label', 'instance', 'confidence'].includes(name))
+      .map(([name, storage]) => ({ type: 'float', name, storage, byteSize: 4 }));
+    this.resource = new GSplatResource(device, new GSplatData([{ name: 'vertex', count: columns.count, properties }] as never));
+    this.splats = splatsOf(columns);
+    parent.addChild(this.entity); // textures of a component exist only in the scene
+    this.entity.addComponent('gsplat', { resource: this.resource });
+    if (this.splats.labels) this.attach(this.splats.labels, styles);
+  }
+
+  /// Draws with changed styles.
+  update(): void { this.entity.gsplat!.workBufferUpdate = WORKBUFFER_UPDATE_ONCE; }
+
+  destroy(): void {
+    this.entity.destroy();
+    this.resource.destroy();
+  }
+
+  /// Lets one object glow; null: none.
+  glow(which: { label: number; instance: number } | null, strength: number): void {
+    this.set('aligngsGlow', which ? [which.label, which.instance > 0 ? which.instance : -1, strength, 0] : [-9, -1, 0, 0]);
+  }
+
+  /// Cuts away the sides of the room that are in the way, at most three.
+  cut(sides: Cut[], wall: number): void {
+    for (let k = 0; k < 3; ++k) {
+      const side = sides[k];
+      this.set(`aligngsCut${k}`, side ? [side.normal.x, side.normal.y, side.normal.z, side.offset] : [0, 0, 0, 1e3]);
+    }
+    this.set('aligngsWall', wall);
+  }
+
+  /// Shows or hides single objects.
+  showObjects(hidden: Set<string>): void {
+    const { labels, instances } = this.splats;
+    if (!labels || !instances) return;
+    const texture = this.entity.gsplat!.getInstanceTexture('splatLabel')!, data = texture.lock() as Uint8Array;
+    for (let i = 0; i < labels.length; ++i) data[4 * i + 3] = hidden.size > 0 && hidden.has(objectKey(labels[i], instances[i])) ? 0 : 255;
+    texture.unlock();
+    this.update();
+  }
+
+  private set(name: string, value: number | number[]): void {
+    if (!this.splats.labels) return;
+    this.entity.gsplat!.setParameter(name, value);
+    this.update();
+  }
+
+  private attach(labels: Uint16Array, styles: Texture): void {
+    this.resource.format.addExtraStreams([{ name: 'splatLabel', format: PIXELFORMAT_RGBA8, storage: GSPLAT_STREAM_INSTANCE }]);
+    const texture = this.entity.gsplat!.getInstanceTexture('splatLabel')!, instances = this.splats.instances;
+    const data = texture.lock() as Uint8Array;
+    for (let i = 0; i < labels.length; ++i) {
+      const instance = instances ? instances[i] : 0;
+      data.set([Math.min(kStyles - 1, labels[i]), instance & 255, instance >> 8, 255], 4 * i);
+    }
+    texture.unlock();
+    this.entity.gsplat!.setParameter('aligngsStyle', styles as unknown as number);
+    this.glow(null, 0);
+    this.cut([], 1);
+    this.entity.gsplat!.setWorkBufferModifier({ glsl: kModifier } as never);
+  }
+}
+
+export const objectKey = (label: number, instance: number): string => `${label}#${instance}`;
+
+/// What picking needs.
+function splatsOf(columns: Columns): Splats {
+  const n = columns.count, column = (name: string) => columns.values.get(name);
+  const interleaved = (names: string[], map: (v: number) => number) => {
+    const out = new Float32Array(n * names.length);
+    names.forEach((name, k) => {
+      const values = column(name)!;
+      for (let i = 0; i < n; ++i) out[i * names.length + k] = map(values[i]);
+    });
+    return out;
+  };
+  const rotations = interleaved(['rot_0', 'rot_1', 'rot_2', 'rot_3'], (v) => v);
+  for (let i = 0; i < n; ++i) {
+    const l = Math.hypot(rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2], rotations[4 * i + 3]) || 1;
+    for (let k = 0; k < 4; ++k) rotations[4 * i + k] /= l;
+  }
+  const labels = column('label'), instances = column('instance'), confidences = column('confidence');
+  return {
+    count: n, centres: interleaved(['x', 'y', 'z'], (v) => v), scales: interleaved(['scale_0', 'scale_1', 'scale_2'], Math.exp), rotations,
+    opacities: interleaved(['opacity'], (v) => 1 / (1 + Math.exp(-v))),
+    labels: labels ? Uint16Array.from(labels) : null, instances: instances ? Uint16Array.from(instances) : null,
+    confidences: confidences ? Uint8Array.from(confidences) : null,
+  };
+}
