@@ -8,6 +8,7 @@
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
+#include "edit/color_names.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
 #include "edit/mesh_selection.h"
@@ -25,7 +26,8 @@ using Json = nlohmann::json;
 namespace {
 
 struct EditOptions {
-  std::string run, scene, select, threshold = "argmax", recolor, highlight, output, picture;
+  std::string run, scene, say, select, threshold = "argmax", recolor, highlight, output, picture;
+  double wait = EditSessionOptions().patience;  ///< seconds
   bool remove = false, extract = false, fill = false;
   bool undo = false, list = false, dry_run = false, measure = false;
 };
@@ -81,7 +83,7 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
   }
-  const SelectionQuery query = parse_selection(options.select, Vocabulary(room.labels));
+  const SelectionQuery query = read_selection(room, options.select);
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());
   std::vector<Camera> cameras;
@@ -120,33 +122,51 @@ EditOperation operation_of(const EditOptions& options) {
                                          : EditKind::kHighlight;
   if (options.fill && !options.remove)
     throw_usage("--fill closes the hole that --delete leaves", "use it with --delete");
-  if (edit.kind == EditKind::kRecolor) edit.color = parse_color(options.recolor);
-  if (edit.kind == EditKind::kHighlight) edit.color = parse_color(options.highlight);
+  if (edit.kind == EditKind::kRecolor) edit.color = read_color(options.recolor);
+  if (edit.kind == EditKind::kHighlight) edit.color = read_color(options.highlight);
   edit.fill = options.fill;
   edit.select = options.select;
   edit.threshold = parse_threshold(options.threshold);
   return edit;
 }
 
+/// With --say everything about the edit is in the sentence.
+void require_only_a_sentence(const EditOptions& options) {
+  if (options.remove || options.extract || options.fill || !options.recolor.empty() || !options.highlight.empty() ||
+      !options.select.empty() || options.undo || options.list || options.measure) {
+    throw_usage("--say is a whole edit by itself", "leave out --select and the operation, or leave out --say");
+  }
+}
+
+void undo(const CommandContext& context, EditSession& session, size_t number) {
+  const std::string undone = describe(session.undo(number));
+  print(context, {{"undone", undone}, {"edits", session.stack().size()}}, "undone: " + undone + "\n");
+}
+
 void run_edit(const CommandContext& context, const EditOptions& options) {
-  const bool looks = options.undo || options.list;
+  const bool says = !options.say.empty();
+  if (says) require_only_a_sentence(options);
+  const bool looks = options.undo || options.list || says;
   if (options.undo + options.list + options.dry_run + options.measure > 1)
     throw_usage("--undo, --list, --dry-run and --measure exclude each other");
   if (!looks && options.select.empty())
     throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
-  const EditOperation edit = edits ? operation_of(options) : EditOperation{};
+  EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
-  if (edits && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
+  if ((edits || says) && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
   const std::string picture_file = options.picture.empty() ? "edit_preview.png" : options.picture;
   if (options.dry_run) require_extension(picture_file, "png");
   if (options.dry_run) RunFolder(options.run).require_not_of_run(picture_file, options.scene);
-  EditSession session(options.run, {options.scene, context.global.threads});
+  EditSession session(options.run, {options.scene, context.global.threads, options.wait});
   if (options.list) return list_run(context, session);
   if (options.measure) return measure(context, session, options);
-  if (options.undo) {
-    const std::string undone = describe(session.undo());
-    return print(context, {{"undone", undone}, {"edits", session.stack().size()}}, "undone: " + undone + "\n");
+  if (options.undo) return undo(context, session, 0);
+  if (says) {
+    const EditRequest request = session.understand(options.say);
+    if (request.undo && (options.dry_run || !options.output.empty())) throw_usage("undo changes this run", "leave out --dry-run and -o");
+    if (request.undo) return undo(context, session, *request.undo);
+    edit = request.edit;
   }
   const LabelSet& labels = session.room().labels;
   if (options.dry_run) {
@@ -191,18 +211,21 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
+  command->add_option("--say", options->say, "the edit in words: \"recolor sofa dark green\", \"undo the second edit\"")->group("Edit");
   command->add_option("--select", options->select, "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")->group("Selection");
   command->add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
       ->capture_default_str()->group("Selection");
   command->add_flag("--delete", options->remove, "remove the selected objects")->group("Edit");
   command->add_flag("--fill", options->fill, "with --delete: close the hole on the plane that carried the object")->group("Edit");
   command->add_flag("--extract", options->extract, "keep the selected objects only")->group("Edit");
-  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb'; light and texture stay")->group("Edit");
-  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb'")->group("Edit");
+  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb' or a name; light and texture stay")->group("Edit");
+  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb' or a name")->group("Edit");
   command->add_option("-o,--output", options->output, "write a new run instead of editing this one")->group("Stack and output");
   command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")->group("Stack and output");
   command->add_option("--picture", options->picture, "picture of --dry-run (default: edit_preview.png)")->group("Stack and output");
   command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
+  command->add_option("--wait", options->wait, "seconds to wait for another edit of this run")
+      ->check(CLI::NonNegativeNumber)->capture_default_str()->group("Stack and output");
   command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");
   command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });

@@ -1,10 +1,13 @@
 #include "edit/apply_edit.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "core/error.h"
+#include "edit/crumbs.h"
 #include "edit/mesh_selection.h"
+#include "edit/object_choice.h"
 #include "edit/recolor.h"
 #include "edit/support_fill.h"
 #include "gaussians/restructure.h"
@@ -71,8 +74,25 @@ void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::
   if (!room.mesh.vertices.empty()) room.mesh = submesh(room.mesh, vertices, value);
 }
 
+/// Gaussians that a deletion leaves of objects that it takes for the most part: specks inside of other things.
+std::vector<uint8_t> rest_of_objects(const LabelledGaussians& room, const std::vector<uint8_t>& mask) {
+  constexpr size_t kMost = 2;  // selected: at least one of two Gaussians
+  std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // selected, all
+  for (size_t i = 0; i < mask.size(); ++i) {
+    auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
+    selected += mask[i];
+    ++all;
+  }
+  std::vector<uint8_t> rest(mask.size(), 0);
+  for (size_t i = 0; i < mask.size(); ++i) {
+    const auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
+    rest[i] = !mask[i] && room.labels.label[i] != kNoLabel && kMost * selected >= all;
+  }
+  return rest;
+}
+
 void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
-                    const std::vector<uint8_t>& vertices, EditReport& report) {
+                    const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
   std::vector<SupportPatch> patches;
   if (edit.fill) {
     for (const std::vector<uint8_t>& part : connected_parts(room.gaussians, mask)) {
@@ -82,13 +102,15 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
     }
     report.no_support = patches.empty();
   }
-  std::vector<uint8_t> keep = inverted(mask);
+  std::vector<uint8_t> keep = inverted(mask), rest = rest_of_objects(room.gaussians, mask);
   for (const SupportPatch& patch : patches) {
     report.filled += patch.sources.size();
     append_patch(room, patch);  // before rows move: the sources are rows of the room as it is
   }
   keep.resize(room.gaussians.model.size(), 1);
+  rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
+  join_neighbours(room.gaussians, kept(rest, keep, 1), {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room.mesh, patch.mesh);
   }
@@ -112,9 +134,32 @@ LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uin
   return out;
 }
 
+Vocabulary vocabulary_of(const EditableRoom& room) {
+  Vocabulary vocabulary(room.labels);
+  std::vector<int> present;
+  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels)) present.push_back(object.label);
+  vocabulary.prefer(present);
+  return vocabulary;
+}
+
+namespace {
+
+std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
+  if (cameras.empty()) return std::nullopt;
+  Vec3d sum;
+  for (const Camera& camera : cameras) sum += camera.centre();
+  return sum * (1.0 / static_cast<double>(cameras.size()));
+}
+
+}  // namespace
+
+SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
+  return with_numbers(parse_selection(text, vocabulary_of(room)), list_instances(room.gaussians.model, room.gaussians.labels),
+                      {room.up, mean_place(room.cameras)}, room.labels);
+}
+
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {
-  const Vocabulary vocabulary(room.labels);
-  const SelectionQuery query = parse_selection(edit.select, vocabulary);
+  const SelectionQuery query = read_selection(room, edit.select);
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
   if (edit.kind == EditKind::kDelete) options.join = 0.5;
@@ -135,7 +180,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   report.selected_vertices = static_cast<size_t>(std::count(vertices.begin(), vertices.end(), uint8_t(1)));
   switch (edit.kind) {
     case EditKind::kDelete:
-      remove_objects(room, edit, selection.mask, vertices, report);
+      remove_objects(room, edit, selection.mask, vertices, report, pool);
       break;
     case EditKind::kExtract:
       keep_part(room, selection.mask, vertices, 1);

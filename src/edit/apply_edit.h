@@ -8,6 +8,7 @@
 #include "core/thread_pool.h"
 #include "edit/edit_operation.h"
 #include "edit/selection.h"
+#include "scene/camera.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -25,6 +26,7 @@ struct EditableRoom {
   TriangleMesh mesh;                    ///< empty when the run has none
   LabelSet labels;
   std::optional<Vec3d> up;  ///< unit, world; when the scene knows it
+  std::vector<Camera> cameras;  ///< of the training photos, world; empty where they are not known
 };
 
 struct EditReport {
@@ -41,6 +43,13 @@ struct EditReport {
 /// Names and objects mean what they meant in the unedited room, whatever was deleted before. Error{kUsage} for names
 /// that are unknown, Error{kBadInput} when nothing is selected or nothing would be left; the room is then unchanged.
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool);
+
+/// Reads the text of a selection. "The largest chair" has its number then, among the objects that the room has now.
+/// Errors as parse_selection's and with_numbers' (object_choice.h).
+SelectionQuery read_selection(const EditableRoom& room, const std::string& text);
+
+/// The words that people may use in this room: those of its label set, with suggestions of what it holds.
+Vocabulary vocabulary_of(const EditableRoom& room);
 
 /// The row subset of all parts of a labelled scene.
 LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep);

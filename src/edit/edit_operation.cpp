@@ -125,7 +125,8 @@ std::string describe(const EditOperation& edit) {
   if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);
   if (edit.threshold.kind != ThresholdRule::Kind::kArgmax)
     text += " (threshold " + threshold_text(edit.threshold) + ")";
-  return edit.fill ? text + ", hole filled" : text;
+  if (edit.kind == EditKind::kDelete) text += edit.fill ? kHoleFilled : kHoleLeftOpen;
+  return text;
 }
 
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors) {

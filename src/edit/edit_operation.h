@@ -27,6 +27,9 @@ struct EditOperation {
   bool fill = false;                          ///< kDelete: close the hole on the supporting plane
 };
 
+/// The end of a deletion's description.
+inline constexpr std::string_view kHoleFilled = ", hole filled", kHoleLeftOpen = ", hole left open";
+
 std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "recolor", "highlight"
 /// "#rrggbb" or "#rgb"; Error{kUsage} for anything else.
 std::array<uint8_t, 3> parse_color(std::string_view text);

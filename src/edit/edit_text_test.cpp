@@ -13,7 +13,7 @@ TEST(EditText, AVerbAndASelection) {
   const EditOperation edit = parse_edit("delete pillow, cushion");
   EXPECT_EQ(edit.kind, EditKind::kDelete);
   EXPECT_EQ(edit.select, "pillow, cushion");
-  EXPECT_FALSE(edit.fill);
+  EXPECT_TRUE(edit.fill) << "as the button of the page";
   EXPECT_EQ(parse_edit("  Remove  pillow#2 ").select, "pillow#2");
   EXPECT_EQ(parse_edit("keep everything but wall, floor").kind, EditKind::kExtract);
   EXPECT_EQ(parse_edit("extract everything but wall, floor").select, "everything but wall, floor");
@@ -32,12 +32,28 @@ TEST(EditText, AColourStandsAtTheEnd) {
 }
 
 TEST(EditText, OptionsAreThoseOfTheCommandLine) {
-  const EditOperation edit = parse_edit("delete --fill pillow --threshold 0.4");
-  EXPECT_TRUE(edit.fill);
+  EXPECT_TRUE(parse_edit("delete --fill pillow").fill);
+  const EditOperation edit = parse_edit("delete --no-fill pillow --threshold 0.4");
+  EXPECT_FALSE(edit.fill);
   EXPECT_EQ(edit.select, "pillow");
   EXPECT_EQ(edit.threshold.kind, ThresholdRule::Kind::kValue);
   EXPECT_DOUBLE_EQ(edit.threshold.value, 0.4);
   EXPECT_EQ(parse_edit("delete pillow --threshold=auto").threshold.kind, ThresholdRule::Kind::kAuto);
+}
+
+TEST(EditText, AColourMayBeAName) {
+  const EditOperation edit = parse_edit("recolor chest of drawers dark green");
+  EXPECT_EQ(edit.select, "chest of drawers");
+  EXPECT_EQ(color_text(edit.color), "#006400");
+  EXPECT_EQ(parse_edit("paint the wall light blue").kind, EditKind::kRecolor);
+}
+
+TEST(EditText, AnEditIsUndoneByItsNumber) {
+  EXPECT_EQ(parse_request("undo").undo, 0u);
+  EXPECT_EQ(parse_request("Undo the last edit").undo, 0u);
+  for (const char* text : {"undo the second edit", "undo #2", "undo edit number 2", "undo 2nd"}) EXPECT_EQ(parse_request(text).undo, 2u) << text;
+  EXPECT_FALSE(parse_request("delete bed").undo);
+  for (const char* text : {"undo everything else", "undo 0", "undo -1"}) EXPECT_THROW(parse_request(text), Error) << text;
 }
 
 TEST(EditText, ReadsBackHowEditsAreDescribed) {
@@ -75,7 +91,7 @@ TEST(EditText, MistakesSayWhatIsExpected) {
   expect("delete", "names no object");
   expect("delete   --fill", "names no object");
   expect("recolor", "no colour");
-  expect("recolor sofa to blue", "no colour");
+  expect("recolor sofa to bleu", "no colour");
   expect("recolor #add8e6", "names no object");
   expect("extract sofa --fill", "deletion");
   expect("delete sofa --threshold", "no threshold");

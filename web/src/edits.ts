@@ -41,7 +41,7 @@ export class EditPanel {
     await this.work(`${edit} ...`, async () => {
       const answer = await post<EditList>('/api/edits/push', { edit });
       element<HTMLInputElement>('edit-text').value = '';
-      return { answer, told: summary(answer.report!) };
+      return { answer, told: answer.report ? summary(answer.report) : `undone: ${answer.undone}` };
     });
   }
   async undo(): Promise<void> {
