@@ -5,11 +5,14 @@
 #include <utility>
 
 #include "core/error.h"
+#include "edit/contents.h"
 #include "edit/crumbs.h"
+#include "edit/export/moved_room.h"
+#include "edit/fill/fill_removed.h"
 #include "edit/mesh_selection.h"
+#include "edit/move_objects.h"
 #include "edit/object_choice.h"
 #include "edit/recolor.h"
-#include "edit/support_fill.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
@@ -95,11 +98,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
                     const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
   std::vector<SupportPatch> patches;
   if (edit.fill) {
-    for (const std::vector<uint8_t>& part : connected_parts(room.gaussians, mask)) {
-      for (const SupportPlane& plane : find_supports(room.gaussians, part, mask, room.up)) {
-        patches.push_back(fill_on_plane(room.gaussians, part, mask, plane));
-      }
-    }
+    patches = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras});
     report.no_support = patches.empty();
   }
   std::vector<uint8_t> keep = inverted(mask), rest = rest_of_objects(room.gaussians, mask);
@@ -114,6 +113,37 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room.mesh, patch.mesh);
   }
+}
+
+void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                  const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
+  EditableRoom piece = piece_of(room, mask, vertices);
+  ObjectMotion motion = edit.motion;
+  if (edit.kind == EditKind::kDuplicate && motion.is_still()) motion.shift.x = step_aside(room, mask);
+  const Similarity to = motion_in_world(room, mask, motion);
+  if (edit.kind == EditKind::kMove) {
+    remove_objects(room, edit, mask, vertices, report, pool);
+  } else {
+    number_anew(piece, room);
+  }
+  add_piece(room, moved(piece, to));
+}
+
+std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
+  if (cameras.empty()) return std::nullopt;
+  Vec3d sum;
+  for (const Camera& camera : cameras) sum += camera.centre();
+  return sum * (1.0 / static_cast<double>(cameras.size()));
+}
+
+/// Things on the selected objects: selected, too, or named in the report.
+void add_contents(const EditableRoom& room, bool take, GaussianSelection& selection, EditReport& report) {
+  const std::vector<Instance> contents = contents_of(room.gaussians, selection.mask, room.labels, *room.up);
+  std::vector<SelectedObject>& list = take ? selection.objects : report.contents;
+  for (const Instance& o : contents) list.push_back({o.label, o.number, o.gaussians});
+  if (!take) return;
+  select_objects(room.gaussians, contents, selection.mask);
+  selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
 }
 
 }  // namespace
@@ -142,17 +172,6 @@ Vocabulary vocabulary_of(const EditableRoom& room) {
   return vocabulary;
 }
 
-namespace {
-
-std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
-  if (cameras.empty()) return std::nullopt;
-  Vec3d sum;
-  for (const Camera& camera : cameras) sum += camera.centre();
-  return sum * (1.0 / static_cast<double>(cameras.size()));
-}
-
-}  // namespace
-
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
   return with_numbers(parse_selection(text, vocabulary_of(room)), list_instances(room.gaussians.model, room.gaussians.labels),
                       {room.up, mean_place(room.cameras)}, room.labels);
@@ -162,17 +181,20 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   const SelectionQuery query = read_selection(room, edit.select);
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
-  if (edit.kind == EditKind::kDelete) options.join = 0.5;
-  const GaussianSelection selection =
+  if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
+  GaussianSelection selection =
       select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up && !query.everything) {
+    add_contents(room, edit.with_contents, selection, report);
+  }
   report.description = describe(edit);
   report.objects = selection.objects;
   report.selected = selection.count;
   report.threshold = selection.threshold;
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
-  if (edit.kind == EditKind::kDelete && selection.count == report.before) {
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
@@ -181,6 +203,10 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   switch (edit.kind) {
     case EditKind::kDelete:
       remove_objects(room, edit, selection.mask, vertices, report, pool);
+      break;
+    case EditKind::kMove:
+    case EditKind::kDuplicate:
+      move_objects(room, edit, selection.mask, vertices, report, pool);
       break;
     case EditKind::kExtract:
       keep_part(room, selection.mask, vertices, 1);

@@ -32,10 +32,11 @@ struct EditableRoom {
 struct EditReport {
   std::string description;
   std::vector<SelectedObject> objects;  ///< what was selected
+  std::vector<SelectedObject> contents;  ///< what stands on them and was left behind
   size_t selected = 0;                  ///< Gaussians
   size_t before = 0, after = 0;         ///< Gaussians of the room
-  size_t filled = 0;                    ///< new Gaussians on the supporting plane
-  bool no_support = false;              ///< fill was asked for and no plane was found
+  size_t filled = 0;                    ///< new Gaussians of the surfaces that were behind and under
+  bool no_support = false;              ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
   double threshold = 0;  ///< that was used; 0 for argmax
 };

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "edit/color_names.h"
+#include "edit/motion_text.h"
 
 namespace aligngs {
 namespace {
@@ -17,7 +18,9 @@ constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"re
 
 constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
     {"delete", EditKind::kDelete},   {"remove", EditKind::kDelete},    {"extract", EditKind::kExtract},
-    {"keep", EditKind::kExtract},    {"recolor", EditKind::kRecolor},  {"recolour", EditKind::kRecolor},
+    {"keep", EditKind::kExtract},    {"move", EditKind::kMove},       {"push", EditKind::kMove},        {"turn", EditKind::kMove},
+    {"rotate", EditKind::kMove},     {"duplicate", EditKind::kDuplicate}, {"copy", EditKind::kDuplicate},
+    {"recolor", EditKind::kRecolor},  {"recolour", EditKind::kRecolor},
     {"paint", EditKind::kRecolor},   {"color", EditKind::kRecolor},    {"colour", EditKind::kRecolor},
     {"highlight", EditKind::kHighlight}};
 
@@ -87,6 +90,32 @@ std::optional<bool> take_fill(std::string& text) {
   return {};
 }
 
+bool take_contents(std::string& text) {
+  for (const std::string_view ending : {kWithContents, std::string_view(" and what is on it"), std::string_view(" with everything on it")}) {
+    if (take_ending(text, ending)) return true;
+  }
+  constexpr std::string_view kOption = "--with-contents";
+  const size_t at = lower(text).find(kOption);
+  if (at == std::string::npos) return false;
+  text.erase(at, kOption.size());
+  return true;
+}
+
+/// Takes the motion of "move", "turn" or "duplicate" off the end.
+void read_motion(const std::string& verb, EditOperation& edit, std::string& text) {
+  if (verb == "turn" || verb == "rotate") {
+    const auto turn = take_turn(text);
+    if (!turn) throw_usage("the turn has no angle", "for example \"turn armchair by 90\"");
+    edit.motion.turn = *turn;
+    return;
+  }
+  if (const auto motion = take_motion(text)) {
+    edit.motion = *motion;
+  } else if (edit.kind == EditKind::kMove) {
+    throw_usage("the move has no distance", "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
+  }
+}
+
 /// The number of "undo the second edit", "undo #2", "undo 2nd"; nothing where the words say no number.
 std::optional<size_t> undo_number(std::string words) {
   for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. "}) {
@@ -145,18 +174,25 @@ EditOperation parse_edit(std::string_view given) {
   const auto* known = std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });
   if (known == std::end(kVerbs)) {
     throw_usage(verb.empty() ? "there is no edit" : "\"" + verb.substr(0, 40) + "\" is no edit",
-                std::string("say delete, extract, recolor or highlight, ") + kExample);
+                std::string("say delete, extract, move, turn, duplicate, recolor or highlight, ") + kExample);
   }
   EditOperation edit;
   edit.kind = known->second;
   text.erase(0, verb_end);
   const std::optional<bool> fill = take_fill(text);
-  edit.fill = fill.value_or(edit.kind == EditKind::kDelete);
+  edit.fill = fill.value_or(true) && (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove);
+  trim(text);
+  // The motion is at the end, and the contents before it.
+  if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) read_motion(verb, edit, text);
+  edit.with_contents = take_contents(text);
   trim(text);
   if (const auto threshold = take_threshold(text)) edit.threshold = parse_threshold(*threshold);
   trim(text);
-  if (fill && edit.kind != EditKind::kDelete) {
-    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete");
+  if (edit.with_contents && takes_color(edit.kind)) {
+    throw_usage("the contents of an object are deleted, extracted or moved with it", "leave out \"with contents\"");
+  }
+  if (fill && edit.kind != EditKind::kDelete && edit.kind != EditKind::kMove) {
+    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete or move");
   }
   if (edit.kind == EditKind::kRecolor || edit.kind == EditKind::kHighlight) {
     if (const auto color = take_color(text)) {

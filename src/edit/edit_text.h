@@ -11,9 +11,10 @@
 namespace aligngs {
 
 /// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or keep,
-/// recolor (recolour, paint, color, colour), highlight. A colour (color_names.h) is at the end, after "to", "in" or
+/// move or push, turn or rotate, duplicate or copy (motion_text.h), recolor (recolour, paint, color, colour), highlight. A colour (color_names.h) is at the end, after "to", "in" or
 /// "with" or by itself; highlighting can do without. A deletion fills its hole, as the button of the page does, unless
-/// the text says "--no-fill" or ", hole left open". "--fill" and "--threshold X" mean what they mean on the command
+/// the text says "--no-fill" or ", hole left open". "With contents" (or "and what is on it") takes along what stands on
+/// the objects. "--fill" and "--threshold X" mean what they mean on the command
 /// line. Reads back every describe() of an edit. Error{kUsage} for anything else; the selection is only checked against
 /// a label set when it is applied.
 EditOperation parse_edit(std::string_view text);

@@ -20,7 +20,10 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
                        {"instance", object.instance},
                        {"gaussians", object.gaussians}});
   }
+  Json contents = Json::array();
+  for (const SelectedObject& object : report.contents) contents.push_back(object_name(object, labels));
   return {{"edit", report.description},
+          {"left_behind", contents},
           {"objects", objects},
           {"selected_gaussians", report.selected},
           {"gaussians_before", report.before},
