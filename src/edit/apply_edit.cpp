@@ -94,14 +94,24 @@ std::vector<uint8_t> rest_of_objects(const LabelledGaussians& room, const std::v
   return rest;
 }
 
+std::vector<uint8_t> with(std::vector<uint8_t> flags, const std::vector<uint8_t>& more) {
+  for (size_t i = 0; i < flags.size(); ++i) flags[i] |= more[i];
+  return flags;
+}
+
 void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
-                    const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
+                    std::vector<uint8_t> vertices, EditReport& report, ThreadPool& pool) {
   std::vector<SupportPatch> patches;
+  std::vector<uint8_t> gone = mask;
   if (edit.fill) {
-    patches = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras});
+    Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras});
+    patches = std::move(filling.patches);
     report.no_support = patches.empty();
+    report.cleared = static_cast<size_t>(std::count(filling.debris.begin(), filling.debris.end(), uint8_t(1)));
+    gone = with(std::move(gone), filling.debris);
+    if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent);
   }
-  std::vector<uint8_t> keep = inverted(mask), rest = rest_of_objects(room.gaussians, mask);
+  std::vector<uint8_t> keep = inverted(gone), rest = rest_of_objects(room.gaussians, mask);
   for (const SupportPatch& patch : patches) {
     report.filled += patch.sources.size();
     append_patch(room, patch);  // before rows move: the sources are rows of the room as it is

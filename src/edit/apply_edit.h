@@ -36,6 +36,7 @@ struct EditReport {
   size_t selected = 0;                  ///< Gaussians
   size_t before = 0, after = 0;         ///< Gaussians of the room
   size_t filled = 0;                    ///< new Gaussians of the surfaces that were behind and under
+  size_t cleared = 0;                   ///< Gaussians that went along, because only the object hid what they were
   bool no_support = false;              ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
   double threshold = 0;  ///< that was used; 0 for argmax

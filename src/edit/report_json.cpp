@@ -29,6 +29,7 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
           {"gaussians_before", report.before},
           {"gaussians_after", report.after},
           {"filled_gaussians", report.filled},
+          {"cleared_gaussians", report.cleared},
           {"selected_vertices", report.selected_vertices},
           {"vertices_before", report.vertices_before},
           {"vertices_after", report.vertices_after},

@@ -18,6 +18,8 @@ Vec3d position(const GaussianModel& model, size_t i) {
   return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
 }
 
+constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface believable
+
 /// The room, what goes, and all that filling asks of both.
 class Filler {
  public:
@@ -26,19 +28,25 @@ class Filler {
         classes_(carrying_classes(input.labels)), parts_(connected_parts(input.room, input.selected)),
         removed_(input.room.model, input.selected, settings.cube * input.room.extent), rest_(rest_space()), tree_(removed_points()) {
     planes_ = room_planes(room_, classes_, input_.selected, inside());
+    gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
   }
 
-  std::vector<SupportPatch> run() {
-    std::vector<SupportPatch> patches;
+  Filling run() {
+    Filling filling;
+    filling.debris = find_debris();
+    for (size_t i = 0; i < gone_.size(); ++i) gone_[i] |= filling.debris[i];
+    for (RoomPlane& plane : planes_) std::erase_if(plane.carriers, [&](uint32_t i) { return gone_[i] != 0; });
+    std::vector<SupportPatch>& patches = filling.patches;
     for (const RoomPlane& plane : planes_) {
+      if (plane.carriers.size() < kFewestCarriers) continue;
       for (SupportPatch& patch : fill_shell(plane)) patches.push_back(std::move(patch));
     }
     for (const std::vector<uint8_t>& part : parts_) {
       for (SupportPatch& patch : fill_furniture(part)) patches.push_back(std::move(patch));
     }
     std::erase_if(patches, [](const SupportPatch& p) { return p.sources.empty(); });
-    return patches;
+    return filling;
   }
 
  private:
@@ -47,10 +55,12 @@ class Filler {
     for (uint8_t& r : rest) r = !r;
     return SolidSpace(room_.model, rest, settings_.cube * extent_);
   }
-  std::vector<Vec3f> removed_points() const {
+  std::vector<Vec3f> removed_points() {
     std::vector<Vec3f> points;
-    for (size_t i = 0; i < input_.selected.size(); ++i) {
-      if (input_.selected[i]) points.push_back(position(room_.model, i).cast<float>());
+    for (uint32_t i = 0; i < input_.selected.size(); ++i) {
+      if (!input_.selected[i]) continue;
+      points.push_back(position(room_.model, i).cast<float>());
+      removed_rows_.push_back(i);
     }
     return points;
   }
@@ -76,14 +86,13 @@ class Filler {
   }
   /// Carriers of a surface, without those in the removed object's halo where enough are left.
   std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers) const {
-    constexpr size_t kEnough = 12;
     std::vector<uint32_t> out;
     std::vector<PointTree::Neighbour> near;
     for (const uint32_t i : carriers) {
       tree_.nearest(position(room_.model, i).cast<float>(), 1, near);
       if (near.empty() || near.front().distance > settings_.halo * extent_) out.push_back(i);
     }
-    return out.size() < kEnough ? carriers : out;
+    return out.size() < kFewestCarriers ? carriers : out;
   }
   double cell_of(const std::vector<uint32_t>& carriers) const {
     std::vector<Vec3f> points;
@@ -99,11 +108,12 @@ class Filler {
     std::nth_element(spacing.begin(), middle, spacing.end());
     return std::clamp<double>(*middle, settings_.cell_min * extent_, settings_.cell_max * extent_);
   }
-  std::vector<float> coverage(const PlaneGrid& grid) const {
+  /// Opacity of what stays on a plane, or with `gone` of what goes from it.
+  std::vector<float> coverage(const PlaneGrid& grid, bool gone) const {
     std::vector<float> cover(grid.size(), 0.f);
     const double tolerance = 2 * settings_.tolerance * extent_;
     for (size_t i = 0; i < room_.model.size(); ++i) {
-      if (!input_.selected[i] && std::fabs(grid.height_of(position(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
+      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
     }
     return cover;
   }
@@ -112,7 +122,7 @@ class Filler {
     std::vector<float> cover(grid.size(), 0.f);
     for (size_t i = 0; i < room_.model.size(); ++i) {
       const int label = room_.labels.label[i];
-      if (input_.selected[i] || std::find(openings_.begin(), openings_.end(), label) == openings_.end()) continue;
+      if (gone_[i] || std::find(openings_.begin(), openings_.end(), label) == openings_.end()) continue;
       if (std::fabs(grid.height_of(position(room_.model, i))) < settings_.opening * extent_) splat(room_.model, i, grid, true, cover);
     }
     return cover;
@@ -132,6 +142,50 @@ class Filler {
     return hidden;
   }
 
+  std::vector<uint8_t> find_debris() const {
+    std::vector<uint8_t> debris(room_.model.size(), 0);
+    std::vector<PointTree::Neighbour> near;
+    for (const RoomPlane& plane : planes_) {
+      const std::vector<uint32_t> carriers = clean(plane.carriers);
+      std::vector<Vec3f> points;
+      for (const uint32_t i : carriers) points.push_back(position(room_.model, i).cast<float>());
+      const PointTree surface(points);
+      for (size_t i = 0; i < debris.size(); ++i) {
+        const uint16_t label = room_.labels.label[i];
+        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
+        const Vec3d place = position(room_.model, i);
+        if (nearest_plane(place, plane.kind) != &plane) continue;
+        debris[i] = is_hidden(place) || has_color_of_removed(i, surface, carriers, near);
+      }
+    }
+    return debris;
+  }
+  const RoomPlane* nearest_plane(const Vec3d& place, PlaneKind kind) const {
+    const RoomPlane* best = nullptr;
+    double least = 1e300;
+    for (const RoomPlane& plane : planes_) {
+      const double distance = std::fabs(dot(plane.normal, place) - plane.offset);
+      if (plane.kind != kind || distance >= least) continue;
+      least = distance;
+      best = &plane;
+    }
+    return best;
+  }
+  /// Beside the removed object, and twice as near to its colour as to that of the surface around.
+  bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers,
+                            std::vector<PointTree::Neighbour>& near) const {
+    constexpr size_t kAround = 8;  // Gaussians of the surface
+    const Vec3f place = position(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
+    tree_.nearest(place, 1, near);
+    if (near.empty() || near.front().distance > settings_.beside * extent_) return false;
+    const float to_object = norm(color - base_color_of(room_.model, removed_rows_[near.front().index]));
+    surface.nearest(place, kAround, near);
+    Vec3f mean;
+    for (const PointTree::Neighbour& n : near) mean += base_color_of(room_.model, carriers[n.index]) * (1.f / static_cast<float>(near.size()));
+    const float to_surface = norm(color - mean);
+    return to_surface > settings_.unlike && 2 * to_object < to_surface;
+  }
+
   std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
     std::vector<Vec3d> points;
     for (const uint32_t i : plane.carriers) points.push_back(position(room_.model, i));
@@ -145,7 +199,7 @@ class Filler {
     }
     const double cell = cell_of(plane.carriers);
     const PlaneGrid grid = grid_over(points, plane, cell, 2 * cell);
-    const std::vector<float> cover = coverage(grid);
+    const std::vector<float> cover = coverage(grid, false), lost = coverage(grid, true);
     const std::vector<float> open = plane.kind == PlaneKind::kWall ? opened(grid) : std::vector<float>(grid.size(), 0.f);
     std::vector<float> object(grid.size(), 0.f);
     for (const std::vector<uint8_t>* part : touching) {
@@ -161,7 +215,7 @@ class Filler {
         if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
         const Vec3d place = grid.at(i + 0.5, j + 0.5);
         if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
-        hole[at] = object[at] > settings_.shadow || is_hidden(place);
+        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || is_hidden(place);
       }
     }
     return patches_of(plane, grid, hole);
@@ -174,8 +228,7 @@ class Filler {
       for (const Instance& rug : list_instances(room_.model, room_.labels)) {
         if (!classes_[static_cast<size_t>(rug.label)].on_floor) continue;
         const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
-        constexpr size_t kFewest = 12;  // Gaussians that make a rectangle believable
-        if (rows.size() < kFewest) continue;
+        if (rows.size() < kFewestCarriers) continue;
         std::vector<Vec2d> places;
         for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
         const PlaneRectangle rectangle = rectangle_of(places);
@@ -199,7 +252,7 @@ class Filler {
   std::vector<uint32_t> rows_on(const PlaneGrid& grid, int label, int instance, double tolerance) const {
     std::vector<uint32_t> rows;
     for (uint32_t i = 0; i < room_.model.size(); ++i) {
-      if (input_.selected[i] || room_.labels.label[i] != label || room_.labels.instance[i] != instance) continue;
+      if (gone_[i] || room_.labels.label[i] != label || room_.labels.instance[i] != instance) continue;
       if (std::fabs(grid.height_of(position(room_.model, i))) < tolerance * extent_) rows.push_back(i);
     }
     return rows;
@@ -227,14 +280,13 @@ class Filler {
       const std::vector<uint32_t> rows = rows_on(grid, label, instance, settings_.tolerance);
       std::vector<Vec2d> places;
       for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
-      constexpr size_t kFewest = 12;
-      if (places.size() < kFewest) continue;
+      if (places.size() < kFewestCarriers) continue;
       const PlaneRectangle bounds = rectangle_of(places);
       std::vector<float> object(grid.size(), 0.f);
       for (size_t i = 0; i < part.size(); ++i) {
         if (part[i]) splat(room_.model, i, grid, true, object);
       }
-      const std::vector<float> cover = coverage(grid);
+      const std::vector<float> cover = coverage(grid, false);
       std::vector<uint8_t> hole(grid.size(), 0);
       for (int j = 0; j < grid.rows; ++j) {
         for (int i = 0; i < grid.columns; ++i) {
@@ -254,13 +306,15 @@ class Filler {
   std::vector<CarryingClass> classes_;
   std::vector<std::vector<uint8_t>> parts_;
   SolidSpace removed_, rest_;
-  PointTree tree_;
+  std::vector<uint32_t> removed_rows_;
+  PointTree tree_;  ///< over the removed rows
+  std::vector<uint8_t> gone_;  ///< selected, and debris
   std::vector<RoomPlane> planes_;
   std::vector<int> openings_;  ///< classes
 };
 
 }  // namespace
 
-std::vector<SupportPatch> fill_removed(const FillInput& input, const FillSettings& settings) { return Filler(input, settings).run(); }
+Filling fill_removed(const FillInput& input, const FillSettings& settings) { return Filler(input, settings).run(); }
 
 }  // namespace aligngs

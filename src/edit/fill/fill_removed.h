@@ -24,6 +24,8 @@ struct FillSettings {
   double touch = 0.05;       ///< an object that comes this near to a plane touches it (15 cm)
   double tolerance = 0.010;  ///< distance from a plane within which a Gaussian lies on it (3 cm)
   double halo = 0.013;       ///< colours nearer to the removed object are not used: its shade and its blur (4 cm)
+  double beside = 0.02;      ///< debris is this near to the object (6 cm)
+  float unlike = 0.1f;       ///< sRGB distance (norm over 3 channels) of a colour that a surface does not have
   double opening = 0.08;     ///< a window or door this near to a wall is an opening in it (25 cm)
   double cell_min = 0.005, cell_max = 0.012;  ///< edge of a cell (1.5 to 4 cm)
   double cube = 0.013;       ///< edge of the cubes that tell what hides what (4 cm)
@@ -31,8 +33,15 @@ struct FillSettings {
   float shadow = 0.2f;       ///< accumulated opacity of a place that the object covers
 };
 
+struct Filling {
+  std::vector<SupportPatch> patches;
+  /// Per row: 1 for Gaussians of walls, floor and ceiling that go with the object, because the object hid them from all
+  /// photos, so that nobody knows their colour, or because they are beside it and have its colour.
+  std::vector<uint8_t> debris;
+};
+
 /// One patch per surface: walls, floor and ceiling where the object touched them or hid them from all photos, rugs within
 /// their rectangle, and furniture that carried it within the bounds of that furniture.
-std::vector<SupportPatch> fill_removed(const FillInput& input, const FillSettings& settings = {});
+Filling fill_removed(const FillInput& input, const FillSettings& settings = {});
 
 }  // namespace aligngs

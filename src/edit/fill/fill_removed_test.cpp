@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "edit/small_room_for_tests.h"
 
 namespace aligngs {
@@ -47,9 +49,12 @@ class FillRemoved : public testing::Test {
   std::vector<SupportPatch> fill() {
     const LabelSet& labels = ade20k_labels();
     room_ = label_objects(model_, labels, small_room::kExtent, pool_);
+    for (const size_t row : called_floor_) room_.labels.label[row] = small_room::kFloor;
     selected_.clear();
     for (const uint16_t l : room_.labels.label) selected_.push_back(l == small_room::kBox);
-    return fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
+    Filling filling = fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
+    debris_ = std::move(filling.debris);
+    return std::move(filling.patches);
   }
   /// New Gaussians within 6 cm of a place.
   static size_t near(const std::vector<SupportPatch>& patches, const Vec3d& place) {
@@ -66,7 +71,8 @@ class FillRemoved : public testing::Test {
   GaussianModel model_;
   TriangleMesh mesh_;
   LabelledGaussians room_;
-  std::vector<uint8_t> selected_;
+  std::vector<uint8_t> selected_, debris_;
+  std::vector<size_t> called_floor_;  ///< rows whose label is wrong
   std::vector<Camera> cameras_;
 };
 
@@ -102,6 +108,34 @@ TEST_F(FillRemoved, ABookBesideIsNoSource) {
       EXPECT_EQ(room_.labels.label[patch.sources[i]], small_room::kFloor);
     }
   }
+}
+
+TEST_F(FillRemoved, WhatNobodyCouldSeeIsMadeAnew) {
+  add_floor();
+  add_wall();
+  small_room::add_gaussian(model_, {0, -0.2f, 1}, {0, 0, -1}, kBookColor, kWall);    // behind the box
+  small_room::add_gaussian(model_, {1.2f, -0.22f, 1}, {0, 0, -1}, kBookColor, kWall);  // beside, in view
+  add_box();
+  const auto patches = fill();
+  size_t behind = 0, beside = 0;
+  for (size_t i = 0; i < debris_.size(); ++i) {
+    if (!debris_[i]) continue;
+    (model_.positions[3 * i] > 1 ? beside : behind) += 1;
+  }
+  EXPECT_GE(behind, 1u);
+  EXPECT_EQ(beside, 0u);
+  EXPECT_GT(near(patches, {0, -0.2, 1}), 0u) << "its place is filled";
+}
+
+TEST_F(FillRemoved, ASpeckOfTheBoxOnTheFloorGoesWithIt) {
+  add_floor();
+  add_box();
+  small_room::add_gaussian(model_, {0.23f, 0, 0.4f}, {0, -1, 0}, {0.8f, 0.3f, 0.3f}, small_room::kFloor);
+  called_floor_ = {model_.size() - 1};
+  cameras_.clear();
+  fill();
+  EXPECT_EQ(debris_[called_floor_[0]], 1);
+  EXPECT_EQ(std::count(debris_.begin(), debris_.end(), uint8_t(1)), 1);
 }
 
 TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
