@@ -87,6 +87,21 @@ TEST_F(EditCommand, AnEditInWordsIsTheSameEdit) {
   EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed#1, hole filled"})) << "the later edit stays";
 }
 
+TEST_F(EditCommand, AnObjectMovesAndComesBack) {
+  const std::string before = read_file(run_ / "scene.ply");
+  const nlohmann::json moved = edit_json("--select bed --move -0.3,0,0.1 --turn 20");
+  EXPECT_EQ(moved["gaussians_after"].get<int>(), moved["gaussians_before"].get<int>() + moved["filled_gaussians"].get<int>() - moved["cleared_gaussians"].get<int>());
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"move bed by -0.3,0,0.1 and turn by 20"}));
+  edit_json("--say 'duplicate the largest bed'");
+  edit_json("--undo");
+  edit_json("--undo");
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+  EXPECT_EQ(read_file(run_ / "scene.ply"), before);
+  EXPECT_EQ(edit("--select bed --move 1,2").status, 2);
+  EXPECT_EQ(edit("--select bed --turn 999").status, 2);
+  EXPECT_EQ(edit("--select bed --recolor red --with-contents").status, 2);
+}
+
 TEST_F(EditCommand, TwoEditsAtOnceAreBothKept) {
   const auto start = [&](const char* select, const char* color, const char* scratch) {
     return std::make_unique<testing_support::StartedProcess>(

@@ -117,7 +117,8 @@ EditOperation EditSession::undo(size_t number) {
   try {
     stack_.erase(stack_.begin() + static_cast<std::ptrdiff_t>(index));
     replay();
-    write_products(compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
+    // Without edits there is no folder for a picture, whose views take seconds to draw.
+    write_products(stack_.empty() ? BeforeAfter() : compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
   } catch (...) {
     stack_ = stack;
     room_ = std::move(before);
