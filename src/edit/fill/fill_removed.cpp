@@ -127,19 +127,32 @@ class Filler {
     }
     return cover;
   }
-  /// A photo would have shown the place but for the removed object, and none showed it.
-  bool is_hidden(const Vec3d& place) const {
-    bool hidden = false;
+  /// Photos that would show a place if the object were not there, and those that do.
+  struct Views {
+    int hidden = 0, free = 0;
+  };
+  Views views_of(const Vec3d& place) const {
+    Views views;
     for (const Camera& camera : input_.cameras) {
+      const Vec3d local = camera.world_to_camera * place;
+      if (!(local.z > 0) || !camera.contains(camera.project(local))) continue;
       const Vec3d eye = camera.centre();
       if (removed_.hides(eye, place)) {
-        hidden = true;
-        continue;
+        ++views.hidden;
+      } else if (!rest_.hides(eye, place)) {
+        ++views.free;
       }
-      const Vec3d local = camera.world_to_camera * place;
-      if (local.z > 0 && camera.contains(camera.project(local)) && !rest_.hides(eye, place)) return false;
     }
-    return hidden;
+    return views;
+  }
+  bool is_hidden_from_all(const Vec3d& place) const {
+    const Views views = views_of(place);
+    return views.hidden > 0 && views.free == 0;
+  }
+  /// A place without a surface that a photo or two show past the object's edge is a hole all the same.
+  bool is_hidden_from_most(const Vec3d& place) const {
+    const Views views = views_of(place);
+    return views.hidden > views.free;
   }
 
   std::vector<uint8_t> find_debris() const {
@@ -155,7 +168,7 @@ class Filler {
         if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
         const Vec3d place = position(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) continue;
-        debris[i] = is_hidden(place) || has_color_of_removed(i, surface, carriers, near);
+        debris[i] = is_hidden_from_all(place) || has_color_of_removed(i, surface, carriers, near);
       }
     }
     return debris;
@@ -215,7 +228,7 @@ class Filler {
         if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
         const Vec3d place = grid.at(i + 0.5, j + 0.5);
         if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
-        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || is_hidden(place);
+        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || is_hidden_from_most(place);
       }
     }
     return patches_of(plane, grid, hole);

@@ -40,7 +40,7 @@ struct Filling {
   std::vector<uint8_t> debris;
 };
 
-/// One patch per surface: walls, floor and ceiling where the object touched them or hid them from all photos, rugs within
+/// One patch per surface: walls, floor and ceiling where the object touched them or hid them from most photos, rugs within
 /// their rectangle, and furniture that carried it within the bounds of that furniture.
 Filling fill_removed(const FillInput& input, const FillSettings& settings = {});
 
