@@ -3,12 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "edit/edit_lock.h"
 #include "edit/edit_operation.h"
 #include "gaussians/gaussian_ply.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 #include "support/process.h"
 #include "support/small_scene.h"
+#include "support/started_process.h"
 
 namespace aligngs {
 namespace {
@@ -68,13 +70,57 @@ TEST_F(EditCommand, AnEditGoesOnTheStackAndUndoTakesItBack) {
   EXPECT_TRUE(fs::exists(run_ / "edits" / "mesh" / "mesh.ply"));
   EXPECT_EQ(read_edits(run_ / "edits.json").size(), 1u);
   edit_json("--select wall --recolor '#add8e6'");
-  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed", "recolor wall to #add8e6"}));
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed, hole left open", "recolor wall to #add8e6"}));
   EXPECT_EQ(read_file(run_ / "scene.ply"), before) << "what was trained is never touched";
   edit_json("--undo");
   edit_json("--undo");
   EXPECT_TRUE(edit_json("--list")["edits"].empty());
   EXPECT_FALSE(fs::exists(run_ / "edits"));
   EXPECT_EQ(edit("--undo").status, 2);
+}
+
+TEST_F(EditCommand, AnEditInWordsIsTheSameEdit) {
+  edit_json("--say 'paint all the walls light blue'");
+  edit_json("--say 'delete the largest bed'");
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"recolor wall to #add8e6", "delete bed#1, hole filled"}));
+  EXPECT_EQ(edit_json("--say 'undo the first edit'")["undone"], "recolor wall to #add8e6");
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed#1, hole filled"})) << "the later edit stays";
+}
+
+TEST_F(EditCommand, AnObjectMovesAndComesBack) {
+  const std::string before = read_file(run_ / "scene.ply");
+  const nlohmann::json moved = edit_json("--select bed --move -0.3,0,0.1 --turn 20");
+  EXPECT_EQ(moved["gaussians_after"].get<int>(), moved["gaussians_before"].get<int>() + moved["filled_gaussians"].get<int>() - moved["cleared_gaussians"].get<int>());
+  EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"move bed by -0.3,0,0.1 and turn by 20"}));
+  edit_json("--say 'duplicate the largest bed'");
+  edit_json("--undo");
+  edit_json("--undo");
+  EXPECT_FALSE(fs::exists(run_ / "edits"));
+  EXPECT_EQ(read_file(run_ / "scene.ply"), before);
+  EXPECT_EQ(edit("--select bed --move 1,2").status, 2);
+  EXPECT_EQ(edit("--select bed --turn 999").status, 2);
+  EXPECT_EQ(edit("--select bed --recolor red --with-contents").status, 2);
+}
+
+TEST_F(EditCommand, TwoEditsAtOnceAreBothKept) {
+  const auto start = [&](const char* select, const char* color, const char* scratch) {
+    return std::make_unique<testing_support::StartedProcess>(
+        std::vector<std::string>{"edit", run_.string(), "-q", "--select", select, "--highlight", color}, root() / scratch);
+  };
+  const auto first = start("wall", "#ff0000", "first"), second = start("bed", "#00ff00", "second");
+  EXPECT_EQ(first->wait(60), 0) << first->err();
+  EXPECT_EQ(second->wait(60), 0) << second->err();
+  const nlohmann::json list = edit_json("--list")["edits"];
+  EXPECT_THAT(list, testing::UnorderedElementsAre("highlight wall in #ff0000", "highlight bed in #00ff00"));
+}
+
+TEST_F(EditCommand, AnEditThatCannotWaitNamesTheHolder) {
+  const EditLock lock(run_, "delete sofa", 1);
+  const ProcessResult result = edit("--wait 0.2 --select wall --highlight '#ff0000'");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("process " + std::to_string(getpid())));
+  EXPECT_THAT(result.err, HasSubstr("delete sofa"));
+  EXPECT_FALSE(fs::exists(run_ / "edits.json"));
 }
 
 TEST_F(EditCommand, DryRunOnlyDraws) {
@@ -123,7 +169,10 @@ TEST_F(EditCommand, MistakesAreClearAndChangeNothing) {
   expect("--select bed", 2, "exactly one of");
   expect("--select bed --delete --extract", 2, "exactly one of");
   expect("--delete", 2, "nothing is selected");
-  expect("--select bed --recolor blue", 2, "no colour");
+  expect("--select bed --recolor bleu", 2, "no colour");
+  expect("--say 'delte bed'", 2, "did you mean \"delete bed\"");
+  expect("--say 'undo the second edit'", 2, "no edit to undo");
+  expect("--say 'delete bed' --select bed", 2, "--say");
   expect("--select bed --delete --threshold 7", 2, "no threshold");
   expect("--select everything --delete", 3, "nothing would be left");
   expect("--select wall --extract --fill", 2, "--delete");

@@ -71,7 +71,7 @@ TEST_F(PageRequests, AnEditInThePageIsTheEditOfTheCommandLine) {
   const fs::path other = root() / "by_command";
   fs::remove_all(other);
   fs::copy(root() / "trained", other, fs::copy_options::recursive);
-  posted("/api/edits/push", {{"edit", "delete bed --fill"}});
+  posted("/api/edits/push", {{"edit", "delete bed"}});
   posted("/api/edits/push", {{"edit", "Recolour walls to #add8e6"}});
   ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select bed --delete --fill", root()).status, 0);
   ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select wall --recolor '#add8e6'", root()).status, 0);
@@ -87,15 +87,23 @@ TEST_F(PageRequests, UndoAndRedoGoThroughTheStack) {
   EXPECT_GT(answer["report"]["selected_gaussians"], 0);
   const std::string edited = read_file(run_ / "edits" / "scene.ply");
   answer = posted("/api/edits/undo", json::object());
-  EXPECT_EQ(answer["undone"], "delete bed");
+  EXPECT_EQ(answer["undone"], "delete bed, hole filled");
   EXPECT_TRUE(answer["edits"].empty());
-  EXPECT_EQ(answer["redo"], json{"delete bed"});
+  EXPECT_EQ(answer["redo"], json{"delete bed, hole filled"});
   EXPECT_FALSE(fs::exists(run_ / "edits"));
   answer = posted("/api/edits/redo", json::object());
-  EXPECT_EQ(answer["edits"], json{"delete bed"});
+  EXPECT_EQ(answer["edits"], json{"delete bed, hole filled"});
   EXPECT_TRUE(answer["redo"].empty());
   EXPECT_TRUE(read_file(run_ / "edits" / "scene.ply") == edited);
   EXPECT_EQ(test_http::status(post("/api/edits/redo", json::object())), 400) << "nothing is left to do again";
+}
+
+TEST_F(PageRequests, UndoCanBeTyped) {
+  posted("/api/edits/push", {{"edit", "recolor wall dark green"}});
+  posted("/api/edits/push", {{"edit", "highlight bed"}});
+  const json answer = posted("/api/edits/push", {{"edit", "undo the first edit"}});
+  EXPECT_EQ(answer["undone"], "recolor wall to #006400");
+  EXPECT_EQ(answer["edits"], json{"highlight bed in #ffc800"});
 }
 
 TEST_F(PageRequests, WhatTheCommandLineDoesMeanwhileIsSeen) {

@@ -1,4 +1,4 @@
-// `aligngs edit RUN`: delete, extract, recolour and highlight objects by name.
+// `aligngs edit RUN`: delete, extract, move, copy, recolour and highlight objects by name.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -8,9 +8,12 @@
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
+#include "edit/color_names.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
 #include "edit/mesh_selection.h"
+#include "edit/motion_text.h"
+#include "edit/removal_score.h"
 #include "edit/report_json.h"
 #include "edit/selection_truth.h"
 #include "io/image_file.h"
@@ -25,8 +28,9 @@ using Json = nlohmann::json;
 namespace {
 
 struct EditOptions {
-  std::string run, scene, select, threshold = "argmax", recolor, highlight, output, picture;
-  bool remove = false, extract = false, fill = false;
+  std::string run, scene, say, select, threshold = "argmax", recolor, highlight, move, turn, output, picture, truth;
+  double wait = EditSessionOptions().patience;  ///< seconds
+  bool remove = false, extract = false, fill = false, with_contents = false, duplicate = false;
   bool undo = false, list = false, dry_run = false, measure = false;
 };
 
@@ -44,12 +48,17 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   }
   text += "Gaussians    " + std::to_string(report.selected) + " selected, " + std::to_string(report.before) +
           " before, " + std::to_string(report.after) + " after" +
-          (report.filled ? ", " + std::to_string(report.filled) + " of them new on the supporting plane" : "") + "\n";
+          (report.filled ? ", " + std::to_string(report.filled) + " of them new behind and under it" : "") + "\n";
   if (report.vertices_before) {
     text += "mesh         " + std::to_string(report.selected_vertices) + " vertices selected, " +
             std::to_string(report.vertices_before) + " before, " + std::to_string(report.vertices_after) + " after\n";
   }
-  if (report.no_support) text += "no supporting plane was found next to the selection: the hole is left open\n";
+  if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
+  if (!report.contents.empty()) {
+    std::string names;
+    for (const SelectedObject& object : report.contents) names += (names.empty() ? "" : ", ") + object_name(object, labels);
+    text += "left behind  " + names + ": on the selected objects before; --with-contents takes them along\n";
+  }
   return text;
 }
 
@@ -81,7 +90,7 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   if (room.mesh.vertices.empty()) {
     throw_bad_input(session.folder() / "mesh", "mesh.ply", "the run has no mesh", "make it first: aligngs mesh RUN");
   }
-  const SelectionQuery query = parse_selection(options.select, Vocabulary(room.labels));
+  const SelectionQuery query = read_selection(room, options.select);
   const GaussianSelection selection =
       select_gaussians(room.gaussians, query, parse_threshold(options.threshold), room.labels, {}, session.pool());
   std::vector<Camera> cameras;
@@ -110,43 +119,94 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
 
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
-  const int operations = options.remove + options.extract + !options.recolor.empty() + !options.highlight.empty();
+  const bool moves = options.duplicate || !options.move.empty() || !options.turn.empty();
+  const int operations = options.remove + options.extract + moves + !options.recolor.empty() + !options.highlight.empty();
   if (operations != 1)
-    throw_usage("an edit needs exactly one of --delete, --extract, --recolor, --highlight",
+    throw_usage("an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --recolor, --highlight",
                 "`aligngs edit --help` shows an example");
   edit.kind = options.remove             ? EditKind::kDelete
               : options.extract          ? EditKind::kExtract
+              : options.duplicate        ? EditKind::kDuplicate
+              : moves                    ? EditKind::kMove
               : !options.recolor.empty() ? EditKind::kRecolor
                                          : EditKind::kHighlight;
   if (options.fill && !options.remove)
     throw_usage("--fill closes the hole that --delete leaves", "use it with --delete");
-  if (edit.kind == EditKind::kRecolor) edit.color = parse_color(options.recolor);
-  if (edit.kind == EditKind::kHighlight) edit.color = parse_color(options.highlight);
-  edit.fill = options.fill;
+  if (edit.kind == EditKind::kRecolor) edit.color = read_color(options.recolor);
+  if (edit.kind == EditKind::kHighlight) edit.color = read_color(options.highlight);
+  if (options.with_contents && takes_color(edit.kind))
+    throw_usage("--with-contents takes along what is on the objects", "use it with --delete, --extract, --move or --duplicate");
+  edit.fill = options.fill || edit.kind == EditKind::kMove;
+  if (!options.move.empty()) edit.motion.shift = parse_shift(options.move);
+  if (!options.turn.empty()) edit.motion.turn = parse_turn(options.turn);
+  edit.with_contents = options.with_contents;
   edit.select = options.select;
   edit.threshold = parse_threshold(options.threshold);
   return edit;
 }
 
+/// Compares a run that `aligngs edit -o` wrote with the scene's truth without the object.
+void measure_removal(const CommandContext& context, const EditOptions& options) {
+  const OpenRun run = open_run(options.run, {options.scene, context.global.threads});
+  const std::filesystem::path mesh_file = run.folder / "mesh" / "mesh.ply";
+  std::vector<Camera> cameras;
+  for (const int view : run.scene.train) cameras.push_back(run.scene.evaluation_cameras[static_cast<size_t>(view)]);
+  const RemovalScore s = score_removal(run.folder / "renders" / "test" / "rgb", options.truth,
+                                       std::filesystem::exists(mesh_file) ? read_mesh_ply(mesh_file) : TriangleMesh(), cameras, *run.pool);
+  char text[300];
+  std::snprintf(text, sizeof text,
+                "PSNR %.2f dB and SSIM %.3f where %zu test views show the object\n"
+                "F %.3f at 5 cm (precision %.3f, recall %.3f) in the object's box\n",
+                s.psnr, s.ssim, s.views, s.fscore, s.precision, s.recall);
+  print(context,
+        {{"truth", options.truth}, {"views", s.views}, {"psnr", s.psnr}, {"ssim", s.ssim},
+         {"precision", s.precision}, {"recall", s.recall}, {"fscore", s.fscore}},
+        text);
+}
+
+/// With --say everything about the edit is in the sentence.
+void require_only_a_sentence(const EditOptions& options) {
+  if (options.remove || options.extract || options.fill || options.with_contents || options.duplicate || !options.move.empty() || !options.turn.empty() || !options.recolor.empty() || !options.highlight.empty() ||
+      !options.select.empty() || options.undo || options.list || options.measure) {
+    throw_usage("--say is a whole edit by itself", "leave out --select and the operation, or leave out --say");
+  }
+}
+
+void undo(const CommandContext& context, EditSession& session, size_t number) {
+  const std::string undone = describe(session.undo(number));
+  print(context, {{"undone", undone}, {"edits", session.stack().size()}}, "undone: " + undone + "\n");
+}
+
 void run_edit(const CommandContext& context, const EditOptions& options) {
-  const bool looks = options.undo || options.list;
+  if (!options.truth.empty()) {
+    if (!options.select.empty() || !options.say.empty() || options.undo || options.list) {
+      throw_usage("--truth measures a run that `aligngs edit -o` wrote", "make that run first: aligngs edit RUN --select ... --delete -o NEW_RUN");
+    }
+    return measure_removal(context, options);
+  }
+  const bool says = !options.say.empty();
+  if (says) require_only_a_sentence(options);
+  const bool looks = options.undo || options.list || says;
   if (options.undo + options.list + options.dry_run + options.measure > 1)
     throw_usage("--undo, --list, --dry-run and --measure exclude each other");
   if (!looks && options.select.empty())
     throw_usage("nothing is selected", "say which objects: --select \"pillow, cushion#2\"");
   const bool edits = !looks && !options.measure;
-  const EditOperation edit = edits ? operation_of(options) : EditOperation{};
+  EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
-  if (edits && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
+  if ((edits || says) && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
   const std::string picture_file = options.picture.empty() ? "edit_preview.png" : options.picture;
   if (options.dry_run) require_extension(picture_file, "png");
   if (options.dry_run) RunFolder(options.run).require_not_of_run(picture_file, options.scene);
-  EditSession session(options.run, {options.scene, context.global.threads});
+  EditSession session(options.run, {options.scene, context.global.threads, options.wait});
   if (options.list) return list_run(context, session);
   if (options.measure) return measure(context, session, options);
-  if (options.undo) {
-    const std::string undone = describe(session.undo());
-    return print(context, {{"undone", undone}, {"edits", session.stack().size()}}, "undone: " + undone + "\n");
+  if (options.undo) return undo(context, session, 0);
+  if (says) {
+    const EditRequest request = session.understand(options.say);
+    if (request.undo && (options.dry_run || !options.output.empty())) throw_usage("undo changes this run", "leave out --dry-run and -o");
+    if (request.undo) return undo(context, session, *request.undo);
+    edit = request.edit;
   }
   const LabelSet& labels = session.room().labels;
   if (options.dry_run) {
@@ -180,7 +240,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
 }  // namespace
 
 void add_edit_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("edit", "Delete, extract, recolour or highlight objects by name");
+  CLI::App* command = program.add_subcommand("edit", "Delete, extract, move, copy, recolour or highlight objects by name");
   command->group("Use");
   command->footer(help_footer({.reads = "a run folder",
                                 .writes = "RUN/edits.json and RUN/edits/; with -o a new run instead",
@@ -191,19 +251,27 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
+  command->add_option("--say", options->say, "the edit in words: \"recolor sofa dark green\", \"undo the second edit\"")->group("Edit");
   command->add_option("--select", options->select, "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")->group("Selection");
   command->add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
       ->capture_default_str()->group("Selection");
   command->add_flag("--delete", options->remove, "remove the selected objects")->group("Edit");
-  command->add_flag("--fill", options->fill, "with --delete: close the hole on the plane that carried the object")->group("Edit");
+  command->add_flag("--fill", options->fill, "with --delete: continue the surfaces behind and under the objects")->group("Edit");
+  command->add_flag("--with-contents", options->with_contents, "also what is on the objects; not for colours")->group("Edit");
   command->add_flag("--extract", options->extract, "keep the selected objects only")->group("Edit");
-  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb'; light and texture stay")->group("Edit");
-  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb'")->group("Edit");
+  command->add_option("--move", options->move, "move by RIGHT,UP,TOWARDS in metres as the photos' cameras see it, e.g. 0.5,0,-0.2")->group("Edit");
+  command->add_option("--turn", options->turn, "turn by degrees, counter-clockwise from above; also with --move")->group("Edit");
+  command->add_flag("--duplicate", options->duplicate, "copy the objects, to the right of them or by --move and --turn")->group("Edit");
+  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb' or a name; light and texture stay")->group("Edit");
+  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb' or a name")->group("Edit");
   command->add_option("-o,--output", options->output, "write a new run instead of editing this one")->group("Stack and output");
   command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")->group("Stack and output");
   command->add_option("--picture", options->picture, "picture of --dry-run (default: edit_preview.png)")->group("Stack and output");
   command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
+  command->add_option("--wait", options->wait, "seconds to wait for another edit of this run")
+      ->check(CLI::NonNegativeNumber)->capture_default_str()->group("Stack and output");
   command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");
+  command->add_option("--truth", options->truth, "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")->group("Stack and output");
   command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });
 }

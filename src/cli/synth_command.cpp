@@ -14,6 +14,7 @@
 #include "metrics/mesh_protocols.h"
 #include "scene/scene_place.h"
 #include "synth/acceptance.h"
+#include "synth/removal_truth.h"
 
 namespace aligngs {
 namespace {
@@ -77,14 +78,22 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
   command->add_option("output", *output, "scene folder to write")->required();
   command->add_flag("--overwrite", *overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   add_synth_options(*command, options);
+  auto without = std::make_shared<std::vector<std::string>>();
+  command->add_option("--without", *without, "also write the truth of the room without these objects, e.g. \"bed#1\"; repeatable")->group("Room");
   command->add_option("--seed", options->synth.seed, "the same as --room-seed")->group("Room");
-  command->callback([&context, options, output, overwrite] {
+  command->callback([&context, options, output, overwrite, without] {
     require_scene_place(*output, *overwrite);
-    const SynthScene scene = make_scene(synth_options(*options), context);
+    const SynthOptions synth = synth_options(*options);
+    // Before the pictures are made, which takes a while: a name that the room has not.
+    const RoomModel room = build_room({synth.room, synth.seed, synth.glossy});
+    for (const std::string& text : *without) parse_removal(room, text);
+    const SynthScene scene = make_scene(synth, context);
     ThreadPool pool(context.global.threads);
+    std::vector<RemovalTruth> removals;
+    for (const std::string& text : *without) removals.push_back(make_removal_truth(scene, parse_removal(scene.room, text), pool));
     AcceptanceReport report = measure_acceptance(scene, pool);
     report.figures.push_back(tsdf_figure(scene, pool));
-    write_synth_scene(scene, *output, *overwrite);  // last: who stops the command has what was there before
+    write_synth_scene(scene, *output, *overwrite, removals);  // last: who stops the command has what was there before
     if (context.global.json) {
       const nlohmann::json document = {{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
                                        {"acceptance", to_json(report)}};

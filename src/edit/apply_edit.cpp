@@ -1,12 +1,18 @@
 #include "edit/apply_edit.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "core/error.h"
+#include "edit/contents.h"
+#include "edit/crumbs.h"
+#include "edit/export/moved_room.h"
+#include "edit/fill/fill_removed.h"
 #include "edit/mesh_selection.h"
+#include "edit/move_objects.h"
+#include "edit/object_choice.h"
 #include "edit/recolor.h"
-#include "edit/support_fill.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs {
@@ -71,27 +77,83 @@ void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::
   if (!room.mesh.vertices.empty()) room.mesh = submesh(room.mesh, vertices, value);
 }
 
-void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
-                    const std::vector<uint8_t>& vertices, EditReport& report) {
-  std::vector<SupportPatch> patches;
-  if (edit.fill) {
-    for (const std::vector<uint8_t>& part : connected_parts(room.gaussians, mask)) {
-      for (const SupportPlane& plane : find_supports(room.gaussians, part, mask, room.up)) {
-        patches.push_back(fill_on_plane(room.gaussians, part, mask, plane));
-      }
-    }
-    report.no_support = patches.empty();
+/// Gaussians that a deletion leaves of objects that it takes for the most part: specks inside of other things.
+std::vector<uint8_t> rest_of_objects(const LabelledGaussians& room, const std::vector<uint8_t>& mask) {
+  constexpr size_t kMost = 2;  // selected: at least one of two Gaussians
+  std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // selected, all
+  for (size_t i = 0; i < mask.size(); ++i) {
+    auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
+    selected += mask[i];
+    ++all;
   }
-  std::vector<uint8_t> keep = inverted(mask);
+  std::vector<uint8_t> rest(mask.size(), 0);
+  for (size_t i = 0; i < mask.size(); ++i) {
+    const auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
+    rest[i] = !mask[i] && room.labels.label[i] != kNoLabel && kMost * selected >= all;
+  }
+  return rest;
+}
+
+std::vector<uint8_t> with(std::vector<uint8_t> flags, const std::vector<uint8_t>& more) {
+  for (size_t i = 0; i < flags.size(); ++i) flags[i] |= more[i];
+  return flags;
+}
+
+void remove_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                    std::vector<uint8_t> vertices, EditReport& report, ThreadPool& pool) {
+  std::vector<SupportPatch> patches;
+  std::vector<uint8_t> gone = mask;
+  if (edit.fill) {
+    Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras});
+    patches = std::move(filling.patches);
+    report.no_support = patches.empty();
+    report.cleared = static_cast<size_t>(std::count(filling.debris.begin(), filling.debris.end(), uint8_t(1)));
+    gone = with(std::move(gone), filling.debris);
+    if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent);
+  }
+  std::vector<uint8_t> keep = inverted(gone), rest = rest_of_objects(room.gaussians, mask);
   for (const SupportPatch& patch : patches) {
     report.filled += patch.sources.size();
     append_patch(room, patch);  // before rows move: the sources are rows of the room as it is
   }
   keep.resize(room.gaussians.model.size(), 1);
+  rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
+  join_neighbours(room.gaussians, kept(rest, keep, 1), {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room.mesh, patch.mesh);
   }
+}
+
+void move_objects(EditableRoom& room, const EditOperation& edit, const std::vector<uint8_t>& mask,
+                  const std::vector<uint8_t>& vertices, EditReport& report, ThreadPool& pool) {
+  EditableRoom piece = piece_of(room, mask, vertices);
+  ObjectMotion motion = edit.motion;
+  if (edit.kind == EditKind::kDuplicate && motion.is_still()) motion.shift.x = step_aside(room, mask);
+  const Similarity to = motion_in_world(room, mask, motion);
+  if (edit.kind == EditKind::kMove) {
+    remove_objects(room, edit, mask, vertices, report, pool);
+  } else {
+    number_anew(piece, room);
+  }
+  add_piece(room, moved(piece, to));
+}
+
+std::optional<Vec3d> mean_place(const std::vector<Camera>& cameras) {
+  if (cameras.empty()) return std::nullopt;
+  Vec3d sum;
+  for (const Camera& camera : cameras) sum += camera.centre();
+  return sum * (1.0 / static_cast<double>(cameras.size()));
+}
+
+/// Things on the selected objects: selected, too, or named in the report.
+void add_contents(const EditableRoom& room, bool take, GaussianSelection& selection, EditReport& report) {
+  const std::vector<Instance> contents = contents_of(room.gaussians, selection.mask, room.labels, *room.up);
+  std::vector<SelectedObject>& list = take ? selection.objects : report.contents;
+  for (const Instance& o : contents) list.push_back({o.label, o.number, o.gaussians});
+  if (!take) return;
+  select_objects(room.gaussians, contents, selection.mask);
+  selection.count = static_cast<size_t>(std::count(selection.mask.begin(), selection.mask.end(), uint8_t(1)));
 }
 
 }  // namespace
@@ -112,22 +174,37 @@ LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uin
   return out;
 }
 
+Vocabulary vocabulary_of(const EditableRoom& room) {
+  Vocabulary vocabulary(room.labels);
+  std::vector<int> present;
+  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels)) present.push_back(object.label);
+  vocabulary.prefer(present);
+  return vocabulary;
+}
+
+SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
+  return with_numbers(parse_selection(text, vocabulary_of(room)), list_instances(room.gaussians.model, room.gaussians.labels),
+                      {room.up, mean_place(room.cameras)}, room.labels);
+}
+
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {
-  const Vocabulary vocabulary(room.labels);
-  const SelectionQuery query = parse_selection(edit.select, vocabulary);
+  const SelectionQuery query = read_selection(room, edit.select);
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
-  if (edit.kind == EditKind::kDelete) options.join = 0.5;
-  const GaussianSelection selection =
+  if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
+  GaussianSelection selection =
       select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up && !query.everything) {
+    add_contents(room, edit.with_contents, selection, report);
+  }
   report.description = describe(edit);
   report.objects = selection.objects;
   report.selected = selection.count;
   report.threshold = selection.threshold;
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
-  if (edit.kind == EditKind::kDelete && selection.count == report.before) {
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
@@ -135,7 +212,11 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   report.selected_vertices = static_cast<size_t>(std::count(vertices.begin(), vertices.end(), uint8_t(1)));
   switch (edit.kind) {
     case EditKind::kDelete:
-      remove_objects(room, edit, selection.mask, vertices, report);
+      remove_objects(room, edit, selection.mask, vertices, report, pool);
+      break;
+    case EditKind::kMove:
+    case EditKind::kDuplicate:
+      move_objects(room, edit, selection.mask, vertices, report, pool);
       break;
     case EditKind::kExtract:
       keep_part(room, selection.mask, vertices, 1);

@@ -8,6 +8,7 @@
 #include "core/thread_pool.h"
 #include "edit/edit_operation.h"
 #include "edit/selection.h"
+#include "scene/camera.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -25,15 +26,18 @@ struct EditableRoom {
   TriangleMesh mesh;                    ///< empty when the run has none
   LabelSet labels;
   std::optional<Vec3d> up;  ///< unit, world; when the scene knows it
+  std::vector<Camera> cameras;  ///< of the training photos, world; empty where they are not known
 };
 
 struct EditReport {
   std::string description;
   std::vector<SelectedObject> objects;  ///< what was selected
+  std::vector<SelectedObject> contents;  ///< what stands on them and was left behind
   size_t selected = 0;                  ///< Gaussians
   size_t before = 0, after = 0;         ///< Gaussians of the room
-  size_t filled = 0;                    ///< new Gaussians on the supporting plane
-  bool no_support = false;              ///< fill was asked for and no plane was found
+  size_t filled = 0;                    ///< new Gaussians of the surfaces that were behind and under
+  size_t cleared = 0;                   ///< Gaussians that went along, because only the object hid what they were
+  bool no_support = false;              ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
   double threshold = 0;  ///< that was used; 0 for argmax
 };
@@ -41,6 +45,13 @@ struct EditReport {
 /// Names and objects mean what they meant in the unedited room, whatever was deleted before. Error{kUsage} for names
 /// that are unknown, Error{kBadInput} when nothing is selected or nothing would be left; the room is then unchanged.
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool);
+
+/// Reads the text of a selection. "The largest chair" has its number then, among the objects that the room has now.
+/// Errors as parse_selection's and with_numbers' (object_choice.h).
+SelectionQuery read_selection(const EditableRoom& room, const std::string& text);
+
+/// The words that people may use in this room: those of its label set, with suggestions of what it holds.
+Vocabulary vocabulary_of(const EditableRoom& room);
 
 /// The row subset of all parts of a labelled scene.
 LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep);

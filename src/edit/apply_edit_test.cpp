@@ -92,6 +92,44 @@ TEST_F(ApplyEdit, FillClosesTheHoleOnTheSupportingPlane) {
   EXPECT_GT(patch, 10u) << "the mesh has a patch, too";
 }
 
+TEST_F(ApplyEdit, AMovedObjectIsElsewhereAndItsPlaceIsFilled) {
+  Camera camera;
+  camera.width = camera.height = 64;
+  camera.fx = camera.fy = 64;
+  camera.cx = camera.cy = 32;
+  camera.world_to_camera.translation = {0, 1, 4};
+  room_.cameras = {camera};
+  EditOperation edit = edit_of(EditKind::kMove, "pillow#1", true);
+  edit.motion.shift = {0, 0.3, 0};
+  const EditReport report = apply_edit(room_, edit, pool_);
+  EXPECT_EQ(report.after, report.before + report.filled - report.cleared);
+  EXPECT_GT(report.filled, 50u);
+  float lowest = 1e9f;
+  for (size_t i = 0; i < room_.gaussians.model.size(); ++i) {
+    if (room_.gaussians.labels.label[i] == small_room::kPillow && room_.gaussians.labels.instance[i] == 1) {
+      lowest = std::min(lowest, -room_.gaussians.model.positions[3 * i + 1]);
+    }
+  }
+  EXPECT_NEAR(lowest, 0.3 + 0.02, 0.03) << "up is -y";
+  edit.motion.shift = {0, -0.3, 0};
+  EXPECT_NO_THROW(apply_edit(room_, edit, pool_)) << "it keeps its name";
+}
+
+TEST_F(ApplyEdit, ACopyIsBesideTheOriginal) {
+  Camera camera;
+  camera.world_to_camera.translation = {0, 1, 4};
+  room_.cameras = {camera};
+  const EditReport report = apply_edit(room_, edit_of(EditKind::kDuplicate, "box"), pool_);
+  EXPECT_EQ(report.after, report.before + report.selected);
+  const std::vector<Instance> objects = list_instances(room_.gaussians.model, room_.gaussians.labels);
+  std::vector<Instance> boxes;
+  for (const Instance& o : objects) {
+    if (o.label == small_room::kBox) boxes.push_back(o);
+  }
+  ASSERT_EQ(boxes.size(), 2u);
+  EXPECT_GT(boxes[1].low.x, boxes[0].high.x) << "on its right";
+}
+
 TEST_F(ApplyEdit, RecolorGivesTheColourInTheMean) {
   EditOperation edit = edit_of(EditKind::kRecolor, "pillow");
   edit.color = {230, 51, 26};

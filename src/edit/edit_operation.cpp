@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "edit/motion_text.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
 
@@ -21,6 +22,8 @@ constexpr const char* kRepair = "undo it with `aligngs edit RUN --undo`, or remo
 
 constexpr std::pair<EditKind, const char*> kKinds[] = {{EditKind::kDelete, "delete"},
                                                        {EditKind::kExtract, "extract"},
+                                                       {EditKind::kMove, "move"},
+                                                       {EditKind::kDuplicate, "duplicate"},
                                                        {EditKind::kRecolor, "recolor"},
                                                        {EditKind::kHighlight, "highlight"}};
 
@@ -29,8 +32,6 @@ int hex_digit(char c) {
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
-
-bool takes_color(EditKind kind) { return kind == EditKind::kRecolor || kind == EditKind::kHighlight; }
 
 /// One entry of the file, with errors that name it.
 class EntryReader {
@@ -82,16 +83,21 @@ EditOperation parse_entry(const EntryReader& entry) {
     edit.kind = kind;
     known = true;
   }
-  if (!known) entry.fail("operation", "delete, extract, recolor or highlight is expected");
+  if (!known) entry.fail("operation", "delete, extract, move, duplicate, recolor or highlight is expected");
   edit.select = entry.text("select", kLongestSelection);
   if (entry.has("threshold"))
     edit.threshold = entry.parsed("threshold", [](const std::string& t) { return parse_threshold(t); });
   if (takes_color(edit.kind)) edit.color = entry.parsed("color", [](const std::string& t) { return parse_color(t); });
   edit.fill = entry.flag("fill");
+  edit.with_contents = entry.flag("with_contents");
+  if (entry.has("shift")) edit.motion.shift = entry.parsed("shift", [](const std::string& t) { return parse_shift(t); });
+  if (entry.has("turn")) edit.motion.turn = entry.parsed("turn", [](const std::string& t) { return parse_turn(t); });
   return edit;
 }
 
 }  // namespace
+
+bool takes_color(EditKind kind) { return kind == EditKind::kRecolor || kind == EditKind::kHighlight; }
 
 std::string edit_kind_name(EditKind kind) {
   for (const auto& [known, name] : kKinds) {
@@ -125,7 +131,11 @@ std::string describe(const EditOperation& edit) {
   if (edit.kind == EditKind::kHighlight) text += " in " + color_text(edit.color);
   if (edit.threshold.kind != ThresholdRule::Kind::kArgmax)
     text += " (threshold " + threshold_text(edit.threshold) + ")";
-  return edit.fill ? text + ", hole filled" : text;
+  if (edit.with_contents) text += kWithContents;
+  if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) text += motion_text(edit.motion);
+  if (edit.kind == EditKind::kDelete && edit.fill) text += kHoleFilled;
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && !edit.fill) text += kHoleLeftOpen;
+  return text;
 }
 
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors) {
@@ -160,7 +170,13 @@ Json edits_json(const std::vector<EditOperation>& edits) {
                   {"select", edit.select},
                   {"threshold", threshold_text(edit.threshold)}};
     if (takes_color(edit.kind)) entry["color"] = color_text(edit.color);
-    if (edit.kind == EditKind::kDelete) entry["fill"] = edit.fill;
+    if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) entry["fill"] = edit.fill;
+    if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) {
+      const Vec3d& s = edit.motion.shift;
+      entry["shift"] = fmt::format("{:.9g},{:.9g},{:.9g}", s.x, s.y, s.z);
+      entry["turn"] = fmt::format("{:.9g}", edit.motion.turn);
+    }
+    if (edit.with_contents) entry["with_contents"] = true;
     list.push_back(entry);
   }
   return list;

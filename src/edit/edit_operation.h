@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "edit/object_motion.h"
 #include "edit/selection_text.h"
 
 namespace aligngs {
@@ -15,6 +16,8 @@ namespace aligngs {
 enum class EditKind {
   kDelete,    ///< the selected objects are gone
   kExtract,   ///< everything else is gone
+  kMove,      ///< the selected objects are at another place; what they hid continues there
+  kDuplicate, ///< a copy of the selected objects is at another place
   kRecolor,   ///< the selected objects have the colour in the mean; light and texture stay
   kHighlight  ///< the selected objects are mixed with the colour
 };
@@ -24,10 +27,17 @@ struct EditOperation {
   std::string select;  ///< selection text (selection_text.h)
   ThresholdRule threshold;
   std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
-  bool fill = false;                          ///< kDelete: close the hole on the supporting plane
+  bool fill = false;           ///< kDelete, kMove: continue the surfaces behind and under the object
+  bool with_contents = false;  ///< also what stands on the selected objects; not for colours
+  ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
 };
 
-std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "recolor", "highlight"
+/// Ends of descriptions.
+inline constexpr std::string_view kWithContents = " with contents";
+inline constexpr std::string_view kHoleFilled = ", hole filled", kHoleLeftOpen = ", hole left open";
+
+bool takes_color(EditKind kind);            ///< recolor and highlight
+std::string edit_kind_name(EditKind kind);  ///< "delete", "extract", "move", "duplicate", "recolor", "highlight"
 /// "#rrggbb" or "#rgb"; Error{kUsage} for anything else.
 std::array<uint8_t, 3> parse_color(std::string_view text);
 std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "edit/edit_lock.h"
 #include "edit/edit_products.h"
+#include "edit/nearest_readings.h"
 #include "edit/room_up.h"
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
@@ -16,13 +18,14 @@
 #include "train/camera_outputs.h"
 #include "train/run_folder.h"
 #include "train/trained_run.h"
+#include "train/training_set.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
-    : run_(run), threads_(options.threads) {
+    : run_(run), threads_(options.threads), patience_(options.patience) {
   TrainedRun trained = read_trained_run(run, options.scene, CheckpointParts::kAll);
   record_ = std::move(trained.record);
   config_ = std::move(trained.config);
@@ -34,6 +37,7 @@ EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
   original_.labels = scene_.labels;
   original_.gaussians = label_objects(state_.engine.model, scene_.labels, robust_extent(scene_), *pool_);
   original_.up = up_of_room(scene_, original_.gaussians);
+  for (const int view : scene_.train) original_.cameras.push_back(working_camera(scene_, config_, view));
   for (uint32_t i = 0; i < original_.gaussians.model.size(); ++i) original_.origins.push_back({i, false});
   if (fs::exists(run / "mesh" / "mesh.ply")) original_.mesh = read_mesh_ply(run / "mesh" / "mesh.ply");
   replay();
@@ -55,6 +59,13 @@ void EditSession::replay() {
   }
 }
 
+void EditSession::follow_file() {
+  std::vector<EditOperation> now = read_edits(run_ / "edits.json");
+  if (edits_text(now) == edits_text(stack_)) return;
+  stack_ = std::move(now);
+  replay();
+}
+
 EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture) {
   EditableRoom after = room_;
   const EditReport report = apply_edit(after, edit, *pool_);
@@ -63,8 +74,10 @@ EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture)
 }
 
 EditReport EditSession::push(const EditOperation& edit) {
+  const EditLock lock(run_, describe(edit), patience_);
+  follow_file();
   EditOperation canonical = edit;
-  canonical.select = selection_text(parse_selection(edit.select, Vocabulary(room_.labels)), room_.labels);
+  canonical.select = selection_text(read_selection(room_, edit.select), room_.labels);
   EditableRoom before = room_;
   const EditReport report = apply_edit(room_, canonical, *pool_);
   stack_.push_back(canonical);
@@ -78,14 +91,40 @@ EditReport EditSession::push(const EditOperation& edit) {
   return report;
 }
 
-EditOperation EditSession::undo() {
+EditRequest EditSession::understand(std::string_view text) const {
+  try {
+    const EditRequest request = parse_request(text);
+    if (!request.undo) parse_selection(request.edit.select, vocabulary_of(room_));
+    return request;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kUsage) throw;
+    throw with_readings(error, text, vocabulary_of(room_));
+  }
+}
+
+EditOperation EditSession::undo(size_t number) {
+  const EditLock lock(run_, "undo", patience_);
+  follow_file();
   if (stack_.empty()) throw_usage("there is no edit to undo", "`aligngs edit RUN --list` shows the edits of a run");
-  const EditOperation last = stack_.back();
-  stack_.pop_back();
-  const EditableRoom before = std::move(room_);
-  replay();
-  write_products(compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
-  return last;
+  if (number > stack_.size()) {
+    throw_usage(fmt::format("there is no edit {} to undo: the run has {}", number, stack_.size()),
+                "`aligngs edit RUN --list` shows the edits of a run, the first one first");
+  }
+  const std::vector<EditOperation> stack = stack_;
+  const size_t index = (number == 0 ? stack_.size() : number) - 1;
+  const EditOperation undone = stack_[index];
+  EditableRoom before = std::move(room_);
+  try {
+    stack_.erase(stack_.begin() + static_cast<std::ptrdiff_t>(index));
+    replay();
+    // Without edits there is no folder for a picture, whose views take seconds to draw.
+    write_products(stack_.empty() ? BeforeAfter() : compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
+  } catch (...) {
+    stack_ = stack;
+    room_ = std::move(before);
+    throw;
+  }
+  return undone;
 }
 
 void EditSession::write_products(const BeforeAfter& picture, const EditOperation* last) const {

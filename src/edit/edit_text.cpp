@@ -1,22 +1,32 @@
 #include "edit/edit_text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "core/error.h"
+#include "edit/color_names.h"
+#include "edit/motion_text.h"
 
 namespace aligngs {
 namespace {
 
 constexpr size_t kLongestEdit = 4096;  // bytes, as a selection
-constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"recolor sofa to #add8e6\"";
+constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"recolor sofa to dark green\"";
 
 constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
     {"delete", EditKind::kDelete},   {"remove", EditKind::kDelete},    {"extract", EditKind::kExtract},
-    {"keep", EditKind::kExtract},    {"recolor", EditKind::kRecolor},  {"recolour", EditKind::kRecolor},
+    {"keep", EditKind::kExtract},    {"move", EditKind::kMove},       {"push", EditKind::kMove},        {"turn", EditKind::kMove},
+    {"rotate", EditKind::kMove},     {"duplicate", EditKind::kDuplicate}, {"copy", EditKind::kDuplicate},
+    {"recolor", EditKind::kRecolor},  {"recolour", EditKind::kRecolor},
+    {"paint", EditKind::kRecolor},   {"color", EditKind::kRecolor},    {"colour", EditKind::kRecolor},
     {"highlight", EditKind::kHighlight}};
+
+constexpr std::pair<std::string_view, size_t> kOrdinals[] = {
+    {"last", 0},  {"latest", 0}, {"first", 1},   {"second", 2}, {"third", 3}, {"fourth", 4},
+    {"fifth", 5}, {"sixth", 6},  {"seventh", 7}, {"eighth", 8}, {"ninth", 9}, {"tenth", 10}};
 
 std::string lower(std::string_view text) {
   std::string out(text);
@@ -67,15 +77,91 @@ std::optional<std::string> take_threshold(std::string& text) {
   return value;
 }
 
-bool take_fill(std::string& text) {
-  if (take_ending(text, ", hole filled")) return true;
-  const size_t at = lower(text).find("--fill");
+/// Whether the text says that the hole is filled, or that it is not; nothing where it says neither.
+std::optional<bool> take_fill(std::string& text) {
+  if (take_ending(text, kHoleFilled)) return true;
+  if (take_ending(text, kHoleLeftOpen)) return false;
+  for (const auto& [option, value] : {std::pair<std::string_view, bool>{"--no-fill", false}, {"--fill", true}}) {
+    const size_t at = lower(text).find(option);
+    if (at == std::string::npos) continue;
+    text.erase(at, option.size());
+    return value;
+  }
+  return {};
+}
+
+bool take_contents(std::string& text) {
+  for (const std::string_view ending : {kWithContents, std::string_view(" and what is on it"), std::string_view(" with everything on it")}) {
+    if (take_ending(text, ending)) return true;
+  }
+  constexpr std::string_view kOption = "--with-contents";
+  const size_t at = lower(text).find(kOption);
   if (at == std::string::npos) return false;
-  text.erase(at, std::string_view("--fill").size());
+  text.erase(at, kOption.size());
   return true;
 }
 
+/// Takes the motion of "move", "turn" or "duplicate" off the end.
+void read_motion(const std::string& verb, EditOperation& edit, std::string& text) {
+  if (verb == "turn" || verb == "rotate") {
+    const auto turn = take_turn(text);
+    if (!turn) throw_usage("the turn has no angle", "for example \"turn armchair by 90\"");
+    edit.motion.turn = *turn;
+    return;
+  }
+  if (const auto motion = take_motion(text)) {
+    edit.motion = *motion;
+  } else if (edit.kind == EditKind::kMove) {
+    throw_usage("the move has no distance", "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
+  }
+}
+
+/// The number of "undo the second edit", "undo #2", "undo 2nd"; nothing where the words say no number.
+std::optional<size_t> undo_number(std::string words) {
+  for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. "}) {
+    words = " " + words + " ";
+    for (size_t at = words.find(filler); at != std::string::npos; at = words.find(filler)) words.replace(at, filler.size(), " ");
+    trim(words);
+  }
+  if (words.empty()) return 0;
+  for (const auto& [word, number] : kOrdinals) {
+    if (words == word) return number;
+  }
+  if (words.front() == '#') words.erase(0, 1);
+  for (const std::string_view ending : {"st", "nd", "rd", "th"}) {
+    if (take_ending(words, ending)) break;
+  }
+  size_t number = 0;
+  const auto [end, error] = std::from_chars(words.data(), words.data() + words.size(), number);
+  if (error != std::errc() || end != words.data() + words.size() || number == 0) return {};
+  return number;
+}
+
 }  // namespace
+
+std::vector<std::string> edit_verbs() {
+  std::vector<std::string> verbs;
+  for (const auto& [verb, kind] : kVerbs) verbs.emplace_back(verb);
+  return verbs;
+}
+
+EditRequest parse_request(std::string_view given) {
+  std::string text = lower(given.substr(0, kLongestEdit));
+  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+  trim(text);
+  EditRequest request;
+  constexpr std::string_view kUndo = "undo";
+  if (text == kUndo || text.rfind("undo ", 0) == 0) {
+    request.undo = undo_number(text.substr(kUndo.size()));
+    if (!request.undo) {
+      throw_usage("\"" + text.substr(0, 40) + "\" does not tell which edit to undo",
+                  "say \"undo\", \"undo the second edit\" or \"undo #2\"; the oldest edit is the first");
+    }
+    return request;
+  }
+  request.edit = parse_edit(given);
+  return request;
+}
 
 EditOperation parse_edit(std::string_view given) {
   if (given.size() > kLongestEdit) throw_usage("the edit is longer than 4096 bytes", kExample);
@@ -88,25 +174,32 @@ EditOperation parse_edit(std::string_view given) {
   const auto* known = std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });
   if (known == std::end(kVerbs)) {
     throw_usage(verb.empty() ? "there is no edit" : "\"" + verb.substr(0, 40) + "\" is no edit",
-                std::string("say delete, extract, recolor or highlight, ") + kExample);
+                std::string("say delete, extract, move, turn, duplicate, recolor or highlight, ") + kExample);
   }
   EditOperation edit;
   edit.kind = known->second;
   text.erase(0, verb_end);
-  edit.fill = take_fill(text);
+  const std::optional<bool> fill = take_fill(text);
+  edit.fill = fill.value_or(true) && (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove);
+  trim(text);
+  // The motion is at the end, and the contents before it.
+  if (edit.kind == EditKind::kMove || edit.kind == EditKind::kDuplicate) read_motion(verb, edit, text);
+  edit.with_contents = take_contents(text);
   trim(text);
   if (const auto threshold = take_threshold(text)) edit.threshold = parse_threshold(*threshold);
   trim(text);
-  if (edit.fill && edit.kind != EditKind::kDelete) {
-    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete");
+  if (edit.with_contents && takes_color(edit.kind)) {
+    throw_usage("the contents of an object are deleted, extracted or moved with it", "leave out \"with contents\"");
   }
-  const bool colored = edit.kind == EditKind::kRecolor || edit.kind == EditKind::kHighlight;
-  const bool names_color = text.rfind(" #") != std::string::npos && text.rfind(" #") == text.rfind(' ');
-  if (colored && (names_color || edit.kind == EditKind::kRecolor)) {
-    edit.color = parse_color(take_last_word(text));
-    std::string rest = text;
-    const std::string preposition = lower(take_last_word(rest));
-    if (preposition == "to" || preposition == "in" || preposition == "with") text = rest;
+  if (fill && edit.kind != EditKind::kDelete && edit.kind != EditKind::kMove) {
+    throw_usage("--fill closes the hole that a deletion leaves", "use it with delete or move");
+  }
+  if (edit.kind == EditKind::kRecolor || edit.kind == EditKind::kHighlight) {
+    if (const auto color = take_color(text)) {
+      edit.color = *color;
+    } else if (edit.kind == EditKind::kRecolor) {
+      read_color(take_last_word(text));  // says what is wrong with it
+    }
   }
   if (text.empty()) throw_usage("the edit names no object", kExample);
   edit.select = text;

@@ -1,16 +1,34 @@
-// An edit as a person types it into the page: "delete pillow, cushion", "recolor sofa to #add8e6".
+// An edit as a person types it: "delete pillow, cushion", "recolor sofa dark green", "undo the second edit".
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "edit/edit_operation.h"
 
 namespace aligngs {
 
 /// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or keep,
-/// recolor or recolour, highlight. A colour stands at the end, after "to", "in" or "with" or by itself; highlighting can
-/// do without. "--fill" and "--threshold X" mean what they mean on the command line. Reads back every describe() of
-/// an edit. Error{kUsage} for anything else; the selection is only checked against a label set when it is applied.
+/// move or push, turn or rotate, duplicate or copy (motion_text.h), recolor (recolour, paint, color, colour), highlight. A colour (color_names.h) is at the end, after "to", "in" or
+/// "with" or by itself; highlighting can do without. A deletion fills its hole, as the button of the page does, unless
+/// the text says "--no-fill" or ", hole left open". "With contents" (or "and what is on it") takes along what stands on
+/// the objects. "--fill" and "--threshold X" mean what they mean on the command
+/// line. Reads back every describe() of an edit. Error{kUsage} for anything else; the selection is only checked against
+/// a label set when it is applied.
 EditOperation parse_edit(std::string_view text);
+
+/// The verbs of parse_edit().
+std::vector<std::string> edit_verbs();
+
+/// An edit, or the wish to take one back.
+struct EditRequest {
+  std::optional<size_t> undo;  ///< 1 is the oldest edit of the stack, 0 the latest
+  EditOperation edit;          ///< where `undo` is empty
+};
+
+/// "undo", "undo the second edit", "undo #2", or an edit. Errors as parse_edit's.
+EditRequest parse_request(std::string_view text);
 
 }  // namespace aligngs

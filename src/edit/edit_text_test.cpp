@@ -13,7 +13,7 @@ TEST(EditText, AVerbAndASelection) {
   const EditOperation edit = parse_edit("delete pillow, cushion");
   EXPECT_EQ(edit.kind, EditKind::kDelete);
   EXPECT_EQ(edit.select, "pillow, cushion");
-  EXPECT_FALSE(edit.fill);
+  EXPECT_TRUE(edit.fill) << "as the button of the page";
   EXPECT_EQ(parse_edit("  Remove  pillow#2 ").select, "pillow#2");
   EXPECT_EQ(parse_edit("keep everything but wall, floor").kind, EditKind::kExtract);
   EXPECT_EQ(parse_edit("extract everything but wall, floor").select, "everything but wall, floor");
@@ -32,12 +32,53 @@ TEST(EditText, AColourStandsAtTheEnd) {
 }
 
 TEST(EditText, OptionsAreThoseOfTheCommandLine) {
-  const EditOperation edit = parse_edit("delete --fill pillow --threshold 0.4");
-  EXPECT_TRUE(edit.fill);
+  EXPECT_TRUE(parse_edit("delete --fill pillow").fill);
+  const EditOperation edit = parse_edit("delete --no-fill pillow --threshold 0.4");
+  EXPECT_FALSE(edit.fill);
   EXPECT_EQ(edit.select, "pillow");
   EXPECT_EQ(edit.threshold.kind, ThresholdRule::Kind::kValue);
   EXPECT_DOUBLE_EQ(edit.threshold.value, 0.4);
   EXPECT_EQ(parse_edit("delete pillow --threshold=auto").threshold.kind, ThresholdRule::Kind::kAuto);
+}
+
+TEST(EditText, AColourMayBeAName) {
+  const EditOperation edit = parse_edit("recolor chest of drawers dark green");
+  EXPECT_EQ(edit.select, "chest of drawers");
+  EXPECT_EQ(color_text(edit.color), "#006400");
+  EXPECT_EQ(parse_edit("paint the wall light blue").kind, EditKind::kRecolor);
+}
+
+TEST(EditText, WhatStandsOnAThingGoesWithIt) {
+  for (const char* text : {"delete chest of drawers with contents", "delete chest of drawers and what is on it", "delete chest of drawers --with-contents"}) {
+    const EditOperation edit = parse_edit(text);
+    EXPECT_TRUE(edit.with_contents) << text;
+    EXPECT_EQ(edit.select, "chest of drawers") << text;
+  }
+  EXPECT_EQ(describe(parse_edit("delete bed with contents, hole left open")), "delete bed with contents, hole left open");
+  EXPECT_THROW(parse_edit("highlight bed with contents"), Error);
+}
+
+TEST(EditText, ObjectsAreMovedTurnedAndCopied) {
+  const EditOperation move = parse_edit("move the largest chair 0.5 m to the left");
+  EXPECT_EQ(move.kind, EditKind::kMove);
+  EXPECT_EQ(move.select, "the largest chair");
+  EXPECT_DOUBLE_EQ(move.motion.shift.x, -0.5);
+  EXPECT_TRUE(move.fill) << "what it leaves is filled";
+  EXPECT_DOUBLE_EQ(parse_edit("turn sofa by 90").motion.turn, 90);
+  EXPECT_TRUE(parse_edit("copy lamp#1").motion.is_still());
+  for (const char* text : {"move desk with contents by 0.5,0,-0.2 and turn by 30", "move desk by 0,0,0 and turn by -90, hole left open",
+                           "duplicate chair by 1,0,0", "duplicate chair"}) {
+    EXPECT_EQ(describe(parse_edit(text)), text);
+  }
+  for (const char* text : {"move sofa", "turn sofa", "move by 1,2,3", "turn sofa by 999"}) EXPECT_THROW(parse_edit(text), Error) << text;
+}
+
+TEST(EditText, AnEditIsUndoneByItsNumber) {
+  EXPECT_EQ(parse_request("undo").undo, 0u);
+  EXPECT_EQ(parse_request("Undo the last edit").undo, 0u);
+  for (const char* text : {"undo the second edit", "undo #2", "undo edit number 2", "undo 2nd"}) EXPECT_EQ(parse_request(text).undo, 2u) << text;
+  EXPECT_FALSE(parse_request("delete bed").undo);
+  for (const char* text : {"undo everything else", "undo 0", "undo -1"}) EXPECT_THROW(parse_request(text), Error) << text;
 }
 
 TEST(EditText, ReadsBackHowEditsAreDescribed) {
@@ -75,7 +116,7 @@ TEST(EditText, MistakesSayWhatIsExpected) {
   expect("delete", "names no object");
   expect("delete   --fill", "names no object");
   expect("recolor", "no colour");
-  expect("recolor sofa to blue", "no colour");
+  expect("recolor sofa to bleu", "no colour");
   expect("recolor #add8e6", "names no object");
   expect("extract sofa --fill", "deletion");
   expect("delete sofa --threshold", "no threshold");

@@ -20,12 +20,16 @@ Json report_json(const EditReport& report, const LabelSet& labels) {
                        {"instance", object.instance},
                        {"gaussians", object.gaussians}});
   }
+  Json contents = Json::array();
+  for (const SelectedObject& object : report.contents) contents.push_back(object_name(object, labels));
   return {{"edit", report.description},
+          {"left_behind", contents},
           {"objects", objects},
           {"selected_gaussians", report.selected},
           {"gaussians_before", report.before},
           {"gaussians_after", report.after},
           {"filled_gaussians", report.filled},
+          {"cleared_gaussians", report.cleared},
           {"selected_vertices", report.selected_vertices},
           {"vertices_before", report.vertices_before},
           {"vertices_after", report.vertices_after},

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "edit/crumbs.h"
 #include "gaussians/object_labels.h"
 #include "scene/triangle_mesh.h"
 
@@ -145,6 +146,7 @@ LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, dou
     room.labels = no_labels(model, labels);
   }
   room.model = std::move(model);
+  join_crumbs(room, {}, pool);
   return room;
 }
 

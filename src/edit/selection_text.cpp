@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <tuple>
 
 #include "core/error.h"
 
@@ -12,51 +13,49 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kLongestText = 4096;    // bytes: hundreds of names
-constexpr int kLargestInstance = 65535;  // ushort in scene.labels.ply
+constexpr int kMostNumbers = 1000;       // objects of one range
 constexpr const char* kExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
 
-std::string_view trimmed(std::string_view text) {
-  const char* blanks = " \t\r\n";
-  const size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+/// "pillow 2" for "pillow#2": the number, where the words before it are a name.
+std::string_view take_spoken_number(std::string_view& item, const Vocabulary& vocabulary) {
+  const size_t blank = item.find_last_of(" \t");
+  if (blank == std::string_view::npos || object_numbers(item.substr(blank)).first == 0) return {};
+  const std::string_view name = trimmed(item.substr(0, blank));
+  if (!vocabulary.find(name)) return {};
+  const std::string_view number = trimmed(item.substr(blank));
+  item = name;
+  return number;
 }
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-/// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere.
-size_t find_word(std::string_view text, std::string_view word, size_t from = 0) {
-  const std::string lower = [&] {
-    std::string s(text);
-    for (char& c : s) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return s;
-  }();
-  for (size_t at = lower.find(word, from); at != std::string::npos; at = lower.find(word, at + 1)) {
-    const size_t end = at + word.size();
-    if ((at == 0 || is_blank(lower[at - 1]) || lower[at - 1] == ',') &&
-        (end == lower.size() || is_blank(lower[end]) || lower[end] == ',')) {
-      return at;
-    }
-  }
-  return std::string::npos;
-}
-
-int parse_instance(std::string_view text, std::string_view item) {
-  int n = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), n);
-  if (error != std::errc() || end != text.data() + text.size() || n < 1 || n > kLargestInstance) {
-    throw_usage("\"" + std::string(item) + "\" has no object number after '#'",
-                "objects are numbered from 1: \"pillow#2\"");
-  }
-  return n;
-}
-
-SelectionTerm parse_term(std::string_view item, const Vocabulary& vocabulary) {
+/// Adds the terms of one item.
+void parse_term(std::string_view item, const Vocabulary& vocabulary, std::vector<SelectionTerm>& terms) {
   SelectionTerm term;
-  const size_t hash = item.rfind('#');
-  if (hash != std::string_view::npos) term.instance = parse_instance(trimmed(item.substr(hash + 1)), item);
-  term.label = vocabulary.resolve(trimmed(item.substr(0, hash)));
-  return term;
+  const std::string whole(item);
+  if (!vocabulary.find(item)) item = without_quantifier(item);
+  if (!vocabulary.find(item)) term.choice = take_choice(item);
+  const size_t hash = item.find('#');
+  std::string_view numbers;
+  if (hash != std::string_view::npos) {
+    numbers = trimmed(item.substr(hash + 1));
+    item = trimmed(item.substr(0, hash));
+  } else if (!vocabulary.find(item)) {
+    numbers = take_spoken_number(item, vocabulary);
+  }
+  if (item.empty() && !terms.empty()) {
+    term.label = terms.back().label;
+  } else {
+    term.label = vocabulary.resolve(item);
+  }
+  if (hash == std::string_view::npos && numbers.empty()) {
+    terms.push_back(term);
+    return;
+  }
+  const auto [first, last] = object_numbers(numbers);
+  if (first == 0 || last - first >= kMostNumbers || term.choice != ObjectChoice::kNone) {
+    throw_usage("\"" + whole + "\" has no object number after '#'",
+                "objects are numbered from 1: \"pillow#2\" or \"pillow#1-3\"");
+  }
+  for (term.instance = first; term.instance <= last; ++term.instance) terms.push_back(term);
 }
 
 bool is_everything(std::string_view item) {
@@ -75,7 +74,7 @@ void parse_item(std::string_view item, const Vocabulary& vocabulary, std::vector
     if (everything && is_everything(first) && !vocabulary.find(first)) {
       *everything = true;
     } else {
-      terms.push_back(parse_term(first, vocabulary));
+      parse_term(first, vocabulary, terms);
     }
     if (conjunction == std::string_view::npos) return;
     item.remove_prefix(conjunction + 3);
@@ -94,11 +93,30 @@ void parse_list(std::string_view text, const Vocabulary& vocabulary, std::vector
 
 std::string term_text(const SelectionTerm& term, const LabelSet& labels) {
   const std::string& name = labels.classes.at(term.label).name;
+  if (term.choice != ObjectChoice::kNone) return choice_word(term.choice) + " " + name;
   return term.instance ? name + "#" + std::to_string(term.instance) : name;
 }
 
+/// Terms with commas between; three or more numbers in a row are a range.
+std::string terms_text(const std::vector<SelectionTerm>& terms, const LabelSet& labels) {
+  constexpr size_t kShortestRange = 3;
+  std::string text;
+  for (size_t i = 0; i < terms.size();) {
+    size_t end = i + 1;
+    while (end < terms.size() && terms[i].instance > 0 && terms[end].label == terms[i].label &&
+           terms[end].instance == terms[end - 1].instance + 1) {
+      ++end;
+    }
+    if (end - i < kShortestRange) end = i + 1;
+    text += (text.empty() ? "" : ", ") + term_text(terms[i], labels);
+    if (end > i + 1) text += "-" + std::to_string(terms[end - 1].instance);
+    i = end;
+  }
+  return text;
+}
+
 void sort_terms(std::vector<SelectionTerm>& terms) {
-  const auto key = [](const SelectionTerm& t) { return std::pair(t.label, t.instance); };
+  const auto key = [](const SelectionTerm& t) { return std::tuple(t.label, t.instance, t.choice); };
   std::sort(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
   terms.erase(std::unique(terms.begin(), terms.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
               terms.end());
@@ -112,7 +130,7 @@ SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabula
   text = trimmed(text);
   if (text.empty()) throw_usage("nothing is selected", kExample);
   size_t exception = std::string_view::npos, exception_end = 0;
-  for (const std::string_view word : {"but", "except", "without"}) {
+  for (const std::string_view word : {"but", "except", "without", "excluding"}) {
     const size_t at = find_word(text, word);
     if (at < exception) {
       exception = at;
@@ -121,7 +139,11 @@ SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabula
   }
   SelectionQuery query;
   parse_list(text.substr(0, exception), vocabulary, query.include, &query.everything);
-  if (exception != std::string_view::npos) parse_list(text.substr(exception_end), vocabulary, query.exclude, nullptr);
+  if (exception != std::string_view::npos) {
+    std::string_view rest = trimmed(text.substr(exception_end));
+    if (find_word(rest, "not") == 0) rest.remove_prefix(3);  // "every lamp but not lamp#2"
+    parse_list(rest, vocabulary, query.exclude, nullptr);
+  }
   sort_terms(query.include);
   sort_terms(query.exclude);
   if (query.everything) query.include.clear();
@@ -130,8 +152,8 @@ SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabula
 
 std::string selection_text(const SelectionQuery& query, const LabelSet& labels) {
   std::string text = query.everything ? "everything" : "";
-  for (const SelectionTerm& term : query.include) text += (text.empty() ? "" : ", ") + term_text(term, labels);
-  for (size_t i = 0; i < query.exclude.size(); ++i) text += (i ? ", " : " but ") + term_text(query.exclude[i], labels);
+  if (!query.include.empty()) text += (text.empty() ? "" : ", ") + terms_text(query.include, labels);
+  if (!query.exclude.empty()) text += " but " + terms_text(query.exclude, labels);
   return text;
 }
 

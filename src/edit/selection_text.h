@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "edit/selection_words.h"
 #include "edit/vocabulary.h"
 
 namespace aligngs {
@@ -13,6 +14,7 @@ namespace aligngs {
 struct SelectionTerm {
   int label = 0;     ///< class number
   int instance = 0;  ///< 1, 2, ... as in scene.labels.ply, largest object first; 0 = all objects of the class
+  ObjectChoice choice = ObjectChoice::kNone;  ///< instead of a number, until object_choice.h finds the number
 };
 
 struct SelectionQuery {
@@ -21,8 +23,10 @@ struct SelectionQuery {
   std::vector<SelectionTerm> exclude;  ///< taken away afterwards
 };
 
-/// Grammar: items parted by commas (or "and"); an item is a name, optionally with "#" and an object number;
-/// "everything" or "all" is the whole room; after "but", "except" or "without" stand the exclusions.
+/// Grammar: items parted by commas (or "and"). An item is a name, optionally with "#" and object numbers ("bed#2",
+/// "bed#1-3", "bed 2"), after "all", "every" or "the" where a person says so, or after "largest", "smallest", "left",
+/// "right", "highest" or "lowest" for one object. "#2" alone is of the name before it. "everything" or "all" is the
+/// whole room; after "but", "except", "without" or "excluding" are the exclusions.
 /// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);
 

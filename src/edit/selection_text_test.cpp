@@ -38,6 +38,29 @@ TEST(SelectionText, ObjectsHaveNumbers) {
   }
 }
 
+TEST(SelectionText, PeopleSayAllAndEvery) {
+  EXPECT_EQ(canonical("all beds"), "bed");
+  EXPECT_EQ(canonical("all of the lamps, each pillow"), "lamp, pillow");
+  EXPECT_EQ(canonical("every lamp but lamp#2"), "lamp but lamp#2");
+  EXPECT_EQ(canonical("every lamp but not lamp#2"), "lamp but lamp#2");
+  EXPECT_EQ(canonical("all but the walls"), "everything but wall");
+}
+
+TEST(SelectionText, ARangeIsManyNumbers) {
+  EXPECT_EQ(canonical("bed#1-3"), "bed#1-3");
+  EXPECT_EQ(canonical("bed #1 to #3"), "bed#1-3");
+  EXPECT_EQ(canonical("bed#1-2"), "bed#1, bed#2");
+  EXPECT_EQ(canonical("bed#1, #2, #4"), "bed#1, bed#2, bed#4");
+  EXPECT_EQ(canonical("pillow 2"), "pillow#2");
+  for (const char* bad : {"bed#3-1", "bed#0-2", "bed#1-", "bed#1-9999", "#1"}) refusal(bad);
+}
+
+TEST(SelectionText, OneObjectByItsLook) {
+  EXPECT_EQ(canonical("the largest chair"), "largest chair");
+  EXPECT_EQ(canonical("Leftmost pillow and the biggest rug"), "largest rug, left pillow");
+  EXPECT_THAT(refusal("the largest chair#2"), HasSubstr("object number"));
+}
+
 TEST(SelectionText, EverythingButSomething) {
   EXPECT_EQ(canonical("everything but wall, floor"), "everything but wall, floor");
   EXPECT_EQ(canonical("ALL except the walls"), "everything but wall");

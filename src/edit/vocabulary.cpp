@@ -2,39 +2,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
+#include <tuple>
 
 #include "core/edit_distance.h"
 #include "core/error.h"
+#include "edit/class_synonyms.h"
 
 namespace aligngs {
 namespace {
-
-/// Words that the ADE20K object list lacks and people type. Used where the label set has the class and no word of its
-/// own that is spelt so.
-struct EverydayWord {
-  const char* word;
-  const char* name;
-};
-constexpr EverydayWord kEveryday[] = {{"fridge", "refrigerator"},
-                                      {"bin", "ashcan"},
-                                      {"picture frame", "painting"},
-                                      {"drawers", "chest of drawers"},
-                                      {"duvet", "blanket"},
-                                      {"quilt", "blanket"},
-                                      {"bedspread", "blanket"},
-                                      {"settee", "sofa"},
-                                      {"cupboard", "cabinet"},
-                                      {"bookshelf", "bookcase"},
-                                      {"hob", "stove"},
-                                      {"cooker", "stove"},
-                                      {"heater", "radiator"},
-                                      {"potted plant", "plant"},
-                                      {"footstool", "ottoman"},
-                                      {"armoire", "wardrobe"},
-                                      {"rubbish bin", "ashcan"},
-                                      {"basin", "sink"},
-                                      {"washbasin", "sink"},
-                                      {"mat", "rug"}};
 
 bool ends_with(const std::string& word, const char* tail) {
   const std::string_view t(tail);
@@ -93,8 +69,15 @@ Vocabulary::Vocabulary(const LabelSet& labels) : labels_(labels) {
   for (int i = 0; i < labels_.size(); ++i) {
     for (const std::string& synonym : labels_.classes[i].synonyms) add(synonym, i);
   }
-  for (const EverydayWord& word : kEveryday) {
-    if (const auto it = exact_.find(word.name); it != exact_.end()) add(word.word, it->second);
+  for (const ClassSynonyms& entry : everyday_synonyms()) {
+    const auto it = exact_.find(std::string(entry.name));
+    if (it == exact_.end()) continue;
+    const int label = it->second;
+    for (size_t begin = 0; begin < entry.words.size();) {
+      const size_t end = std::min(entry.words.find(';', begin), entry.words.size());
+      add(std::string(entry.words.substr(begin, end - begin)), label);
+      begin = end + 1;
+    }
   }
 }
 
@@ -113,12 +96,16 @@ std::optional<int> Vocabulary::find(std::string_view word) const {
   return std::nullopt;
 }
 
+void Vocabulary::prefer(const std::vector<int>& labels) { preferred_ = {labels.begin(), labels.end()}; }
+
 std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t most) const {
   const std::string folded = folded_name(word);
   constexpr size_t kLongestWord = 64;  // bytes; nothing longer is a mistyped name, and the distance is quadratic
   if (folded.empty() || folded.size() > kLongestWord) return {};
   struct Near {
     size_t distance;
+    bool absent;  ///< from the room
+    int label;
     std::string word;
   };
   std::vector<Near> near;
@@ -126,11 +113,19 @@ std::vector<std::string> Vocabulary::suggestions(std::string_view word, size_t m
   for (const auto& [known, label] : exact_) {
     size_t distance = edit_distance(folded, known);
     for (const std::string& form : singular_forms(folded)) distance = std::min(distance, edit_distance(form, known));
-    if (distance <= limit) near.push_back({distance, known});
+    const bool preferred = preferred_.count(label) != 0;
+    // Farther words only where the room holds the thing: they are the nearest of what can be meant.
+    if (distance <= limit || preferred) near.push_back({distance, !preferred, label, known});
   }
-  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.distance < b.distance; });
+  std::stable_sort(near.begin(), near.end(), [&](const Near& a, const Near& b) {
+    const bool a_far = a.distance > limit, b_far = b.distance > limit;
+    return std::tie(a_far, a.distance, a.absent) < std::tie(b_far, b.distance, b.absent);
+  });
   std::vector<std::string> out;
-  for (size_t i = 0; i < near.size() && out.size() < most; ++i) out.push_back(near[i].word);
+  std::set<int> said;  // one word for each class
+  for (size_t i = 0; i < near.size() && out.size() < most; ++i) {
+    if (said.insert(near[i].label).second) out.push_back(near[i].word);
+  }
   return out;
 }
 

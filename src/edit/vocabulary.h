@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,10 @@ class Vocabulary {
   std::optional<int> find(std::string_view word) const;
   /// Class number; Error{kUsage} with suggestions when the word is unknown.
   int resolve(std::string_view word) const;
-  /// Known words that differ from `word` in at most a third of its letters, nearest first.
+  /// Classes that the room holds: they come first among the suggestions.
+  void prefer(const std::vector<int>& labels);
+  /// Known words, nearest first, one for each class. They differ from `word` in at most a third of its letters; after
+  /// those come the nearest ones of the preferred classes.
   std::vector<std::string> suggestions(std::string_view word, size_t most = 3) const;
   const LabelSet& labels() const { return labels_; }
 
@@ -34,6 +38,7 @@ class Vocabulary {
   LabelSet labels_;
   std::map<std::string, int> exact_;     ///< folded names and synonyms
   std::map<std::string, int> singular_;  ///< their singular forms
+  std::set<int> preferred_;              ///< classes
 };
 
 }  // namespace aligngs

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "edit/class_synonyms.h"
 
 namespace aligngs {
 namespace {
@@ -50,6 +51,30 @@ TEST(Vocabulary, ATypingErrorIsAnsweredWithSuggestions) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
     EXPECT_THAT(error.details().remedy, HasSubstr("did you mean \"pillow\""));
   }
+}
+
+TEST(Vocabulary, EveryClassHasFiveWordsBesidesItsName) {
+  const Vocabulary vocabulary(ade20k_labels());
+  ASSERT_EQ(everyday_synonyms().size(), 150u);
+  for (const ClassSynonyms& entry : everyday_synonyms()) {
+    size_t words = 0;
+    for (size_t begin = 0; begin < entry.words.size(); ++words) {
+      const size_t end = std::min(entry.words.find(';', begin), entry.words.size());
+      const std::string word(entry.words.substr(begin, end - begin));
+      EXPECT_EQ(name_of(word), entry.name) << word;
+      begin = end + 1;
+    }
+    EXPECT_GE(words, 5u) << entry.name;
+  }
+}
+
+TEST(Vocabulary, WhatTheRoomHoldsIsSuggestedFirst) {
+  Vocabulary vocabulary(ade20k_labels());
+  const auto label = [](const char* name) { return ade20k_labels().find(name); };
+  EXPECT_EQ(vocabulary.suggestions("lampe").front(), "lamp");
+  vocabulary.prefer({label("bed"), label("sofa"), label("rug")});
+  EXPECT_THAT(vocabulary.suggestions("qzxqzxqzx"), testing::SizeIs(3)) << "the nearest of what can be meant";
+  EXPECT_EQ(vocabulary.suggestions("rig").front(), "rug");
 }
 
 TEST(Vocabulary, NonsenseHasNoSuggestion) {

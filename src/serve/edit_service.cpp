@@ -91,10 +91,12 @@ Json EditService::stack() {
 std::string EditService::list() { return json_line(stack()); }
 
 std::string EditService::preview(const std::string& request) {
-  const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
+  const std::string text = request_of(request, {"edit"})["edit"].get<std::string>();
   EditSession& s = session();
+  const EditRequest asked = s.understand(text);
+  if (asked.undo) throw_usage("there is no preview of an undo", "apply it; \"again\" brings the edit back");
   BeforeAfter picture;
-  Json answer = report_json(s.preview(edit, &picture), s.room().labels);
+  Json answer = report_json(s.preview(asked.edit, &picture), s.room().labels);
   answer["view"] = picture.view;
   answer["picture"] = nullptr;
   if (!picture.picture.empty()) {
@@ -112,19 +114,23 @@ std::string EditService::listed(const char* what, const Json& value) {
 }
 
 std::string EditService::push(const std::string& request) {
-  const EditOperation edit = parse_edit(request_of(request, {"edit"})["edit"].get<std::string>());
+  const std::string text = request_of(request, {"edit"})["edit"].get<std::string>();
   EditSession& s = session();
-  const Json report = report_json(s.push(edit), s.room().labels);
+  const EditRequest asked = s.understand(text);
+  if (asked.undo) return undone(*asked.undo);
+  const Json report = report_json(s.push(asked.edit), s.room().labels);
   redo_.clear();
   return listed("report", report);
 }
 
+std::string EditService::undone(size_t number) {
+  redo_.push_back(session().undo(number));
+  return listed("undone", describe(redo_.back()));
+}
+
 std::string EditService::undo(const std::string& request) {
   request_of(request, {});
-  EditSession& s = session();
-  const EditOperation undone = s.undo();
-  redo_.push_back(undone);
-  return listed("undone", describe(undone));
+  return undone(0);
 }
 
 std::string EditService::redo(const std::string& request) {

@@ -33,7 +33,7 @@ class EditService {
   /// {"edit": TEXT (edit_text.h)} -> the report (report_json.h) with "view" and "picture", a PNG as data URL, before on
   /// the left. Nothing is written.
   std::string preview(const std::string& request);
-  /// {"edit": TEXT} -> list() with "report".
+  /// {"edit": TEXT} -> list() with "report"; for a text as "undo the second edit" with "undone".
   std::string push(const std::string& request);
   std::string undo(const std::string& request);  ///< {} -> list() with "undone"
   std::string redo(const std::string& request);  ///< {} -> list() with "report"
@@ -45,6 +45,7 @@ class EditService {
 
  private:
   EditSession& session();
+  std::string undone(size_t number);
   nlohmann::json stack();  ///< what list() writes
   /// list() after a change of the stack, with one more field.
   std::string listed(const char* what, const nlohmann::json& value);

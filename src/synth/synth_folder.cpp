@@ -4,6 +4,7 @@
 #include "core/half.h"
 #include "room/room_json.h"
 #include "scene/scene_writer.h"
+#include "synth/removal_truth.h"
 #include "synth/room_truth.h"
 #include "synth/synth_scene.h"
 
@@ -55,7 +56,8 @@ SemanticMap map_of(const ScoreMap& scores) {
 
 }  // namespace
 
-void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite) {
+void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite,
+                       const std::vector<RemovalTruth>& removals) {
   const SynthOptions& o = scene.options;
   SceneWriter writer(folder, overwrite);
   SceneParts parts;
@@ -87,7 +89,12 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.truth_mesh = scene.mesh;
   writer.write(parts);
   write_room(writer.folder() / "truth" / "room.json", room_truth(scene.room));
+  for (const RemovalTruth& removal : removals) write_removal_truth(scene, removal, writer.folder() / "truth" / "without");
   writer.commit();
+}
+
+void write_synth_scene(const SynthScene& scene, const std::filesystem::path& folder, bool overwrite) {
+  write_synth_scene(scene, folder, overwrite, {});
 }
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {

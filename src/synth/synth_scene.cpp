@@ -43,6 +43,36 @@ Rigidd world_frame(const RoomModel& room, Random random) {
   return {rotation, -(rotation * middle) + Vec3d{random.uniform(-0.5, 0.5), random.uniform(-0.2, 0.2), random.uniform(-0.5, 0.5)}};
 }
 
+PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
+  if (scene.options.cloud == CloudTeacher::kFeedForward) {
+    std::vector<TeacherCloudView> teachers;
+    for (const int i : scene.train) teachers.push_back({&scene.views[static_cast<size_t>(i)].teacher, &scene.views[static_cast<size_t>(i)].image});
+    return teacher_cloud(teachers, random);
+  }
+  std::vector<SfmView> views;
+  for (const int i : scene.train) {
+    const SynthView& view = scene.views[static_cast<size_t>(i)];
+    views.push_back({&view.truth, &view.image, view.teacher.camera});
+  }
+  return simulate_sfm_cloud(views, {}, random);
+}
+
+/// The stream of random numbers of a scene's room.
+Random room_random(const SynthOptions& options) {
+  uint64_t kind = 0;
+  while (room_kinds()[kind] != options.room) ++kind;
+  return Random(options.seed).fork(500 + kind);
+}
+
+}  // namespace
+
+LightingOptions lighting_of(const SynthOptions& options) { return {48, 3, options.shadows}; }
+
+Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color) {
+  if (!options.degrade_images) return to_bytes(color);
+  return degrade_image(color, {}, room_random(options).fork(2).fork(index));
+}
+
 TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
   TriangleMesh mesh;
   mesh.vertices = room.positions;
@@ -58,22 +88,6 @@ TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
   }
   return mesh;
 }
-
-PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
-  if (scene.options.cloud == CloudTeacher::kFeedForward) {
-    std::vector<TeacherCloudView> teachers;
-    for (const int i : scene.train) teachers.push_back({&scene.views[static_cast<size_t>(i)].teacher, &scene.views[static_cast<size_t>(i)].image});
-    return teacher_cloud(teachers, random);
-  }
-  std::vector<SfmView> views;
-  for (const int i : scene.train) {
-    const SynthView& view = scene.views[static_cast<size_t>(i)];
-    views.push_back({&view.truth, &view.image, view.teacher.camera});
-  }
-  return simulate_sfm_cloud(views, {}, random);
-}
-
-}  // namespace
 
 const ImageF& SynthScene::prior_depth(const SynthView& view) const {
   return options.teacher == TeacherKind::kSimulated && options.depth_teacher == DepthTeacher::kMono ? view.mono_depth
@@ -107,14 +121,15 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   scene.bare_share = scene.room.bare_area_share();
   uint64_t kind = 0;
   while (room_kinds()[kind] != options.room) ++kind;
-  const Random base = Random(options.seed).fork(500 + kind);
+  const Random base = room_random(options);
   const Random teacher_base = Random(options.teacher_seed != 0 ? options.teacher_seed : options.seed).fork(600 + kind);
   scene.room.move_to_world(world_frame(scene.room, base.fork(1)));
   scene.up = scene.room.room_to_world.rotation.column(2);
 
   report(0.02, "lighting the room");
   const RoomRays rays(scene.room);
-  const LightCache lights = light_room(rays, pool, {48, 3, options.shadows});
+  const LightCache lights = light_room(rays, pool, lighting_of(options));
+  scene.exposure = lights.exposure;
   scene.mesh = truth_mesh(scene.room, lights);
 
   report(0.3, "walking through the room");
@@ -153,7 +168,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   report(0.95, "developing the pictures");
   scene.views.resize(plan.size());
   const MonoDepthSettings mono = mono_depth_settings(options.level);
-  const Random mono_random = teacher_base.fork(3), photo_random = base.fork(2);
+  const Random mono_random = teacher_base.fork(3);
   pool.parallel_for(plan.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       SynthView& view = scene.views[i];
@@ -162,8 +177,7 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
       view.teacher = std::move(geometry.views[i]);
       view.scores = std::move(scores[i]);
       if (!exact) view.mono_depth = simulate_mono_depth(rendered[i], i, mono, mono_random);
-      view.image = options.degrade_images ? degrade_image(rendered[i].color, {}, photo_random.fork(i))
-                                          : to_bytes(rendered[i].color);
+      view.image = photo_of(options, i, rendered[i].color);
       view.truth = std::move(rendered[i]);
     }
   });

@@ -64,9 +64,17 @@ struct SynthScene {
   PointCloud cloud;          ///< sparse/points3D: confident pixels of the teacher's depth, or corners triangulated with its cameras
   Similarity teacher_world;  ///< true world -> teacher's world; identity unless unknown_similarity
   double bare_share = 0;     ///< of the surface area: near-white without texture
+  float exposure = 1;        ///< of the camera (LightCache::exposure)
 
   const ImageF& prior_depth(const SynthView& view) const;  ///< what pred_depths/ holds
 };
+
+/// How a scene's room is lit.
+LightingOptions lighting_of(const SynthOptions& options);
+/// The photo of view `index` whose perfect picture is `color`: every view has a noise and an exposure of its own.
+Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color);
+/// A room's surface with labels, and with colours under the light.
+TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights);
 
 /// Called with the share done in [0, 1] and what is being done.
 using SynthProgress = std::function<void(double, const std::string&)>;

@@ -30,7 +30,7 @@ export interface EditList {
 }
 export interface EditReport {
   edit: string; objects: { object: string; gaussians: number }[]; selected_gaussians: number; gaussians_before: number;
-  gaussians_after: number; filled_gaussians: number; picture?: string | null; view?: string;
+  gaussians_after: number; filled_gaussians: number; left_behind: string[]; picture?: string | null; view?: string;
 }
 
 const embedded = document.getElementById('aligngs-scene');

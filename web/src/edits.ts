@@ -58,7 +58,7 @@ export class EditPanel {
     await this.work(`${edit} ...`, async () => {
       const answer = await post<EditList>('/api/edits/push', { edit });
       element<HTMLInputElement>('edit-text').value = '';
-      return { answer, told: summary(answer.report!) };
+      return { answer, told: answer.report ? summary(answer.report) : `undone: ${answer.undone}` };
     });
   }
   async undo(): Promise<void> {
@@ -146,6 +146,7 @@ export class EditPanel {
 
 function summary(r: EditReport): string {
   const objects = r.objects.map((o) => o.object).join(', ');
+  const left = r.left_behind.length ? `; ${r.left_behind.join(', ')} was on it; "with contents" takes it along` : '';
   const counts = `${r.selected_gaussians.toLocaleString('en')} of ${r.gaussians_before.toLocaleString('en')} Gaussians`;
-  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians} new ones close the hole` : ''}`;
+  return `${r.edit}: ${objects}, ${counts}${r.filled_gaussians ? `, ${r.filled_gaussians} new ones close the hole` : ''}${left}`;
 }

@@ -32,7 +32,7 @@ await withBrowser(async (browser) => {
   await shot('preview');
   await page.locator('#preview-apply').click();
   await done(1);
-  check((await edits())[0] === `delete ${thing}`, `the text box does what it says (${(await edits())[0]})`);
+  check((await edits())[0] === `delete ${thing}, hole filled`, `the text box does what it says (${(await edits())[0]})`);
   check((await splats()) < before, `${before} splats became ${await splats()}`);
   const deleted = await picture();
   check(difference(start, deleted) > 1, 'and the picture changes');
@@ -57,7 +57,7 @@ await withBrowser(async (browser) => {
   check((await edits())[1] === 'recolor wall to #ff8040', 'the class list recolours');
   check(difference(deleted, await picture()) > 3, 'and the wall has the colour');
   await shot('recoloured');
-  aligngs(program, 'edit', other, '-q', '--select', thing, '--delete');
+  aligngs(program, 'edit', other, '-q', '--select', thing, '--delete', '--fill');
   aligngs(program, 'edit', other, '-q', '--select', 'wall', '--recolor', '#ff8040');
   for (const file of ['edits.json', 'edits/scene.ply', 'edits/scene.labels.ply', 'edits/mesh/mesh.ply']) {
     check(readFileSync(join(run, file)).equals(readFileSync(join(other, file))), `${file} is that of the command line`);
@@ -86,7 +86,7 @@ await withBrowser(async (browser) => {
   await page.locator('#edit-text').fill('delete bedd');
   await page.locator('#edit-text').press('Enter');
   await page.waitForFunction(() => document.getElementById('message').textContent.includes('did you mean'), null, { timeout: 60000 });
-  check(/did you mean "bed"/.test(await message()), `a typing error is answered (${await message()})`);
+  check(/did you mean "delete bed"/.test(await message()), `a typing error is answered (${await message()})`);
   check((await edits()).length === 2, 'and changes nothing');
 
   for (const format of ['glb', 'html']) {

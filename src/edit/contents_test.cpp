@@ -1,0 +1,53 @@
+#include "edit/contents.h"
+
+#include <gmock/gmock.h>
+
+#include "edit/small_room_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kVase = 135, kLamp = 36;  // ADE20K class numbers
+
+/// The small room with a vase on the box, and a lamp beside it that is as high.
+class Contents : public testing::Test {
+ protected:
+  Contents() {
+    room_ = small_room::make(pool_);
+    GaussianModel model = room_.gaussians.model;
+    TriangleMesh mesh;
+    small_room::add_box(model, mesh, {-0.1f, -0.6f, 0.3f}, {0.1f, -0.4f, 0.5f}, {0.9f, 0.9f, 0.9f}, kVase);
+    small_room::add_box(model, mesh, {0.3f, -0.6f, 0.3f}, {0.5f, 0, 0.5f}, {0.2f, 0.2f, 0.2f}, kLamp);
+    room_.gaussians = label_objects(std::move(model), room_.labels, small_room::kExtent, pool_);
+  }
+  std::vector<uint8_t> rows_of(int label) const {
+    std::vector<uint8_t> rows;
+    for (const uint16_t l : room_.gaussians.labels.label) rows.push_back(l == label);
+    return rows;
+  }
+  std::vector<int> labels_on(int label) const {
+    std::vector<int> out;
+    for (const Instance& o : contents_of(room_.gaussians, rows_of(label), room_.labels, {0, -1, 0})) out.push_back(o.label);
+    return out;
+  }
+  ThreadPool pool_{2};
+  EditableRoom room_;
+};
+
+TEST_F(Contents, AVaseStandsOnTheBox) { EXPECT_THAT(labels_on(small_room::kBox), testing::ElementsAre(kVase)); }
+
+TEST_F(Contents, NothingStandsOnTheVase) { EXPECT_THAT(labels_on(kVase), testing::IsEmpty()); }
+
+TEST_F(Contents, TheirRowsAreAdded) {
+  std::vector<uint8_t> rows = rows_of(small_room::kBox);
+  const std::vector<uint8_t> vase = rows_of(kVase);
+  select_objects(room_.gaussians, contents_of(room_.gaussians, rows, room_.labels, {0, -1, 0}), rows);
+  for (size_t i = 0; i < vase.size(); ++i) {
+    if (vase[i]) {
+      EXPECT_TRUE(rows[i]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace aligngs

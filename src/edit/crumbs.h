@@ -1,0 +1,29 @@
+// Crumbs: groups of Gaussians too small to be a thing that a person would name.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/thread_pool.h"
+#include "edit/selection.h"
+
+namespace aligngs {
+
+struct CrumbOptions {
+  size_t fewest = 12;    ///< Gaussians: a smaller object is a crumb
+  size_t few = 30;       ///< Gaussians: a smaller object is a crumb when its box is small, too
+  double small = 0.03;   ///< / extent: diagonal of a small box (9 cm in a room)
+  int neighbours = 16;   ///< that vote on the object a crumb joins
+  double own_class = 2;  ///< weight of the votes of its own class
+};
+
+/// Gives crumbs (objects that are too small, and Gaussians with a class and no object) the class and the object of most
+/// of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects do not
+/// change. Returns how many Gaussians have joined another object.
+size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool);
+
+/// The same for given Gaussians, e.g. what is left of a deleted object: `rows` marks them.
+size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
+                       ThreadPool& pool);
+
+}  // namespace aligngs

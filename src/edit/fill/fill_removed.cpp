@@ -1,0 +1,333 @@
+#include "edit/fill/fill_removed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "edit/fill/carrying_classes.h"
+#include "edit/fill/plane_rectangle.h"
+#include "edit/fill/room_planes.h"
+#include "edit/fill/solid_space.h"
+#include "edit/support_fill.h"
+
+namespace aligngs {
+namespace {
+
+Vec3d position(const GaussianModel& model, size_t i) {
+  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+}
+
+constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface believable
+
+/// The room, what goes, and all that filling asks of both.
+class Filler {
+ public:
+  Filler(const FillInput& input, const FillSettings& settings)
+      : input_(input), settings_(settings), room_(input.room), extent_(input.room.extent),
+        classes_(carrying_classes(input.labels)), parts_(connected_parts(input.room, input.selected)),
+        removed_(input.room.model, input.selected, settings.cube * input.room.extent), rest_(rest_space()), tree_(removed_points()) {
+    planes_ = room_planes(room_, classes_, input_.selected, inside());
+    gone_ = input_.selected;
+    for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
+  }
+
+  Filling run() {
+    Filling filling;
+    filling.debris = find_debris();
+    for (size_t i = 0; i < gone_.size(); ++i) gone_[i] |= filling.debris[i];
+    for (RoomPlane& plane : planes_) std::erase_if(plane.carriers, [&](uint32_t i) { return gone_[i] != 0; });
+    std::vector<SupportPatch>& patches = filling.patches;
+    for (const RoomPlane& plane : planes_) {
+      if (plane.carriers.size() < kFewestCarriers) continue;
+      for (SupportPatch& patch : fill_shell(plane)) patches.push_back(std::move(patch));
+    }
+    for (const std::vector<uint8_t>& part : parts_) {
+      for (SupportPatch& patch : fill_furniture(part)) patches.push_back(std::move(patch));
+    }
+    std::erase_if(patches, [](const SupportPatch& p) { return p.sources.empty(); });
+    return filling;
+  }
+
+ private:
+  SolidSpace rest_space() const {
+    std::vector<uint8_t> rest = input_.selected;
+    for (uint8_t& r : rest) r = !r;
+    return SolidSpace(room_.model, rest, settings_.cube * extent_);
+  }
+  std::vector<Vec3f> removed_points() {
+    std::vector<Vec3f> points;
+    for (uint32_t i = 0; i < input_.selected.size(); ++i) {
+      if (!input_.selected[i]) continue;
+      points.push_back(position(room_.model, i).cast<float>());
+      removed_rows_.push_back(i);
+    }
+    return points;
+  }
+  /// A place in the room: the mean place of the cameras, or of everything.
+  Vec3d inside() const {
+    Vec3d sum;
+    if (!input_.cameras.empty()) {
+      for (const Camera& c : input_.cameras) sum += c.centre() * (1.0 / static_cast<double>(input_.cameras.size()));
+      return sum;
+    }
+    for (size_t i = 0; i < room_.model.size(); ++i) sum += position(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
+    return sum;
+  }
+  bool touches(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
+    std::vector<double> heights;
+    for (size_t i = 0; i < part.size(); ++i) {
+      if (part[i]) heights.push_back(dot(plane.normal, position(room_.model, i)) - plane.offset);
+    }
+    constexpr double kLowest = 0.05;  // share of the part: strays below do not touch
+    const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kLowest * static_cast<double>(heights.size()));
+    std::nth_element(heights.begin(), low, heights.end());
+    return *low < settings_.touch * extent_;
+  }
+  /// Carriers of a surface, without those in the removed object's halo where enough are left.
+  std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers) const {
+    std::vector<uint32_t> out;
+    std::vector<PointTree::Neighbour> near;
+    for (const uint32_t i : carriers) {
+      tree_.nearest(position(room_.model, i).cast<float>(), 1, near);
+      if (near.empty() || near.front().distance > settings_.halo * extent_) out.push_back(i);
+    }
+    return out.size() < kFewestCarriers ? carriers : out;
+  }
+  double cell_of(const std::vector<uint32_t>& carriers) const {
+    std::vector<Vec3f> points;
+    for (const uint32_t i : carriers) points.push_back(position(room_.model, i).cast<float>());
+    const PointTree tree(points);
+    std::vector<PointTree::Neighbour> near;
+    std::vector<float> spacing;
+    for (const Vec3f& p : points) {
+      tree.nearest(p, 2, near);
+      spacing.push_back(near.back().distance);
+    }
+    const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
+    std::nth_element(spacing.begin(), middle, spacing.end());
+    return std::clamp<double>(*middle, settings_.cell_min * extent_, settings_.cell_max * extent_);
+  }
+  /// Opacity of what stays on a plane, or with `gone` of what goes from it.
+  std::vector<float> coverage(const PlaneGrid& grid, bool gone) const {
+    std::vector<float> cover(grid.size(), 0.f);
+    const double tolerance = 2 * settings_.tolerance * extent_;
+    for (size_t i = 0; i < room_.model.size(); ++i) {
+      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
+    }
+    return cover;
+  }
+  /// Where a window or a door is in a wall.
+  std::vector<float> opened(const PlaneGrid& grid) const {
+    std::vector<float> cover(grid.size(), 0.f);
+    for (size_t i = 0; i < room_.model.size(); ++i) {
+      const int label = room_.labels.label[i];
+      if (gone_[i] || std::find(openings_.begin(), openings_.end(), label) == openings_.end()) continue;
+      if (std::fabs(grid.height_of(position(room_.model, i))) < settings_.opening * extent_) splat(room_.model, i, grid, true, cover);
+    }
+    return cover;
+  }
+  /// Photos that would show a place if the object were not there, and those that do.
+  struct Views {
+    int hidden = 0, free = 0;
+  };
+  Views views_of(const Vec3d& place) const {
+    Views views;
+    for (const Camera& camera : input_.cameras) {
+      const Vec3d local = camera.world_to_camera * place;
+      if (!(local.z > 0) || !camera.contains(camera.project(local))) continue;
+      const Vec3d eye = camera.centre();
+      if (removed_.hides(eye, place)) {
+        ++views.hidden;
+      } else if (!rest_.hides(eye, place)) {
+        ++views.free;
+      }
+    }
+    return views;
+  }
+  bool is_hidden_from_all(const Vec3d& place) const {
+    const Views views = views_of(place);
+    return views.hidden > 0 && views.free == 0;
+  }
+  /// A place without a surface that a photo or two show past the object's edge is a hole all the same.
+  bool is_hidden_from_most(const Vec3d& place) const {
+    const Views views = views_of(place);
+    return views.hidden > views.free;
+  }
+
+  std::vector<uint8_t> find_debris() const {
+    std::vector<uint8_t> debris(room_.model.size(), 0);
+    std::vector<PointTree::Neighbour> near;
+    for (const RoomPlane& plane : planes_) {
+      const std::vector<uint32_t> carriers = clean(plane.carriers);
+      std::vector<Vec3f> points;
+      for (const uint32_t i : carriers) points.push_back(position(room_.model, i).cast<float>());
+      const PointTree surface(points);
+      for (size_t i = 0; i < debris.size(); ++i) {
+        const uint16_t label = room_.labels.label[i];
+        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
+        const Vec3d place = position(room_.model, i);
+        if (nearest_plane(place, plane.kind) != &plane) continue;
+        debris[i] = is_hidden_from_all(place) || has_color_of_removed(i, surface, carriers, near);
+      }
+    }
+    return debris;
+  }
+  const RoomPlane* nearest_plane(const Vec3d& place, PlaneKind kind) const {
+    const RoomPlane* best = nullptr;
+    double least = 1e300;
+    for (const RoomPlane& plane : planes_) {
+      const double distance = std::fabs(dot(plane.normal, place) - plane.offset);
+      if (plane.kind != kind || distance >= least) continue;
+      least = distance;
+      best = &plane;
+    }
+    return best;
+  }
+  /// Beside the removed object, and twice as near to its colour as to that of the surface around.
+  bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers,
+                            std::vector<PointTree::Neighbour>& near) const {
+    constexpr size_t kAround = 8;  // Gaussians of the surface
+    const Vec3f place = position(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
+    tree_.nearest(place, 1, near);
+    if (near.empty() || near.front().distance > settings_.beside * extent_) return false;
+    const float to_object = norm(color - base_color_of(room_.model, removed_rows_[near.front().index]));
+    surface.nearest(place, kAround, near);
+    Vec3f mean;
+    for (const PointTree::Neighbour& n : near) mean += base_color_of(room_.model, carriers[n.index]) * (1.f / static_cast<float>(near.size()));
+    const float to_surface = norm(color - mean);
+    return to_surface > settings_.unlike && 2 * to_object < to_surface;
+  }
+
+  std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
+    std::vector<Vec3d> points;
+    for (const uint32_t i : plane.carriers) points.push_back(position(room_.model, i));
+    std::vector<const std::vector<uint8_t>*> touching;
+    for (const std::vector<uint8_t>& part : parts_) {
+      if (!touches(part, plane)) continue;
+      touching.push_back(&part);
+      for (size_t i = 0; i < part.size(); ++i) {
+        if (part[i]) points.push_back(position(room_.model, i));
+      }
+    }
+    const double cell = cell_of(plane.carriers);
+    const PlaneGrid grid = grid_over(points, plane, cell, 2 * cell);
+    const std::vector<float> cover = coverage(grid, false), lost = coverage(grid, true);
+    const std::vector<float> open = plane.kind == PlaneKind::kWall ? opened(grid) : std::vector<float>(grid.size(), 0.f);
+    std::vector<float> object(grid.size(), 0.f);
+    for (const std::vector<uint8_t>* part : touching) {
+      for (size_t i = 0; i < part->size(); ++i) {
+        if ((*part)[i]) splat(room_.model, i, grid, true, object);
+      }
+    }
+    const double tolerance = settings_.tolerance * extent_;
+    std::vector<uint8_t> hole(grid.size(), 0);
+    for (int j = 0; j < grid.rows; ++j) {
+      for (int i = 0; i < grid.columns; ++i) {
+        const size_t at = grid.index(i, j);
+        if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
+        const Vec3d place = grid.at(i + 0.5, j + 0.5);
+        if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
+        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || is_hidden_from_most(place);
+      }
+    }
+    return patches_of(plane, grid, hole);
+  }
+
+  /// The hole of a shell plane, divided among the surface itself and the rugs on it.
+  std::vector<SupportPatch> patches_of(const RoomPlane& plane, const PlaneGrid& grid, std::vector<uint8_t> hole) const {
+    std::vector<SupportPatch> patches;
+    if (plane.kind == PlaneKind::kFloor) {
+      for (const Instance& rug : list_instances(room_.model, room_.labels)) {
+        if (!classes_[static_cast<size_t>(rug.label)].on_floor) continue;
+        const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
+        if (rows.size() < kFewestCarriers) continue;
+        std::vector<Vec2d> places;
+        for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
+        const PlaneRectangle rectangle = rectangle_of(places);
+        std::vector<uint8_t> part(hole.size(), 0);
+        for (int j = 0; j < grid.rows; ++j) {
+          for (int i = 0; i < grid.columns; ++i) {
+            const size_t at = grid.index(i, j);
+            if (!hole[at] || !rectangle.holds({i + 0.5, j + 0.5}, 0)) continue;
+            part[at] = 1;
+            hole[at] = 0;
+          }
+        }
+        patches.push_back(make_patch(room_, grid, part, clean(rows)));
+      }
+    }
+    patches.push_back(make_patch(room_, grid, hole, clean(plane.carriers)));
+    return patches;
+  }
+
+  /// Rows of an object that lie on a plane; `tolerance` is a share of the extent.
+  std::vector<uint32_t> rows_on(const PlaneGrid& grid, int label, int instance, double tolerance) const {
+    std::vector<uint32_t> rows;
+    for (uint32_t i = 0; i < room_.model.size(); ++i) {
+      if (gone_[i] || room_.labels.label[i] != label || room_.labels.instance[i] != instance) continue;
+      if (std::fabs(grid.height_of(position(room_.model, i))) < tolerance * extent_) rows.push_back(i);
+    }
+    return rows;
+  }
+
+  std::vector<SupportPatch> fill_furniture(const std::vector<uint8_t>& part) const {
+    std::vector<uint8_t> candidates(room_.model.size(), 0);
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      const uint16_t label = room_.labels.label[i];
+      candidates[i] = label != kNoLabel && label < classes_.size() && classes_[label].furniture;
+    }
+    std::vector<SupportPatch> patches;
+    for (const SupportPlane& plane : find_supports(room_, part, input_.selected, candidates, input_.up)) {
+      // The furniture that most of the carriers are of.
+      std::map<std::pair<uint16_t, uint16_t>, size_t> votes;
+      for (const uint32_t i : plane.carriers) ++votes[{room_.labels.label[i], room_.labels.instance[i]}];
+      const auto [label, instance] = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+      std::vector<Vec3d> points;
+      for (size_t i = 0; i < part.size(); ++i) {
+        if (part[i]) points.push_back(position(room_.model, i));
+      }
+      const double cell = cell_of(plane.carriers);
+      constexpr int kBorder = 12;  // cells around the object whose colours are continued
+      const PlaneGrid grid = grid_over(points, {plane.normal, plane.offset}, cell, kBorder * cell);
+      const std::vector<uint32_t> rows = rows_on(grid, label, instance, settings_.tolerance);
+      std::vector<Vec2d> places;
+      for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
+      if (places.size() < kFewestCarriers) continue;
+      const PlaneRectangle bounds = rectangle_of(places);
+      std::vector<float> object(grid.size(), 0.f);
+      for (size_t i = 0; i < part.size(); ++i) {
+        if (part[i]) splat(room_.model, i, grid, true, object);
+      }
+      const std::vector<float> cover = coverage(grid, false);
+      std::vector<uint8_t> hole(grid.size(), 0);
+      for (int j = 0; j < grid.rows; ++j) {
+        for (int i = 0; i < grid.columns; ++i) {
+          const size_t at = grid.index(i, j);
+          hole[at] = object[at] > settings_.shadow && cover[at] < settings_.covered && bounds.holds({i + 0.5, j + 0.5}, 1);
+        }
+      }
+      patches.push_back(make_patch(room_, grid, hole, clean(rows)));
+    }
+    return patches;
+  }
+
+  const FillInput& input_;
+  const FillSettings& settings_;
+  const LabelledGaussians& room_;
+  double extent_;
+  std::vector<CarryingClass> classes_;
+  std::vector<std::vector<uint8_t>> parts_;
+  SolidSpace removed_, rest_;
+  std::vector<uint32_t> removed_rows_;
+  PointTree tree_;  ///< over the removed rows
+  std::vector<uint8_t> gone_;  ///< selected, and debris
+  std::vector<RoomPlane> planes_;
+  std::vector<int> openings_;  ///< classes
+};
+
+}  // namespace
+
+Filling fill_removed(const FillInput& input, const FillSettings& settings) { return Filler(input, settings).run(); }
+
+}  // namespace aligngs

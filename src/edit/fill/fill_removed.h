@@ -1,0 +1,47 @@
+// Closes the holes that removed objects leave: the surfaces of the room behind and under them continue, and nothing else.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "edit/fill/surface_patch.h"
+#include "scene/camera.h"
+#include "scene/label_set.h"
+
+namespace aligngs {
+
+struct FillInput {
+  const LabelledGaussians& room;
+  const LabelSet& labels;
+  const std::vector<uint8_t>& selected;  ///< rows that go
+  std::optional<Vec3d> up;               ///< unit, world
+  const std::vector<Camera>& cameras;    ///< of the photos; may be empty
+};
+
+/// Lengths are shares of the extent, which is about 3 m in a room.
+struct FillSettings {
+  double touch = 0.05;       ///< an object that comes this near to a plane touches it (15 cm)
+  double tolerance = 0.010;  ///< distance from a plane within which a Gaussian lies on it (3 cm)
+  double halo = 0.013;       ///< colours nearer to the removed object are not used: its shade and its blur (4 cm)
+  double beside = 0.02;      ///< debris is this near to the object (6 cm)
+  float unlike = 0.1f;       ///< sRGB distance (norm over 3 channels) of a colour that a surface does not have
+  double opening = 0.08;     ///< a window or door this near to a wall is an opening in it (25 cm)
+  double cell_min = 0.005, cell_max = 0.012;  ///< edge of a cell (1.5 to 4 cm)
+  double cube = 0.013;       ///< edge of the cubes that tell what hides what (4 cm)
+  float covered = 0.6f;      ///< accumulated opacity of a place that has a surface
+  float shadow = 0.2f;       ///< accumulated opacity of a place that the object covers
+};
+
+struct Filling {
+  std::vector<SupportPatch> patches;
+  /// Per row: 1 for Gaussians of walls, floor and ceiling that go with the object, because the object hid them from all
+  /// photos, so that nobody knows their colour, or because they are beside it and have its colour.
+  std::vector<uint8_t> debris;
+};
+
+/// One patch per surface: walls, floor and ceiling where the object touched them or hid them from most photos, rugs within
+/// their rectangle, and furniture that carried it within the bounds of that furniture.
+Filling fill_removed(const FillInput& input, const FillSettings& settings = {});
+
+}  // namespace aligngs

@@ -1,0 +1,179 @@
+#include "edit/fill/fill_removed.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "edit/small_room_for_tests.h"
+
+namespace aligngs {
+namespace {
+
+constexpr int kWall = 0, kWindow = 8, kRug = 28, kBook = 67;  // ADE20K class numbers
+const Vec3f kFloorColor{0.6f, 0.5f, 0.4f}, kWallColor{0.8f, 0.8f, 0.7f}, kBookColor{0.5f, 0.1f, 0.6f};
+
+/// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall at z = 1 that is 1.6 m high. A box stands 25 cm
+/// before the wall, and a camera in the middle of the room looks at it. What the box hides has no Gaussians.
+class FillRemoved : public testing::Test {
+ protected:
+  FillRemoved() {
+    model_.semantic_channels = 150;
+    Camera camera;
+    camera.width = camera.height = 200;
+    camera.fx = camera.fy = 100;
+    camera.cx = camera.cy = 100;
+    camera.world_to_camera.translation = {0, 0.8, 2};  // at (0, -0.8, -2), looking along +z
+    cameras_ = {camera};
+  }
+  static bool is_behind_box(float x, float y, float z) {
+    return z > 0.7f && std::abs(x) < 0.4f && y > -0.6f;  // about what the camera cannot see
+  }
+  void add_floor() {
+    for (float x = -1.48f; x < 1.5f; x += small_room::kSpacing) {
+      for (float z = -0.98f; z < 1; z += small_room::kSpacing) {
+        const bool under = std::abs(x) < 0.2f && z > 0.35f && z < 0.75f;
+        if (!under && !is_behind_box(x, 0, z)) small_room::add_gaussian(model_, {x, 0, z}, {0, -1, 0}, kFloorColor, small_room::kFloor);
+      }
+    }
+  }
+  void add_wall(float hole_low = 9, float hole_high = 9) {
+    for (float x = -1.48f; x < 1.5f; x += small_room::kSpacing) {
+      for (float y = -1.58f; y < 0; y += small_room::kSpacing) {
+        if (is_behind_box(x, y, 1) || (x > hole_low && x < hole_high && y < -0.3f)) continue;
+        small_room::add_gaussian(model_, {x, y, 1}, {0, 0, -1}, kWallColor, kWall);
+      }
+    }
+  }
+  void add_box() { small_room::add_box(model_, mesh_, {-0.2f, -0.4f, 0.35f}, {0.2f, 0, 0.75f}, {0.8f, 0.3f, 0.3f}, small_room::kBox); }
+
+  std::vector<SupportPatch> fill() {
+    const LabelSet& labels = ade20k_labels();
+    room_ = label_objects(model_, labels, small_room::kExtent, pool_);
+    for (const size_t row : called_floor_) room_.labels.label[row] = small_room::kFloor;
+    selected_.clear();
+    for (const uint16_t l : room_.labels.label) selected_.push_back(l == small_room::kBox);
+    Filling filling = fill_removed({room_, labels, selected_, Vec3d{0, -1, 0}, cameras_});
+    debris_ = std::move(filling.debris);
+    return std::move(filling.patches);
+  }
+  /// New Gaussians within 6 cm of a place.
+  static size_t near(const std::vector<SupportPatch>& patches, const Vec3d& place) {
+    size_t count = 0;
+    for (const SupportPatch& patch : patches) {
+      for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+        const float* p = &patch.gaussians.positions[3 * i];
+        count += norm(Vec3d{p[0], p[1], p[2]} - place) < 0.06;
+      }
+    }
+    return count;
+  }
+  ThreadPool pool_{2};
+  GaussianModel model_;
+  TriangleMesh mesh_;
+  LabelledGaussians room_;
+  std::vector<uint8_t> selected_, debris_;
+  std::vector<size_t> called_floor_;  ///< rows whose label is wrong
+  std::vector<Camera> cameras_;
+};
+
+TEST_F(FillRemoved, FloorAndWallContinueWhereTheBoxHidThem) {
+  add_floor();
+  add_wall();
+  add_box();
+  const auto patches = fill();
+  EXPECT_GT(near(patches, {0, 0, 0.55}), 0u) << "under the box";
+  EXPECT_GT(near(patches, {0, -0.2, 1}), 0u) << "the wall behind it";
+  EXPECT_EQ(near(patches, {1, -0.5, 1}), 0u) << "what photos show stays";
+  EXPECT_EQ(near(patches, {0, -0.2, 0.35}), 0u) << "nothing is left of the box";
+  constexpr float kThickness = 0.035f;  // metres: of a trained surface
+  for (const SupportPatch& patch : patches) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+      EXPECT_LT(patch.gaussians.positions[3 * i + 1], kThickness) << "not under the floor";
+      EXPECT_LT(patch.gaussians.positions[3 * i + 2], 1 + kThickness) << "not behind the wall";
+    }
+  }
+}
+
+TEST_F(FillRemoved, ABookBesideIsNoSource) {
+  add_floor();
+  for (float x = 0.24f; x < 0.5f; x += 0.02f) {
+    for (float z = 0.35f; z < 0.7f; z += 0.02f) small_room::add_gaussian(model_, {x, -0.005f, z}, {0, -1, 0}, kBookColor, kBook);
+  }
+  add_box();
+  const auto patches = fill();
+  ASSERT_FALSE(patches.empty());
+  for (const SupportPatch& patch : patches) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+      EXPECT_NEAR(base_color_of(patch.gaussians, i).y, kFloorColor.y, 0.05);
+      EXPECT_EQ(room_.labels.label[patch.sources[i]], small_room::kFloor);
+    }
+  }
+}
+
+TEST_F(FillRemoved, WhatNobodyCouldSeeIsMadeAnew) {
+  add_floor();
+  add_wall();
+  small_room::add_gaussian(model_, {0, -0.2f, 1}, {0, 0, -1}, kBookColor, kWall);    // behind the box
+  small_room::add_gaussian(model_, {1.2f, -0.22f, 1}, {0, 0, -1}, kBookColor, kWall);  // beside, in view
+  add_box();
+  const auto patches = fill();
+  size_t behind = 0, beside = 0;
+  for (size_t i = 0; i < debris_.size(); ++i) {
+    if (!debris_[i]) continue;
+    (model_.positions[3 * i] > 1 ? beside : behind) += 1;
+  }
+  EXPECT_GE(behind, 1u);
+  EXPECT_EQ(beside, 0u);
+  EXPECT_GT(near(patches, {0, -0.2, 1}), 0u) << "its place is filled";
+}
+
+TEST_F(FillRemoved, ASpeckOfTheBoxOnTheFloorGoesWithIt) {
+  add_floor();
+  add_box();
+  small_room::add_gaussian(model_, {0.23f, 0, 0.4f}, {0, -1, 0}, {0.8f, 0.3f, 0.3f}, small_room::kFloor);
+  called_floor_ = {model_.size() - 1};
+  cameras_.clear();
+  fill();
+  EXPECT_EQ(debris_[called_floor_[0]], 1);
+  EXPECT_EQ(std::count(debris_.begin(), debris_.end(), uint8_t(1)), 1);
+}
+
+TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
+  add_floor();
+  for (float x = -0.6f; x < 0.6f; x += 0.03f) {
+    for (float z = -0.2f; z < 1; z += 0.03f) {
+      const bool under = std::abs(x) < 0.2f && z > 0.35f && z < 0.75f;
+      if (!under) small_room::add_gaussian(model_, {x, -0.01f, z}, {0, -1, 0}, {0.2f, 0.2f, 0.6f}, kRug);
+    }
+  }
+  add_box();
+  size_t rug = 0, floor = 0;
+  for (const SupportPatch& patch : fill()) {
+    for (size_t i = 0; i < patch.gaussians.size(); ++i) {
+      const bool under = std::abs(patch.gaussians.positions[3 * i]) < 0.18f && patch.gaussians.positions[3 * i + 2] < 0.73f;
+      if (!under) continue;
+      (room_.labels.label[patch.sources[i]] == kRug ? rug : floor) += 1;
+    }
+  }
+  EXPECT_GT(rug, 20u);
+  EXPECT_EQ(floor, 0u);
+}
+
+TEST_F(FillRemoved, AWindowStaysOpen) {
+  add_floor();
+  add_wall(-0.4f, 0.4f);
+  for (float x = -0.38f; x < 0.4f; x += small_room::kSpacing) {
+    for (float y = -1.5f; y < -0.3f; y += small_room::kSpacing) small_room::add_gaussian(model_, {x, y, 1.1f}, {0, 0, -1}, {0.9f, 0.95f, 1}, kWindow);
+  }
+  add_box();
+  EXPECT_EQ(near(fill(), {0, -0.45, 1}), 0u);
+}
+
+TEST_F(FillRemoved, WithoutSurfacesNothingIsMade) {
+  add_box();
+  small_room::add_gaussian(model_, {1, 0, 1}, {0, -1, 0}, kBookColor, kBook);
+  EXPECT_TRUE(fill().empty());
+}
+
+}  // namespace
+}  // namespace aligngs

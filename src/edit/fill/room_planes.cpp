@@ -1,0 +1,95 @@
+#include "edit/fill/room_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/quaternion.h"
+#include "scene/triangle_mesh.h"
+
+namespace aligngs {
+namespace {
+
+constexpr uint64_t kSeed = 1;
+
+Vec3d position(const GaussianModel& model, size_t i) {
+  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+}
+
+/// The shortest axis of a Gaussian.
+Vec3d axis_of(const GaussianModel& model, size_t i) {
+  const float* q = &model.rotations[4 * i];
+  const float* s = &model.log_scales[3 * i];
+  const int shortest = static_cast<int>(std::min_element(s, s + 3) - s);
+  return rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]})).column(shortest);
+}
+
+PlaneSettings plane_settings(const RoomPlaneSettings& settings) {
+  PlaneSettings out;
+  out.inlier = 0.02;  // of the distance to the place inside: 5 cm at 2.5 m; a trained wall is less bent than a network's
+  out.merge_distance = 0.03;
+  out.least_views = 1;  // Gaussians are of no view
+  out.least_points = settings.least_carriers;
+  return out;
+}
+
+}  // namespace
+
+std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vector<CarryingClass>& classes,
+                                   const std::vector<uint8_t>& left_out, const Vec3d& inside, const RoomPlaneSettings& settings) {
+  std::vector<PlanePoint> points;
+  std::vector<uint32_t> rows;
+  for (uint32_t i = 0; i < room.model.size(); ++i) {
+    const uint16_t label = room.labels.label[i];
+    if (left_out[i] || label == kNoLabel || label >= classes.size() || opacity_of(room.model, i) < settings.solid) continue;
+    PlanePoint point;
+    point.kind = classes[label].shell;
+    if (point.kind == PlaneKind::kNone) continue;
+    point.position = position(room.model, i);
+    const Vec3d to_inside = inside - point.position;
+    point.depth = norm(to_inside);
+    point.normal = axis_of(room.model, i);
+    if (dot(point.normal, to_inside) < 0) point.normal = -point.normal;
+    points.push_back(point);
+    rows.push_back(i);
+  }
+  std::vector<RoomPlane> out;
+  for (const ScenePlane& found : find_planes(points, plane_settings(settings), kSeed)) {
+    RoomPlane plane;
+    plane.kind = found.kind;
+    plane.normal = found.normal;
+    plane.offset = -found.offset;
+    if (dot(plane.normal, inside) < plane.offset) {
+      plane.normal = -plane.normal;
+      plane.offset = -plane.offset;
+    }
+    plane.low = {1e300, 1e300, 1e300};
+    plane.high = {-1e300, -1e300, -1e300};
+    for (size_t k = 0; k < points.size(); ++k) {
+      if (points[k].kind != plane.kind || std::fabs(dot(plane.normal, points[k].position) - plane.offset) > settings.tolerance * room.extent ||
+          std::fabs(dot(plane.normal, points[k].normal)) < settings.facing) {
+        continue;
+      }
+      plane.carriers.push_back(rows[k]);
+      for (int a = 0; a < 3; ++a) {
+        plane.low[a] = std::min(plane.low[a], points[k].position[a]);
+        plane.high[a] = std::max(plane.high[a], points[k].position[a]);
+      }
+    }
+    if (plane.carriers.size() >= settings.least_carriers) out.push_back(std::move(plane));
+  }
+  return out;
+}
+
+bool is_inside(const Vec3d& place, const std::vector<RoomPlane>& planes, double tolerance, double reach) {
+  for (const RoomPlane& plane : planes) {
+    const double height = dot(plane.normal, place) - plane.offset;
+    if (height > -tolerance) continue;
+    const Vec3d on_plane = place - plane.normal * height;
+    bool near = true;
+    for (int a = 0; a < 3; ++a) near = near && on_plane[a] > plane.low[a] - reach && on_plane[a] < plane.high[a] + reach;
+    if (near) return false;
+  }
+  return true;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,73 @@
+#include "edit/fill/solid_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gaussians/soft_labels.h"
+
+namespace aligngs {
+namespace {
+
+constexpr float kSolid = 0.3f;    ///< opacity of a Gaussian that is part of a surface
+constexpr int kMostCubes = 256;    ///< per side: 16 MB in all
+constexpr double kOwnCubes = 2.5;  ///< before the place: a surface seen at a slant does not hide itself
+
+}  // namespace
+
+SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& selected, double cube) : cube_(cube) {
+  std::vector<Vec3d> points;
+  Vec3d high{-1e300, -1e300, -1e300};
+  low_ = {1e300, 1e300, 1e300};
+  for (size_t i = 0; i < selected.size(); ++i) {
+    if (!selected[i] || opacity_of(model, i) < kSolid) continue;
+    points.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
+    for (int a = 0; a < 3; ++a) {
+      low_[a] = std::min(low_[a], points.back()[a]);
+      high[a] = std::max(high[a], points.back()[a]);
+    }
+  }
+  if (points.empty()) return;
+  for (int a = 0; a < 3; ++a) cube_ = std::max(cube_, (high[a] - low_[a]) / (kMostCubes - 1));
+  for (int a = 0; a < 3; ++a) counts_[a] = static_cast<int>((high[a] - low_[a]) / cube_) + 1;
+  filled_.assign(static_cast<size_t>(counts_[0]) * static_cast<size_t>(counts_[1]) * static_cast<size_t>(counts_[2]), 0);
+  for (const Vec3d& p : points) {
+    size_t at = 0;
+    for (int a = 0; a < 3; ++a) at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>((p[a] - low_[a]) / cube_);
+    filled_[at] = 1;
+  }
+}
+
+bool SolidSpace::hides(const Vec3d& eye, const Vec3d& place) const {
+  if (empty()) return false;
+  // Only the part of the segment within the box of the space matters (slab test).
+  constexpr double kParallel = 1e-12;  // scene units
+  double from = 0, to = 1;
+  const Vec3d d = place - eye;
+  for (int a = 0; a < 3; ++a) {
+    const double low = low_[a], high = low_[a] + counts_[a] * cube_;
+    if (std::fabs(d[a]) < kParallel) {
+      if (eye[a] < low || eye[a] > high) return false;
+      continue;
+    }
+    const double t0 = (low - eye[a]) / d[a], t1 = (high - eye[a]) / d[a];
+    from = std::max(from, std::min(t0, t1));
+    to = std::min(to, std::max(t0, t1));
+  }
+  const double length = norm(d);
+  if (length < cube_) return false;
+  to = std::min(to, 1 - kOwnCubes * cube_ / length);
+  const double step = 0.5 * cube_ / length;
+  for (double t = from; t <= to; t += step) {
+    size_t at = 0;
+    bool within = true;
+    for (int a = 0; a < 3; ++a) {
+      const int i = static_cast<int>(std::floor((eye[a] + d[a] * t - low_[a]) / cube_));
+      within = within && i >= 0 && i < counts_[a];
+      at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>(std::max(0, i));
+    }
+    if (within && filled_[at]) return true;
+  }
+  return false;
+}
+
+}  // namespace aligngs

@@ -1,0 +1,26 @@
+// Motions in words: "sofa by 0.5,0,-0.2", "chair 0.5 m to the left", "lamp by 90 degrees".
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "edit/object_motion.h"
+
+namespace aligngs {
+
+/// "0.5,0,-0.2": three numbers, at most 1000 scene units each. Error{kUsage} for anything else.
+Vec3d parse_shift(std::string_view text);
+/// "90": degrees, -360 to 360. Error{kUsage} for anything else.
+double parse_turn(std::string_view text);
+
+/// Takes a motion off the end of `text`: "by X,Y,Z", "by X,Y,Z and turn by DEGREES", or a length and a direction ("0.5 m
+/// to the left", "0.2 up"). Nothing where the text ends otherwise; Error{kUsage} for numbers out of range.
+std::optional<ObjectMotion> take_motion(std::string& text);
+/// The same for "by 90", "90 degrees", "45 degrees clockwise".
+std::optional<double> take_turn(std::string& text);
+
+/// " by 0.5,0,-0.2 and turn by 90" as take_motion() reads it; empty without motion.
+std::string motion_text(const ObjectMotion& motion);
+
+}  // namespace aligngs

@@ -1,0 +1,45 @@
+#include "edit/motion_text.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+
+namespace aligngs {
+namespace {
+
+/// What is left of the text, and the shift.
+std::pair<std::string, std::string> taken(std::string text) {
+  const auto motion = take_motion(text);
+  return {text, motion ? motion_text(*motion) : "none"};
+}
+
+TEST(MotionText, ThreeNumbers) {
+  EXPECT_EQ(taken("sofa, chair by 0.5,0,-0.2"), std::pair(std::string("sofa, chair"), std::string(" by 0.5,0,-0.2")));
+  EXPECT_EQ(taken("sofa by 0.5, 0, -0.2 and turn by 90").second, " by 0.5,0,-0.2 and turn by 90");
+}
+
+TEST(MotionText, ALengthAndADirection) {
+  EXPECT_EQ(taken("chair#2 0.5 m to the left"), std::pair(std::string("chair#2"), std::string(" by -0.5,0,0")));
+  EXPECT_EQ(taken("lamp by 0.2 up"), std::pair(std::string("lamp"), std::string(" by 0,0.2,0")));
+  EXPECT_EQ(taken("the largest rug 1 metre away").second, " by 0,0,-1");
+}
+
+TEST(MotionText, OtherTextsHaveNone) {
+  for (const char* text : {"sofa", "sofa by", "sofa by 1,2", "sofa left", "by 1,2,3"}) EXPECT_EQ(taken(text).second, "none") << text;
+}
+
+TEST(MotionText, NumbersAreBounded) {
+  for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "1e9,0,0", "nan,0,0", ""}) EXPECT_THROW(parse_shift(text), Error) << text;
+  for (const char* text : {"", "x", "361", "inf"}) EXPECT_THROW(parse_turn(text), Error) << text;
+}
+
+TEST(MotionText, ATurnIsCounterClockwise) {
+  std::string text = "armchair by 45 degrees";
+  EXPECT_EQ(take_turn(text), 45.0);
+  EXPECT_EQ(text, "armchair");
+  text = "armchair 30 clockwise";
+  EXPECT_EQ(take_turn(text), -30.0);
+}
+
+}  // namespace
+}  // namespace aligngs

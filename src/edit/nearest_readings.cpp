@@ -1,0 +1,110 @@
+#include "edit/nearest_readings.h"
+
+#include <algorithm>
+
+#include "core/edit_distance.h"
+#include "edit/edit_text.h"
+#include "edit/selection_text.h"
+
+namespace aligngs {
+namespace {
+
+constexpr size_t kReadings = 3;
+constexpr std::ptrdiff_t kMostWords = 4;  // of a name
+constexpr size_t kLongestSentence = 200;  // bytes; longer ones are no slip of the fingers
+
+bool is_known_verb(const std::string& word) {
+  const std::vector<std::string> verbs = edit_verbs();
+  return std::find(verbs.begin(), verbs.end(), word) != verbs.end();
+}
+
+/// The verbs nearest to a word; only itself where it is one.
+std::vector<std::string> verbs_near(const std::string& word) {
+  if (is_known_verb(word)) return {word};
+  std::vector<std::string> verbs = edit_verbs();
+  std::stable_sort(verbs.begin(), verbs.end(), [&](const std::string& a, const std::string& b) {
+    return edit_distance(a, word) < edit_distance(b, word);
+  });
+  verbs.resize(std::min(verbs.size(), kReadings));
+  return verbs;
+}
+
+bool is_understood(const std::string& sentence, const Vocabulary& vocabulary) {
+  try {
+    parse_selection(parse_edit(sentence).select, vocabulary);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// `object` with one stretch of its words replaced by a known name, so that it is understood; nearest first.
+std::vector<std::string> objects_near(const std::string& verb, const std::string& object, const Vocabulary& vocabulary) {
+  if (is_understood(verb + " " + object, vocabulary)) return {object};
+  std::vector<size_t> begins = {0}, ends;
+  for (size_t i = 0; i < object.size(); ++i) {
+    if (object[i] == ' ' || object[i] == ',') {
+      ends.push_back(i);
+      begins.push_back(i + 1);
+    }
+  }
+  ends.push_back(object.size());
+  struct Reading {
+    size_t distance;
+    std::string text;
+  };
+  std::vector<Reading> readings;
+  for (const size_t begin : begins) {
+    for (const size_t end : ends) {
+      if (end <= begin) continue;
+      if (std::count(object.begin() + static_cast<std::ptrdiff_t>(begin), object.begin() + static_cast<std::ptrdiff_t>(end), ' ') >= kMostWords) continue;
+      const std::string words = object.substr(begin, end - begin), name = words.substr(0, words.find('#'));
+      for (const std::string& known : vocabulary.suggestions(name, kReadings)) {
+        const std::string text = object.substr(0, begin) + known + words.substr(name.size()) + object.substr(end);
+        if (!is_understood(verb + " " + text, vocabulary)) continue;
+        readings.push_back({edit_distance(name, known), text});
+      }
+    }
+  }
+  std::stable_sort(readings.begin(), readings.end(), [](const Reading& a, const Reading& b) { return a.distance < b.distance; });
+  std::vector<std::string> out;
+  for (const Reading& r : readings) {
+    if (std::find(out.begin(), out.end(), r.text) == out.end()) out.push_back(r.text);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> nearest_readings(std::string_view given, const Vocabulary& vocabulary) {
+  std::string text(trimmed(given));
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (text.empty() || text.size() > kLongestSentence || is_understood(text, vocabulary)) return {};
+  const size_t blank = std::min(text.find(' '), text.size());
+  const std::string first = text.substr(0, blank);
+  // A sentence without a verb that is a name asks for an edit of that thing.
+  const bool only_object = !is_known_verb(first) && is_understood("delete " + text, vocabulary);
+  const std::string object = only_object ? text : text.substr(std::min(blank + 1, text.size()));
+  const std::vector<std::string> verbs = only_object ? std::vector<std::string>{"delete", "highlight", "extract"} : verbs_near(first);
+  std::vector<std::string> readings;
+  for (const std::string& verb : verbs) {
+    for (const std::string& near : objects_near(verb, object, vocabulary)) {
+      if (readings.size() < kReadings) readings.push_back(verb + " " + near);
+      if (verbs.size() > 1) break;  // the verb is what differs
+    }
+  }
+  return readings;
+}
+
+Error with_readings(const Error& error, std::string_view text, const Vocabulary& vocabulary) {
+  std::string remedy;
+  for (const std::string& reading : nearest_readings(text, vocabulary)) {
+    remedy += (remedy.empty() ? "did you mean " : " or ") + ("\"" + reading + "\"");
+  }
+  if (remedy.empty()) return error;
+  Error::Details details = error.details();
+  details.remedy = remedy + "?";
+  return Error(details);
+}
+
+}  // namespace aligngs

@@ -1,0 +1,56 @@
+#include "edit/nearest_readings.h"
+
+#include <gmock/gmock.h>
+
+#include "edit/edit_text.h"
+#include "edit/selection_text.h"
+
+namespace aligngs {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class NearestReadings : public testing::Test {
+ protected:
+  NearestReadings() : vocabulary_(ade20k_labels()) {
+    vocabulary_.prefer({ade20k_labels().find("bed"), ade20k_labels().find("lamp"), ade20k_labels().find("bench")});
+  }
+  std::vector<std::string> of(const std::string& text) const { return nearest_readings(text, vocabulary_); }
+  Vocabulary vocabulary_;
+};
+
+TEST_F(NearestReadings, AMistypedNameIsReplaced) {
+  const auto readings = of("delete bedd");
+  EXPECT_THAT(readings, SizeIs(3));
+  EXPECT_EQ(readings[0], "delete bed");
+}
+
+TEST_F(NearestReadings, AMistypedVerbIsReplaced) {
+  const auto readings = of("delte bed");
+  EXPECT_THAT(readings, SizeIs(3));
+  EXPECT_EQ(readings[0], "delete bed");
+}
+
+TEST_F(NearestReadings, NumbersAndOtherNamesStay) {
+  EXPECT_EQ(of("delete lampp#2")[0], "delete lamp#2");
+  EXPECT_EQ(of("delete bed, lampp")[0], "delete bed, lamp");
+}
+
+TEST_F(NearestReadings, ANameAloneAsksForAnEdit) { EXPECT_THAT(of("bed"), ElementsAre("delete bed", "highlight bed", "extract bed")); }
+
+TEST_F(NearestReadings, EveryReadingIsUnderstood) {
+  for (const char* text : {"dlete lamp", "delete chest of drawes", "remov the bigest lamp", "make the bed disappear"}) {
+    for (const std::string& reading : of(text)) {
+      EXPECT_NO_THROW(parse_selection(parse_edit(reading).select, vocabulary_)) << text << " -> " << reading;
+    }
+  }
+}
+
+TEST_F(NearestReadings, WhatIsUnderstoodHasNone) { EXPECT_THAT(of("delete bed"), IsEmpty()); }
+
+TEST_F(NearestReadings, LongTextsHaveNone) { EXPECT_THAT(of("delete " + std::string(3000, 'x')), IsEmpty()); }
+
+}  // namespace
+}  // namespace aligngs

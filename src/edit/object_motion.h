@@ -1,0 +1,15 @@
+// How an object moves.
+#pragma once
+
+#include "core/vec.h"
+
+namespace aligngs {
+
+/// A motion as a person sees it who is at the mean place of the photos' cameras and looks at the objects.
+struct ObjectMotion {
+  Vec3d shift;      ///< scene units: to the right, upwards, towards that person
+  double turn = 0;  ///< degrees, counter-clockwise seen from above, about the upright axis through the middle of the box
+  bool is_still() const { return shift.x == 0 && shift.y == 0 && shift.z == 0 && turn == 0; }
+};
+
+}  // namespace aligngs

@@ -1,0 +1,33 @@
+// Words around a name in a selection: "every", "the largest", "bed#1-3".
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace aligngs {
+
+/// One object of a class by its look, instead of by its number.
+enum class ObjectChoice { kNone, kLargest, kSmallest, kLeft, kRight, kHighest, kLowest };
+
+std::string choice_word(ObjectChoice choice);  ///< "largest", "left", ...; empty for kNone
+
+/// `text` without blanks at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// Place of `word` by itself in `text` (any case), from `from` on; npos when nowhere. Blanks and commas part words.
+size_t find_word(std::string_view text, std::string_view word, size_t from = 0);
+
+/// `item` without a quantifier at its begin: "all the beds" and "every bed" are "beds" and "bed". A quantifier alone
+/// stays.
+std::string_view without_quantifier(std::string_view item);
+
+/// Takes "the largest", "leftmost", ... off the begin of an item.
+ObjectChoice take_choice(std::string_view& item);
+
+/// First and last object number of "2", "1-3" or "1 to #3"; {0, 0} for anything else. Numbers are 1 to 65535.
+std::pair<int, int> object_numbers(std::string_view text);
+
+}  // namespace aligngs
