@@ -7,9 +7,9 @@
 
 namespace aligngs {
 
-/// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or keep,
-/// recolor or recolour, highlight. A colour stands at the end, after "to", "in" or "with" or by itself; highlighting can
-/// do without. "--fill" and "--threshold X" mean what they mean on the command line. Reads back every describe() of
+/// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or
+/// keep, recolor or recolour, highlight. A colour is at the end, after "to", "in" or "with" or by itself; highlighting
+/// can do without. "--fill" and "--threshold X" mean what they mean on the command line. Reads back every describe() of
 /// an edit. Error{kUsage} for anything else; the selection is only checked against a label set when it is applied.
 EditOperation parse_edit(std::string_view text);
 

@@ -21,9 +21,9 @@ struct SelectionQuery {
   std::vector<SelectionTerm> exclude;  ///< taken away afterwards
 };
 
-/// Grammar: items parted by commas (or "and"); an item is a name, optionally with "#" and an object number;
-/// "everything" or "all" is the whole room; after "but", "except" or "without" stand the exclusions.
-/// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
+/// Grammar: items separated by commas (or "and"). An item is a name, optionally with "#" and an object number.
+/// "everything" or "all" is the whole room. Exclusions follow "but", "except" or "without". Error{kUsage} for empty
+/// text, unknown names (with suggestions), and bad object numbers.
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);
 
 /// The same selection in one spelling, for edits.json and messages; parse_selection reads it back.

@@ -76,8 +76,8 @@ std::vector<uint32_t> carriers_of(const LabelledGaussians& room, const std::vect
   return out;
 }
 
-/// Whether the carriers lie around the object on their plane, in at least three of eight directions. Behind a pillow the
-/// headboard does; the side of a box that happens to stand near by does not, and has no hole.
+/// Whether the carriers lie around the object on their plane, in at least three of eight directions. Behind a pillow
+/// the headboard does; the side of a box near by does not, and has no hole.
 bool surrounds(const LabelledGaussians& room, const SupportPlane& plane, const std::vector<Vec3d>& object) {
   constexpr double kEighthTurn = 0.78539816339744831;  // radians
   constexpr size_t kLeastDirections = 3;
@@ -324,7 +324,7 @@ std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std
                                         const std::vector<uint8_t>& selected, const std::optional<Vec3d>& up,
                                         const SupportOptions& options) {
   constexpr double kOtherDirection = 0.4;  // cosine: 66 degrees
-  constexpr double kLooser = 1.5;          // what stands behind an object is seen at its edges only, and badly
+  constexpr double kLooser = 1.5;          // a surface behind an object is seen at its edges only, and badly
   const Surroundings around = surroundings_of(room, part, selected, options.ring * room.extent);
   std::vector<SupportPlane> planes;
   const auto best = best_plane(room, around, up, options, [](const Vec3d&) { return true; });

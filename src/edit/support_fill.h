@@ -26,7 +26,7 @@ struct SupportPlane {
   std::vector<uint32_t> carriers;  ///< rows of the surrounding Gaussians that lie on it
 };
 
-/// The selection in connected parts: things that lie apart stand on planes of their own. One mask per part, the part
+/// The selection in connected parts: separate things have supporting planes of their own. One mask per part, the part
 /// with the smallest row first; parts of fewer than 20 Gaussians leave no hole worth filling.
 std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
                                                   const SupportOptions& options = {});
@@ -39,9 +39,9 @@ struct SupportPatch {
 };
 
 /// The plane with most of the surroundings on it and the object on one side; with `up`, planes under the object count
-/// up to twice. Then, if there is one at more than 66 degrees to it, the plane that the object leaned on: a pillow
-/// stands on a bed and before its headboard. Empty when the surroundings have no plane. `part` is one part of the
-/// `selected` Gaussians, all of which go.
+/// up to twice. Then, if there is one at more than 66 degrees to it, the plane that the object leaned on. A pillow lies
+/// on a bed and before its headboard. Empty when the surroundings have no plane. `part` is one part of the `selected`
+/// Gaussians, all of which go.
 std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std::vector<uint8_t>& part,
                                         const std::vector<uint8_t>& selected, const std::optional<Vec3d>& up,
                                         const SupportOptions& options = {});

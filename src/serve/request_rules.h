@@ -13,7 +13,7 @@ namespace aligngs {
 /// one of `allowed` (host names without port). Refusing other names stops DNS rebinding.
 bool host_allowed(std::string_view host, const std::vector<std::string>& allowed);
 
-/// The port of a Host header as it stands there, digits only; "80" when it names none.
+/// The port of a Host header, unchanged, digits only; "80" when it names none.
 std::string port_of(std::string_view host);
 
 /// The path of a request target, percent-decoded, without its query. Nothing when it does not start with '/', has a
@@ -30,8 +30,8 @@ struct PostHeaders {
 /// Origin absent or "http://<Host>", the run's token, a JSON body: another site's page can send none of these.
 bool post_allowed(const PostHeaders& headers, std::string_view token);
 
-/// The regular file that `relative` names below `root` (a canonical folder), or nothing when it does not exist or
-/// lies outside, through "..", an absolute path or a symbolic link.
+/// The regular file that `relative` names below `root` (a canonical folder). Nothing when it does not exist or lies
+/// outside, through "..", an absolute path or a symbolic link.
 std::optional<std::filesystem::path> file_below(const std::filesystem::path& root, std::string_view relative);
 
 /// 32 hexadecimal digits from the system's random source.

@@ -17,13 +17,13 @@ class ServedRun {
 
   const std::filesystem::path& folder() const { return root_; }
 
-  /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "splats", "original", "mesh", "version",
-  /// "up", "units", "classes", "cameras", "views", "train", "report"}. "splats", "original" and
-  /// "mesh" are paths below /files/, null when absent: the live snapshot of a training, the edited room of a run with
-  /// edits ("original" is then what was trained), else what was trained. "version" changes with these files; "active"
-  /// tells whether a process works on the run, "editable" whether edits can be made; "stages" lists {"name", "state":
-  /// "done" | "now" | "waiting"}; "up" is the unit up vector or null; "views" tells per picture name which renders exist.
-  /// Unreadable parts (a file that is being replaced) are null.
+  /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "splats", "original", "mesh",
+  /// "version", "up", "units", "classes", "cameras", "views", "train", "report"}. "splats", "original" and "mesh" are
+  /// paths below /files/, null when absent. They name the live snapshot of a training, the edited room of a run with
+  /// edits, else the trained files. With edits "original" is the trained file. "version" changes with these files.
+  /// "active" tells whether a process works on the run, "editable" whether edits can be made. "stages" lists {"name",
+  /// "state": "done" | "now" | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which
+  /// renders exist. Unreadable parts (a file that is being replaced) are null.
   std::string state() const;
 
   /// A file of the run folder; of a single PLY only the file itself.

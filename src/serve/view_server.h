@@ -57,7 +57,7 @@ class ViewServer {
 
   uint16_t port() const;
   const std::string& token() const;
-  /// Serves until `stop` says so (asked five times a second).
+  /// Serves until `stop` returns true (asked five times a second).
   void run(const std::function<bool()>& stop);
 
  private:

@@ -1,4 +1,4 @@
-// What the server says of a run (src/serve/served_run.h), the stream of its events, and what the page asks of it. In an
+// The server's description of a run (src/serve/served_run.h), the stream of its events, and the page's requests. In an
 // exported page (src/serve/html_export.h) the scene is in the file and there is no server.
 import { unpackScene } from './packed_scene';
 
@@ -48,7 +48,7 @@ export async function fetchState(): Promise<RunState> {
   return answered(await fetch('/api/state'));
 }
 
-/// What the server refused, in its words.
+/// The server's refusal, in its words.
 async function answered<T>(answer: Response): Promise<T> {
   const text = await answer.text();
   if (answer.ok) return JSON.parse(text) as T;

@@ -1,5 +1,5 @@
-// The 3D view: splats or mesh with a style per class, drawn only when something changes. PlayCanvas stands behind this
-// class alone.
+// The 3D view: splats or mesh with a style per class, drawn only when something changes. Only this class uses
+// PlayCanvas.
 import {
   AppBase, AppOptions, Asset, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
   GSplatHandler, GSPLAT_STREAM_INSTANCE, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem,
@@ -13,7 +13,7 @@ export interface ClassStyle { color: [number, number, number]; visible: boolean 
 
 const kStyles = 256; // classes that can be styled; 255: no class
 const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
-const kSettle = 300; // milliseconds of drawing after a change, so that the worker that sorts hears of it
+const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker receives it
 
 export class Viewer {
   readonly camera = new Entity('camera');
@@ -239,7 +239,7 @@ export class Viewer {
     this.draw();
   }
 
-  /// What is under a point of the canvas (CSS pixels), and where, in the y-up world.
+  /// The object under a point of the canvas (CSS pixels), and its place in the y-up world.
   pick(x: number, y: number): { hit: Hit; point: Vec3 } | null {
     if (!this.splats) return null;
     const box = this.canvas.getBoundingClientRect();
