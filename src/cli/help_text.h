@@ -17,7 +17,7 @@ struct HelpText {
 /// Notes, then "Reads:", "Writes:", "Example:" and "Advanced:", a line each.
 std::string help_footer(const HelpText& text);
 
-/// Words of an option, separated by commas. Those that differ in a last letter are one entry where the first of them stands:
+/// Words of an option, separated by commas. Those that differ in a last letter are one entry at the place of the first:
 /// "vggt, dpt-g|l|b|s".
 std::string words_in_help(const std::vector<std::string>& words);
 

@@ -23,19 +23,19 @@ struct PhotoCommandOptions {
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options);
 ScenePhotosOptions photo_options(const PhotoCommandOptions& options, const CommandContext& context);
 
-/// Which weights find the cameras, with method vggt or da3: the one asked for, else the method's default.
+/// The weights that find the cameras, with method vggt or da3: the requested ones, else the method's default.
 /// Error{kUsage} when it is none of the method's.
 std::string poses_model(const PhotoCommandOptions& options);
 
-/// Makes "auto" a method: given where cameras are named, else that of --poses-model, else that of the best network that is
-/// installed, which is reported with the reason. Error{kWeights} when there is none.
+/// Makes "auto" a method: given where cameras are named, else that of --poses-model. Else that of the best installed
+/// network, which is reported with the reason. Error{kWeights} when there is none.
 void choose_method(PhotoCommandOptions& options, const ModelStore& store);
 
 /// A warning where a network that nobody named may not be used in every way.
 void warn_of_terms(const PublishedModel& model, const char* purpose);
 
-/// The network of the cameras, for depth of photos that have cameras: named by an option, or the best that is installed; null
-/// where there is none, or where its weights are missing.
+/// The network of the cameras, for depth of photos that have cameras: named by an option, or the best installed one.
+/// Null without one, or if its weights are missing.
 const PublishedModel* installed_camera_network(const PhotoCommandOptions& options, const ModelStore& store);
 
 /// bfloat16 where the processor multiplies it fast, else float32.

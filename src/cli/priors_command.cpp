@@ -37,7 +37,7 @@ std::string line_of(const ScenePriorsReport& report) {
 /// Priors are filled in a scene that this program wrote, or in a copy of it.
 void require_place(const Options& options) {
   if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
-  if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // what is no folder is told when it is opened
+  if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // opening reports non-folders
   throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed", options.scene, "scene",
                "name a folder for a copy with the priors: -o OUT"});
 }

@@ -133,7 +133,7 @@ nlohmann::json run_everything(const RunCommandOptions& given, const CommandConte
   if (!begun) require_weights(store, options, photos);
   const bool has_own = photos || (begun && read_run_record(RunFolder(run).record()).scene == own.filename());
   fs::path scene = has_own ? own : source;
-  // Served before all that takes long. Which scene a new run gets follows from that; its run.json says it once training begins.
+  // Served before all long steps. They decide the scene of a new run; its run.json names it once training begins.
   const auto page = serve_while_working(options.train.view, options.train.view_port, run, begun ? scene : fs::path(), train.threads);
   nlohmann::json metrics;
   work_beside_page(page, [&] {

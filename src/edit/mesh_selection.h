@@ -16,7 +16,7 @@ struct MeshSelectionOptions {
   int smoothing_rounds = 3;  ///< majority over adjacent vertices
 };
 
-/// Each Gaussian votes for the vertices near it with opacity * exp(-m^2 / 2), m the Mahalanobis distance; a vertex is
+/// Each Gaussian votes for the vertices near it with opacity * exp(-m^2 / 2), m the Mahalanobis distance. A vertex is
 /// selected when the selected Gaussians have more votes than the others. Returns one flag per vertex.
 std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianModel& model,
                                      const std::vector<uint8_t>& selected, double extent,

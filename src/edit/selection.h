@@ -53,8 +53,8 @@ GaussianSelection select_gaussians(const LabelledGaussians& room, const Selectio
                                    const ThresholdRule& rule, const LabelSet& labels, const SelectionOptions& options,
                                    ThreadPool& pool);
 
-/// The split of values in (0, 1] into two groups with the largest variance between them (Otsu 1979); 0.5 when there
-/// are fewer than two different values.
+/// The split of values in (0, 1] into two groups with the largest variance between them (Otsu 1979). 0.5 when there are
+/// fewer than two different values.
 double otsu_threshold(const std::vector<float>& values);
 
 /// "bed#1, pillow#1, pillow#2, ..." of what a room holds.

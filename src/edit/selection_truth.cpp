@@ -108,7 +108,7 @@ SelectionScore score_selection(const TriangleMesh& mesh, const std::vector<uint8
   SelectionScore score;
   score.true_area = object.area * static_cast<double>(seen.size()) / static_cast<double>(object.positions.size());
   score.selected_area = chosen_samples.area;
-  // Precision asks the whole object: what no camera saw may be reconstructed all the same.
+  // Precision asks the whole object: unseen parts may still be reconstructed.
   const PointIndex object_index(object.positions), chosen_index(chosen_samples.positions);
   score.precision = share_within(chosen_samples.positions, object_index, options.threshold, pool);
   score.recall = share_within(seen, chosen_index, options.threshold, pool);

@@ -74,7 +74,7 @@ inline void add_box(GaussianModel& model, TriangleMesh& mesh, const Vec3f& low, 
   }
 }
 
-/// Floor of 2.4 m x 1.6 m with holes where things stand, as no camera sees what is under them.
+/// Floor of 2.4 m x 1.6 m with holes under things, as no camera sees the floor there.
 inline EditableRoom make(ThreadPool& pool) {
   GaussianModel model;
   model.semantic_channels = 150;

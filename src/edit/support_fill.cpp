@@ -74,8 +74,8 @@ std::vector<uint32_t> carriers_of(const LabelledGaussians& room, const std::vect
   return out;
 }
 
-/// Whether the carriers lie around the object on their plane, in at least three of eight directions. Behind a pillow the
-/// headboard does; the side of a box that happens to stand near by does not, and has no hole.
+/// Whether the carriers lie around the object on their plane, in at least three of eight directions. Behind a pillow
+/// the headboard does; the side of a box near by does not, and has no hole.
 bool surrounds(const LabelledGaussians& room, const SupportPlane& plane, const std::vector<Vec3d>& object) {
   constexpr double kEighthTurn = 0.78539816339744831;  // radians
   constexpr size_t kLeastDirections = 3;

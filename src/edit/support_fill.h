@@ -24,7 +24,7 @@ struct SupportPlane {
   std::vector<uint32_t> carriers;  ///< rows of the surrounding Gaussians that lie on it
 };
 
-/// The selection in connected parts: things that lie apart stand on planes of their own. One mask per part, the part
+/// The selection in connected parts: separate things have supporting planes of their own. One mask per part, the part
 /// with the smallest row first; parts of fewer than 20 Gaussians leave no hole worth filling.
 std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
                                                   const SupportOptions& options = {});

@@ -19,7 +19,7 @@ bool ends_with(const std::string& word, const char* tail) {
 
 /// Forms that may be the singular of a plural, the most regular one first; the word itself last.
 std::vector<std::string> singular_forms(const std::string& phrase) {
-  // "chests of drawers": the noun that takes the plural stands before " of ".
+  // "chests of drawers": the noun that takes the plural precedes " of ".
   const size_t of = phrase.find(" of ");
   const std::string head = phrase.substr(0, of), tail = of == std::string::npos ? "" : phrase.substr(of);
   std::vector<std::string> forms;

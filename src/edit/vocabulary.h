@@ -15,8 +15,8 @@ namespace aligngs {
 /// Lower case, words parted by single blanks; '-' and '_' count as blanks.
 std::string folded_name(std::string_view text);
 
-/// Names, synonyms and everyday words of one label set. Case, plural and '-' or '_' do not matter; a typing error is
-/// answered with suggestions, never guessed: an edit that hits the wrong object is worse than a second try.
+/// Names, synonyms and everyday words of one label set. Case, plural and '-' or '_' do not matter. A typing error is
+/// answered with suggestions, never guessed. An edit of the wrong object is worse than a second try.
 class Vocabulary {
  public:
   explicit Vocabulary(const LabelSet& labels);

@@ -19,9 +19,9 @@ struct EditServiceOptions {
   int threads = 0;
 };
 
-/// One call at a time. The run is opened at the first call, and again when something else changed its files (a training
-/// that went on, `aligngs edit` on the command line). Errors: kUsage while a process works on the run and for requests
-/// that make no sense, otherwise those of EditSession.
+/// One call at a time. The run is opened at the first call, and again when another process changed its files (a resumed
+/// training, `aligngs edit` on the command line). Errors: kUsage while a process works on the run and for requests that
+/// make no sense, otherwise those of EditSession.
 class EditService {
  public:
   explicit EditService(EditServiceOptions options);

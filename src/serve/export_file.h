@@ -29,11 +29,12 @@ struct RunExport {
   bool aligned = false;  ///< the file is in the room's own frame
 };
 
-/// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run
-/// (scene.export.ply and scene.export.labels.ply: those without "export" are the run's own), or scene.edited.<format> for an
-/// edited room, and RUN/<format> for a plan. Where the run has room.json, splats and meshes stand in the room's own frame (edit/export/aligned_room.h)
-/// unless `coordinates` asks for others; the page of html keeps the cameras' frame. Error{kBadInput} for a plan without room.json, and for original
-/// coordinates that the files cannot hold (in_original_coordinates). Error{kUsage} for a file of the run or its scene, and errors as export_room's.
+/// Writes the room of a session, with its edits unless `original`. An empty `file` means scene.<format> in the run,
+/// scene.edited.<format> for an edited room, and RUN/<format> for a plan. PLY files are scene.export.ply and
+/// scene.export.labels.ply: those without "export" are the run's own. If the run has room.json, splats and meshes are
+/// in the room's own frame (edit/export/aligned_room.h). `coordinates` may ask for others; the page of html keeps the
+/// cameras' frame. Error{kBadInput} for a plan without room.json, and for original coordinates that the files cannot
+/// hold (in_original_coordinates). Error{kUsage} for a file of the run or its scene, and errors as export_room's.
 RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file,
                      RoomParts parts = RoomParts::kAll, ExportCoordinates coordinates = ExportCoordinates::kRoom);
 

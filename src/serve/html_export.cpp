@@ -118,7 +118,7 @@ void replace_once(std::string& text, const std::string& from, const std::string&
   text.replace(at, from.size(), to);
 }
 
-/// Neither may stand in a script element of HTML.
+/// Neither may be in a script element of HTML.
 std::string escaped_script(std::string script) {
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"</script", "<\\/script"}, {"<!--", "<\\!--"}}) {
     for (size_t at = script.find(from); at != std::string::npos; at = script.find(from, at + to.size())) script.replace(at, from.size(), to);

@@ -14,9 +14,9 @@ struct HtmlSceneInfo {
   std::filesystem::path cameras;  ///< cameras.json of the run; left out when it cannot be read
 };
 
-/// Positions as they are; colours, opacities, scales and rotations rounded to what the eye cannot tell apart, column by
-/// column, so that they compress to about a tenth of scene.ply; classes and objects. Gaussians that nobody can see
-/// (opacity below 1/255) are left out.
+/// Exact positions, classes and objects. Colours, opacities, scales and rotations are rounded below visible
+/// differences. Values are stored column by column, so that they compress to about a tenth of scene.ply. Gaussians that
+/// nobody can see (opacity below 1/255) are left out.
 void write_html(const std::filesystem::path& path, const EditableRoom& room, const HtmlSceneInfo& info);
 
 /// The data in the file: a JSON line {"state", "count", "columns": [{"name", "type", "step"}]}, then each column's

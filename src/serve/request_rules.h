@@ -13,7 +13,7 @@ namespace aligngs {
 /// one of `allowed` (host names without port). Refusing other names stops DNS rebinding.
 bool host_allowed(std::string_view host, const std::vector<std::string>& allowed);
 
-/// The port of a Host header as it stands there, digits only; "80" when it names none.
+/// The port of a Host header, unchanged, digits only; "80" when it names none.
 std::string port_of(std::string_view host);
 
 /// The path of a request target, percent-decoded, without its query. Nothing when it does not start with '/', has a

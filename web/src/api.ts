@@ -1,4 +1,4 @@
-// What the server says of a run (src/serve/served_run.h), the stream of its events, and what the page asks of it. In an
+// The server's description of a run (src/serve/served_run.h), the stream of its events, and the page's requests. In an
 // exported page (src/serve/html_export.h) the scene is in the file and there is no server.
 import { type Columns } from './columns';
 import { unpackScene } from './packed_scene';

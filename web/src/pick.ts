@@ -1,4 +1,4 @@
-// Which object is under the cursor: the largest response of each Gaussian along the ray, blended front to back.
+// The object under the cursor: the largest response of each Gaussian along the ray, blended front to back.
 export interface Splats {
   count: number; centres: Float32Array; scales: Float32Array; rotations: Float32Array; // rotations w x y z, scales in scene units
   opacities: Float32Array; labels: Uint16Array | null; instances: Uint16Array | null; confidences: Uint8Array | null;

@@ -1,4 +1,4 @@
-// What is being made: stages, progress, charts, and the buttons that pause, save and stop.
+// The current work: stages, progress, charts, and the buttons that pause, save and stop.
 import { post, type RunState, type TrainEvent } from './api';
 import { Charts } from './charts';
 import { element } from './dom';

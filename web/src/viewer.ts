@@ -1,5 +1,5 @@
-// The 3D view: splats or mesh with a style per class, drawn only when something changes. PlayCanvas stands behind this
-// class alone.
+// The 3D view: splats or mesh with a style per class, drawn only when something changes. Only this class uses
+// PlayCanvas.
 import {
   AppBase, AppOptions, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
   GSplatHandler, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem, StandardMaterial, Texture,
@@ -274,7 +274,7 @@ export class Viewer {
     this.draw();
   }
 
-  /// What is under a point of the canvas (CSS pixels), and where, in the y-up world.
+  /// The object under a point of the canvas (CSS pixels), and its place in the y-up world.
   pick(x: number, y: number): { hit: Hit; point: Vec3 } | null {
     if (!this.splats) return null;
     const box = this.canvas.getBoundingClientRect();

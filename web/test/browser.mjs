@@ -1,5 +1,5 @@
-// What the page's tests share: a headless Chromium, a server, pictures of the canvas. Exit status 77: skipped, with the
-// reason.
+// Shared parts of the page's tests: a headless Chromium, a server, pictures of the canvas. Exit status 77: skipped,
+// with the reason.
 import { spawn, spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';

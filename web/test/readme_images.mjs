@@ -25,7 +25,7 @@ await withBrowser(async (browser) => {
     }, 0);
     return state.cameras.reduce((best, c) => (score(c) > score(best) ? c : best)).img_name;
   });
-  await page.evaluate((name) => { // from that photo's place, as one who looks around would stand
+  await page.evaluate((name) => { // from that photo's place, as a person looking around
     const { orbit, viewer, state, edits } = { ...window.aligngs, ...window.aligngs.page, viewer: window.aligngs.viewer };
     const bed = edits.objects.find((o) => o.object.startsWith('bed#')) ?? edits.objects[0];
     orbit.lookFrom(viewer.toWorld(state.cameras.find((c) => c.img_name === name).position), viewer.toWorld(bed.centre));

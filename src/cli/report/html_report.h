@@ -6,8 +6,8 @@
 
 namespace aligngs {
 
-/// Builds the page from files of the run folder: run.json, metrics.json, events.ndjson, config.toml and
-/// renders/test. What is missing is named in the page, not an error.
+/// Builds the page from files of the run folder: run.json, metrics.json, events.ndjson, config.toml and renders/test. A
+/// missing file is named in the page, not an error.
 std::string html_report(const std::filesystem::path& run);
 
 /// Writes report.html and overview.jpg (photo, render, depth, normals, labels of a few test views side by side; not written

@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// Columns of a comparison, in the order in which they are printed; "between" and "beyond" are the PSNR (dB) of test views
-/// that interpolate and extrapolate the training views (metrics/view_novelty.h).
+/// Columns of a comparison, in the order in which they are printed. "between" and "beyond" are the PSNR (dB) of test
+/// views that interpolate and extrapolate the training views (metrics/view_novelty.h).
 enum class Score {
   kPsnr, kPsnrFitted, kPsnrPose, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore,
   kFscore2, kFscore1, kNormals, kStructureNormals, kRoughness, kPinholes, kMiou, kMiouPresent, kSeconds, kGaussians

@@ -31,7 +31,7 @@ struct CommandInfo {
   std::string name() const { return path.substr(path.rfind(' ') + 1); }
 };
 
-/// Of the program or of a command, with everything below it, in the order of the help. Hidden options are left out.
+/// The program or a command, with everything below it, in the order of the help. Hidden options are left out.
 CommandInfo describe_command(const CLI::App& app, const std::string& path = "");
 
 /// The command and all below it, each before its own commands.

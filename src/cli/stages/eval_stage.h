@@ -23,8 +23,8 @@ struct EvalStageOptions {
 /// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null, never a substitute.
 nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
-/// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics; Error{kBelow} (status 6) when one is not
-/// met, Error{kUsage} when one cannot be read or names no number. Short names: psnr, ssim, fscore, miou.
+/// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics. Error{kBelow} (status 6) when one is
+/// not met. Error{kUsage} when one cannot be read or names no number. Short names: psnr, ssim, fscore, miou.
 void require_at_least(const nlohmann::json& metrics, const std::vector<std::string>& conditions);
 
 }  // namespace aligngs

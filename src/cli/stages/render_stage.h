@@ -14,9 +14,9 @@ struct RenderStageOptions {
   ProgressStyle progress;
 };
 
-/// rgb, gt and error are colour; depth is a colour ramp, with the values beside it in depth16/ (uint16, thousandths of a
-/// scene unit, 0 = none); normal is camera-frame; label uses the class colours and label_id/ (uint8, 255 = none) the
-/// class numbers where there are fewer than 255 classes. Returns the number of views.
+/// rgb, gt and error are colour. depth is a colour ramp, with the values beside it in depth16/ (uint16, thousandths of
+/// a scene unit, 0 = none). normal is camera-frame. label uses the class colours. label_id/ (uint8, 255 = none) has the
+/// class numbers if there are fewer than 255 classes. Returns the number of views.
 size_t render_views(OpenRun& run, const RenderStageOptions& options);
 
 }  // namespace aligngs

@@ -20,7 +20,7 @@ namespace {
 constexpr int kLongestSide = 640;       // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
 constexpr float kSolidOpacity = 0.3f;   // of a Gaussian whose centre is taken for a surface
 
-/// Of each object the mean probability of its class, by class and instance.
+/// The mean probability of an object's class, by class and instance.
 double confidence_of(const LabelledGaussians& g, int label, int instance) {
   double sum = 0, count = 0;
   for (size_t i = 0; i < g.labels.label.size(); ++i) {

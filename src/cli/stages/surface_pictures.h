@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// Unit normals of the faces that the rays through the pixel centres meet first, H x W x 3, camera frame, turned to the camera; zero
-/// where nothing is met.
+/// Unit normals of the faces that the rays through the pixel centres meet first, H x W x 3, camera frame, turned to the
+/// camera. Zero where nothing is met.
 ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& pool);
 
 /// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals are.

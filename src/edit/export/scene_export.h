@@ -1,4 +1,4 @@
-// Files for other programs, made from a room as it stands after its edits.
+// Files for other programs, made from a room with its edits.
 #pragma once
 
 #include <filesystem>
@@ -29,15 +29,16 @@ enum class RoomParts { kAll, kMesh, kSplats };
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
                          ThreadPool& pool, RoomParts parts = RoomParts::kAll);
 
-/// scene.glb: under the node "room" one node per object (extras: class, class_id, instance; linear COLOR_0, a material
-/// that uses it, _FEATURE_ID_0 = object number) and the node "splats" with KHR_gaussian_splatting. y up, metres as the
-/// scene. The material is unlit (KHR_materials_unlit): the photos' light is in the colours. Viewers that do not know splats draw
-/// points in their COLOR_0.
+/// scene.glb: under the node "room" one node per object, and the node "splats" with KHR_gaussian_splatting. An object
+/// has extras (class, class_id, instance), linear COLOR_0, a material that uses it, and _FEATURE_ID_0 = object number.
+/// y up, metres as the scene. The material is unlit (KHR_materials_unlit): the photos' light is in the colours. Viewers
+/// that do not know splats draw points in their COLOR_0.
 ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts parts = RoomParts::kAll);
 /// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up.
 ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool);
-/// USD as text: under /room one Xform per object and structural part, with its class (SemanticsLabelsAPI:class), its mesh (vertex colours in linear light, a collider of
-/// its triangles) and its splats (ParticleField3DGaussianSplat of OpenUSD 26.03: linear scales, opacities in [0, 1]). y up, one unit is a metre.
+/// USD as text: under /room one Xform per object and structural part, with its class (SemanticsLabelsAPI:class), mesh
+/// and splats. The mesh has vertex colours in linear light and a collider of its triangles. Splats are
+/// ParticleField3DGaussianSplat of OpenUSD 26.03: linear scales, opacities in [0, 1]. y up, one unit is a metre.
 /// Error{kUsage} for the mesh alone of a room without one.
 ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts parts = RoomParts::kAll);
 /// SPZ version 3 (Niantic): gzip; right-up-back axes; 24-bit fixed-point positions, 8-bit everything else.

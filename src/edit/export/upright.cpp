@@ -6,8 +6,8 @@
 namespace aligngs {
 namespace {
 
-/// Real spherical harmonics of one degree under a rotation: f'(d) = f(R^T d). The matrix that takes the coefficients
-/// over is found by sampling the basis in many directions and solving for it: exact, as rotations keep the degree.
+/// Real spherical harmonics of one degree under a rotation: f'(d) = f(R^T d). The matrix of the coefficients is found
+/// by sampling the basis in many directions and solving for it. It is exact, as rotations keep the degree.
 Eigen::MatrixXd harmonic_rotation(int degree, const Mat3d& rotation) {
   const int first = degree * degree, width = 2 * degree + 1, samples = 4 * width;
   Eigen::MatrixXd before(samples, width), after(samples, width);

@@ -8,8 +8,8 @@
 
 namespace aligngs {
 
-/// The rotation from the scene's world to y up: the shortest one that takes `up` to +y where the scene knows up,
-/// half a turn about x (from OpenCV's y down) where it does not.
+/// The rotation from the scene's world to y up. If the scene knows up, the shortest one that takes `up` to +y. Else
+/// half a turn about x (from OpenCV's y down).
 Mat3d rotation_to_y_up(const std::optional<Vec3d>& up);
 
 /// Positions, orientations and spherical harmonics of a model, rotated.

@@ -47,8 +47,8 @@ uint32_t packed_rotation(const Quaternionf& q) {
   return packed;
 }
 
-/// All 8 bits of the byte, steps of 1/128. The format's own encoder keeps 5 bits (degree 1) or 4, whose steps of 1/16 and 1/8 are larger
-/// than most harmonics of a room: hardly anything of what depends on the direction would be left.
+/// All 8 bits of the byte, steps of 1/128. The format's own encoder keeps 5 bits (degree 1) or 4, with steps of 1/16
+/// and 1/8. These exceed most harmonics of a room, so nearly all view dependence would be lost.
 uint8_t packed_harmonic(float v) { return quantized(v * 128 + 128); }
 
 std::string body_of(const GaussianModel& model) {
