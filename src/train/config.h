@@ -27,7 +27,8 @@ struct DataConfig {
   bool prior_confidence = true;   ///< weigh prior depth by pred_confidence/ where there is one
   std::string ignore;             ///< classes whose pixels are left out, with commas (scene/ignored_classes.h)
   bool semantics = true;          ///< use segmentation_logits/ when every training view has them
-  bool fill_depth = false;        ///< `run`: holes in depth of a sensor are filled by stereo
+  bool sensor_exposure = false;   ///< `run`: measure exposures from depth of a sensor, or given depth
+  bool fill_depth = false;        ///< and fill holes of that depth by stereo
   bool refine_exposure = false;   ///< `run` and `demo`: measure the photos' exposures there
   bool exposure = false;          ///< undo what exposure.json says of the photos' exposures
   bool scores_as_logits = false;  ///< softmax the teacher's numbers whatever priors.json calls them

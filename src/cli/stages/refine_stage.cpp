@@ -80,7 +80,7 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
 }
 
 bool should_complete(const fs::path& scene, const TrainConfig& config) {
-  const bool wanted = (config.data.exposure && config.data.refine_exposure) || config.data.fill_depth;
+  const bool wanted = (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
   if (!wanted || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
   const Scene opened = open_scene(scene);
   return opened.has_prior_depth() && !opened.has_network_depth() && opened.prior_source != kStereoDepth && opened.depth_scale == DepthScale::kScene &&
@@ -90,7 +90,7 @@ bool should_complete(const fs::path& scene, const TrainConfig& config) {
 bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
   CompleteSceneOptions options;
   options.overwrite = options.in_place = true;  // RUN/scene may be what is read
-  options.exposure = config.data.exposure && config.data.refine_exposure;
+  options.exposure = config.data.exposure && config.data.sensor_exposure;
   options.holes = config.data.fill_depth;
   options.progress = context.progress();
   ThreadPool pool(context.global.threads);

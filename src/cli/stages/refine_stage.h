@@ -22,7 +22,7 @@ bool measure_into_run(const std::filesystem::path& scene, const std::filesystem:
 /// made. The scene has not been refined before. Otherwise logs the reason.
 bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
-/// Whether a run with these settings first measures exposures (data.refine_exposure and data.exposure) and fills holes of the
+/// Whether a run with these settings first measures exposures (data.sensor_exposure and data.exposure) and fills holes of the
 /// depth (data.fill_depth). Every training view needs depth in scene units, of a sensor or given. Refining and measuring depth
 /// do such work themselves.
 bool should_complete(const std::filesystem::path& scene, const TrainConfig& config);
