@@ -1,4 +1,4 @@
-// For tests: a program that stands in for aligngs in a batch, and a batch that uses it. What it does follows from the source's name.
+// For tests: a program that replaces aligngs in a batch, and a batch that uses it. The source's name says how it behaves.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
-// Which worker has a room. A lease is a file that its holder touches now and then; workers on any number of machines need nothing but
-// a folder that they share.
+// The lease of a room tells which worker has it. It is a file that its holder touches now and then. Workers on any number of machines
+// need nothing but a folder that they share.
 //
 // Leases of one room are numbered: ROOM.1, ROOM.2, ... The highest one counts. Whoever takes a room creates the next number with O_EXCL,
-// so that one of several takers wins; a stale lease is taken over in the same way, and is never renamed or removed by others while it
+// so that one of several takers wins. A stale lease is taken over in the same way. Others never rename or remove a lease that
 // counts. Ages are differences of times that the file system itself gives, so that clocks of machines may differ.
 #pragma once
 
@@ -19,7 +19,7 @@ struct LeaseTimes {
   double stale_seconds = 60;  ///< untouched for so long: its holder is dead; above what a network file system may pause
 };
 
-/// What is known about the lease of a room.
+/// State of the lease of a room.
 struct LeaseView {
   int number = 0;          ///< 0: there is none
   std::string host;        ///< of its holder; empty where the file has no content yet

@@ -22,7 +22,7 @@ constexpr uint64_t kNetworkBytes = 7'000'000'000;  // of the largest network, Vi
 constexpr double kEarlierPeakFactor = 1.1;  // a second run of a room peaks within a tenth of the first
 constexpr uint64_t kLongestSide = 1600;     // pixels: larger photos are reduced by `run` before anything else
 
-/// Of `demo` without --size and --views (synth/synth_options.h).
+/// Defaults of `demo` without --size and --views (synth/synth_options.h).
 constexpr uint64_t kSyntheticPixels = 320 * 240, kSyntheticViews = 24;
 
 uint64_t number_or(const std::string& text, uint64_t otherwise) {

@@ -9,14 +9,14 @@
 
 namespace aligngs {
 
-/// Bytes. What its options say with --memory, else the peak of an earlier run of the room with a tenth more, else an estimate from the
-/// number and the size of its photos.
+/// Bytes. The value of --memory comes first. Else the peak of an earlier run of the room counts, with a tenth more. Else it is an
+/// estimate from the number and the size of the photos.
 uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, const RoomEntry& room);
 
 /// The estimate for so many pixels of training photos together.
 uint64_t estimated_bytes(uint64_t pixels);
 
-/// What a room may take beside others: its part of `budget`, or its prediction where that is more; never more than `budget`.
+/// Limit of a room beside others: its part of `budget`, or its prediction where that is more; never more than `budget`.
 uint64_t memory_share(uint64_t predicted, uint64_t budget, int jobs);
 
 }  // namespace aligngs

@@ -30,8 +30,8 @@ struct RoomEntry {
   bool synthetic() const { return source == kSyntheticSource; }
 };
 
-/// Both: Error{kBadInput} with the line for a wrong name, a name given twice, a missing source, an option that the batch sets itself,
-/// and for a list without rooms.
+/// Both: Error{kBadInput} for a list without rooms. Error{kBadInput} with the line for a wrong name, a name given twice, a missing source,
+/// and an option that the batch sets itself.
 std::vector<RoomEntry> parse_room_table(std::string_view text, const std::filesystem::path& name_for_errors);
 std::vector<RoomEntry> parse_room_toml(std::string_view text, const std::filesystem::path& name_for_errors);
 

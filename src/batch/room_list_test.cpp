@@ -30,7 +30,7 @@ name = "trial"
 source = "demo"
 )";
 
-/// What the parser says about a list that it refuses.
+/// The parser's message about a list that it refuses.
 std::string fault(const std::function<void()>& parse) {
   try {
     parse();

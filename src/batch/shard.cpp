@@ -17,7 +17,7 @@ std::optional<int> whole_number(std::string_view text) {
   return value;
 }
 
-/// What a cluster calls the number of a task, the first number, and the count.
+/// A cluster's names for the number of a task, the first number, and the count.
 struct ArrayVariables {
   const char* index;
   const char* first;  ///< null: it is 0

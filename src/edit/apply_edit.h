@@ -32,7 +32,7 @@ struct EditableRoom {
 struct EditReport {
   std::string description;
   std::vector<SelectedObject> objects;  ///< what was selected
-  std::vector<SelectedObject> contents;  ///< what stands on them and was left behind
+  std::vector<SelectedObject> contents;  ///< things on them that were left behind
   size_t selected = 0;                  ///< Gaussians
   size_t before = 0, after = 0;         ///< Gaussians of the room
   size_t filled = 0;                    ///< new Gaussians of the surfaces that were behind and under

@@ -100,7 +100,7 @@ bool is_hex_color(std::string_view text) {
   return (text.size() == 4 || text.size() == 7) && text[0] == '#' && std::all_of(text.begin() + 1, text.end(), is_hex);
 }
 
-/// Where the last `words` words of a trimmed text begin; npos when it has fewer.
+/// Beginning of the last `words` words of a trimmed text; npos when it has fewer.
 size_t begin_of_last_words(std::string_view text, int words) {
   size_t begin = text.size();
   for (int w = 0; w < words; ++w) {

@@ -9,8 +9,8 @@
 
 namespace aligngs {
 
-/// sRGB of a name of CSS Color Module Level 4 ("dark green" and "darkgreen" alike), of some names of paints, or of
-/// "dark", "light", "pale", "deep" or "bright" before one of these. Case and hyphens do not matter. Nothing for other
+/// sRGB of a name of CSS Color Module Level 4 ("dark green" and "darkgreen" alike), or of some names of paints. "Dark",
+/// "light", "pale", "deep" or "bright" may precede one of these. Case and hyphens do not matter. Nothing for other
 /// texts.
 std::optional<std::array<uint8_t, 3>> named_color(std::string_view text);
 

@@ -81,7 +81,7 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
         if (!fresh) at->second = std::min(at->second, height);
       }
       if (rows == 0 || 2 * taken > rows || lowest.empty()) continue;
-      // A thing that also reaches down to the floor stands beside, not on: only its lowest columns are asked.
+      // A thing that also reaches down to the floor is beside, not on: only its lowest columns count.
       double bottom = 1e300;
       for (const auto& [column, height] : lowest) bottom = std::min(bottom, height);
       size_t touching = 0, low = 0;

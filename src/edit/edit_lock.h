@@ -15,7 +15,7 @@ std::filesystem::path edit_lock_file(const std::filesystem::path& run);
 /// says, so that the next edit takes over.
 class EditLock {
  public:
-  /// Waits up to `patience` seconds for another edit to end. `doing` is told to those who wait, e.g. "delete bed".
+  /// Waits up to `patience` seconds for another edit to end. Those who wait see `doing`, e.g. "delete bed".
   /// Error{kUsage} naming the holder when it does not end, Error{kResources} when the file cannot be written. The wait
   /// is a stop point.
   EditLock(const std::filesystem::path& run, std::string_view doing, double patience);

@@ -28,7 +28,7 @@ struct EditOperation {
   ThresholdRule threshold;
   std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
   bool fill = false;           ///< kDelete, kMove: continue the surfaces behind and under the object
-  bool with_contents = false;  ///< also what stands on the selected objects; not for colours
+  bool with_contents = false;  ///< also things on the selected objects; not for colours
   ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
 };
 

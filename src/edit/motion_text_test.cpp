@@ -7,7 +7,7 @@
 namespace aligngs {
 namespace {
 
-/// What is left of the text, and the shift.
+/// The rest of the text, and the shift.
 std::pair<std::string, std::string> taken(std::string text) {
   const auto motion = take_motion(text);
   return {text, motion ? motion_text(*motion) : "none"};

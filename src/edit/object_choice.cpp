@@ -14,7 +14,7 @@ double volume_of(const Instance& object) {
   return std::max(size.x, kThinnest) * std::max(size.y, kThinnest) * std::max(size.z, kThinnest);
 }
 
-/// What the chosen object has most of.
+/// The measure of which the chosen object has most.
 std::function<double(const Instance&)> measure_of(ObjectChoice choice, const std::vector<Instance>& candidates,
                                                   const Viewpoint& viewpoint) {
   if (choice == ObjectChoice::kLargest) return volume_of;

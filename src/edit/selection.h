@@ -22,8 +22,8 @@ struct LabelledGaussians {
   bool has_labels() const { return model.semantic_channels > 0; }
 };
 
-/// Smooths, labels and numbers the objects; crumbs join their neighbours (crumbs.h). A model that was trained without semantics has none: it can be exported and edited as a
-/// whole, but nothing of it is selected by name.
+/// Smooths, labels and numbers the objects; crumbs join their neighbours (crumbs.h). A model that was trained without
+/// semantics has none. It can be exported and edited as a whole, but nothing of it is selected by name.
 LabelledGaussians label_objects(GaussianModel model, const LabelSet& labels, double extent, ThreadPool& pool);
 
 struct SelectionOptions {

@@ -24,8 +24,8 @@ struct SelectionQuery {
 };
 
 /// Grammar: items parted by commas (or "and"). An item is a name, optionally with "#" and object numbers ("bed#2",
-/// "bed#1-3", "bed 2"), after "all", "every" or "the" where a person says so, or after "largest", "smallest", "left",
-/// "right", "highest" or "lowest" for one object. "#2" alone is of the name before it. "everything" or "all" is the
+/// "bed#1-3", "bed 2"). "All", "every" or "the" may precede it. "Largest", "smallest", "left", "right", "highest" or
+/// "lowest" before it choose one object. "#2" alone is of the name before it. "everything" or "all" is the
 /// whole room; after "but", "except", "without" or "excluding" are the exclusions.
 /// Error{kUsage} for empty text, unknown names (with suggestions), and bad object numbers.
 SelectionQuery parse_selection(std::string_view text, const Vocabulary& vocabulary);

@@ -176,7 +176,7 @@ std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std
                                         const std::vector<uint8_t>& selected, const std::vector<uint8_t>& candidates,
                                         const std::optional<Vec3d>& up, const SupportOptions& options) {
   constexpr double kOtherDirection = 0.4;  // cosine: 66 degrees
-  constexpr double kLooser = 1.5;          // what stands behind an object is seen at its edges only, and badly
+  constexpr double kLooser = 1.5;          // things behind an object are seen at its edges only, and badly
   const Surroundings around = surroundings_of(room, part, selected, candidates, options.ring * room.extent);
   std::vector<SupportPlane> planes;
   const auto best = best_plane(room, around, up, options, [](const Vec3d&) { return true; });

@@ -30,8 +30,8 @@ std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room,
                                                   const SupportOptions& options = {});
 
 /// The plane with most of the surroundings on it and the object on one side; with `up`, planes under the object count
-/// up to twice. Then, if there is one at more than 66 degrees to it, the plane that the object leaned on: a pillow
-/// stands on a bed and before its headboard. Empty when the surroundings have no plane. `part` is one part of the
+/// up to twice. Then, if there is one at more than 66 degrees to it, the plane that the object leaned on. A pillow
+/// rests on a bed and leans on its headboard. Empty when the surroundings have no plane. `part` is one part of the
 /// `selected` Gaussians, all of which go; `candidates` marks the rows that may carry.
 std::vector<SupportPlane> find_supports(const LabelledGaussians& room, const std::vector<uint8_t>& part,
                                         const std::vector<uint8_t>& selected, const std::vector<uint8_t>& candidates,

@@ -8,7 +8,7 @@
 namespace aligngs {
 
 /// Two gzip streams. Each begins with a line of JSON, {"total", "shown", "columns": [{"name", "type", "step", "first", "count", "log",
-/// "delta"}]}, followed by the columns, each `count` numbers of `type` (i16, u16, i8, u8; little-endian) for the splats from `first` on. A
+/// "delta"}]}. The columns follow: each has `count` numbers of `type` (i16, u16, i8, u8; little-endian) for splats from `first` on. A
 /// value is number x step. "delta": numbers are differences from the one before, modulo 2^16. "log": the value is sign(v) ln(1 + |v|).
 struct CompactScene {
   std::string coarse;  ///< the first `shown` splats without their higher harmonics

@@ -38,7 +38,7 @@ struct Decoded {
   json head;
   std::map<std::string, std::vector<double>> columns;
 };
-/// What the page reads from a part.
+/// Columns as the page reads them from a part.
 Decoded decoded(const std::string& part) {
   const std::string bytes = gzip_expanded(part, "part", 1 << 26);
   Decoded out;

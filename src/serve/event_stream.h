@@ -1,4 +1,4 @@
-// What an open page hears of a run: its events and the versions of its files, as Server-Sent Events.
+// Sends an open page the events of a run and the versions of its files, as Server-Sent Events.
 #pragma once
 
 #include <chrono>

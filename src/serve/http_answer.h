@@ -1,4 +1,4 @@
-// What the server answers: a head with its security headers, and a body that is a text, a prepared stream or a file.
+// Answers of the server: a head with its security headers, and a body that is a text, a prepared stream or a file.
 #pragma once
 
 #include <memory>

@@ -8,7 +8,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What a run reads and writes; its scene has a place of its own, which may be anywhere.
+/// Files that a run reads and writes; its scene has a place of its own, which may be anywhere.
 constexpr const char* kParts[] = {"run.json", "config.toml", "classes.json", "cameras.json", "room.json", "edits.json", "scene.ply",
                                   "scene.labels.ply", "checkpoints", "edits", "mesh", "object", "live", "control"};
 

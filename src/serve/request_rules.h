@@ -30,7 +30,7 @@ struct PostHeaders {
 /// Origin absent or "http://<Host>", the run's token, a JSON body: another site's page can send none of these.
 bool post_allowed(const PostHeaders& headers, std::string_view token);
 
-/// What a browser tells of where a request comes from: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty in
+/// A browser's headers about the origin of a request: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty in
 /// clients that are no browser.
 struct FetchOrigin {
   std::string_view site, mode, destination;

@@ -21,7 +21,7 @@ SceneService::SceneService(const std::filesystem::path& run, bool expect_run) : 
       const nlohmann::json state = parse_json(run_.state());
       if (state["splats"].is_string() && !state["active"].get<bool>()) part("coarse/" + state["splats"].get<std::string>());
     } catch (const std::exception&) {
-      // The page asks for the same scene and is told what is wrong.
+      // The page asks for the same scene and gets the reason.
     }
   });
 }

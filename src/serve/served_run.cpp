@@ -20,7 +20,7 @@ namespace {
 constexpr uint64_t kMaxJson = uint64_t(64) << 20;  // bytes of one description file
 constexpr size_t kMaxLine = size_t(1) << 20;       // bytes of one event
 
-/// The JSON files of a run; what is wrong with them is told on the page.
+/// The JSON files of a run. The page shows their faults.
 class RunDescriptions {
  public:
   /// The value of a file below `root`, null when it is absent, unreadable or nested too deeply.

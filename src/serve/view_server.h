@@ -70,7 +70,7 @@ class ViewServer {
 
   uint16_t port() const;
   const std::string& token() const;
-  /// Serves until `stop` says so (asked twenty times a second).
+  /// Serves until `stop` returns true (called twenty times a second).
   void run(const std::function<bool()>& stop);
 
  private:

@@ -1,4 +1,4 @@
-// What a room would look like without some of its objects: the truth for edits that take them away.
+// Pictures of a room without some of its objects: the truth for edits that take them away.
 #pragma once
 
 #include <filesystem>

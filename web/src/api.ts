@@ -65,7 +65,7 @@ export async function request(url: string, init: RequestInit = {}): Promise<Resp
   }
 }
 
-/// What the server refused, in its words.
+/// A refusal of the server, in its words.
 export async function refusal(answer: Response): Promise<Error> {
   let told: { error?: string; remedy?: string } = {};
   try { told = JSON.parse(await answer.text()); } catch { /* not ours */ }

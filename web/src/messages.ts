@@ -1,4 +1,4 @@
-// What the page tells at the top of the picture: one message at a time, which goes by itself or is closed.
+// Messages at the top of the picture: one message at a time, which goes by itself or is closed.
 import { element } from './dom';
 
 export type MessageKind =

@@ -96,7 +96,7 @@ export class Navigation {
     requestAnimationFrame(step);
   }
 
-  /// What held keys do in some seconds: right, up, forward, turn to the left.
+  /// Motion by held keys in some seconds: right, up, forward, turn to the left.
   private step(seconds: number, [right, up, forward, left]: number[]): void {
     if (right || up || forward) this.walk(right * seconds, up * seconds, forward * seconds);
     if (left) this.turn(((this.mode === 'walk' ? left : -left) * kKeyTurn * seconds) / kTurn, 0);

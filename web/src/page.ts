@@ -187,7 +187,7 @@ export class Page {
     this.navigation.lookFrom(eye, target);
   }
 
-  /// Looks at an object from the middle of the room, or from above where it stands there.
+  /// Looks at an object from the middle of the room, or from above if it is there.
   private flyTo(object: SceneObject): void {
     const away = new Vec3().sub2(this.viewer.middle(), object.centre);
     away.y = Math.max(0.3 * away.length(), 0.3 * object.size.length());
@@ -197,7 +197,7 @@ export class Page {
     this.selection.choose(object);
   }
 
-  /// Stands at a place of the plan, as high as before.
+  /// Goes to a place of the plan, as high as before.
   private goTo(place: (height: number) => number[]): void {
     const { eye, target } = this.navigation.pose, at = this.viewer.toWorld(place(0));
     const move = new Vec3(at.x - eye.x, 0, at.z - eye.z);

@@ -28,7 +28,7 @@ export class Plan {
   private toRoom = new Mat4();
   private loaded = '';
 
-  /// `go`: stand at a place of the plan, in the scene's own axes; the height of the eyes stays.
+  /// `go`: goes to a place of the plan, in the scene's own axes; the height of the eyes stays.
   constructor(private go: (place: (height: number) => number[]) => void) {
     element('plan-picture').addEventListener('click', (e) => this.clicked(e as unknown as MouseEvent));
   }

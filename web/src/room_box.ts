@@ -13,7 +13,7 @@ export interface Cut { normal: Vec3; offset: number }
 export class RoomBox {
   private constructor(private axes: Vec3[], private low: number[], private high: number[]) {}
 
-  /// From positions of splats in the y-up world; walls stand along the box's sides.
+  /// From positions of splats in the y-up world; walls are along the box's sides.
   static of(points: Vec3[]): RoomBox | null {
     if (points.length < 16) return null;
     const step = Math.max(1, Math.floor(points.length / kSample)), sample = points.filter((_, i) => i % step === 0);

@@ -1,4 +1,4 @@
-// The object under the pointer, and the one that was clicked: they glow, and their name, size and distance are told.
+// The object under the pointer, and the one that was clicked: they glow with their name, size and distance.
 import { type Vec3 } from 'playcanvas';
 import { type RunState } from './api';
 import { element } from './dom';

@@ -9,7 +9,7 @@ import { type Cut } from './room_box';
 export const kStyles = 256; // classes that can be styled; 255: no class
 
 /// Class, object number (low and high byte) and visibility of each splat come in splatLabel. Row 0 of aligngsStyle is the
-/// colour of a class, row 1 whether it is drawn (r) and whether it belongs to the shell of the room (g).
+/// colour of a class. Row 1 tells whether it is drawn (r) and whether it belongs to the shell of the room (g).
 const kModifier = `
   uniform sampler2D aligngsStyle;
   uniform vec4 aligngsGlow;    // class, object number or -1 for all, strength
@@ -108,7 +108,7 @@ export class SplatLayer {
 
 export const objectKey = (label: number, instance: number): string => `${label}#${instance}`;
 
-/// What picking needs.
+/// Data for picking.
 function splatsOf(columns: Columns): Splats {
   const n = columns.count, column = (name: string) => columns.values.get(name);
   const interleaved = (names: string[], map: (v: number) => number) => {

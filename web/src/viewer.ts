@@ -22,7 +22,7 @@ const kSharpAfter = 200;         // milliseconds of rest
 const kPoints = 8000;            // splats that the room's box is made of
 const kSolid = 0.3;              // opacity of a splat that is no haze
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
-const kSettle = 300; // milliseconds of drawing after a change, so that the worker that sorts hears of it
+const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker gets it
 
 export class Viewer {
   readonly camera = new Entity('camera');

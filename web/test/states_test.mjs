@@ -1,4 +1,4 @@
-// What the page tells when things go wrong: a server that ends and comes back, a torn file, a run without checkpoints.
+// Messages of the page when things go wrong: a server that ends and comes back, a torn file, a run without checkpoints.
 // Usage: node test/states_test.mjs PROGRAM RUN [FOLDER_FOR_SCREENSHOTS]
 import { appendFileSync, cpSync, existsSync, renameSync } from 'node:fs';
 import { join } from 'node:path';

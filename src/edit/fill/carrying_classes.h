@@ -8,11 +8,11 @@
 
 namespace aligngs {
 
-/// What a class carries, and how its surface continues.
+/// Things that a class carries, and how its surface continues.
 struct CarryingClass {
   PlaneKind shell = PlaneKind::kNone;  ///< wall, floor or ceiling: it ends only where the room ends
   bool on_floor = false;               ///< a rug: it continues within its own rectangle on the floor
-  bool furniture = false;              ///< things stand on it or lean on it: it continues within its own bounds
+  bool furniture = false;              ///< things rest or lean on it: it continues within its own bounds
   bool carries() const { return shell != PlaneKind::kNone || on_floor || furniture; }
 };
 

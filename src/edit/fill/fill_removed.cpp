@@ -117,7 +117,7 @@ class Filler {
     }
     return cover;
   }
-  /// Where a window or a door is in a wall.
+  /// Places of windows and doors in a wall.
   std::vector<float> opened(const PlaneGrid& grid) const {
     std::vector<float> cover(grid.size(), 0.f);
     for (size_t i = 0; i < room_.model.size(); ++i) {
@@ -149,7 +149,7 @@ class Filler {
     const Views views = views_of(place);
     return views.hidden > 0 && views.free == 0;
   }
-  /// A place without a surface that a photo or two show past the object's edge is a hole all the same.
+  /// A place without a surface that a photo or two show past the object's edge is still a hole.
   bool is_hidden_from_most(const Vec3d& place) const {
     const Views views = views_of(place);
     return views.hidden > views.free;

@@ -35,13 +35,13 @@ struct FillSettings {
 
 struct Filling {
   std::vector<SupportPatch> patches;
-  /// Per row: 1 for Gaussians of walls, floor and ceiling that go with the object, because the object hid them from all
-  /// photos, so that nobody knows their colour, or because they are beside it and have its colour.
+  /// Per row: 1 for Gaussians of walls, floor and ceiling that go with the object. It hid them from all photos, so that
+  /// nobody knows their colour, or they are beside it and have its colour.
   std::vector<uint8_t> debris;
 };
 
-/// One patch per surface: walls, floor and ceiling where the object touched them or hid them from most photos, rugs within
-/// their rectangle, and furniture that carried it within the bounds of that furniture.
+/// One patch per surface. Walls, floor and ceiling continue where the object touched them or hid them from most photos.
+/// Rugs stay within their rectangle, and furniture that carried it within its own bounds.
 Filling fill_removed(const FillInput& input, const FillSettings& settings = {});
 
 }  // namespace aligngs

@@ -15,8 +15,8 @@ struct KnownColor {
   float weight = 1;
 };
 
-/// A colour for each cell of the grid: near known colours their mean, elsewhere a surface that continues them smoothly in
-/// all directions (pull-push pyramid; Gortler et al. 1996, and a few sweeps of relaxation). No known colour draws a
+/// A colour for each cell of the grid: near known colours their mean, elsewhere a smooth surface through them. It is a
+/// pull-push pyramid (Gortler et al. 1996) and a few sweeps of relaxation. No known colour draws a
 /// streak, as the nearest one would. Empty when nothing is known.
 std::vector<Vec3f> continued_colors(const PlaneGrid& grid, const std::vector<KnownColor>& known);
 
