@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
+#include "edit/fill/hidden_places.h"
 #include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
-#include "edit/fill/solid_space.h"
 #include "edit/support_fill.h"
 
 namespace aligngs {
@@ -26,7 +26,7 @@ class Filler {
   Filler(const FillInput& input, const FillSettings& settings)
       : input_(input), settings_(settings), room_(input.room), extent_(input.room.extent),
         classes_(carrying_classes(input.labels)), parts_(connected_parts(input.room, input.selected)),
-        removed_(input.room.model, input.selected, settings.cube * input.room.extent), rest_(rest_space()), tree_(removed_points()) {
+        hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent), tree_(removed_points()) {
     planes_ = room_planes(room_, classes_, input_.selected, inside());
     gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
@@ -50,11 +50,6 @@ class Filler {
   }
 
  private:
-  SolidSpace rest_space() const {
-    std::vector<uint8_t> rest = input_.selected;
-    for (uint8_t& r : rest) r = !r;
-    return SolidSpace(room_.model, rest, settings_.cube * extent_);
-  }
   std::vector<Vec3f> removed_points() {
     std::vector<Vec3f> points;
     for (uint32_t i = 0; i < input_.selected.size(); ++i) {
@@ -127,34 +122,6 @@ class Filler {
     }
     return cover;
   }
-  /// Photos that would show a place if the object were not there, and those that do.
-  struct Views {
-    int hidden = 0, free = 0;
-  };
-  Views views_of(const Vec3d& place) const {
-    Views views;
-    for (const Camera& camera : input_.cameras) {
-      const Vec3d local = camera.world_to_camera * place;
-      if (!(local.z > 0) || !camera.contains(camera.project(local))) continue;
-      const Vec3d eye = camera.centre();
-      if (removed_.hides(eye, place)) {
-        ++views.hidden;
-      } else if (!rest_.hides(eye, place)) {
-        ++views.free;
-      }
-    }
-    return views;
-  }
-  bool is_hidden_from_all(const Vec3d& place) const {
-    const Views views = views_of(place);
-    return views.hidden > 0 && views.free == 0;
-  }
-  /// A place without a surface that a photo or two show past the object's edge is still a hole.
-  bool is_hidden_from_most(const Vec3d& place) const {
-    const Views views = views_of(place);
-    return views.hidden > views.free;
-  }
-
   std::vector<uint8_t> find_debris() const {
     std::vector<uint8_t> debris(room_.model.size(), 0);
     std::vector<PointTree::Neighbour> near;
@@ -168,7 +135,7 @@ class Filler {
         if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
         const Vec3d place = position(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) continue;
-        debris[i] = is_hidden_from_all(place) || has_color_of_removed(i, surface, carriers, near);
+        debris[i] = hidden_.from_all(place) || has_color_of_removed(i, surface, carriers, near);
       }
     }
     return debris;
@@ -228,7 +195,7 @@ class Filler {
         if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
         const Vec3d place = grid.at(i + 0.5, j + 0.5);
         if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
-        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || is_hidden_from_most(place);
+        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
       }
     }
     return patches_of(plane, grid, hole);
@@ -318,7 +285,7 @@ class Filler {
   double extent_;
   std::vector<CarryingClass> classes_;
   std::vector<std::vector<uint8_t>> parts_;
-  SolidSpace removed_, rest_;
+  HiddenPlaces hidden_;
   std::vector<uint32_t> removed_rows_;
   PointTree tree_;  ///< over the removed rows
   std::vector<uint8_t> gone_;  ///< selected, and debris

@@ -1,0 +1,41 @@
+#include "edit/fill/hidden_places.h"
+
+namespace aligngs {
+namespace {
+
+std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
+  for (uint8_t& f : flags) f = !f;
+  return flags;
+}
+
+}  // namespace
+
+HiddenPlaces::HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected, const std::vector<Camera>& cameras, double cube)
+    : cameras_(cameras), removed_(model, selected, cube), rest_(model, inverted(selected), cube) {}
+
+HiddenPlaces::Views HiddenPlaces::views_of(const Vec3d& place) const {
+  Views views;
+  for (const Camera& camera : cameras_) {
+    const Vec3d local = camera.world_to_camera * place;
+    if (!(local.z > 0) || !camera.contains(camera.project(local))) continue;
+    const Vec3d eye = camera.centre();
+    if (removed_.hides(eye, place)) {
+      ++views.hidden;
+    } else if (!rest_.hides(eye, place)) {
+      ++views.free;
+    }
+  }
+  return views;
+}
+
+bool HiddenPlaces::from_all(const Vec3d& place) const {
+  const Views views = views_of(place);
+  return views.hidden > 0 && views.free == 0;
+}
+
+bool HiddenPlaces::from_most(const Vec3d& place) const {
+  const Views views = views_of(place);
+  return views.hidden > views.free;
+}
+
+}  // namespace aligngs
