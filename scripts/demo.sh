@@ -8,7 +8,7 @@ here=$(cd "$(dirname "$0")/.." && pwd)
 cuda=${ALIGNGS_WITH_CUDA:-AUTO}
 if [ "$cuda" = AUTO ] && ! compgen -G '/dev/nvidia[0-9]*' >/dev/null && [ ! -e /dev/dxg ]; then
   cuda=OFF  # a third of the time of a build, for nothing here
-  echo "demo.sh: no NVIDIA driver here, so CUDA is left out (ALIGNGS_WITH_CUDA=ON builds it all the same)"
+  echo "demo.sh: no NVIDIA driver here, so CUDA is left out (ALIGNGS_WITH_CUDA=ON builds it anyway)"
 elif [ "$cuda" = AUTO ]; then
   export CUDAARCHS=${CUDAARCHS:-native}
 fi
