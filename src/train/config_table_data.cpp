@@ -31,7 +31,7 @@ std::vector<ConfigKey> data_init_train_keys() {
        "with data.refine_panels: place televisions and monitors by their outlines in several photos"},
       {"data.refine_exposure", field<&C::data, &DataConfig::refine_exposure>, 0, 0, "", ours_paper(true, false),
        "with data.refine_cameras: measure how the photos' exposures and white balances differ"},
-      {"data.sensor_exposure", field<&C::data, &DataConfig::sensor_exposure>, 0, 0, "", all(false),
+      {"data.sensor_exposure", field<&C::data, &DataConfig::sensor_exposure>, 0, 0, "", ours_paper(true, false),
        "`aligngs run` measures exposures where a sensor made the depth, or it was given; cameras stay"},
       {"data.fill_depth", field<&C::data, &DataConfig::fill_depth>, 0, 0, "", all(false),
        "`aligngs run` fills holes in such depth by multi-view stereo, where another photo confirms it"},

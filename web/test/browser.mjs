@@ -65,7 +65,7 @@ export const remove = (folder) => rmSync(folder, { recursive: true, force: true 
 export async function open(browser, url, { width = 800, height = 480, shots = '', prefix = '' } = {}) {
   const page = await browser.newPage({ viewport: { width, height } });
   const complaints = [];
-  page.on('console', (m) => { if (m.type() === 'error') complaints.push(m.text()); });
+  page.on('console', (m) => { if (m.type() === 'error') complaints.push(`${m.text()} ${m.location().url}`.trim()); });
   page.on('pageerror', (e) => complaints.push(e.stack ?? String(e)));
   await page.emulateMedia({ colorScheme: 'dark' });
   const started = Date.now();

@@ -33,7 +33,8 @@ await withBrowser(async (browser) => {
   await page.locator('#preview-apply').click();
   await done(1);
   check((await edits())[0] === `delete ${thing}, hole filled`, `the text box does what it says (${(await edits())[0]})`);
-  check((await splats()) < before, `${before} splats became ${await splats()}`);
+  check((await splats()) !== before, `${before} splats became ${await splats()}`); // the hole is filled: there may be more
+  await page.mouse.move(2, 2); // what is under the pointer glows
   const deleted = await picture();
   check(difference(start, deleted) > 1, 'and the picture changes');
   await shot('deleted');
@@ -42,7 +43,9 @@ await withBrowser(async (browser) => {
   await shot('before_edits');
   check(difference(start, original) < 1, `"before edits" shows what was trained (${difference(start, original).toFixed(2)} levels)`);
   await page.locator('#original').click();
-  check(difference(deleted, await picture()) < 1, 'and back');
+  const back = await picture();
+  await shot('back');
+  check(difference(deleted, back) < 1, `and back (${difference(deleted, back).toFixed(2)} levels)`);
 
   await page.locator('#undo').click();
   await done(0);
@@ -96,5 +99,7 @@ await withBrowser(async (browser) => {
     check(readFileSync(await download.path()).equals(readFileSync(join(run, `scene.edited.${format}`))), 'as it stands in the run folder');
     await page.waitForFunction(() => !document.body.classList.contains('busy'));
   }
-  check(rest.length > 0 && complaints.filter((c) => !c.includes('400')).length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
+  // 400: the typing error. 404: an edited scene that the next edit has just replaced; the page loads the new one.
+  const expected = (c) => c.includes('400') || (c.includes('404') && c.includes('edits/'));
+  check(rest.length > 0 && complaints.filter((c) => !expected(c)).length === 0, `no errors in the console ${complaints.slice(0, 3).join(' | ')}`);
 }, { cleanup: () => { server.kill('SIGTERM'); remove(folder); } });
