@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "edit/fill/carrying_classes.h"
+#include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
@@ -28,7 +29,7 @@ class Columns {
   double height_of(size_t i) const { return dot(up_, place(i)); }
 
  private:
-  Vec3d place(size_t i) const { return {model_.positions[3 * i], model_.positions[3 * i + 1], model_.positions[3 * i + 2]}; }
+  Vec3d place(size_t i) const { return position_of(model_, i); }
   const GaussianModel& model_;
   Vec3d up_, u_, v_;
   double edge_;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/random.h"
+#include "gaussians/gaussian_geometry.h"
 #include "scene/plane_fit.h"
 
 namespace aligngs {
@@ -15,18 +16,6 @@ namespace {
 constexpr float kSolid = 0.3f;        ///< opacity above which a Gaussian is part of a surface
 constexpr size_t kFewest = 12;        ///< Gaussians that make a plane believable
 constexpr double kOneSide = 0.8;      ///< share of the object on the plane's front side
-
-Vec3f position(const GaussianModel& model, size_t i) {
-  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-}
-
-/// The shortest axis of a Gaussian.
-Vec3d axis_of(const GaussianModel& model, size_t i) {
-  const float* q = &model.rotations[4 * i];
-  const float* s = &model.log_scales[3 * i];
-  const int shortest = static_cast<int>(std::min_element(s, s + 3) - s);
-  return rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]})).column(shortest);
-}
 
 struct Surroundings {
   std::vector<uint32_t> rows;  ///< candidates near the selection, solid, not selected
@@ -39,14 +28,14 @@ Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<ui
   std::vector<Vec3f> points;
   for (size_t i = 0; i < room.model.size(); ++i) {
     if (!part[i] || opacity_of(room.model, i) < kSolid) continue;
-    points.push_back(position(room.model, i));
+    points.push_back(position_of(room.model, i).cast<float>());
     out.object.push_back(points.back().cast<double>());
   }
   const PointTree tree(std::move(points));
   std::vector<PointTree::Neighbour> near;
   for (uint32_t i = 0; i < room.model.size(); ++i) {
     if (selected[i] || !candidates[i] || opacity_of(room.model, i) < kSolid) continue;
-    tree.nearest(position(room.model, i), 1, near);
+    tree.nearest(position_of(room.model, i).cast<float>(), 1, near);
     if (!near.empty() && near[0].distance < reach) out.rows.push_back(i);
   }
   return out;
@@ -55,7 +44,7 @@ Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<ui
 /// The plane that fits its carriers best.
 void refit(const LabelledGaussians& room, SupportPlane& plane) {
   std::vector<Vec3d> points;
-  for (const uint32_t i : plane.carriers) points.push_back(position(room.model, i).cast<double>());
+  for (const uint32_t i : plane.carriers) points.push_back(position_of(room.model, i));
   const PlaneFit fit = fit_plane(points, {}, plane.normal);
   plane.normal = fit.normal;
   plane.offset = dot(fit.normal, fit.centre);
@@ -66,8 +55,8 @@ std::vector<uint32_t> carriers_of(const LabelledGaussians& room, const std::vect
   constexpr double kFacing = 0.7;  // the disc lies in the plane to within 45 degrees
   std::vector<uint32_t> out;
   for (const uint32_t i : rows) {
-    if (std::fabs(dot(normal, position(room.model, i).cast<double>()) - offset) < tolerance &&
-        std::fabs(dot(normal, axis_of(room.model, i))) > kFacing) {
+    if (std::fabs(dot(normal, position_of(room.model, i)) - offset) < tolerance &&
+        std::fabs(dot(normal, shortest_axis(room.model, i))) > kFacing) {
       out.push_back(i);
     }
   }
@@ -85,7 +74,7 @@ bool surrounds(const LabelledGaussians& room, const SupportPlane& plane, const s
   const Vec3d u = normalized(cross(std::fabs(n.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, n)), v = cross(n, u);
   std::set<int> directions;
   for (const uint32_t i : plane.carriers) {
-    const Vec3d d = position(room.model, i).cast<double>() - centre;
+    const Vec3d d = position_of(room.model, i) - centre;
     directions.insert(static_cast<int>(std::floor(std::atan2(dot(v, d), dot(u, d)) / kEighthTurn)));
   }
   return directions.size() >= kLeastDirections;
@@ -103,9 +92,9 @@ std::optional<SupportPlane> best_plane(const LabelledGaussians& room, const Surr
   for (int trial = 0; trial < options.trials; ++trial) {
     // One Gaussian proposes a plane by itself: its position and its shortest axis.
     const uint32_t proposer = around.rows[static_cast<size_t>(random.below(n))];
-    Vec3d normal = axis_of(room.model, proposer);
+    Vec3d normal = shortest_axis(room.model, proposer);
     if (!allowed(normal)) continue;
-    double offset = dot(normal, position(room.model, proposer).cast<double>());
+    double offset = dot(normal, position_of(room.model, proposer));
     size_t front = 0;
     for (const Vec3d& p : around.object) front += dot(normal, p) > offset;
     if (2 * front < around.object.size()) {
@@ -139,7 +128,7 @@ std::vector<std::vector<uint8_t>> connected_parts(const LabelledGaussians& room,
   for (uint32_t i = 0; i < selected.size(); ++i) {
     if (!selected[i] || opacity_of(room.model, i) < kSolid) continue;
     rows.push_back(i);
-    points.push_back(position(room.model, i));
+    points.push_back(position_of(room.model, i).cast<float>());
   }
   const PointTree tree(points);
   std::vector<std::vector<uint32_t>> links(rows.size());

@@ -23,11 +23,12 @@ const std::vector<std::string>& picture_extensions() {
   return extensions;
 }
 
-bool has_picture_extension(const std::filesystem::path& file) {
+bool has_extension(const std::filesystem::path& file, const std::vector<std::string>& extensions) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const std::vector<std::string>& known = picture_extensions();
-  return std::find(known.begin(), known.end(), extension) != known.end();
+  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
+
+bool has_picture_extension(const std::filesystem::path& file) { return has_extension(file, picture_extensions()); }
 
 }  // namespace aligngs

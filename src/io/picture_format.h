@@ -16,7 +16,9 @@ PictureFormat picture_format(std::string_view bytes);
 /// Extensions of the formats that are read, in lower case with their dot: .jpg, .jpeg, .png, .webp, .heic, .heif, .avif.
 const std::vector<std::string>& picture_extensions();
 
-/// Whether the file has one of these extensions, in any case.
+/// Whether the file has one of these extensions (lower case, with their dot), in any case.
+bool has_extension(const std::filesystem::path& file, const std::vector<std::string>& extensions);
+/// Whether the file has one of picture_extensions().
 bool has_picture_extension(const std::filesystem::path& file);
 
 }  // namespace aligngs

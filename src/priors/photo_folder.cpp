@@ -88,8 +88,7 @@ fs::path mask_place(const Photo& prepared, const fs::path& folder) {
   return folder.parent_path() / kMaskFolder / (prepared.file.lexically_relative(folder).string() + ".png");
 }
 
-void prepare_mask(const Photo& photo, const Photo& prepared, const fs::path& folder) {
-  const fs::path mask = find_mask(photo.file);
+void prepare_mask(const fs::path& mask, const Photo& photo, const Photo& prepared, const fs::path& folder) {
   write_png(mask_place(prepared, folder), mask.empty() ? Image<uint8_t>(prepared.width, prepared.height, 1, 255)
                                                        : read_mask(mask, photo.file, true, prepared.width, prepared.height));
 }
@@ -143,10 +142,12 @@ std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::pa
                                   int max_side, ThreadPool& pool) {
   fs::create_directories(folder);
   std::vector<Photo> prepared(photos.size());
-  const bool masks = std::any_of(photos.begin(), photos.end(), [](const Photo& photo) { return !find_mask(photo.file).empty(); });
+  std::vector<fs::path> masks;
+  for (const Photo& photo : photos) masks.push_back(find_mask(photo.file));
+  const bool any_mask = std::any_of(masks.begin(), masks.end(), [](const fs::path& mask) { return !mask.empty(); });
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
     prepared[i] = prepare(photos[i], folder, max_side);
-    if (masks) prepare_mask(photos[i], prepared[i], folder);
+    if (any_mask) prepare_mask(masks[i], photos[i], prepared[i], folder);
   });
   return prepared;
 }

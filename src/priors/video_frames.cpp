@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/log.h"
+#include "io/picture_format.h"
 #include "priors/child_process.h"
 #include "priors/frame_choice.h"
 
@@ -102,9 +102,7 @@ std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int heigh
 
 bool is_video_name(const fs::path& file) {
   static const std::vector<std::string> kExtensions = {".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mts", ".3gp"};
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  return has_extension(file, kExtensions);
 }
 
 VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {

@@ -35,7 +35,6 @@ HoleDepth fill(const ImageF& sensor, const PhotoDepth& stereo, const HoleDepthSe
       continue;
     }
     out.depth.data[i] = 0;
-    out.holes += share;
     if (!usable || !(stereo.certainty.data[i] > 0) || !has_value(stereo.depth.data[i])) continue;
     out.depth.data[i] = stereo.depth.data[i];
     out.confidence.data[i] = kFilledConfidence * std::min(stereo.certainty.data[i], 1.0f);

@@ -17,7 +17,6 @@ struct HoleDepthSettings {
 struct HoleDepth {
   ImageF depth;           ///< H x W: the sensor's where it has any, else that of stereo where another photo confirms it, else 0
   ImageF confidence;      ///< H x W: 1 for the sensor, up to kFilledConfidence for stereo by its certainty, 0 without depth
-  double holes = 0;       ///< share of the pixels without sensor depth
   double filled = 0;      ///< share of the pixels that stereo filled
   double disagreement = 0;  ///< median |log ratio| of both, where both measured; 0 with fewer than least_common such pixels
 };

@@ -45,9 +45,10 @@ Image<uint8_t> read_photo(const std::filesystem::path& file, bool upright) {
   return upright ? read_image(file) : read_stored_image(file);
 }
 
+bool is_upright_of_size(const ImageInfo& photo, int width, int height) { return photo.stored_width != width || photo.stored_height != height; }
+
 Image<uint8_t> read_photo_of_size(const std::filesystem::path& file, int width, int height) {
-  const ImageInfo info = read_image_info(file);
-  return read_photo(file, info.stored_width != width || info.stored_height != height);
+  return read_photo(file, is_upright_of_size(read_image_info(file), width, height));
 }
 
 }  // namespace aligngs

@@ -27,6 +27,9 @@ PhotoFit require_photo_fit(const std::filesystem::path& file, const ImageInfo& p
 /// The pixels that fit_photo() chose.
 Image<uint8_t> read_photo(const std::filesystem::path& file, bool upright);
 
+/// Whether a camera of this size is for the upright pixels: the stored ones have another size.
+bool is_upright_of_size(const ImageInfo& photo, int width, int height);
+
 /// The pixels of a photo that has a camera of this very size: stored ones where they have it, else the upright ones.
 Image<uint8_t> read_photo_of_size(const std::filesystem::path& file, int width, int height);
 

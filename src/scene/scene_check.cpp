@@ -16,7 +16,6 @@
 #include "io/image_file.h"
 #include "scene/image_quality.h"
 #include "scene/mesh_ply.h"
-#include "scene/photo_mask.h"
 #include "scene/prior_maps.h"
 
 namespace aligngs {
@@ -58,9 +57,7 @@ void check_image(const View& view, ViewFindings& findings) {
   findings.sharpness = sharpness(image);
   findings.luminance = mean_luminance(image);
   if (!view.mask.empty()) {
-    const ImageInfo info = read_image_info(view.image);
-    const bool upright = info.stored_width != view.camera.width || info.stored_height != view.camera.height;
-    const Image<uint8_t> mask = read_mask(view.mask, view.image, upright, view.camera.width, view.camera.height);
+    const Image<uint8_t> mask = read_view_mask(view, view.camera.width, view.camera.height);
     if (std::none_of(mask.data.begin(), mask.data.end(), [](uint8_t value) { return value != 0; })) {
       add(findings, view.mask, "values", "the mask hides the whole photo", "remove the mask or the view", true);
     }

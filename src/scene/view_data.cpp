@@ -102,11 +102,7 @@ void hide(const Image<uint8_t>& mask, ViewData& data) {
 /// Leaves out of the view what masks/ and ignored classes hide.
 void apply_masks(const Scene& scene, const View& view, const LoadOptions& options, ViewData& data) {
   const int width = data.camera.width, height = data.camera.height;
-  if (!view.mask.empty()) {
-    const ImageInfo photo = read_image_info(view.image);
-    const bool upright = photo.stored_width != view.camera.width || photo.stored_height != view.camera.height;
-    hide(read_mask(view.mask, view.image, upright, width, height), data);
-  }
+  if (!view.mask.empty()) hide(read_view_mask(view, width, height), data);
   if (!scene.ignored.empty() && !view.semantics.empty()) {
     ViewData labelled;
     if (data.semantics.empty()) load_semantics(scene, view, options, labelled);
@@ -122,6 +118,10 @@ void apply_masks(const Scene& scene, const View& view, const LoadOptions& option
 
 Image<uint8_t> read_view_photo(const View& view) {
   return read_photo_of_size(view.image, view.camera.width, view.camera.height);
+}
+
+Image<uint8_t> read_view_mask(const View& view, int width, int height) {
+  return read_mask(view.mask, view.image, is_upright_of_size(read_image_info(view.image), view.camera.width, view.camera.height), width, height);
 }
 
 void divide_exposure(const Vec3f& log_gain, ImageF& color) {

@@ -54,6 +54,8 @@ struct LoadOptions {
 /// The photo's pixels for the view's camera: as stored where they have its size, else upright (see photo_fit.h). Whoever pairs
 /// pixels with the camera reads them here.
 Image<uint8_t> read_view_photo(const View& view);
+/// The view's mask (photo_mask.h) for these pixels, at width x height; the view has one.
+Image<uint8_t> read_view_mask(const View& view, int width, int height);
 
 /// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0, 1].
 void divide_exposure(const Vec3f& log_gain, ImageF& color);

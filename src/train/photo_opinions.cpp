@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/cpu/view_votes.h"
+#include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
@@ -18,14 +19,6 @@ constexpr double kMostSure = 0.995;   // rate: what agrees always may still be w
 double log_odds(double rate) {
   const double r = std::clamp(rate, 1 - kMostSure, kMostSure);
   return std::log(r / (1 - r));
-}
-
-/// The shortest axis of a Gaussian, world.
-Vec3d normal_of(const GaussianModel& model, size_t i) {
-  const float *s = &model.log_scales[3 * i], *q = &model.rotations[4 * i];
-  const size_t axis = static_cast<size_t>(std::min_element(s, s + 3) - s);
-  const Mat3d rotation = rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]}));
-  return {rotation(0, static_cast<int>(axis)), rotation(1, static_cast<int>(axis)), rotation(2, static_cast<int>(axis))};
 }
 
 PhotoOpinion opinion_of(const GaussianModel& model, size_t i, const float* votes, size_t channels, const Camera& camera, const Vec3d& centre) {
@@ -44,12 +37,12 @@ PhotoOpinion opinion_of(const GaussianModel& model, size_t i, const float* votes
   o.votes = static_cast<float>(sum);
   if (!(o.votes > 0)) return o;
   for (float& share : o.share) share /= o.votes;
-  const Vec3d position{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+  const Vec3d position = position_of(model, i);
   const Vec3d seen = camera.world_to_camera * position, to_camera = centre - position;
   const Vec2d pixel = camera.project(seen);
   o.trait[PhotoOpinion::kConfidence] = o.share[0];
   o.trait[PhotoOpinion::kDistance] = static_cast<float>(norm(to_camera));
-  o.trait[PhotoOpinion::kAngle] = static_cast<float>(std::abs(dot(normalized(to_camera), normal_of(model, i))));
+  o.trait[PhotoOpinion::kAngle] = static_cast<float>(std::abs(dot(normalized(to_camera), shortest_axis(model, i))));
   o.trait[PhotoOpinion::kBorder] =
       static_cast<float>(std::max(0.0, std::min(std::min(pixel.x, camera.width - pixel.x), std::min(pixel.y, camera.height - pixel.y))));
   return o;

@@ -10,13 +10,10 @@
 #include "edit/fill/plane_rectangle.h"
 #include "edit/fill/room_planes.h"
 #include "edit/support_fill.h"
+#include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
-
-Vec3d position(const GaussianModel& model, size_t i) {
-  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-}
 
 constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface believable
 
@@ -54,7 +51,7 @@ class Filler {
     std::vector<Vec3f> points;
     for (uint32_t i = 0; i < input_.selected.size(); ++i) {
       if (!input_.selected[i]) continue;
-      points.push_back(position(room_.model, i).cast<float>());
+      points.push_back(position_of(room_.model, i).cast<float>());
       removed_rows_.push_back(i);
     }
     return points;
@@ -66,13 +63,13 @@ class Filler {
       for (const Camera& c : input_.cameras) sum += c.centre() * (1.0 / static_cast<double>(input_.cameras.size()));
       return sum;
     }
-    for (size_t i = 0; i < room_.model.size(); ++i) sum += position(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
+    for (size_t i = 0; i < room_.model.size(); ++i) sum += position_of(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
     return sum;
   }
   bool touches(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
     std::vector<double> heights;
     for (size_t i = 0; i < part.size(); ++i) {
-      if (part[i]) heights.push_back(dot(plane.normal, position(room_.model, i)) - plane.offset);
+      if (part[i]) heights.push_back(dot(plane.normal, position_of(room_.model, i)) - plane.offset);
     }
     constexpr double kLowest = 0.05;  // share of the part: strays below do not touch
     const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kLowest * static_cast<double>(heights.size()));
@@ -84,14 +81,14 @@ class Filler {
     std::vector<uint32_t> out;
     std::vector<PointTree::Neighbour> near;
     for (const uint32_t i : carriers) {
-      tree_.nearest(position(room_.model, i).cast<float>(), 1, near);
+      tree_.nearest(position_of(room_.model, i).cast<float>(), 1, near);
       if (near.empty() || near.front().distance > settings_.halo * extent_) out.push_back(i);
     }
     return out.size() < kFewestCarriers ? carriers : out;
   }
   double cell_of(const std::vector<uint32_t>& carriers) const {
     std::vector<Vec3f> points;
-    for (const uint32_t i : carriers) points.push_back(position(room_.model, i).cast<float>());
+    for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
     const PointTree tree(points);
     std::vector<PointTree::Neighbour> near;
     std::vector<float> spacing;
@@ -108,7 +105,7 @@ class Filler {
     std::vector<float> cover(grid.size(), 0.f);
     const double tolerance = 2 * settings_.tolerance * extent_;
     for (size_t i = 0; i < room_.model.size(); ++i) {
-      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
+      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position_of(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
     }
     return cover;
   }
@@ -118,7 +115,7 @@ class Filler {
     for (size_t i = 0; i < room_.model.size(); ++i) {
       const int label = room_.labels.label[i];
       if (gone_[i] || std::find(openings_.begin(), openings_.end(), label) == openings_.end()) continue;
-      if (std::fabs(grid.height_of(position(room_.model, i))) < settings_.opening * extent_) splat(room_.model, i, grid, true, cover);
+      if (std::fabs(grid.height_of(position_of(room_.model, i))) < settings_.opening * extent_) splat(room_.model, i, grid, true, cover);
     }
     return cover;
   }
@@ -128,12 +125,12 @@ class Filler {
     for (const RoomPlane& plane : planes_) {
       const std::vector<uint32_t> carriers = clean(plane.carriers);
       std::vector<Vec3f> points;
-      for (const uint32_t i : carriers) points.push_back(position(room_.model, i).cast<float>());
+      for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
       const PointTree surface(points);
       for (size_t i = 0; i < debris.size(); ++i) {
         const uint16_t label = room_.labels.label[i];
         if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
-        const Vec3d place = position(room_.model, i);
+        const Vec3d place = position_of(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) continue;
         debris[i] = hidden_.from_all(place) || has_color_of_removed(i, surface, carriers, near);
       }
@@ -155,7 +152,7 @@ class Filler {
   bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers,
                             std::vector<PointTree::Neighbour>& near) const {
     constexpr size_t kAround = 8;  // Gaussians of the surface
-    const Vec3f place = position(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
+    const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
     tree_.nearest(place, 1, near);
     if (near.empty() || near.front().distance > settings_.beside * extent_) return false;
     const float to_object = norm(color - base_color_of(room_.model, removed_rows_[near.front().index]));
@@ -168,13 +165,13 @@ class Filler {
 
   std::vector<SupportPatch> fill_shell(const RoomPlane& plane) const {
     std::vector<Vec3d> points;
-    for (const uint32_t i : plane.carriers) points.push_back(position(room_.model, i));
+    for (const uint32_t i : plane.carriers) points.push_back(position_of(room_.model, i));
     std::vector<const std::vector<uint8_t>*> touching;
     for (const std::vector<uint8_t>& part : parts_) {
       if (!touches(part, plane)) continue;
       touching.push_back(&part);
       for (size_t i = 0; i < part.size(); ++i) {
-        if (part[i]) points.push_back(position(room_.model, i));
+        if (part[i]) points.push_back(position_of(room_.model, i));
       }
     }
     const double cell = cell_of(plane.carriers);
@@ -210,7 +207,7 @@ class Filler {
         const std::vector<uint32_t> rows = rows_on(grid, rug.label, rug.number, 2 * settings_.tolerance);
         if (rows.size() < kFewestCarriers) continue;
         std::vector<Vec2d> places;
-        for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
+        for (const uint32_t i : rows) places.push_back(grid.place_of(position_of(room_.model, i)));
         const PlaneRectangle rectangle = rectangle_of(places);
         std::vector<uint8_t> part(hole.size(), 0);
         for (int j = 0; j < grid.rows; ++j) {
@@ -233,7 +230,7 @@ class Filler {
     std::vector<uint32_t> rows;
     for (uint32_t i = 0; i < room_.model.size(); ++i) {
       if (gone_[i] || room_.labels.label[i] != label || room_.labels.instance[i] != instance) continue;
-      if (std::fabs(grid.height_of(position(room_.model, i))) < tolerance * extent_) rows.push_back(i);
+      if (std::fabs(grid.height_of(position_of(room_.model, i))) < tolerance * extent_) rows.push_back(i);
     }
     return rows;
   }
@@ -252,14 +249,14 @@ class Filler {
       const auto [label, instance] = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
       std::vector<Vec3d> points;
       for (size_t i = 0; i < part.size(); ++i) {
-        if (part[i]) points.push_back(position(room_.model, i));
+        if (part[i]) points.push_back(position_of(room_.model, i));
       }
       const double cell = cell_of(plane.carriers);
       constexpr int kBorder = 12;  // cells around the object whose colours are continued
       const PlaneGrid grid = grid_over(points, {plane.normal, plane.offset}, cell, kBorder * cell);
       const std::vector<uint32_t> rows = rows_on(grid, label, instance, settings_.tolerance);
       std::vector<Vec2d> places;
-      for (const uint32_t i : rows) places.push_back(grid.place_of(position(room_.model, i)));
+      for (const uint32_t i : rows) places.push_back(grid.place_of(position_of(room_.model, i)));
       if (places.size() < kFewestCarriers) continue;
       const PlaneRectangle bounds = rectangle_of(places);
       std::vector<float> object(grid.size(), 0.f);

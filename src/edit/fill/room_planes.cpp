@@ -4,24 +4,13 @@
 #include <cmath>
 
 #include "core/quaternion.h"
+#include "gaussians/gaussian_geometry.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
 namespace {
 
 constexpr uint64_t kSeed = 1;
-
-Vec3d position(const GaussianModel& model, size_t i) {
-  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-}
-
-/// The shortest axis of a Gaussian.
-Vec3d axis_of(const GaussianModel& model, size_t i) {
-  const float* q = &model.rotations[4 * i];
-  const float* s = &model.log_scales[3 * i];
-  const int shortest = static_cast<int>(std::min_element(s, s + 3) - s);
-  return rotation_matrix(normalized(Quaterniond{q[0], q[1], q[2], q[3]})).column(shortest);
-}
 
 PlaneSettings plane_settings(const RoomPlaneSettings& settings) {
   PlaneSettings out;
@@ -44,10 +33,10 @@ std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vec
     PlanePoint point;
     point.kind = classes[label].shell;
     if (point.kind == PlaneKind::kNone) continue;
-    point.position = position(room.model, i);
+    point.position = position_of(room.model, i);
     const Vec3d to_inside = inside - point.position;
     point.depth = norm(to_inside);
-    point.normal = axis_of(room.model, i);
+    point.normal = shortest_axis(room.model, i);
     if (dot(point.normal, to_inside) < 0) point.normal = -point.normal;
     points.push_back(point);
     rows.push_back(i);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gaussians/gaussian_geometry.h"
 #include "gaussians/soft_labels.h"
 
 namespace aligngs {
@@ -20,7 +21,7 @@ SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& s
   low_ = {1e300, 1e300, 1e300};
   for (size_t i = 0; i < selected.size(); ++i) {
     if (!selected[i] || opacity_of(model, i) < kSolid) continue;
-    points.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
+    points.push_back(position_of(model, i));
     for (int a = 0; a < 3; ++a) {
       low_[a] = std::min(low_[a], points.back()[a]);
       high[a] = std::max(high[a], points.back()[a]);

@@ -5,15 +5,12 @@
 
 #include "core/spherical_harmonics.h"
 #include "edit/fill/surface_colors.h"
+#include "gaussians/gaussian_geometry.h"
 
 namespace aligngs {
 namespace {
 
 constexpr size_t kHarmonics = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
-
-Vec3d position(const GaussianModel& model, size_t i) {
-  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
-}
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
   const float* sh = &model.sh[kHarmonics * i];
@@ -27,7 +24,7 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
   constexpr float kLeastSpread = 0.05f;  // of the harmonic: noise of an even surface
   if (carriers.size() <= kNeighbours) return carriers;
   std::vector<Vec3f> points;
-  for (const uint32_t i : carriers) points.push_back(position(room.model, i).cast<float>());
+  for (const uint32_t i : carriers) points.push_back(position_of(room.model, i).cast<float>());
   const PointTree tree(points);
   std::vector<PointTree::Neighbour> near;
   std::vector<uint32_t> out;
@@ -123,7 +120,7 @@ SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, co
   std::vector<KnownColor> known;
   std::vector<Vec3f> points;
   for (const uint32_t i : rows) {
-    const Vec3d p = position(room.model, i);
+    const Vec3d p = position_of(room.model, i);
     known.push_back({grid.place_of(p), constant_of(room.model, i), opacity_of(room.model, i)});
     points.push_back(p.cast<float>());
   }

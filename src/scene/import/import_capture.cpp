@@ -170,10 +170,11 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
   Camera camera = lens.distorted() ? undistorted_camera(lens, frame.image) : lens.pinhole();
   out.depth = read_capture_depth(capture, frame);
   if (lens.distorted() && !out.depth.empty()) out.depth = undistort_depth(out.depth, lens, camera);
-  out.pixels = read_photo(frame.image, frame.upright);
+  const std::string bytes = read_file(frame.image);
+  out.pixels = frame.upright ? decode_image(bytes, frame.image) : decode_stored_image(bytes, frame.image);
   const fs::path mask = frame.mask.empty() ? find_mask(frame.image) : frame.mask;
   if (!mask.empty()) out.pixels = with_mask(out.pixels, mask, frame);
-  const bool common = is_common_picture(read_file(frame.image), frame.image);
+  const bool common = is_common_picture(bytes, frame.image);
   const bool large = options.max_side > 0 && std::max(camera.width, camera.height) > options.max_side;
   if (lens.distorted() || options.neuris_crop || large) {
     ImageF image = to_float(out.pixels);
