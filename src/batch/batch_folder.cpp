@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 1;
 constexpr uint64_t kLargestList = uint64_t(64) << 20;  // bytes; four times what a LIST may have
-const char* const kRemedy = "write it again: aligngs batch LIST -o ";
+const char* const kWriteListAgain = "write it again: aligngs batch LIST -o ";
 
 Json to_json(const Batch& batch) {
   Json rooms = Json::array();
@@ -77,7 +77,7 @@ Batch BatchFolder::read() const {
   }
   const Json json = parse_ordered_json(read_file(list(), kLargestList));
   const auto damaged = [&](const std::string& field) {
-    throw_bad_input(list(), field, "the list of the batch is damaged", kRemedy + folder_.string());
+    throw_bad_input(list(), field, "the list of the batch is damaged", kWriteListAgain + folder_.string());
   };
   if (!json.is_object() || !json.contains("rooms") || !json["rooms"].is_array()) damaged("rooms");
   if (!json.contains("list") || !json["list"].is_string()) damaged("list");

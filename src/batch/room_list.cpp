@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr uint64_t kLargestList = uint64_t(16) << 20;  // bytes: 100 for each of 160 000 rooms
 constexpr size_t kLongestName = 100;  // characters: with the suffixes of leases and logs below the 255 of file systems
-const char* const kForm = "a line is: room <TAB> source <TAB> options";
+const char* const kLineForm = "a line is: room <TAB> source <TAB> options";
 
 /// The batch decides about these.
 constexpr std::array<const char*, 9> kOwnOptions = {"--output", "--resume", "--overwrite", "--view", "--view-port",
@@ -48,7 +48,7 @@ std::string line_field(int line) { return "line " + std::to_string(line); }
 void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& before, const fs::path& list) {
   constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
   const std::string field = line_field(room.line);
-  if (room.name.empty()) throw_bad_input(list, field, "the room has no name", kForm);
+  if (room.name.empty()) throw_bad_input(list, field, "the room has no name", kLineForm);
   if (room.name.size() > kLongestName || room.name.find_first_not_of(kAllowed) != std::string::npos || room.name[0] == '.' ||
       room.name[0] == '-') {
     throw_bad_input(list, field, "this is no name of a room: \"" + room.name.substr(0, kLongestName) + "\"",
@@ -59,10 +59,10 @@ void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& bef
     throw_bad_input(list, field, "the room " + room.name + " is listed twice, first in line " + std::to_string(twin->line),
                     "give each room a name of its own");
   }
-  if (room.source.empty()) throw_bad_input(list, field, "the room " + room.name + " has no source", kForm);
-  if (room.source.find('\0') != std::string::npos) throw_bad_input(list, field, "the source holds a zero byte", kForm);
+  if (room.source.empty()) throw_bad_input(list, field, "the room " + room.name + " has no source", kLineForm);
+  if (room.source.find('\0') != std::string::npos) throw_bad_input(list, field, "the source holds a zero byte", kLineForm);
   for (const std::string& word : room.options) {
-    if (word.find('\0') != std::string::npos) throw_bad_input(list, field, "an option holds a zero byte", kForm);
+    if (word.find('\0') != std::string::npos) throw_bad_input(list, field, "an option holds a zero byte", kLineForm);
     if (is_own(word)) {
       throw_bad_input(list, field, "a room may not have the option " + word, "leave it out: the batch decides about folder, resuming and output");
     }
@@ -78,7 +78,7 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
     if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
     const std::vector<std::string_view> fields = split_at(line, '\t');
     if (rooms.empty() && fields.size() > 1 && trimmed(fields[0]) == "room" && trimmed(fields[1]) == "source") continue;  // a heading
-    if (fields.size() < 2) throw_bad_input(name_for_errors, line_field(number), "there is no tab between room and source", kForm);
+    if (fields.size() < 2) throw_bad_input(name_for_errors, line_field(number), "there is no tab between room and source", kLineForm);
     RoomEntry room;
     room.line = number;
     room.name = trimmed(fields[0]);
@@ -93,7 +93,7 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
     require_valid_room(room, rooms, name_for_errors);
     rooms.push_back(std::move(room));
   }
-  if (rooms.empty()) throw_bad_input(name_for_errors, "", "the list has no rooms", kForm);
+  if (rooms.empty()) throw_bad_input(name_for_errors, "", "the list has no rooms", kLineForm);
   return rooms;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kForm = "write [[room]] with name = \"...\", source = \"...\" and, if wanted, options = [\"...\"]";
+const char* const kTomlForm = "write [[room]] with name = \"...\", source = \"...\" and, if wanted, options = [\"...\"]";
 
 int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
@@ -27,7 +27,7 @@ class TomlList {
     const toml::node* const node = root.get("room");
     const toml::array* const list = node ? node->as_array() : nullptr;
     if (node && !list) fail(*node, "room is no list of tables");
-    if (!list || list->empty()) throw_bad_input(list_, "room", "the list has no rooms", kForm);
+    if (!list || list->empty()) throw_bad_input(list_, "room", "the list has no rooms", kTomlForm);
     for (const toml::node& item : *list) {
       if (!item.is_table()) fail(item, "a room is no table");
       RoomEntry room = room_of(*item.as_table());
@@ -40,7 +40,7 @@ class TomlList {
 
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& message) const {
-    throw_bad_input(list_, line_field(line_of(node)), message, kForm);
+    throw_bad_input(list_, line_field(line_of(node)), message, kTomlForm);
   }
 
   RoomEntry room_of(const toml::table& table) const {
@@ -86,7 +86,7 @@ std::vector<RoomEntry> parse_room_toml(std::string_view text, const fs::path& na
   try {
     root = toml::parse(text, name_for_errors.string());
   } catch (const toml::parse_error& error) {
-    throw_bad_input(name_for_errors, line_field(static_cast<int>(error.source().begin.line)), std::string(error.description()), kForm);
+    throw_bad_input(name_for_errors, line_field(static_cast<int>(error.source().begin.line)), std::string(error.description()), kTomlForm);
   }
   return TomlList(name_for_errors).read(root);
 }

@@ -73,7 +73,7 @@ SimilarityFit fit_similarity(const std::vector<Vec3d>& from, const std::vector<V
     variance += a.squaredNorm();
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d d = svd.singularValues();
+  const Eigen::Vector3d& d = svd.singularValues();
   fit.well_posed = n >= 3 && variance > 0 && d(1) > 1e-9 * d(0);
   Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
   fit.similarity.rotation = from_eigen(svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose());

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Box {
+struct TruthBox {
   Vec3f low, high;
   bool holds(const Vec3f& p, float margin) const {
     for (int a = 0; a < 3; ++a) {
@@ -29,12 +29,12 @@ struct Box {
   }
 };
 
-std::vector<Box> boxes_of(const fs::path& file) {
+std::vector<TruthBox> boxes_of(const fs::path& file) {
   const nlohmann::json document = parse_json(read_file(file, uint64_t(1) << 20));
-  std::vector<Box> boxes;
+  std::vector<TruthBox> boxes;
   try {
     for (const auto& object : document.at("objects")) {
-      Box box;
+      TruthBox box;
       for (int a = 0; a < 3; ++a) {
         box.low[a] = object.at("low").at(static_cast<size_t>(a)).get<float>();
         box.high[a] = object.at("high").at(static_cast<size_t>(a)).get<float>();
@@ -48,12 +48,12 @@ std::vector<Box> boxes_of(const fs::path& file) {
   return boxes;
 }
 
-std::vector<Vec3f> in_boxes(const TriangleMesh& mesh, const std::vector<Box>& boxes, const RemovalScoreOptions& options) {
+std::vector<Vec3f> in_boxes(const TriangleMesh& mesh, const std::vector<TruthBox>& boxes, const RemovalScoreOptions& options) {
   SamplingOptions sampling;
   sampling.points_per_area = options.points_per_area;
   std::vector<Vec3f> out;
   for (const Vec3f& p : sample_surface(mesh, sampling).positions) {
-    if (std::any_of(boxes.begin(), boxes.end(), [&](const Box& b) { return b.holds(p, static_cast<float>(options.threshold)); })) out.push_back(p);
+    if (std::any_of(boxes.begin(), boxes.end(), [&](const TruthBox& b) { return b.holds(p, static_cast<float>(options.threshold)); })) out.push_back(p);
   }
   return out;
 }
@@ -114,7 +114,7 @@ RemovalScore score_removal(const fs::path& renders, const fs::path& truth, const
   }
   RemovalScore score;
   score_pictures(renders, truth, options, score);
-  const std::vector<Box> boxes = boxes_of(truth / "removal.json");
+  const std::vector<TruthBox> boxes = boxes_of(truth / "removal.json");
   const TriangleMesh true_mesh = read_mesh_ply(truth / "mesh.ply");
   constexpr double kTolerance = 0.005;  // metres: the surface a point lies on does not hide it
   const RayScene rays(true_mesh);

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/half.h"
+#include "core/is_depth.h"
 #include "engine/edge_band.h"
 #include "engine/formulas/teacher_sampling.h"
 #include "scene/depth_normals.h"
@@ -14,8 +15,6 @@
 
 namespace aligngs {
 namespace {
-
-bool has_depth(float z) { return z > 0 && std::isfinite(z); }
 
 Image<uint8_t> label_band(const Image<uint16_t>& labels, int radius) {
   return edge_band(labels.width, labels.height, radius, [&](size_t i, size_t j) {
@@ -26,7 +25,7 @@ Image<uint8_t> label_band(const Image<uint16_t>& labels, int radius) {
 Image<uint8_t> depth_band(const ImageF& depth, const PrepareOptions& options) {
   return edge_band(depth.width, depth.height, options.edge_radius, [&](size_t i, size_t j) {
     const float a = depth.data[i], b = depth.data[j];
-    return has_depth(a) && has_depth(b) && std::abs(a - b) > options.depth_jump * std::min(a, b);
+    return is_depth(a) && is_depth(b) && std::abs(a - b) > options.depth_jump * std::min(a, b);
   });
 }
 
@@ -111,7 +110,7 @@ ImageF depth_weight_map(const ImageF& depth, const ImageF* confidence, const Pre
   ImageF weight(depth.width, depth.height, 1);
   const Image<uint8_t> band = depth_band(depth, options);
   const auto usable = [&](size_t i) {
-    return has_depth(depth.data[i]) && (!confidence || confidence->data[i] > 0);  // NaN and 0 know nothing
+    return is_depth(depth.data[i]) && (!confidence || confidence->data[i] > 0);  // NaN and 0 know nothing
   };
   float low = 0, high = 0;
   if (confidence) {

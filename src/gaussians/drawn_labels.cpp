@@ -10,7 +10,7 @@ namespace aligngs {
 namespace {
 
 constexpr float kLeast = 1e-4f;  // probability of a class that is not among the kept ones: next to none once it is raised to a power
-constexpr size_t kGrain = 2048;  // Gaussians per task
+constexpr size_t kDrawnGrain = 2048;  // Gaussians per task
 
 }  // namespace
 
@@ -19,7 +19,7 @@ void sharpen_label_rows(GaussianModel& model, double extent, double sharpness, T
   if (channels == 0 || model.size() == 0) return;
   const SoftLabels soft = smoothed_labels(model, extent, pool);
   const float power = static_cast<float>(sharpness), least = power * std::log(kLeast);
-  pool.parallel_for(model.size(), kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(model.size(), kDrawnGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       float* row = &model.semantics[i * channels];
       const uint16_t* label = &soft.label[i * SoftLabels::kTop];

@@ -13,7 +13,7 @@ namespace aligngs {
 namespace {
 
 constexpr uint16_t kMostInstances = 65535;  // ushort in the file
-constexpr size_t kGrain = 512;              // Gaussians per chunk
+constexpr size_t kInstanceGrain = 512;              // Gaussians per chunk
 
 /// Group of each point (the smallest member's index), or kNone for noise.
 std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, const InstanceOptions& options,
@@ -24,7 +24,7 @@ std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, c
       4;  // links per point / core_neighbours: bounds the work where points lie on top of each other
   const PointTree tree(points);
   std::vector<float> spacing(n);
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(n, kInstanceGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> found;
     for (size_t i = begin; i < end; ++i) {
       tree.nearest(points[i], wanted + 1, found);
@@ -41,7 +41,7 @@ std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, c
   // Neighbour lists of core points only: a border point hangs on its nearest core point.
   std::vector<std::vector<uint32_t>> near(n);
   std::vector<uint8_t> core(n, 0);
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(n, kInstanceGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> found;
     for (size_t i = begin; i < end; ++i) {
       core[i] = n > wanted && spacing[i] < link;

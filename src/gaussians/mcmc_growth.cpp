@@ -9,12 +9,12 @@ namespace aligngs {
 namespace {
 
 constexpr int kMostCopies = 51;  // of one row in one call, as there: binomial sums beyond lose their digits
-constexpr double kOpacityMargin = 1e-6;  // keeps logits finite
+constexpr double kGrowthOpacityMargin = 1e-6;  // keeps logits finite
 
-double opacity(const GaussianModel& model, size_t i) { return 1 / (1 + std::exp(-static_cast<double>(model.opacity_logits[i]))); }
+double exact_opacity(const GaussianModel& model, size_t i) { return 1 / (1 + std::exp(-static_cast<double>(model.opacity_logits[i]))); }
 
 float logit(double o) {
-  o = std::clamp(o, kOpacityMargin, 1 - kOpacityMargin);
+  o = std::clamp(o, kGrowthOpacityMargin, 1 - kGrowthOpacityMargin);
   return static_cast<float>(std::log(o / (1 - o)));
 }
 
@@ -23,7 +23,7 @@ class Lottery {
  public:
   Lottery(const GaussianModel& model, float dead) {
     for (size_t i = 0; i < model.size(); ++i) {
-      const double o = opacity(model, i);
+      const double o = exact_opacity(model, i);
       if (!(o > static_cast<double>(dead))) continue;  // NaN is dead
       sum_ += o;
       rows_.push_back(static_cast<uint32_t>(i));
@@ -77,7 +77,7 @@ RestructurePlan plan_mcmc_growth(const GaussianModel& model, const McmcRule& rul
     RowOrigin origin;
     origin.source = row;
     if (copies[j] > 1) {
-      const SharedShape shape = shared_shape(opacity(model, row), std::min(copies[j], kMostCopies));
+      const SharedShape shape = shared_shape(exact_opacity(model, row), std::min(copies[j], kMostCopies));
       origin.kind = RowOrigin::Kind::kSplit;
       origin.shrink = static_cast<float>(shape.shrink);
       origin.opacity_logit = logit(std::max(shape.opacity, static_cast<double>(rule.dead_opacity)));

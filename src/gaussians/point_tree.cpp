@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kGrain = 1024;  // queries per chunk
+constexpr size_t kQueryGrain = 1024;  // queries per chunk
 
 bool nearer(const PointTree::Neighbour& a, const PointTree::Neighbour& b) {
   return a.distance < b.distance || (a.distance == b.distance && a.index < b.index);
@@ -55,7 +55,7 @@ NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, Threa
   graph.index.assign(points.size() * k, NeighbourGraph::kNone);
   graph.distance.assign(points.size() * k, std::numeric_limits<float>::infinity());
   const PointTree tree(points);
-  pool.parallel_for(points.size(), kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(points.size(), kQueryGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> found;
     for (size_t i = begin; i < end; ++i) {
       tree.nearest(points[i], k + 1, found);

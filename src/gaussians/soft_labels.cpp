@@ -8,7 +8,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kGrain = 512;  // Gaussians per chunk
+constexpr size_t kSoftLabelGrain = 512;  // Gaussians per chunk
 
 /// Classes and their sums; reused from Gaussian to Gaussian without clearing all of it.
 class Tally {
@@ -69,7 +69,7 @@ SoftLabels soft_labels(const GaussianModel& model, ThreadPool& pool) {
   soft.label.assign(n * SoftLabels::kTop, kNoLabel);
   soft.probability.assign(n * SoftLabels::kTop, 0.f);
   if (channels == 0) return soft;
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(n, kSoftLabelGrain, [&](size_t begin, size_t end, int) {
     std::vector<uint16_t> order(channels);
     for (size_t i = begin; i < end; ++i) {
       const size_t row = SoftLabels::kTop * i;
@@ -95,7 +95,7 @@ void smooth_labels(SoftLabels& soft, const GaussianModel& model, const Neighbour
   }
   for (int round = 0; round < options.rounds; ++round) {
     SoftLabels next = soft;
-    pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
+    pool.parallel_for(n, kSoftLabelGrain, [&](size_t begin, size_t end, int) {
       Tally tally(size_t(classes) + 1);
       for (size_t i = begin; i < end; ++i) {
         double total = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/mapped_file.h"
 
 namespace aligngs {
@@ -44,7 +45,7 @@ void ByteSource::require(uint64_t offset, uint64_t count) const {
   throw_bad_input(name_, "offset " + std::to_string(offset),
                   std::to_string(count) + " bytes are needed there, the file has " +
                       std::to_string(size_) + " in all",
-                  "the file is truncated or damaged; copy or create it again");
+                  kDamagedFileRemedy);
 }
 
 std::string ByteSource::read(uint64_t offset, uint64_t count) const {

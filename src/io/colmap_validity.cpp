@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxImageSide = 1'000'000;  // pixels: beyond it the file is not what it seems
-const char* const kRemedy = "run the reconstruction again, or remove the entry";
+const char* const kColmapRemedy = "run the reconstruction again, or remove the entry";
 
 bool finite(const Vec3d& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -26,10 +26,10 @@ void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
     throw_bad_input(name, field,
                     "the size " + std::to_string(camera.width) + "x" +
                         std::to_string(camera.height) + " is not valid",
-                    kRemedy);
+                    kColmapRemedy);
   }
   for (const double value : camera.params) {
-    if (!std::isfinite(value)) throw_bad_input(name, field, "a parameter is not finite", kRemedy);
+    if (!std::isfinite(value)) throw_bad_input(name, field, "a parameter is not finite", kColmapRemedy);
   }
 }
 
@@ -37,13 +37,13 @@ void require_valid_image(const ColmapImage& image, const fs::path& name) {
   const std::string field =
       "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")";
   const double length = norm(image.rotation);
-  if (image.name.empty()) throw_bad_input(name, field, "the name is missing", kRemedy);
+  if (image.name.empty()) throw_bad_input(name, field, "the name is missing", kColmapRemedy);
   if (!std::isfinite(length) || !finite(image.translation)) {
-    throw_bad_input(name, field, "the pose is not finite", kRemedy);
+    throw_bad_input(name, field, "the pose is not finite", kColmapRemedy);
   }
   constexpr double kLeastLength =
       1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
-  if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kRemedy);
+  if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kColmapRemedy);
 }
 
 }  // namespace
@@ -55,26 +55,26 @@ void require_valid_colmap(const ColmapModel& model, const fs::path& cameras, con
     require_valid_camera(camera, cameras);
     if (!camera_ids.insert(camera.id).second) {
       throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice",
-                      kRemedy);
+                      kColmapRemedy);
     }
   }
   for (const ColmapImage& image : model.images) {
     require_valid_image(image, images);
     if (!image_ids.insert(image.id).second) {
-      throw_bad_input(images, "image " + std::to_string(image.id), "the id occurs twice", kRemedy);
+      throw_bad_input(images, "image " + std::to_string(image.id), "the id occurs twice", kColmapRemedy);
     }
     if (!camera_ids.count(image.camera_id)) {
       throw_bad_input(images,
                       "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")",
                       "its camera " + std::to_string(image.camera_id) + " is not in " +
                           cameras.filename().string(),
-                      kRemedy);
+                      kColmapRemedy);
     }
   }
   for (const ColmapPoint& point : model.points) {
     if (!finite(point.position)) {
       throw_bad_input(points, "point " + std::to_string(point.id), "the position is not finite",
-                      kRemedy);
+                      kColmapRemedy);
     }
   }
 }
@@ -83,7 +83,7 @@ void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::pa
   std::map<uint32_t, const ColmapCamera*> by_id;
   for (const ColmapCamera& camera : model.cameras) {
     if (!by_id.emplace(camera.id, &camera).second) {
-      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice", kRemedy);
+      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice", kColmapRemedy);
     }
   }
   std::set<uint32_t> ids;
@@ -95,9 +95,9 @@ void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::pa
       require_valid_image(image, images);
       const std::string field = "image " + std::to_string(image.id);
       const auto camera = by_id.find(image.camera_id);
-      if (camera == by_id.end()) throw_bad_input(images, field, "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(), kRemedy);
+      if (camera == by_id.end()) throw_bad_input(images, field, "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(), kColmapRemedy);
       require_valid_camera(*camera->second, cameras);
-      if (!ids.insert(image.id).second || !names.insert(image.name).second) throw_bad_input(images, field, "it is listed twice", kRemedy);
+      if (!ids.insert(image.id).second || !names.insert(image.name).second) throw_bad_input(images, field, "it is listed twice", kColmapRemedy);
       good.push_back(std::move(image));
     });
   }

@@ -30,7 +30,7 @@ bool exchange(const fs::path& a, const fs::path& b, bool replaced) {
 
 }  // namespace
 
-FolderReplacement::FolderReplacement(fs::path target) : target_(real_place(target)) {
+FolderReplacement::FolderReplacement(const fs::path& target) : target_(real_place(target)) {
   temporary_ = beside(target_, ".tmp-");
   note_temporary_path(temporary_);
   std::error_code error;

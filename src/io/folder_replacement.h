@@ -12,7 +12,7 @@ namespace aligngs {
 /// point (core/stop_signal.h).
 class FolderReplacement {
  public:
-  explicit FolderReplacement(std::filesystem::path target);
+  explicit FolderReplacement(const std::filesystem::path& target);
   ~FolderReplacement();
   FolderReplacement(const FolderReplacement&) = delete;
   FolderReplacement& operator=(const FolderReplacement&) = delete;

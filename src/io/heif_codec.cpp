@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/image_limits.h"
 
 #ifdef ALIGNGS_WITH_HEIF
@@ -51,7 +52,7 @@ bool has_end_of_heif(std::string_view bytes) {
 namespace {
 
 // A block of 64 x 64 pixels of one colour takes a fraction of a bit in HEVC and AV1.
-constexpr double kMaxPixelsPerByte = 1e6;
+constexpr double kMaxPixelsPerHeifByte = 1e6;
 
 template <auto release>
 struct Releaser {
@@ -61,7 +62,7 @@ struct Releaser {
   }
 };
 using Context = std::unique_ptr<heif_context, Releaser<heif_context_free>>;
-using Handle = std::unique_ptr<heif_image_handle, Releaser<heif_image_handle_release>>;
+using HeifHandle = std::unique_ptr<heif_image_handle, Releaser<heif_image_handle_release>>;
 using Picture = std::unique_ptr<heif_image, Releaser<heif_image_release>>;
 using Options = std::unique_ptr<heif_decoding_options, Releaser<heif_decoding_options_free>>;
 
@@ -69,18 +70,18 @@ void require_ok(const heif_error& error, const std::filesystem::path& name) {
   if (error.code == heif_error_Ok) return;
   const bool unsupported = error.code == heif_error_Unsupported_feature || error.code == heif_error_Unsupported_filetype;
   throw_bad_input(name, "HEIF data", error.message,
-                  unsupported ? "convert the picture to JPEG" : "the file is truncated or damaged; copy or create it again");
+                  unsupported ? "convert the picture to JPEG" : kDamagedFileRemedy);
 }
 
 /// The primary picture of a file.
 struct Opened {
   Context context{heif_context_alloc()};
-  Handle handle;
+  HeifHandle handle;
 
   Opened(std::string_view bytes, const std::filesystem::path& name) {
     if (!context) throw_resources(name, "the HEIF decoder cannot start");
     if (!has_end_of_heif(bytes)) {
-      throw_bad_input(name, "HEIF data", "the picture is truncated", "the file is truncated or damaged; copy or create it again");
+      throw_bad_input(name, "HEIF data", "the picture is truncated", kDamagedFileRemedy);
     }
     require_ok(heif_context_read_from_memory_without_copy(context.get(), bytes.data(), bytes.size(), nullptr), name);
     heif_image_handle* primary = nullptr;
@@ -118,7 +119,7 @@ HeifHeader parse_heif_header(std::string_view bytes, const std::filesystem::path
 Image<uint8_t> decode_heif(std::string_view bytes, const std::filesystem::path& name) {
   const Opened file(bytes, name);
   const HeifHeader header = header_of(file);
-  require_plausible_image(uint64_t(header.width), uint64_t(header.height), bytes.size(), kMaxPixelsPerByte, name);
+  require_plausible_image(uint64_t(header.width), uint64_t(header.height), bytes.size(), kMaxPixelsPerHeifByte, name);
   const Options options(heif_decoding_options_alloc());
   if (!options) throw_resources(name, "the HEIF decoder cannot start");
   options->convert_hdr_to_8bit = 1;

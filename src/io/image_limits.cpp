@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 
 namespace aligngs {
 
@@ -20,7 +21,7 @@ void require_plausible_image(uint64_t width, uint64_t height, uint64_t file_byte
   if (double(width * height) > max_pixels_per_byte * double(file_bytes)) {
     throw_bad_input(name, "size",
                     std::to_string(file_bytes) + " bytes cannot hold " + size + " pixels",
-                    "the file is truncated or damaged; copy or create it again");
+                    kDamagedFileRemedy);
   }
 }
 

@@ -6,22 +6,21 @@
 #include <string>
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/exif_orientation.h"
 #include "io/image_limits.h"
 
 namespace aligngs {
 namespace {
 
-const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
-
 // A Huffman-coded block of 64 pixels takes at least one bit, so a byte holds at most 512 pixels.
 // Arithmetic coding may reach a few times that.
-constexpr double kMaxPixelsPerByte = 4096;
+constexpr double kMaxPixelsPerJpegByte = 4096;
 
-struct HandleDeleter {
+struct JpegHandleDeleter {
   void operator()(void* handle) const { tjDestroy(handle); }
 };
-using Handle = std::unique_ptr<void, HandleDeleter>;
+using JpegHandle = std::unique_ptr<void, JpegHandleDeleter>;
 
 uint8_t byte_at(std::string_view bytes, size_t i) { return static_cast<uint8_t>(bytes[i]); }
 
@@ -117,14 +116,14 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
     } else if (marker == kApp14 && content.substr(0, 5) == "Adobe") {
       header.adobe = true;
     } else if (is_frame_header(marker)) {
-      if (content.size() < 6) throw_bad_input(name, "frame header", "too short", kRemedy);
+      if (content.size() < 6) throw_bad_input(name, "frame header", "too short", kDamagedFileRemedy);
       header.height = byte_at(content, 1) << 8 | byte_at(content, 2);
       header.width = byte_at(content, 3) << 8 | byte_at(content, 4);
       header.channels = byte_at(content, 5) == 1 ? 1 : 3;
       header.cmyk = byte_at(content, 5) == 4;
       header.complete = true;
     } else if (marker == kStartOfScan || marker == kEndOfImage) {
-      if (!header.complete) throw_bad_input(name, "frame header", "missing", kRemedy);
+      if (!header.complete) throw_bad_input(name, "frame header", "missing", kDamagedFileRemedy);
       return header;
     }
   }
@@ -132,18 +131,18 @@ JpegHeader parse_jpeg_header(std::string_view bytes, const std::filesystem::path
 }
 
 Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& name) {
-  const Handle handle(tjInitDecompress());
+  const JpegHandle handle(tjInitDecompress());
   if (!handle) throw_resources(name, "the JPEG decoder cannot start");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
   if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling,
                           &colorspace) != 0) {
-    throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kRemedy);
+    throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kDamagedFileRemedy);
   }
   const bool cmyk = colorspace == TJCS_CMYK || colorspace == TJCS_YCCK;
-  require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerByte, name);
+  require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerJpegByte, name);
   if (!has_end_of_jpeg(bytes))
-    throw_bad_input(name, "JPEG data", "the picture is truncated", kRemedy);
+    throw_bad_input(name, "JPEG data", "the picture is truncated", kDamagedFileRemedy);
 
   Image<uint8_t> image(width, height, cmyk ? 4 : 3);
   const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0,
@@ -151,14 +150,14 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
   if (status != 0) {
     const std::string message = tjGetErrorStr2(handle.get());
     if (tjGetErrorCode(handle.get()) != TJERR_WARNING || !is_harmless(message)) {
-      throw_bad_input(name, "JPEG data", message, kRemedy);
+      throw_bad_input(name, "JPEG data", message, kDamagedFileRemedy);
     }
   }
   return cmyk ? rgb_of_cmyk(image, parse_jpeg_header(bytes, name).adobe) : image;
 }
 
 std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality) {
-  const Handle handle(tjInitCompress());
+  const JpegHandle handle(tjInitCompress());
   if (!handle) throw_resources({}, "the JPEG encoder cannot start");
   const int format = image.channels == 1 ? TJPF_GRAY : image.channels == 3 ? TJPF_RGB : TJPF_RGBA;
   unsigned char* out = nullptr;

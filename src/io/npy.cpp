@@ -12,6 +12,7 @@
 #include "io/array_shape.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
+#include "io/damaged_file.h"
 #include "io/text_tokens.h"
 
 namespace aligngs {
@@ -19,7 +20,7 @@ namespace {
 
 constexpr size_t kMaxHeaderBytes = size_t(1)
                                    << 20;  // NumPy writes 118 bytes; version 2 allows 4 GiB
-const char* const kRemedy = "write it again with numpy.save";
+const char* const kNpyRemedy = "write it again with numpy.save";
 
 /// Content of the header, with the dtype taken apart.
 struct Layout {
@@ -69,7 +70,7 @@ class HeaderParser {
 
  private:
   [[noreturn]] void fail(const std::string& message) const {
-    throw_bad_input(name_, "header", message, kRemedy);
+    throw_bad_input(name_, "header", message, kNpyRemedy);
   }
 
   char peek() {
@@ -152,18 +153,18 @@ void parse_dtype(Layout& layout, const std::filesystem::path& name) {
 Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::filesystem::path& name) {
   constexpr std::string_view kMagic("\x93NUMPY", 6);
   if (bytes.substr(0, kMagic.size()) != kMagic)
-    throw_bad_input(name, "magic", "not a NumPy .npy file", kRemedy);
+    throw_bad_input(name, "magic", "not a NumPy .npy file", kNpyRemedy);
   ByteReader reader(bytes, name);
   reader.take(kMagic.size(), "magic");
   const int major = reader.little<uint8_t>("version");
   reader.little<uint8_t>("version");
   if (major < 1 || major > 3) {
     throw_bad_input(name, "version", "unsupported format version " + std::to_string(major),
-                    kRemedy);
+                    kNpyRemedy);
   }
   const uint64_t header_bytes =
       major == 1 ? reader.little<uint16_t>("header") : reader.little<uint32_t>("header");
-  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header", "larger than 1 MiB", kRemedy);
+  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header", "larger than 1 MiB", kNpyRemedy);
 
   Layout layout;
   HeaderParser(reader.take(header_bytes, "header"), name).parse(layout);
@@ -177,7 +178,7 @@ Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::files
                     shape_text(layout.header.shape) + " of " + layout.header.dtype + " needs " +
                         std::to_string(needed) + " bytes of data, the file has " +
                         std::to_string(present),
-                    "the file is truncated or damaged; copy or create it again");
+                    kDamagedFileRemedy);
   }
   return layout;
 }

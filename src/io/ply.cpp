@@ -121,7 +121,8 @@ void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_
       if (reader.remaining() < count_bytes)
         reader.take(count_bytes, field_name(element, property, row));
       const double length = load_value(reader.take(count_bytes, "").data(), count_types[p], big);
-      if (length < 0 || length > double(reader.remaining() / item_bytes)) {
+      const size_t most = reader.remaining() / item_bytes;
+      if (length < 0 || length > static_cast<double>(most)) {
         reader.fail(field_name(element, property, row),
                     "the file cannot hold a list of that length");
       }

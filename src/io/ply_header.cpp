@@ -18,7 +18,7 @@ constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
     {"int32", PlyType::kInt32},    {"uint32", PlyType::kUint32},  {"float32", PlyType::kFloat32},
     {"float64", PlyType::kFloat64}};
 
-const char* const kRemedy = "check that this is a PLY file and that it was copied whole";
+const char* const kPlyRemedy = "check that this is a PLY file and that it was copied whole";
 
 /// Header lines end in "\n", "\r\n", or in old files "\r"; the first line tells which.
 class HeaderLines {
@@ -32,7 +32,7 @@ class HeaderLines {
   std::string_view next() {
     const size_t end = bytes_.find(terminator_, position_);
     if (end == std::string_view::npos)
-      throw_bad_input(name_, "header", "end_header is missing", kRemedy);
+      throw_bad_input(name_, "header", "end_header is missing", kPlyRemedy);
     std::string_view line = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -53,7 +53,7 @@ class HeaderReader {
       : lines_(bytes, name), name_(name) {}
 
   PlyHeader read() {
-    if (trimmed(lines_.next()) != "ply") throw_bad_input(name_, "magic", "not a PLY file", kRemedy);
+    if (trimmed(lines_.next()) != "ply") throw_bad_input(name_, "magic", "not a PLY file", kPlyRemedy);
     bool has_format = false;
     while (true) {
       const std::string_view line = lines_.next();
@@ -74,10 +74,10 @@ class HeaderReader {
         fail(line, "unknown keyword");
       }
     }
-    if (!has_format) throw_bad_input(name_, "format", "missing", kRemedy);
+    if (!has_format) throw_bad_input(name_, "format", "missing", kPlyRemedy);
     for (const PlyElement& element : header_.file.elements) {
       if (element.properties.empty() && element.count > 0) {
-        throw_bad_input(name_, "element " + element.name, "has no properties", kRemedy);
+        throw_bad_input(name_, "element " + element.name, "has no properties", kPlyRemedy);
       }
     }
     header_.body = lines_.position();
@@ -87,7 +87,7 @@ class HeaderReader {
  private:
   [[noreturn]] void fail(std::string_view line, const std::string& message) const {
     throw_bad_input(name_, "header line '" + std::string(line.substr(0, 200)) + "'", message,
-                    kRemedy);
+                    kPlyRemedy);
   }
 
   PlyType type(std::string_view line, std::string_view word) const {
@@ -151,7 +151,7 @@ class HeaderReader {
 }  // namespace
 
 PlyHeader parse_ply_header(std::string_view bytes, const std::filesystem::path& name) {
-  if (bytes.substr(0, 3) != "ply") throw_bad_input(name, "magic", "not a PLY file", kRemedy);
+  if (bytes.substr(0, 3) != "ply") throw_bad_input(name, "magic", "not a PLY file", kPlyRemedy);
   return HeaderReader(bytes, name).read();
 }
 

@@ -10,13 +10,12 @@
 
 #include "core/error.h"
 #include "io/byte_reader.h"
+#include "io/damaged_file.h"
 #include "io/exif_orientation.h"
 #include "io/image_limits.h"
 
 namespace aligngs {
 namespace {
-
-const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
 struct ContextDeleter {
   void operator()(spng_ctx* context) const { spng_ctx_free(context); }
@@ -25,7 +24,7 @@ using Context = std::unique_ptr<spng_ctx, ContextDeleter>;
 
 [[noreturn]] void fail(const std::filesystem::path& name, int code) {
   if (code == SPNG_EMEM) throw_resources(name, "not enough memory to decode the PNG");
-  throw_bad_input(name, "PNG data", spng_strerror(code), kRemedy);
+  throw_bad_input(name, "PNG data", spng_strerror(code), kDamagedFileRemedy);
 }
 
 void require(const std::filesystem::path& name, int code) {
@@ -78,7 +77,7 @@ void require_end(std::string_view bytes, const std::filesystem::path& name) {
     if (bytes.substr(position + 4, 4) == "IEND") return;
     position += kFrame + length;
   }
-  throw_bad_input(name, "PNG data", "the picture is truncated", kRemedy);
+  throw_bad_input(name, "PNG data", "the picture is truncated", kDamagedFileRemedy);
 }
 
 }  // namespace

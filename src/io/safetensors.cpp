@@ -14,6 +14,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/byte_source.h"
+#include "io/damaged_file.h"
 
 namespace aligngs {
 namespace {
@@ -25,7 +26,6 @@ constexpr uint64_t kMaxHeaderBytes = 100'000'000;  // the reference implementati
 // size.
 constexpr uint64_t kPieceBytes = uint64_t(256) << 10;
 const char* const kMetadata = "__metadata__";
-const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
 struct DataType {
   std::string_view name;
@@ -63,12 +63,12 @@ Json parse_header(std::string_view text, const std::filesystem::path& name) {
   try {
     Json header = Json::parse(text.begin(), text.end(), check);
     if (too_deep || !header.is_object())
-      throw_bad_input(name, "header", "not a safetensors header", kRemedy);
+      throw_bad_input(name, "header", "not a safetensors header", kDamagedFileRemedy);
     if (!repeated.empty())
-      throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kRemedy);
+      throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kDamagedFileRemedy);
     return header;
   } catch (const Json::exception&) {
-    throw_bad_input(name, "header", "not valid JSON", kRemedy);
+    throw_bad_input(name, "header", "not valid JSON", kDamagedFileRemedy);
   }
 }
 
@@ -81,7 +81,7 @@ Placement parse_tensor(const std::string& tensor_name, const Json& entry, Tensor
                        uint64_t data_bytes, const std::filesystem::path& name) {
   const std::string field = tensor_name.substr(0, 200);
   const auto fail = [&](const std::string& message) {
-    throw_bad_input(name, field, message, kRemedy);
+    throw_bad_input(name, field, message, kDamagedFileRemedy);
   };
   const auto list_of = [&](const char* key) -> const Json& {
     const auto found = entry.find(key);
@@ -103,7 +103,7 @@ Placement parse_tensor(const std::string& tensor_name, const Json& entry, Tensor
   for (const Json& value : list_of("shape")) tensor.shape.push_back(value.get<int64_t>());
   const Json& offsets = list_of("data_offsets");
   if (offsets.size() != 2) fail("data_offsets needs two numbers");
-  const Placement place{offsets[0].get<uint64_t>(), offsets[1].get<uint64_t>(), tensor_name};
+  Placement place{offsets[0].get<uint64_t>(), offsets[1].get<uint64_t>(), tensor_name};
   if (place.begin > place.end || place.end > data_bytes) fail("data_offsets reach beyond the file");
   if (element_count(tensor.shape, bytes, name, field) * bytes != place.end - place.begin) {
     fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype +
@@ -124,13 +124,13 @@ void require_no_holes(std::vector<Placement> places, uint64_t data_bytes,
       throw_bad_input(name, place.name.substr(0, 200),
                       place.begin < position ? "its data overlap another tensor's"
                                              : "there is a hole before its data",
-                      kRemedy);
+                      kDamagedFileRemedy);
     }
     position = place.end;
   }
   if (position != data_bytes) {
     throw_bad_input(name, "data",
-                    std::to_string(data_bytes - position) + " bytes belong to no tensor", kRemedy);
+                    std::to_string(data_bytes - position) + " bytes belong to no tensor", kDamagedFileRemedy);
   }
 }
 
@@ -173,10 +173,10 @@ TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes,
   std::vector<Placement> places;
   for (const auto& [key, entry] : header.items()) {
     if (key == kMetadata) {
-      if (!entry.is_object()) throw_bad_input(name, kMetadata, "not an object", kRemedy);
+      if (!entry.is_object()) throw_bad_input(name, kMetadata, "not an object", kDamagedFileRemedy);
       for (const auto& [meta_key, value] : entry.items()) {
         if (!value.is_string())
-          throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kRemedy);
+          throw_bad_input(name, kMetadata, "'" + meta_key + "' is not a string", kDamagedFileRemedy);
         directory.metadata[meta_key] = value.get<std::string>();
       }
     } else {
@@ -192,7 +192,7 @@ TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes,
 
 uint64_t checked_header_bytes(uint64_t header_bytes, const std::filesystem::path& name) {
   if (header_bytes > kMaxHeaderBytes)
-    throw_bad_input(name, "header length", "more than 100 MB", kRemedy);
+    throw_bad_input(name, "header length", "more than 100 MB", kDamagedFileRemedy);
   return header_bytes;
 }
 

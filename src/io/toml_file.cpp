@@ -14,7 +14,7 @@ namespace aligngs {
 namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t(16) << 20;  // settings of 16 MiB are no settings
-const char* const kRemedy = "correct the file; config.toml of any run shows the form";
+const char* const kTomlRemedy = "correct the file; config.toml of any run shows the form";
 
 std::string line_field(const toml::source_region& source) {
   return "line " + std::to_string(source.begin.line);
@@ -32,7 +32,7 @@ class Flattener {
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& key,
                          const std::string& message) const {
-    throw_bad_input(name_, line_field(node.source()) + ", " + key, message, kRemedy);
+    throw_bad_input(name_, line_field(node.source()) + ", " + key, message, kTomlRemedy);
   }
 
   void add_table(const toml::table& table,
@@ -149,7 +149,7 @@ TomlTable parse_toml(std::string_view text, const std::filesystem::path& name_fo
     table = toml::parse(text, name_for_errors.string());
   } catch (const toml::parse_error& error) {
     throw_bad_input(name_for_errors, line_field(error.source()), std::string(error.description()),
-                    kRemedy);
+                    kTomlRemedy);
   }
   return Flattener(name_for_errors).flatten(table);
 }

@@ -5,12 +5,12 @@
 
 #include "core/error.h"
 #include "io/byte_reader.h"
+#include "io/damaged_file.h"
 
 namespace aligngs {
 namespace {
 
 constexpr uint64_t kMaxPickleBytes = uint64_t(64) << 20;  // the largest networks have a few MB
-const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
 }  // namespace
 
@@ -67,14 +67,14 @@ void TorchContainer::open_legacy(std::unique_ptr<ByteSource> source) {
   constexpr int64_t kProtocol = 1001;
   const Pickle protocol = next(no_globals);
   if (!protocol.root().is(PickleKind::kInt) || protocol.root().integer != kProtocol)
-    throw_bad_input(name_, "protocol", "unknown version of the format", kRemedy);
+    throw_bad_input(name_, "protocol", "unknown version of the format", kDamagedFileRemedy);
   const Pickle system = next(no_globals);
   if (const PickleValue* little = system.root().find("little_endian"))
     big_endian_ = little->is(PickleKind::kBool) && little->integer == 0;
   pickle_.emplace(next(globals));
   const Pickle keys = next(no_globals);
   if (!keys.root().is(PickleKind::kList))
-    throw_bad_input(name_, "storages", "the list of storages is missing", kRemedy);
+    throw_bad_input(name_, "storages", "the list of storages is missing", kDamagedFileRemedy);
 
   std::unordered_map<std::string, uint64_t> element_bytes;
   for (const PickleValue& value : pickle_->values()) {
@@ -87,14 +87,14 @@ void TorchContainer::open_legacy(std::unique_ptr<ByteSource> source) {
     const auto known = element_bytes.find(key->text);
     if (!key->is(PickleKind::kString) || known == element_bytes.end())
       throw_bad_input(name_, "storage " + key->text.substr(0, 100), "nothing refers to it",
-                      kRemedy);
+                      kDamagedFileRemedy);
     constexpr uint64_t kCountBytes = 8;
     const std::string text = source_->read(offset, kCountBytes);
     const uint64_t count = load_number<uint64_t>(text.data(), big_endian_);
     offset += kCountBytes;
     if (count > (source_->size() - offset) / known->second) {
       throw_bad_input(name_, "storage " + key->text.substr(0, 100),
-                      "the file cannot hold " + std::to_string(count) + " elements", kRemedy);
+                      "the file cannot hold " + std::to_string(count) + " elements", kDamagedFileRemedy);
     }
     storages_[key->text] = {offset, count * known->second};
     offset += count * known->second;
@@ -109,17 +109,17 @@ std::string TorchContainer::storage_bytes(const TorchStorage& storage) const {
       throw_bad_input(
           name_, field,
           "has " + std::to_string(size) + " bytes, " + std::to_string(needed) + " are needed",
-          kRemedy);
+          kDamagedFileRemedy);
     }
   };
   if (source_) {
     const auto found = storages_.find(storage.key);
-    if (found == storages_.end()) throw_bad_input(name_, field, "missing", kRemedy);
+    if (found == storages_.end()) throw_bad_input(name_, field, "missing", kDamagedFileRemedy);
     require_size(found->second.bytes);
     return source_->read(found->second.offset, found->second.bytes);
   }
   const ZipEntry* entry = zip_->find(prefix_ + "data/" + storage.key);
-  if (!entry) throw_bad_input(name_, field, "missing", kRemedy);
+  if (!entry) throw_bad_input(name_, field, "missing", kDamagedFileRemedy);
   require_size(entry->size);
   return zip_->read(*entry);
 }

@@ -15,7 +15,7 @@ namespace {
 // A view may repeat elements (stride 0), so its size is not bounded by the file's: 16 MB as floats
 // are allowed.
 constexpr uint64_t kMaxRepeatedElements = uint64_t(1) << 22;
-const char* const kRemedy = "save tensors with torch.save(tensor.detach().cpu(), path)";
+const char* const kTorchRemedy = "save tensors with torch.save(tensor.detach().cpu(), path)";
 const char* const kTensor = "torch._utils _rebuild_tensor_v2";
 const char* const kParameter = "torch._utils _rebuild_parameter";
 
@@ -47,7 +47,7 @@ constexpr TorchStorageType kStorageTypes[] = {
 
 [[noreturn]] void fail(const std::filesystem::path& name, const std::string& field,
                        const std::string& message) {
-  throw_bad_input(name, field, message, kRemedy);
+  throw_bad_input(name, field, message, kTorchRemedy);
 }
 
 int64_t integer(const PickleValue& value, const std::filesystem::path& name,

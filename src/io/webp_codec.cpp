@@ -3,16 +3,15 @@
 #include <webp/decode.h>
 
 #include "core/error.h"
+#include "io/damaged_file.h"
 #include "io/exif_orientation.h"
 #include "io/image_limits.h"
 
 namespace aligngs {
 namespace {
 
-const char* const kDamaged = "the file is truncated or damaged; copy or create it again";
-
 // A tile of one colour takes no bits of the lossless form, so only the format's own largest side bounds the rate.
-constexpr double kMaxPixelsPerByte = 16384.0 * 16384.0;
+constexpr double kMaxPixelsPerWebpByte = 16384.0 * 16384.0;
 
 constexpr size_t kRiffHeader = 12;   // "RIFF", size, "WEBP"
 constexpr size_t kChunkHeader = 8;   // name and size
@@ -58,7 +57,7 @@ WebpHeader parse_webp_header(std::string_view bytes, const std::filesystem::path
     header.complete = false;
     return header;
   }
-  if (status != VP8_STATUS_OK) throw_bad_input(name, "WebP header", "cannot be read", kDamaged);
+  if (status != VP8_STATUS_OK) throw_bad_input(name, "WebP header", "cannot be read", kDamagedFileRemedy);
   if (features.has_animation) throw_bad_input(name, "WebP header", "an animation is no photo", "give single pictures, or the video");
   header.width = features.width;
   header.height = features.height;
@@ -78,14 +77,14 @@ WebpHeader parse_webp_header(std::string_view bytes, const std::filesystem::path
 
 Image<uint8_t> decode_webp(std::string_view bytes, const std::filesystem::path& name) {
   const WebpHeader header = parse_webp_header(bytes, name, false);
-  require_plausible_image(uint64_t(header.width), uint64_t(header.height), bytes.size(), kMaxPixelsPerByte, name);
-  if (!has_end_of_webp(bytes)) throw_bad_input(name, "WebP data", "the picture is truncated", kDamaged);
+  require_plausible_image(uint64_t(header.width), uint64_t(header.height), bytes.size(), kMaxPixelsPerWebpByte, name);
+  if (!has_end_of_webp(bytes)) throw_bad_input(name, "WebP data", "the picture is truncated", kDamagedFileRemedy);
   Image<uint8_t> image(header.width, header.height, header.channels);
   const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
   const int stride = image.width * image.channels;
   const bool read = image.channels == 4 ? WebPDecodeRGBAInto(data, bytes.size(), image.data.data(), image.data.size(), stride)
                                         : WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(), stride);
-  if (!read) throw_bad_input(name, "WebP data", "cannot be decoded", kDamaged);
+  if (!read) throw_bad_input(name, "WebP data", "cannot be decoded", kDamagedFileRemedy);
   return image;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "io/byte_reader.h"
+#include "io/damaged_file.h"
 
 namespace aligngs {
 namespace {
@@ -21,7 +22,6 @@ constexpr uint64_t kLocalBytes = 30, kDirectoryBytes = 46, kEndBytes = 22, kLoca
 constexpr uint16_t kStored = 0, kDeflated = 8, kZip64Extra = 1, kEncryptedFlag = 1;
 constexpr uint64_t kMaxDirectoryBytes = uint64_t(256) << 20;  // millions of entries
 constexpr uint64_t kMaxDeflateRatio = 1032;  // zlib's documentation: the best deflate can do
-const char* const kRemedy = "the file is truncated or damaged; copy or create it again";
 
 struct Directory {
   uint64_t offset = 0, bytes = 0, entries = 0;
@@ -51,7 +51,7 @@ Directory find_directory(const ByteSource& source) {
         const std::string end64 =
             source.read(load_number<uint64_t>(locator.data() + 8, false), kEnd64Bytes);
         if (load_number<uint32_t>(end64.data(), false) != kEnd64Signature) {
-          throw_bad_input(source.name(), "zip64 directory", "not where it should be", kRemedy);
+          throw_bad_input(source.name(), "zip64 directory", "not where it should be", kDamagedFileRemedy);
         }
         return {load_number<uint64_t>(end64.data() + 48, false),
                 load_number<uint64_t>(end64.data() + 40, false),
@@ -62,7 +62,7 @@ Directory find_directory(const ByteSource& source) {
       throw_bad_input(source.name(), "disk", "archives in parts are not supported");
     return directory;
   }
-  throw_bad_input(source.name(), "", "not a ZIP archive, or its end is missing", kRemedy);
+  throw_bad_input(source.name(), "", "not a ZIP archive, or its end is missing", kDamagedFileRemedy);
 }
 
 /// Takes the 64-bit sizes out of the extra field, for those that did not fit in 32 bits.
@@ -107,7 +107,7 @@ std::string inflate_all(const std::string& compressed, const ZipEntry& entry,
     out += out_part - stream.avail_out;
   }
   if (status != Z_STREAM_END || out != content.size() || in != compressed.size()) {
-    throw_bad_input(name, entry.name, "the compressed data are damaged", kRemedy);
+    throw_bad_input(name, entry.name, "the compressed data are damaged", kDamagedFileRemedy);
   }
   return content;
 }
@@ -123,7 +123,7 @@ ZipArchive::ZipArchive(std::unique_ptr<ByteSource> source) : source_(std::move(s
   const Directory directory = find_directory(*source_);
   if (directory.bytes > kMaxDirectoryBytes ||
       directory.entries > directory.bytes / kDirectoryBytes) {
-    throw_bad_input(name(), "directory", "the number of entries cannot be right", kRemedy);
+    throw_bad_input(name(), "directory", "the number of entries cannot be right", kDamagedFileRemedy);
   }
   const std::string bytes = source_->read(directory.offset, directory.bytes);
   ByteReader reader(bytes, name());
@@ -150,7 +150,7 @@ ZipArchive::ZipArchive(std::unique_ptr<ByteSource> source) : source_(std::move(s
     if (flags & kEncryptedFlag)
       throw_bad_input(name(), entry.name, "encrypted entries are not supported");
     if (!index_.emplace(entry.name, entries_.size()).second) {
-      throw_bad_input(name(), entry.name, "the archive holds this entry twice", kRemedy);
+      throw_bad_input(name(), entry.name, "the archive holds this entry twice", kDamagedFileRemedy);
     }
     entries_.push_back(std::move(entry));
   }
@@ -167,7 +167,7 @@ std::string ZipArchive::read(const ZipEntry& entry, uint64_t limit) const {
   }
   const std::string header = source_->read(entry.header_offset, kLocalBytes);
   if (load_number<uint32_t>(header.data(), false) != kLocalSignature) {
-    throw_bad_input(name(), entry.name, "the entry is not where the directory says", kRemedy);
+    throw_bad_input(name(), entry.name, "the entry is not where the directory says", kDamagedFileRemedy);
   }
   const uint64_t data_offset = entry.header_offset + kLocalBytes +
                                load_number<uint16_t>(header.data() + 26, false) +
@@ -179,13 +179,13 @@ std::string ZipArchive::read(const ZipEntry& entry, uint64_t limit) const {
   const bool stored = entry.method == kStored;
   if (stored ? entry.size != entry.compressed_size
              : entry.size / kMaxDeflateRatio > entry.compressed_size) {
-    throw_bad_input(name(), entry.name, "the sizes contradict each other", kRemedy);
+    throw_bad_input(name(), entry.name, "the sizes contradict each other", kDamagedFileRemedy);
   }
   std::string content = source_->read(data_offset, entry.compressed_size);
   if (!stored) content = inflate_all(content, entry, name());
   if (checksum_of(content) != entry.checksum) {
     throw_bad_input(name(), entry.name, "the checksum does not match: the data are damaged",
-                    kRemedy);
+                    kDamagedFileRemedy);
   }
   return content;
 }

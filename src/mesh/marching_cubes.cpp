@@ -13,7 +13,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kBlockGrain = 32;             // blocks per chunk
+constexpr size_t kCubeBlockGrain = 32;             // blocks per chunk
 constexpr int kWords = 3 * kBlockVoxels / 64;  // one bit per lattice edge that a block owns
 constexpr uint8_t kGrey = 128;                 // vertices without colour
 
@@ -96,9 +96,9 @@ class Extraction {
 
   template <class Body>
   void for_chunks(const Body& body) {
-    chunks_.resize((volume_.blocks() + kBlockGrain - 1) / kBlockGrain);
-    pool_.parallel_for(volume_.blocks(), kBlockGrain, [&](size_t begin, size_t end, int) {
-      for (size_t b = begin; b < end; ++b) body(b, chunks_[begin / kBlockGrain]);
+    chunks_.resize((volume_.blocks() + kCubeBlockGrain - 1) / kCubeBlockGrain);
+    pool_.parallel_for(volume_.blocks(), kCubeBlockGrain, [&](size_t begin, size_t end, int) {
+      for (size_t b = begin; b < end; ++b) body(b, chunks_[begin / kCubeBlockGrain]);
     });
   }
 

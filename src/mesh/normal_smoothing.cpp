@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-constexpr double kMinCosine = 0.1;    // of ray and normal: flatter, a step along the tangent plane has no bound
+constexpr double kLeastCosine = 0.1;    // of ray and normal: flatter, a step along the tangent plane has no bound
 constexpr double kConverged = 1e-10;  // squared residual relative to the first one
 
 /// Between every pixel and its neighbour to one side: how much deeper, in log depth, the normals have the pixel, and how much that counts.
@@ -66,7 +66,7 @@ class Smoother {
     const float* n = normal_.pixel(x, y);
     const Vec3d v{n[0], n[1], n[2]};
     const double value = -dot(v, ray);
-    return value > kMinCosine * norm(v) * norm(ray) && std::isfinite(value) ? value : 0;
+    return value > kLeastCosine * norm(v) * norm(ray) && std::isfinite(value) ? value : 0;
   }
 
   Bonds bonds(int dx, int dy) const {

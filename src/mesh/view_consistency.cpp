@@ -8,7 +8,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kRowGrain = 8;      // image rows per chunk
+constexpr size_t kConsistencyRows = 8;      // image rows per chunk
 constexpr int kResidualStride = 8;   // pixels between the samples of two_view_residual
 constexpr double kOccluded = 0.10;   // relative depth difference of different surfaces
 
@@ -92,7 +92,7 @@ Image<uint8_t> pixel_support(const std::vector<FusionFrame>& frames, const std::
     }
     return seen_through ? PixelSupport::kContradicted : PixelSupport::kSingleView;
   };
-  pool.parallel_for(camera.height, kRowGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(camera.height, kConsistencyRows, [&](size_t begin, size_t end, int) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       for (int x = 0; x < camera.width; ++x) support.at(x, y) = static_cast<uint8_t>(judge(x, y));
     }

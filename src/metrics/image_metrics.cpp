@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "core/error.h"
+#include "metrics/undefined.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kWindow = 11;             // pixels, Wang et al. 2004
 constexpr int kRadius = kWindow / 2;
 constexpr double kSigma = 1.5;          // pixels
@@ -68,7 +68,7 @@ SquaredError squared_error(const ImageF& a, const ImageF& b, const ImageF& mask,
 }
 
 double to_psnr(const SquaredError& error) {
-  if (error.count == 0) return kNan;
+  if (error.count == 0) return kUndefined;
   return -10 * std::log10(std::max(error.sum / static_cast<double>(error.count), kMinMse));
 }
 
@@ -180,7 +180,7 @@ double ssim(const ImageF& render, const ImageF& truth, const ImageF& mask, const
     });
     for (const double s : row_sums) sum += s;  // row by row: the same sum for any number of threads
   }
-  return count ? sum / static_cast<double>(count) : kNan;
+  return count ? sum / static_cast<double>(count) : kUndefined;
 }
 
 ColorAffine fit_color_affine(const ImageF& render, const ImageF& truth, const ImageF& mask, int begin_x, int end_x) {

@@ -7,14 +7,13 @@
 
 #include "core/median.h"
 #include "metrics/point_index.h"
+#include "metrics/undefined.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 struct OneWay {
-  double mean = kNan, median = kNan;
+  double mean = kUndefined, median = kUndefined;
   std::vector<double> shares;  // within each threshold
   double normal_sum = 0;
   size_t normal_count = 0;
@@ -23,7 +22,7 @@ struct OneWay {
 OneWay measure(const PointSet& from, const PointSet& to, const PointIndex& index, ThreadPool& pool,
                const std::vector<double>& thresholds, bool strict) {
   OneWay result;
-  result.shares.assign(thresholds.size(), kNan);
+  result.shares.assign(thresholds.size(), kUndefined);
   if (from.positions.empty()) return result;
   if (to.positions.empty()) {
     result.shares.assign(thresholds.size(), 0);  // nothing is near; how far is not defined
@@ -52,9 +51,9 @@ OneWay measure(const PointSet& from, const PointSet& to, const PointIndex& index
 
 /// NaN where there is no truth; without any predicted point recall and F are 0.
 ThresholdScores scores_at(double threshold, double precision, double recall, bool predicted, bool truth) {
-  ThresholdScores scores{threshold, precision, recall, kNan};
+  ThresholdScores scores{threshold, precision, recall, kUndefined};
   if (!truth) {
-    scores.precision = kNan;
+    scores.precision = kUndefined;
     return scores;
   }
   const double p = predicted ? precision : 0;
@@ -84,7 +83,7 @@ MeshScores compare_points(const PointSet& predicted, const PointSet& truth, Thre
   scores.completeness_median = completeness.median;
   const size_t normals = accuracy.normal_count + completeness.normal_count;
   scores.normal_consistency =
-      normals ? (accuracy.normal_sum + completeness.normal_sum) / static_cast<double>(normals) : kNan;
+      normals ? (accuracy.normal_sum + completeness.normal_sum) / static_cast<double>(normals) : kUndefined;
   for (size_t k = 0; k < thresholds.size(); ++k) {
     scores.finer.push_back(scores_at(thresholds[k], accuracy.shares[k], completeness.shares[k], !predicted.positions.empty(),
                                      !truth.positions.empty()));

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "metrics/point_index.h"
 #include "metrics/surface_points.h"
+#include "metrics/undefined.h"
 
 namespace aligngs {
 
@@ -39,10 +40,9 @@ uint64_t ConfusionMatrix::of_class(int truth) const {
 }
 
 SemanticScores ConfusionMatrix::scores(double min_share) const {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   SemanticScores scores;
-  scores.iou.assign(classes_, kNan);
-  scores.present_iou.assign(classes_, kNan);
+  scores.iou.assign(classes_, kUndefined);
+  scores.present_iou.assign(classes_, kUndefined);
   std::vector<uint64_t> in_truth(classes_, 0), in_prediction(classes_, 0);
   uint64_t right = 0;
   for (int t = 0; t < classes_; ++t) {
@@ -64,9 +64,9 @@ SemanticScores ConfusionMatrix::scores(double min_share) const {
     sum += iou;
     ++scores.classes;
   }
-  scores.miou = scores.classes ? sum / scores.classes : kNan;
-  scores.present_miou = scores.present_classes ? present_sum / scores.present_classes : kNan;
-  scores.accuracy = scores.samples ? static_cast<double>(right) / static_cast<double>(scores.samples) : kNan;
+  scores.miou = scores.classes ? sum / scores.classes : kUndefined;
+  scores.present_miou = scores.present_classes ? present_sum / scores.present_classes : kUndefined;
+  scores.accuracy = scores.samples ? static_cast<double>(right) / static_cast<double>(scores.samples) : kUndefined;
   return scores;
 }
 
@@ -92,11 +92,10 @@ MeshLabelScores compare_mesh_labels(const TriangleMesh& predicted, const Triangl
   MeshLabelScores scores;
   scores.all = all.scores(options.min_share);
   scores.covered = covered.scores(options.min_share);
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  scores.coverage = scores.all.samples ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples) : kNan;
+  scores.coverage = scores.all.samples ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples) : kUndefined;
   for (int c = 0; c < classes; ++c) {
     const bool counts = std::isfinite(scores.all.iou[static_cast<size_t>(c)]);
-    scores.class_coverage.push_back(counts ? static_cast<double>(covered.of_class(c)) / static_cast<double>(all.of_class(c)) : kNan);
+    scores.class_coverage.push_back(counts ? static_cast<double>(covered.of_class(c)) / static_cast<double>(all.of_class(c)) : kUndefined);
   }
   return scores;
 }

@@ -8,11 +8,11 @@
 
 #include "core/median.h"
 #include "metrics/surface_points.h"
+#include "metrics/undefined.h"
 
 namespace aligngs {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr size_t kPointGrain = 512;          // samples per chunk of work
 constexpr int kRayColumns = 320;             // of the images through which the prediction is culled, as the mesh protocols have it
@@ -40,7 +40,7 @@ AngleSummary summary_of(std::vector<WeightedAngle> angles) {
     total += a.weight;
     sum += double(a.weight) * a.degrees;
   }
-  if (!(total > 0)) return {kNan, kNan};
+  if (!(total > 0)) return {kUndefined, kUndefined};
   std::sort(angles.begin(), angles.end(), [](const WeightedAngle& a, const WeightedAngle& b) { return a.degrees < b.degrees; });
   double passed = 0;
   for (const WeightedAngle& a : angles) {
@@ -208,8 +208,8 @@ class Measurement {
         ++seen[s];
       }
     }
-    result_.pinholes = seen[0] > 0 ? sum[0] / seen[0] : kNan;
-    result_.structure_pinholes = seen[1] > 0 ? sum[1] / seen[1] : kNan;
+    result_.pinholes = seen[0] > 0 ? sum[0] / seen[0] : kUndefined;
+    result_.structure_pinholes = seen[1] > 0 ? sum[1] / seen[1] : kUndefined;
     result_.truth_seen = count ? samples.area * seen[0] / static_cast<double>(count) : 0;
   }
 

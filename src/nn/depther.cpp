@@ -11,7 +11,7 @@ namespace aligngs::nn {
 namespace {
 
 /// The four layers that the published heads read.
-std::vector<int> published_layers(int64_t depth) {
+std::vector<int> published_depther_layers(int64_t depth) {
   if (depth == 24) return {4, 11, 17, 23};
   const int quarter = int(depth / 4);  // 12: 2, 5, 8, 11; 40: 9, 19, 29, 39
   return {quarter - 1, 2 * quarter - 1, 3 * quarter - 1, 4 * quarter - 1};
@@ -32,7 +32,7 @@ class DptDepth : public DepthNetwork {
   DptDepth(const Compute& compute, const Weights& backbone, const Weights& head,
            const DepthOptions& options)
       : DepthNetwork(compute, backbone, options) {
-    if (options_.layers.empty()) options_.layers = published_layers(vit_.depth());
+    if (options_.layers.empty()) options_.layers = published_depther_layers(vit_.depth());
     if (options_.layers.size() != 4)
       throw_usage("a DPT head reads four layers", "correct the list of layers");
     const int64_t c = vit_.channels();
@@ -116,7 +116,7 @@ class LinearDepth : public DepthNetwork {
     const int64_t layers = inputs / (2 * vit_.channels());
     if (options_.layers.empty()) {
       options_.layers =
-          layers == 4 ? published_layers(vit_.depth()) : std::vector<int>{int(vit_.depth()) - 1};
+          layers == 4 ? published_depther_layers(vit_.depth()) : std::vector<int>{int(vit_.depth()) - 1};
     }
     bins_ = Linear(compute, head, "conv_depth", head.dimension("conv_depth.weight", 0),
                    2 * vit_.channels() * int64_t(options_.layers.size()));

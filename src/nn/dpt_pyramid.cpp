@@ -11,7 +11,7 @@ namespace aligngs::nn {
 namespace {
 
 constexpr size_t kLevels = 4;
-constexpr float kEps = 1e-5f;
+constexpr float kBatchNormEps = 1e-5f;
 constexpr float kEmbeddingRatio = 0.1f;  // of the uv embedding
 
 }  // namespace
@@ -26,7 +26,7 @@ DptPyramid::DptPyramid(const Compute& compute, const Weights& weights, const Opt
     : options_(options),
       inputs_(weights.dimension("projects.0.weight", 1)),
       features_(weights.dimension("scratch.layer1_rn.weight", 0)) {
-  if (options.normed_and_placed) norm_ = LayerNorm(weights, "norm", inputs_, kEps);
+  if (options.normed_and_placed) norm_ = LayerNorm(weights, "norm", inputs_, kBatchNormEps);
   for (size_t j = 0; j < kLevels; ++j) {
     const std::string n = std::to_string(j);
     levels_.emplace_back(compute, weights, int(j),

@@ -11,7 +11,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;  // unlike DINOv2's
+constexpr float kLingbotNormEps = 1e-5f;  // unlike DINOv2's
 
 std::string known_name(std::string name) {
   while (replace_part(name, "_orig_mod.", "")) {
@@ -26,14 +26,14 @@ VitOptions vit_options(const Weights& backbone, int64_t heads) {
   VitOptions options;
   options.heads = heads > 0 ? heads : channels / std::max<int64_t>(4 * periods, 1);
   options.position = PositionRule::kNone;
-  options.eps = kEps;
+  options.eps = kLingbotNormEps;
   options.rotated = true;
   // Stored biases of keys are not 0 but do not count: without the mask the network would run, and be wrong.
   if (backbone.has("blocks.0.attn.qkv.bias")) backbone.shape("blocks.0.attn.qkv.bias_mask");  // throws: missing
   return options;
 }
 
-bool has(const WeightFile& file, const std::string& name) {
+bool has_tensor(const WeightFile& file, const std::string& name) {
   for (const auto& tensor : file.tensors()) {
     if (known_name(tensor.first) == name) return true;
   }
@@ -43,13 +43,13 @@ bool has(const WeightFile& file, const std::string& name) {
 }  // namespace
 
 bool is_lingbot(const WeightFile& file) {
-  return has(file, "backbone.rope_embed.periods") && has(file, "backbone.register_tokens") &&
-         has(file, "predict.weight");
+  return has_tensor(file, "backbone.rope_embed.periods") && has_tensor(file, "backbone.register_tokens") &&
+         has_tensor(file, "predict.weight");
 }
 
 Weights lingbot_weights(const std::shared_ptr<const WeightFile>& file) {
   if (!is_lingbot(*file)) {
-    const bool bare = has(*file, "rope_embed.periods") || has(*file, "backbone.rope_embed.periods");
+    const bool bare = has_tensor(*file, "rope_embed.periods") || has_tensor(*file, "backbone.rope_embed.periods");
     throw Error({ErrorKind::kWeights,
                  bare ? "the file holds the backbone alone, without its segmentation head"
                       : "these are not the weights of LingBot-Vision with a segmentation head",

@@ -10,7 +10,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;
+constexpr float kMaskFormerNormEps = 1e-5f;
 
 Matrix sum(const Matrix& a, const Matrix& b) {
   Matrix out = a;
@@ -49,12 +49,12 @@ Mask2Former::Mask2Former(Compute& compute, const Weights& weights,
     const int64_t hidden = w.dimension("ffns.0.layers.0.0.weight", 0);
     layers_.push_back({MultiheadAttention(*exact_, w.sub("attentions.0.attn."), f, heads),
                        MultiheadAttention(*exact_, w.sub("attentions.1.attn."), f, heads),
-                       LayerNorm(w, "norms.0", f, kEps), LayerNorm(w, "norms.1", f, kEps),
-                       LayerNorm(w, "norms.2", f, kEps),
+                       LayerNorm(w, "norms.0", f, kMaskFormerNormEps), LayerNorm(w, "norms.1", f, kMaskFormerNormEps),
+                       LayerNorm(w, "norms.2", f, kMaskFormerNormEps),
                        Linear(*exact_, w, "ffns.0.layers.0.0", hidden, f),
                        Linear(*exact_, w, "ffns.0.layers.1", f, hidden)});
   }
-  post_norm_ = LayerNorm(decoder, "post_norm", f, kEps);
+  post_norm_ = LayerNorm(decoder, "post_norm", f, kMaskFormerNormEps);
   class_embed_ = Linear(*exact_, head, "cls_embed", head.dimension("cls_embed.weight", 0), f);
   mask_embed1_ = Linear(*exact_, head, "mask_embed.0", f, f);
   mask_embed2_ = Linear(*exact_, head, "mask_embed.2", f, f);

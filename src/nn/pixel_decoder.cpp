@@ -10,7 +10,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;
+constexpr float kPixelDecoderNormEps = 1e-5f;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ PixelDecoder::PixelDecoder(const Compute& compute, const Weights& weights, const
     const Weights w = weights.sub("encoder.layers." + std::to_string(i) + ".");
     const int64_t hidden = w.dimension("ffns.0.layers.0.0.weight", 0);
     layers_.push_back({DeformableAttention(compute, w.sub("attentions.0."), 3, options.heads),
-                       LayerNorm(w, "norms.0", f, kEps), LayerNorm(w, "norms.1", f, kEps),
+                       LayerNorm(w, "norms.0", f, kPixelDecoderNormEps), LayerNorm(w, "norms.1", f, kPixelDecoderNormEps),
                        Linear(compute, w, "ffns.0.layers.0.0", hidden, f),
                        Linear(compute, w, "ffns.0.layers.1", f, hidden)});
   }

@@ -9,7 +9,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;           // of the LayerNorms with weights
+constexpr float kVggtHeadNormEps = 1e-5f;           // of the LayerNorms with weights
 constexpr float kModulatedEps = 1e-6f;  // of the one without
 constexpr int kIterations = 4;
 
@@ -21,8 +21,8 @@ VggtCameraHead::VggtCameraHead(const Compute& compute, const Weights& weights, i
   const int64_t c = channels_;
   if (heads <= 0) heads = c / kHeadDim;
   empty_pose_ = weights.load("empty_pose_tokens", {1, 1, kPose});
-  token_norm_ = LayerNorm(weights, "token_norm", c, kEps);
-  trunk_norm_ = LayerNorm(weights, "trunk_norm", c, kEps);
+  token_norm_ = LayerNorm(weights, "token_norm", c, kVggtHeadNormEps);
+  trunk_norm_ = LayerNorm(weights, "trunk_norm", c, kVggtHeadNormEps);
   embed_pose_ = Linear(compute, weights, "embed_pose", c, kPose);
   modulation_ = Linear(compute, weights, "poseLN_modulation.1", 3 * c, c);
   const int64_t hidden = weights.dimension("pose_branch.fc1.weight", 0);
@@ -31,7 +31,7 @@ VggtCameraHead::VggtCameraHead(const Compute& compute, const Weights& weights, i
   const int depth = weights.count("trunk.");
   for (int i = 0; i < depth; ++i) {
     trunk_.emplace_back(compute, weights.sub("trunk." + std::to_string(i) + "."),
-                        TransformerBlock::Config{c, heads, kEps});
+                        TransformerBlock::Config{c, heads, kVggtHeadNormEps});
   }
 }
 

@@ -12,12 +12,12 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-6f;
+constexpr float kAdapterNormEps = 1e-6f;
 constexpr int64_t kMultiple = 32;  // of the sides, so that all scales divide
 
 VitOptions adapted(VitOptions options) {
   options.position = PositionRule::kPlain;
-  options.eps = kEps;
+  options.eps = kAdapterNormEps;
   options.patches_cut = true;  // 32 is no multiple of 14
   return options;
 }
@@ -75,7 +75,7 @@ VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
     Interaction interaction;
     const Weights injector = w.sub("injector.");
     interaction.injector = {
-        LayerNorm(injector, "query_norm", c, kEps), LayerNorm(injector, "feat_norm", c, kEps),
+        LayerNorm(injector, "query_norm", c, kAdapterNormEps), LayerNorm(injector, "feat_norm", c, kAdapterNormEps),
         DeformableAttention(compute, injector.sub("attn."), 3, options.deformable_heads),
         injector.load("gamma", {c})};
     const auto extractor = [&](const std::string& name) {
@@ -100,9 +100,9 @@ VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
 VitAdapter::Extractor VitAdapter::make_extractor(const Compute& compute, const Weights& weights,
                                                  int64_t deformable_heads) const {
   const int64_t c = channels(), hidden = weights.dimension("ffn.fc1.weight", 0);
-  return {LayerNorm(weights, "query_norm", c, kEps),
-          LayerNorm(weights, "feat_norm", c, kEps),
-          LayerNorm(weights, "ffn_norm", c, kEps),
+  return {LayerNorm(weights, "query_norm", c, kAdapterNormEps),
+          LayerNorm(weights, "feat_norm", c, kAdapterNormEps),
+          LayerNorm(weights, "ffn_norm", c, kAdapterNormEps),
           DeformableAttention(compute, weights.sub("attn."), 1, deformable_heads),
           Linear(compute, weights, "ffn.fc1", hidden, c),
           Linear(compute, weights, "ffn.fc2", c, hidden),

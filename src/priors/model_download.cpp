@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr uint64_t kMegabyte = 1'000'000;
+constexpr uint64_t kProgressUnit = 1'000'000;
 
 [[noreturn]] void wrong_file(const fs::path& path, const std::string& field,
                              const std::string& message, const std::string& remedy) {
@@ -105,11 +105,11 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   std::unique_ptr<Progress> bar;
   request.progress = [&](uint64_t done, uint64_t total) {
     if (!bar) {
-      const uint64_t all = (total > 0 ? total : file.bytes) / kMegabyte;
+      const uint64_t all = (total > 0 ? total : file.bytes) / kProgressUnit;
       bar = std::make_unique<Progress>(options.progress, "download " + file.name + " (MB)",
-                                       std::max<uint64_t>(all, 1), start / kMegabyte);
+                                       std::max<uint64_t>(all, 1), start / kProgressUnit);
     }
-    if (bar->due()) bar->update(done / kMegabyte, format_bytes(done));
+    if (bar->due()) bar->update(done / kProgressUnit, format_bytes(done));
   };
   const uint64_t bytes = download_to_part(request);
   bar.reset();

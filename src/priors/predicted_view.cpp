@@ -5,6 +5,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "core/is_depth.h"
 #include "core/median.h"
 
 namespace aligngs {
@@ -87,7 +88,6 @@ PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& p
   const double scale = std::max(part_width, part_height) / std::max(width, height);
   const int w = std::max(1, int(width * scale + 0.5)), h = std::max(1, int(height * scale + 0.5));
   PhotoMaps maps{ImageF(w, h, 1), ImageF(w, h, 1)};
-  const auto valid = [](float z) { return std::isfinite(z) && z > 0; };
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       const double u = (x + 0.5) * width / w * placement.scale_x + placement.offset_x;
@@ -95,7 +95,7 @@ PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& p
       if (u < 0 || v < 0 || u >= double(depth.width) || v >= double(depth.height)) continue;
       const auto nearest_x = int64_t(u), nearest_y = int64_t(v);
       const float nearest = depth.at(nearest_y, nearest_x)[0];
-      if (!valid(nearest)) continue;
+      if (!is_depth(nearest)) continue;
       const double left = std::clamp(u - 0.5, 0.0, double(depth.width - 1));
       const double top = std::clamp(v - 0.5, 0.0, double(depth.height - 1));
       const auto x0 = int64_t(left), y0 = int64_t(top);
@@ -107,7 +107,7 @@ PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& p
       float z = 0, confidence = 0;
       bool one_surface = true;
       for (int k = 0; k < 4; ++k) {
-        one_surface = one_surface && valid(corners[k][0]) &&
+        one_surface = one_surface && is_depth(corners[k][0]) &&
                       std::abs(corners[k][0] - nearest) <= kJump * nearest;
         z += weights[k] * corners[k][0];
         confidence += weights[k] * corners[k][1];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/is_depth.h"
 #include "io/resample.h"
 
 namespace aligngs {
@@ -14,19 +15,17 @@ constexpr int kIterations = 300;    // of conjugate gradients; smoothing over 10
 constexpr double kTolerance = 3e-4; // relative residual: a hundredth of a correction that is some percent
 constexpr int kSmallest = 16;       // pixels; a smaller problem is solved from nothing
 
-bool is_depth(float z) { return z > 0 && std::isfinite(z); }
-
 /// The system to solve, at one resolution.
-struct Level {
+struct CorrectionLevel {
   ImageF depth, given, weight, luma;
   double none;  ///< LogCorrectionSettings::none of a pixel of this size
 };
 
 /// Half the resolution: what four pixels know together, on the depth of one of them, so that jumps stay jumps. The sum of
 /// squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
-Level half_of(const Level& fine) {
+CorrectionLevel half_of(const CorrectionLevel& fine) {
   const int width = (fine.depth.width + 1) / 2, height = (fine.depth.height + 1) / 2;
-  Level out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), {}, 4 * fine.none};
+  CorrectionLevel out{ImageF(width, height, 1), ImageF(width, height, 1), ImageF(width, height, 1), {}, 4 * fine.none};
   if (!fine.luma.empty()) out.luma = resize_area(fine.luma, width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -49,7 +48,7 @@ Level half_of(const Level& fine) {
 }
 
 /// Conjugate gradients on one level, from `guess` (the level's size) on.
-ImageF solve_level(const Level& level, const ImageF& guess, const LogCorrectionSettings& settings) {
+ImageF solve_level(const CorrectionLevel& level, const ImageF& guess, const LogCorrectionSettings& settings) {
   const ImageF& depth = level.depth;
   const int width = depth.width, height = depth.height;
   const bool looks = settings.luma_edge > 0 && !level.luma.empty();
@@ -107,7 +106,7 @@ ImageF solve_level(const Level& level, const ImageF& guess, const LogCorrectionS
 }
 
 /// From the solution at half the resolution on: what is far away is known there after few iterations.
-ImageF solve(const Level& level, const LogCorrectionSettings& settings) {
+ImageF solve(const CorrectionLevel& level, const LogCorrectionSettings& settings) {
   const int width = level.depth.width, height = level.depth.height;
   ImageF guess(width, height, 1);
   if (std::min(width, height) > kSmallest) {

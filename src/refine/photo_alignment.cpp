@@ -23,7 +23,7 @@ constexpr int kBrightnessRounds = 6;
 constexpr double kGainHold = 1e-4;  // variance of grey beside which a photo has no contrast
 
 /// Data of a photo at one size.
-struct Level {
+struct PhotoLevel {
   Camera camera;  ///< size and lens
   ImageF grey, mask;
 };
@@ -40,10 +40,10 @@ ImageF grey_of(const ImageF& color) {
   return grey;
 }
 
-std::vector<Level> levels_of(const Camera& camera, const ImageF& photo, const ImageF& mask, int count) {
-  std::vector<Level> levels{{camera, grey_of(photo), mask}};
+std::vector<PhotoLevel> levels_of(const Camera& camera, const ImageF& photo, const ImageF& mask, int count) {
+  std::vector<PhotoLevel> levels{{camera, grey_of(photo), mask}};
   for (int i = 1; i < count; ++i) {
-    const Level& larger = levels.back();
+    const PhotoLevel& larger = levels.back();
     const int width = larger.camera.width / 2, height = larger.camera.height / 2;
     if (width < kLeastSize || height < kLeastSize) break;
     levels.push_back({larger.camera.resized(width, height), resize_area(larger.grey, width, height),
@@ -96,7 +96,7 @@ class Aligner {
 
   int renderings() const { return renderings_; }
 
-  Equations measure(const Level& level, const Rigidd& pose) {
+  Equations measure(const PhotoLevel& level, const Rigidd& pose) {
     Camera camera = level.camera;
     camera.world_to_camera = pose;
     const SceneLook seen = look_(camera);
@@ -120,7 +120,7 @@ class Aligner {
   }
 
   /// Improves `pose` at one size.
-  void descend(const Level& level, Rigidd& pose) {
+  void descend(const PhotoLevel& level, Rigidd& pose) {
     Equations e = measure(level, pose);
     double damping = kFirstDamping;
     for (int step = 1; step < settings_.steps && e.usable && damping < kMostDamping; ++step) {
@@ -154,7 +154,7 @@ class Aligner {
     return 0.5 * settings_.scale * settings_.scale * std::log1p(share * share);
   }
 
-  std::vector<Sample> samples_of(const Level& level, const Camera& camera, const SceneLook& seen, double& depth) const {
+  std::vector<Sample> samples_of(const PhotoLevel& level, const Camera& camera, const SceneLook& seen, double& depth) const {
     const ImageF grey = grey_of(seen.color);
     std::vector<Sample> samples;
     double sum = 0;
@@ -215,7 +215,7 @@ PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const Im
   PhotoAlignment result;
   result.camera = start;
   if (start.width < kLeastSize || start.height < kLeastSize) return result;
-  const std::vector<Level> levels = levels_of(start, photo, mask, std::max(1, settings.levels));
+  const std::vector<PhotoLevel> levels = levels_of(start, photo, mask, std::max(1, settings.levels));
   Aligner aligner(look, settings);
   Rigidd pose = start.world_to_camera;
   const Equations first = aligner.measure(levels.front(), pose);

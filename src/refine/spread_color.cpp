@@ -5,14 +5,14 @@
 namespace aligngs {
 namespace {
 
-struct Level {
+struct ColorLevel {
   ImageF color, weight;
 };
 
 /// Each pixel is the weighted mean of the four that it covers.
-Level halved(const Level& fine) {
+ColorLevel halved(const ColorLevel& fine) {
   const int width = (fine.weight.width + 1) / 2, height = (fine.weight.height + 1) / 2;
-  Level out{ImageF(width, height, 3), ImageF(width, height, 1)};
+  ColorLevel out{ImageF(width, height, 3), ImageF(width, height, 1)};
   for (int y = 0; y < fine.weight.height; ++y) {
     for (int x = 0; x < fine.weight.width; ++x) {
       const float w = fine.weight.at(x, y);
@@ -38,7 +38,7 @@ float coarse_color(const ImageF& coarse, int x, int y, int c) {
   return (1 - b) * ((1 - a) * coarse.at(i, j, c) + a * coarse.at(i1, j, c)) + b * ((1 - a) * coarse.at(i, j1, c) + a * coarse.at(i1, j1, c));
 }
 
-void fill_from(const ImageF& coarse, Level& fine) {
+void fill_from(const ImageF& coarse, ColorLevel& fine) {
   for (int y = 0; y < fine.weight.height; ++y) {
     for (int x = 0; x < fine.weight.width; ++x) {
       const float w = fine.weight.at(x, y);
@@ -54,7 +54,7 @@ void fill_from(const ImageF& coarse, Level& fine) {
 
 ImageF spread_color(const ImageF& color, const ImageF& weight) {
   if (weight.empty()) return color;
-  std::vector<Level> levels = {{color, weight}};
+  std::vector<ColorLevel> levels = {{color, weight}};
   for (size_t i = 0; i < weight.data.size(); ++i) {
     for (size_t c = 0; weight.data[i] <= 0 && c < 3; ++c) levels[0].color.data[3 * i + c] = 0;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/angles.h"
+#include "core/is_depth.h"
 
 namespace aligngs {
 
@@ -42,7 +43,7 @@ double MeasuredRoom::height_at(const Vec2d& p) const {
   double least = height;
   for (const CeilingPlane& plane : ceiling) {
     const double z = plane.height_at(p);
-    if (std::isfinite(z) && z > 0) least = std::min(least, z);
+    if (is_depth(z)) least = std::min(least, z);
   }
   return least;
 }

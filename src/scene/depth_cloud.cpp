@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/is_depth.h"
 #include "core/median.h"
 #include "scene/depth_normals.h"
 #include "scene/voxel_merge.h"
 
 namespace aligngs {
 namespace {
-
-bool valid(float z) { return std::isfinite(z) && z > 0; }
 
 void check_view(const DepthCloudView& view) {
   const auto fail = [](const char* field) {
@@ -31,7 +30,7 @@ bool at_silhouette(const ImageF& depth, int x, int y, double jump) {
   const int dx[4] = {-1, 1, 0, 0}, dy[4] = {0, 0, -1, 1};
   for (int k = 0; k < 4; ++k) {
     const int i = x + dx[k], j = y + dy[k];
-    if (i < 0 || j < 0 || i >= depth.width || j >= depth.height || !valid(depth.at(i, j))) continue;
+    if (i < 0 || j < 0 || i >= depth.width || j >= depth.height || !is_depth(depth.at(i, j))) continue;
     if (std::abs(depth.at(i, j) - z) > jump * std::min(z, depth.at(i, j))) return true;
   }
   return false;
@@ -53,7 +52,7 @@ Verdict judge(const DepthCloudView& view, const Vec3d& world, const DepthCloudOp
   for (int k = 0; k < 4; ++k) {
     const int x = std::clamp(x0 + (k & 1), 0, depth.width - 1), y = std::clamp(y0 + (k >> 1), 0, depth.height - 1);
     const float z = depth.at(x, y);
-    if (!valid(z)) continue;
+    if (!is_depth(z)) continue;
     any = true;
     agrees |= std::abs(z - p.z) <= options.agreement * p.z;
     all_farther &= z > p.z * (1 + options.contradiction);
@@ -80,7 +79,7 @@ Contribution points_of_view(const std::vector<DepthCloudView>& views, size_t own
       const float z = view.depth->at(x, y);
       const float* n = normals.pixel(x, y);
       const float confidence = view.confidence ? view.confidence->at(x, y) : 1.0f;
-      if (!valid(z) || !(confidence >= options.min_confidence) || !(confidence > 0)) continue;
+      if (!is_depth(z) || !(confidence >= options.min_confidence) || !(confidence > 0)) continue;
       if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;  // no plane fit: an isolated or torn pixel
       if (at_silhouette(*view.depth, x, y, options.jump)) continue;
       const Vec3d world = camera_to_world * (view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z));
@@ -122,7 +121,7 @@ double median_pixel_footprint(const std::vector<DepthCloudView>& views) {
   for (const DepthCloudView& view : views) {
     std::vector<float> depths;
     for (float z : view.depth->data) {
-      if (valid(z)) depths.push_back(z);
+      if (is_depth(z)) depths.push_back(z);
     }
     if (!depths.empty()) footprints.push_back(static_cast<float>(median_of(std::move(depths)) / view.camera.fx));
   }

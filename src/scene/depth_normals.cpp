@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/is_depth.h"
 
 namespace aligngs {
 namespace {
@@ -42,8 +43,6 @@ struct Regression {
   }
 };
 
-bool valid(float z) { return std::isfinite(z) && z > 0; }
-
 }  // namespace
 
 ImageF camera_normals(const ImageF& depth, const Camera& camera, const DepthNormalOptions& options) {
@@ -54,14 +53,14 @@ ImageF camera_normals(const ImageF& depth, const Camera& camera, const DepthNorm
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
       const float z = depth.at(x, y);
-      if (!valid(z)) continue;
+      if (!is_depth(z)) continue;
       const int x0 = std::max(0, x - options.radius), x1 = std::min(depth.width - 1, x + options.radius);
       const int y0 = std::max(0, y - options.radius), y1 = std::min(depth.height - 1, y + options.radius);
       Regression fit;
       for (int j = y0; j <= y1; ++j) {
         for (int i = x0; i <= x1; ++i) {
           const float sample = depth.at(i, j);
-          if (!valid(sample) || std::abs(sample - z) > options.jump * z) continue;
+          if (!is_depth(sample) || std::abs(sample - z) > options.jump * z) continue;
           fit.add((i - x) / camera.fx, (j - y) / camera.fy, 1.0 / sample);
         }
       }

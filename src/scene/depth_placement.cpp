@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/is_depth.h"
 #include "core/median.h"
 #include "io/resample.h"
 #include "scene/prior_maps.h"
@@ -18,8 +19,6 @@ namespace {
 constexpr int kCarriedPerSide = 48;
 // Pixels: all maps are held at once, and medians over a view need no more.
 constexpr int kLargestSide = 320;
-
-bool is_depth(float z) { return std::isfinite(z) && z > 0; }
 
 /// A training view with its map at the map's own resolution, or smaller.
 struct Map {

@@ -82,7 +82,7 @@ PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
   for (const auto rule : {&PhotoLookup::exact, &PhotoLookup::by_other_extension}) {
     for (const std::string& spelling : spellings(name)) {
       for (const Folders& place : places_) {
-        const Answer answer = (this->*rule)(place, spelling);
+        Answer answer = (this->*rule)(place, spelling);
         if (decided(answer)) return answer;
       }
     }

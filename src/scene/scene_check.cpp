@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/is_depth.h"
 #include "core/median.h"
 #include "core/memory_budget.h"
 #include "core/thread_pool.h"
@@ -77,7 +78,7 @@ void check_depth(const Scene& scene, const View& view, ViewFindings& findings) {
   float low = 0, high = 0;
   for (float z : array.data) {
     negative += z < 0;
-    if (!(std::isfinite(z) && z > 0)) continue;
+    if (!is_depth(z)) continue;
     low = valid == 0 ? z : std::min(low, z);
     high = std::max(high, z);
     ++valid;

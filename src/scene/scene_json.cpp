@@ -14,12 +14,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMaxFile = size_t(64) << 20;  // bytes; a split of a million names fits
-
 /// The object in a file; null when there is no file.
 json read_object(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return json();
-  const std::string content = read_file(path, kMaxFile);
+  const std::string content = read_file(path, kMaxSceneFile);
   json value;
   try {
     value = json::parse(content);

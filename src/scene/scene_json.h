@@ -53,6 +53,9 @@ struct PriorsJson {
 using ExposureJson = std::map<std::string, Vec3f>;
 inline constexpr double kMaxLogGain = 3;  // a factor of 20, over four stops
 
+/// Bytes of the largest scene.json that is read; a split of a million names fits.
+inline constexpr size_t kMaxSceneFile = size_t(64) << 20;
+
 /// An absent file gives the defaults; a malformed one is Error{kBadInput} naming the field.
 SceneJson read_scene_json(const std::filesystem::path& path);
 SplitJson read_split_json(const std::filesystem::path& path);

@@ -14,11 +14,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr uint64_t kMaxFile = uint64_t(64) << 20;  // bytes, as read_scene_json takes
-
 nlohmann::ordered_json description_of(const fs::path& folder) {
   const fs::path file = folder / "scene.json";
-  return fs::is_regular_file(file) ? parse_ordered_json(read_file(file, kMaxFile)) : nlohmann::ordered_json::object();
+  return fs::is_regular_file(file) ? parse_ordered_json(read_file(file, kMaxSceneFile)) : nlohmann::ordered_json::object();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/half.h"
+#include "core/is_depth.h"
 #include "io/atomic_file.h"
 #include "io/colmap.h"
 #include "io/image_file.h"
@@ -71,7 +72,7 @@ void write_truth_depth(const fs::path& path, const ImageF& depth) {
   Image<uint16_t> millimetres(depth.width, depth.height, 1);
   for (size_t i = 0; i < depth.data.size(); ++i) {
     const float z = depth.data[i];
-    if (std::isfinite(z) && z > 0) {
+    if (is_depth(z)) {
       millimetres.data[i] = static_cast<uint16_t>(std::clamp(std::round(z * 1000.0f), 1.0f, 65535.0f));
     }
   }
@@ -133,7 +134,7 @@ SceneWriter::SceneWriter(fs::path folder, bool overwrite, std::vector<fs::path> 
 fs::path SceneWriter::write_image(const SceneViewParts& view) const {
   const bool copy = !view.image_file.empty(), jpeg = view.jpeg_quality > 0 && view.image.channels == 3;
   const std::string extension = copy ? view.image_file.extension().string() : (jpeg ? ".jpg" : ".png");
-  const fs::path path = replacement_.path() / "images" / (view.name + extension);
+  fs::path path = replacement_.path() / "images" / (view.name + extension);
   make_folder(path.parent_path());
   int width = view.image.width, height = view.image.height;
   bool stored = false;  // the camera is for pixels that EXIF orientation would turn

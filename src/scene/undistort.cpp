@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/is_depth.h"
 
 namespace aligngs {
 namespace {
@@ -113,16 +114,15 @@ ImageF undistort_image(const ImageF& image, const LensModel& lens, const Camera&
 }
 
 ImageF undistort_depth(const ImageF& depth, const LensModel& lens, const Camera& pinhole, float jump) {
-  const auto valid = [](float z) { return std::isfinite(z) && z > 0; };
   ImageF out(depth.width, target_height(depth.width, pinhole), 1);
   for_each_source(depth.width, depth.height, lens, pinhole, out.width, out.height, [&](int x, int y, const Vec2d& p) {
     if (!inside(p, depth.width, depth.height)) return;
     const float centre = nearest(depth, p);
-    if (!valid(centre)) return;
+    if (!is_depth(centre)) return;
     const Corners k(p, depth.width, depth.height);
     const float samples[4] = {depth.at(k.x0, k.y0), depth.at(k.x1, k.y0), depth.at(k.x0, k.y1), depth.at(k.x1, k.y1)};
     const bool smooth =
-        std::all_of(samples, samples + 4, [&](float z) { return valid(z) && std::abs(z - centre) <= jump * centre; });
+        std::all_of(samples, samples + 4, [&](float z) { return is_depth(z) && std::abs(z - centre) <= jump * centre; });
     out.at(x, y) = smooth ? blend(depth, k, 0) : centre;
   });
   return out;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/is_depth.h"
 #include "core/srgb.h"
 #include "io/image_file.h"
 #include "io/resample.h"
@@ -64,7 +65,7 @@ void load_depth(const View& view, double factor, ViewData& data) {
   depth.channels = 1;
   depth.data = std::move(array.data);
   for (float& z : depth.data) {
-    z = std::isfinite(z) && z > 0 ? z * static_cast<float>(factor) : 0.0f;
+    z = is_depth(z) ? z * static_cast<float>(factor) : 0.0f;
   }
   const bool resize = data.camera.width != depth.width || data.camera.height != depth.height;
   data.prior_depth = resize ? resize_depth(depth, data.camera.width, data.camera.height) : std::move(depth);

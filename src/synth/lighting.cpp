@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "synth/shading.h"
 
 namespace aligngs {
 namespace {
 
-constexpr float kPi = 3.14159265f;
 constexpr size_t kGrain = 512;          // vertices per chunk
 constexpr float kLift = 2e-3f;          // metres by which ray origins leave their surface
 constexpr double kContact = 0.03;       // metres: a surface whose probes all end this close is hidden
@@ -151,7 +151,7 @@ LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOpt
   double total = 0;
   for (size_t t = 0; t < room.triangles.size(); ++t) {
     const uint32_t v = room.triangles[t][0];
-    const float radiance = albedo[v].y * cache.irradiance[v].y / kPi;
+    const float radiance = albedo[v].y * cache.irradiance[v].y / static_cast<float>(kPi);
     if (!(radiance > 1e-3f)) continue;  // lamps, hidden backs and undersides
     const double area = room.triangle_area(t);
     radiances.push_back({radiance, area});

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPiFloat = 3.14159265f;
 
 struct SurfacePoint {
   const Material* material = nullptr;
@@ -35,7 +35,7 @@ Vec3f diffuse_radiance(const SurfacePoint& s, float footprint) {
   const Material& m = *s.material;
   const Vec3f color = texture_color(m, s.uv, footprint);
   if (m.emission > 0) return color * m.emission;
-  return Vec3f{color.x * s.irradiance.x, color.y * s.irradiance.y, color.z * s.irradiance.z} * (1 / kPi);
+  return Vec3f{color.x * s.irradiance.x, color.y * s.irradiance.y, color.z * s.irradiance.z} * (1 / kPiFloat);
 }
 
 /// Exposure and a film-like shoulder; the result is linear in [0, 1].

@@ -15,7 +15,7 @@
 namespace aligngs {
 namespace {
 
-const std::string kPrefix = "gzip.";
+const std::string kPackedPrefix = "gzip.";
 constexpr size_t kLeastBytes = size_t(1) << 16;  // below, the names cost as much as is gained
 constexpr int kLevel = 1;                        // level 9 takes ten times as long for a fifth less
 constexpr uint64_t kMostPerByte = 1100;          // deflate gives at most 1032 bytes for one
@@ -48,8 +48,8 @@ void pack_tensors(TensorFile& file) {
       if (stream.size() < tensor.bytes.size()) {
         std::string description = tensor.dtype;
         for (const int64_t size : tensor.shape) description += fmt::format(" {}", size);
-        file.metadata[kPrefix + name] = description;
-        packed[kPrefix + name] = {"U8", {static_cast<int64_t>(stream.size())}, {stream.begin(), stream.end()}};
+        file.metadata[kPackedPrefix + name] = description;
+        packed[kPackedPrefix + name] = {"U8", {static_cast<int64_t>(stream.size())}, {stream.begin(), stream.end()}};
         continue;
       }
     }
@@ -61,7 +61,7 @@ void pack_tensors(TensorFile& file) {
 void unpack_tensors(TensorFile& file, const std::filesystem::path& path) {
   std::map<std::string, TensorBytes> plain;
   for (auto& [name, tensor] : file.tensors) {
-    if (name.compare(0, kPrefix.size(), kPrefix) != 0) {
+    if (name.compare(0, kPackedPrefix.size(), kPackedPrefix) != 0) {
       plain[name] = std::move(tensor);
       continue;
     }
@@ -71,7 +71,7 @@ void unpack_tensors(TensorFile& file, const std::filesystem::path& path) {
     const std::string bytes = gzip_expanded({reinterpret_cast<const char*>(tensor.bytes.data()), tensor.bytes.size()}, path, out.bytes.size());
     if (bytes.size() != out.bytes.size()) throw_bad_input(path, name, "the packed tensor has another size than its shape");
     std::copy(bytes.begin(), bytes.end(), out.bytes.begin());
-    plain[name.substr(kPrefix.size())] = std::move(out);
+    plain[name.substr(kPackedPrefix.size())] = std::move(out);
     file.metadata.erase(name);
   }
   file.tensors = std::move(plain);

@@ -1,4 +1,5 @@
 #include "train/free_space.h"
+#include "core/is_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +8,6 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kGrain = 2048;  // Gaussians per task: microseconds each, so that threads share evenly
-
-bool is_depth(float z) { return std::isfinite(z) && z > 0; }
 
 bool in_front_of_prior(const FreeSpaceView& view, int x, int y, double z, const FreeSpaceRule& rule) {
   if (!view.prior_depth || view.prior_depth->empty()) return false;

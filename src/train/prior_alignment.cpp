@@ -4,13 +4,12 @@
 #include <cmath>
 #include <vector>
 
+#include "core/is_depth.h"
 #include "core/median.h"
 #include "scene/depth_placement.h"
 
 namespace aligngs {
 namespace {
-
-bool is_depth(double z) { return std::isfinite(z) && z > 0; }
 
 class LogRatios {
  public:

@@ -13,30 +13,29 @@ namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr int kSchema = 1;
 constexpr uint64_t kLargestRecord = 1 << 24;
 
-Json or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+nlohmann::json or_null(const std::string& text) { return text.empty() ? nlohmann::json(nullptr) : nlohmann::json(text); }
 
-std::string text_of(const Json& json, const char* name) {
+std::string text_of(const nlohmann::json& json, const char* name) {
   const auto it = json.find(name);
   return it != json.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-std::vector<std::string> texts_of(const Json& json, const char* name) {
+std::vector<std::string> texts_of(const nlohmann::json& json, const char* name) {
   std::vector<std::string> texts;
   const auto it = json.find(name);
   if (it == json.end() || !it->is_array()) return texts;
-  for (const Json& text : *it) {
+  for (const nlohmann::json& text : *it) {
     if (text.is_string()) texts.push_back(text.get<std::string>());
   }
   return texts;
 }
 
 template <class T>
-T number_of(const Json& json, const char* name) {
+T number_of(const nlohmann::json& json, const char* name) {
   const auto it = json.find(name);
   return it != json.end() && it->is_number() ? it->get<T>() : T{};
 }
@@ -52,9 +51,9 @@ std::string utc_now() {
 }
 
 void write_run_record(const fs::path& path, const RunRecord& r) {
-  Json json = Json::object();
+  nlohmann::json json = nlohmann::json::object();
   if (fs::exists(path)) {
-    const Json old = parse_json(read_file(path, kLargestRecord));
+    const nlohmann::json old = parse_json(read_file(path, kLargestRecord));
     if (old.is_object()) json = old;
   }
   json["schema"] = kSchema;
@@ -85,7 +84,7 @@ void write_run_record(const fs::path& path, const RunRecord& r) {
 
 bool is_run_record(const fs::path& path) {
   if (!fs::is_regular_file(path)) return false;
-  const Json json = parse_json(read_file(path, kLargestRecord));
+  const nlohmann::json json = parse_json(read_file(path, kLargestRecord));
   if (!json.is_object()) return false;
   const auto is_text = [&](const char* name) {
     const auto it = json.find(name);
@@ -96,7 +95,7 @@ bool is_run_record(const fs::path& path) {
 }
 
 RunRecord read_run_record(const fs::path& path) {
-  const Json json = parse_json(read_file(path, kLargestRecord));
+  const nlohmann::json json = parse_json(read_file(path, kLargestRecord));
   if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start again with --overwrite");
   RunRecord r;
   r.status = text_of(json, "status");

@@ -16,7 +16,7 @@ constexpr double kThinningMargin = 1.02; // so that a round that lands just abov
 // Depths of random points, shares of the extent: from arm's length to across the room.
 constexpr double kRandomNear = 0.1, kRandomFar = 2.0;
 
-float logit(double p) { return static_cast<float>(std::log(p / (1 - p))); }
+float opacity_logit(double opacity) { return static_cast<float>(std::log(opacity / (1 - opacity))); }
 
 // Uncertain depth still helps to find the surface. It counts this much in the start (the fusion drops weights below
 // 0.05). It fills places without certain depth, and is outvoted elsewhere.
@@ -62,7 +62,7 @@ StartModel start_from_depth(const StartInputs& in) {
   options.scale_max = static_cast<float>(c.scale_max * in.extent);
   start.model = initialise_gaussians(fused.cloud, options);
   for (size_t i = 0; i < fused.views.size(); ++i) {
-    if (fused.views[i] < 2) start.model.opacity_logits[i] = logit(c.single_view_opacity);
+    if (fused.views[i] < 2) start.model.opacity_logits[i] = opacity_logit(c.single_view_opacity);
   }
   start.dense = true;
   start.has_normals = fused.cloud.has_normals();

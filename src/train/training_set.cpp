@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/is_depth.h"
 #include "engine/prepare_view.h"
 #include "io/resample.h"
 #include "scene/prior_maps.h"
@@ -171,7 +172,7 @@ float near_plane_of(const ImageF& prior_depth, const TrainConfig& config, double
   const double global = config.train.near_plane * extent;
   std::vector<float> depths;
   for (const float z : prior_depth.data) {
-    if (std::isfinite(z) && z > 0) depths.push_back(z);
+    if (is_depth(z)) depths.push_back(z);
   }
   if (depths.empty() || config.train.near_share <= 0) return static_cast<float>(global);
   const auto low = depths.begin() + static_cast<std::ptrdiff_t>(kNearQuantile * static_cast<double>(depths.size()));

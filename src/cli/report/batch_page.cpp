@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kStyle = R"(
+const char* const kBatchStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;margin:24px;max-width:none}
 h1{font-size:24px} h2{font-size:18px;margin:28px 0 8px}
 table{border-collapse:collapse} td,th{padding:3px 10px;text-align:right;border-bottom:1px solid #eee}
@@ -91,7 +91,7 @@ std::string batch_page(const BatchFolder& folder, const std::vector<RoomStatus>&
   const auto done = std::count_if(rooms.begin(), rooms.end(), [](const RoomStatus& s) { return s.state == RoomState::kDone; });
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
-      "<title>aligngs: rooms</title><style>" + std::string(kStyle) + "</style>";
+      "<title>aligngs: rooms</title><style>" + std::string(kBatchStyle) + "</style>";
   html += fmt::format("<h1>{} of {} rooms are done</h1>", done, rooms.size());
   return html + failures(folder, rooms) + figures(folder, rooms) + pictures(folder, rooms) + "</html>\n";
 }

@@ -14,7 +14,7 @@
 namespace aligngs {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
@@ -47,10 +47,10 @@ std::string batch_csv(const BatchFolder& folder, const std::vector<RoomStatus>& 
   return csv;
 }
 
-Json batch_json(const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
-  Json list = Json::array();
+OrderedJson batch_json(const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
+  OrderedJson list = OrderedJson::array();
   for (const RoomStatus& s : rooms) {
-    Json room = {{"room", s.room.name}, {"state", name_of(s.state)}, {"run", folder.run(s.room.name).string()}, {"attempts", s.record.attempts}};
+    OrderedJson room = {{"room", s.room.name}, {"state", name_of(s.state)}, {"run", folder.run(s.room.name).string()}, {"attempts", s.record.attempts}};
     if (!s.stage.empty()) room.update({{"stage", s.stage}, {"iterations", s.iterations}});
     if (!s.worker.empty()) room["worker"] = s.worker;
     if (s.state == RoomState::kFailed) {

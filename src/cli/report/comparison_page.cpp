@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const char* const kStyle = R"(
+const char* const kComparisonStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;margin:24px;max-width:none}
 h1{font-size:24px} h2{font-size:18px;margin:28px 0 8px}
 table{border-collapse:collapse} td,th{padding:3px 10px;text-align:right;border-bottom:1px solid #eee}
@@ -86,7 +86,7 @@ std::string pictures(const std::vector<RunScores>& runs, const char* kind) {
 std::string comparison_page(const std::vector<RunScores>& runs) {
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
-      "<title>aligngs: comparison</title><style>" + std::string(kStyle) + "</style><h1>Runs side by side</h1>";
+      "<title>aligngs: comparison</title><style>" + std::string(kComparisonStyle) + "</style><h1>Runs side by side</h1>";
   for (const std::string& warning : comparison_warnings(runs)) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   html += table(runs);
   for (const char* kind : {"rgb", "depth", "normal", "label"}) html += pictures(runs, kind);

@@ -22,7 +22,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-const char* const kStyle = R"(
+const char* const kReportStyle = R"(
 body{font:15px/1.45 system-ui,sans-serif;color:#1f2937;max-width:1180px;margin:24px auto;padding:0 16px}
 h1{font-size:24px;margin:0 0 4px} h2{font-size:18px;margin:28px 0 8px;border-bottom:1px solid #e5e7eb}
 table{border-collapse:collapse} td,th{padding:3px 10px;text-align:right;border-bottom:1px solid #f0f0f0} th{font-weight:600}
@@ -177,7 +177,7 @@ std::string html_report(const fs::path& run) {
   const std::string title = "aligngs: " + fs::absolute(run).lexically_normal().filename().string();
   const std::string config = fs::exists(run / "config.toml") ? read_file(run / "config.toml") : "";
   std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" +
-                     escape_html(title) + "</title><style>" + kStyle + "</style><h1>" + escape_html(title) + "</h1>";
+                     escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
   html += "<p><code>" + escape_html(state.value("command", std::string())) + "</code></p>";
   html += notes(state, metrics) + summary(metrics);
   html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics) + per_view_table(metrics) + charts(run);

@@ -20,8 +20,8 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kRowsPerTask = 512;
-constexpr size_t kRowsAhead = 4;  ///< a row of 600 bytes is rounded in about a quarter of a miss of the last cache
+constexpr size_t kEngineRowsPerTask = 512;
+constexpr size_t kEngineRowsAhead = 4;  ///< a row of 600 bytes is rounded in about a quarter of a miss of the last cache
 
 /// Writes the wall time since the last call under a name.
 class Stopwatch {
@@ -84,12 +84,12 @@ void CpuEngine::prepare_features(SemanticBlend blend, const uint8_t* touched) co
   const size_t channels = static_cast<size_t>(model_.semantic_channels);
   const size_t padded = padded_channels(model_.semantic_channels);
   frame_.features.resize(frame_.lists.visible.size() * padded);
-  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool_->parallel_for(model_.size(), kEngineRowsPerTask, [&](size_t begin, size_t end, int) {
     const auto prefetch = [&](size_t i) {
       if (i < end && touched != nullptr && touched[i] != 0) prefetch_row(&model_.semantics[i * channels], channels);
     };
     for (size_t i = begin; i < end; ++i) {
-      prefetch(i + kRowsAhead);
+      prefetch(i + kEngineRowsAhead);
       if (touched != nullptr ? touched[i] == 0 : frame_.view.rects[i].area() == 0) continue;
       const float* in = model_.semantics.data() + i * channels;
       float* row = frame_.features.data() + size_t(frame_.lists.rank[i]) * padded;
@@ -107,7 +107,7 @@ bool CpuEngine::prepare_rounded(SemanticBlend blend) {
   const size_t padded = padded_channels(model_.semantic_channels), depth = padded_depth(padded);
   if (rounded_for_ == blend) return false;
   rounded_.resize(model_.size() * depth);
-  pool_->parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int worker) {
+  pool_->parallel_for(model_.size(), kEngineRowsPerTask, [&](size_t begin, size_t end, int worker) {
     AlignedArray<float>& scratch = scratch_[static_cast<size_t>(worker)].semantic.block.student;
     scratch.resize(padded);
     for (size_t i = begin; i < end; ++i) {
@@ -286,12 +286,12 @@ StepReport CpuEngine::step(const StepRequest& request) {
 
 int64_t CpuEngine::first_bad_feature_gradient() const {
   const size_t n = model_.size(), padded = padded_channels(model_.semantic_channels);
-  std::vector<int64_t> bad((n + kRowsPerTask - 1) / kRowsPerTask, -1);
-  pool_->parallel_for(n, kRowsPerTask, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end && bad[begin / kRowsPerTask] < 0; ++i) {
+  std::vector<int64_t> bad((n + kEngineRowsPerTask - 1) / kEngineRowsPerTask, -1);
+  pool_->parallel_for(n, kEngineRowsPerTask, [&](size_t begin, size_t end, int) {
+    for (size_t i = begin; i < end && bad[begin / kEngineRowsPerTask] < 0; ++i) {
       if (frame_.view.rects[i].area() == 0 || feature_written_[frame_.lists.rank[i]] == 0) continue;
       if (!all_within(feature_gradients_.data() + frame_.lists.rank[i] * padded, padded, kGradientLimit)) {
-        bad[begin / kRowsPerTask] = static_cast<int64_t>(i);
+        bad[begin / kEngineRowsPerTask] = static_cast<int64_t>(i);
       }
     }
   });

@@ -6,7 +6,7 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kRowsPerTask = 512;
+constexpr size_t kLiftedRowsPerTask = 512;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
     prepare_frame(view.data.camera, raster, model_.sh_degree);
     lift_pass({frame_.view, frame_.lists, raster}, step, *pool_, scratch_, batches_, sums.data(), written);
   }
-  pool_->parallel_for(n, kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool_->parallel_for(n, kLiftedRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       if (written[i] == 0) continue;
       semantic_start(sums.data() + i * padded, model_.semantic_channels, map_.remainder(),

@@ -13,8 +13,8 @@ namespace aligngs::cpu {
 namespace {
 
 constexpr size_t kNumbersPerTask = 16384;  ///< a multiple of every vector length
-constexpr size_t kRowsPerTask = 512;
-constexpr size_t kRowsAhead = 2;  ///< semantic rows, of which an update reads four
+constexpr size_t kUpdatedRowsPerTask = 512;
+constexpr size_t kUpdatedRowsAhead = 2;  ///< semantic rows, of which an update reads four
 
 void check(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
@@ -42,7 +42,7 @@ void semantic_adam(const StepRequest& request, const SemanticGradients& semantic
     const size_t rank = semantics.rank[i];
     return semantics.written[rank] != 0 ? semantics.gradients + rank * padded : nullptr;
   };
-  pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(model.size(), kUpdatedRowsPerTask, [&](size_t begin, size_t end, int) {
     thread_local AlignedArray<float> scratch;
     scratch.resize(padded);
     const auto prefetch = [&](size_t i) {
@@ -55,7 +55,7 @@ void semantic_adam(const StepRequest& request, const SemanticGradients& semantic
       }
     };
     for (size_t i = begin; i < end; ++i) {
-      prefetch(i + kRowsAhead);
+      prefetch(i + kUpdatedRowsAhead);
       const float* g = gradient_of(i);
       if (g == nullptr && request.adam.skip_invisible_semantics) continue;
       const AdamStep<float> step = steps.at(++moments.semantic_updates[i]);
@@ -110,7 +110,7 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
   constexpr size_t kShRow = 3 * kShCoefficients;
   moments.sh_used = std::max(moments.sh_used, size_t(3) * sh_coefficient_count(request.sh_degree));
   const ShAdam sh{step_of(rates.sh_dc), step_of(rates.sh_rest), moments.sh_used};
-  pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(model.size(), kUpdatedRowsPerTask, [&](size_t begin, size_t end, int) {
     adam_sh_rows(sh, gradients.sh.data() + kShRow * begin, gradients.touched.data() + begin, end - begin,
                  model.sh.data() + kShRow * begin, m.sh.data() + kShRow * begin, v.sh.data() + kShRow * begin);
   });
@@ -121,7 +121,7 @@ void optimise(const StepRequest& request, const ParameterGradients& gradients, c
 
   const ShapeLimits& limits = request.limits;
   if (limits.flat_ratio_max > 0 || limits.aspect_max > 0 || limits.scale_max > 0) {
-    pool.parallel_for(model.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+    pool.parallel_for(model.size(), kUpdatedRowsPerTask, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
         float* s = &model.log_scales[3 * i];
         Vec3<float> log_scale{s[0], s[1], s[2]};

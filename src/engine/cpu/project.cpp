@@ -197,7 +197,7 @@ HWY_AFTER_NAMESPACE();
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kGrain = 512;  ///< rows per task
+constexpr size_t kProjectedRowsPerTask = 512;  ///< rows per task
 
 bool row_is_finite(const GaussianModel& model, size_t i) {
   float sum = 0;
@@ -229,9 +229,9 @@ void project_view(const GaussianModel& model, const Camera& camera, const Raster
   view.splats.resize(n);
   view.rects.resize(n);
   view.radius.resize(n);
-  std::vector<int64_t> suspects((n + kGrain - 1) / kGrain, -1);
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
-    suspects[begin / kGrain] = HWY_DYNAMIC_DISPATCH(ProjectRows)(model, raster, sh_degree, begin, end, view);
+  std::vector<int64_t> suspects((n + kProjectedRowsPerTask - 1) / kProjectedRowsPerTask, -1);
+  pool.parallel_for(n, kProjectedRowsPerTask, [&](size_t begin, size_t end, int) {
+    suspects[begin / kProjectedRowsPerTask] = HWY_DYNAMIC_DISPATCH(ProjectRows)(model, raster, sh_degree, begin, end, view);
   });
   view.non_finite = -1;
   for (const int64_t row : suspects) {

@@ -11,7 +11,7 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kGrain = 512;  ///< rows per task; also the unit in which sums are formed, so never depends on threads
+constexpr size_t kReducedRowsPerTask = 512;  ///< rows per task; also the unit in which sums are formed, so never depends on threads
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 
 Vec2<float> mean_gradient(const Splat& s, float p, float r) {
@@ -139,15 +139,15 @@ size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPoo
                     ParameterGradients& gradients) {
   const size_t n = lists.rank.size();
   gradients.touched.resize(n);
-  std::vector<size_t> chunks((n + kGrain - 1) / kGrain, 0);
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
+  std::vector<size_t> chunks((n + kReducedRowsPerTask - 1) / kReducedRowsPerTask, 0);
+  pool.parallel_for(n, kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       uint8_t any = 0;
       for (uint64_t slot = lists.slot_begin[i]; slot < lists.slot_begin[i + 1]; ++slot) {
         any |= record.seen[static_cast<size_t>(slot)];
       }
       gradients.touched[i] = any;
-      chunks[begin / kGrain] += any;
+      chunks[begin / kReducedRowsPerTask] += any;
     }
   });
   return std::accumulate(chunks.begin(), chunks.end(), size_t(0));
@@ -162,13 +162,13 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   gradients.opacity_logits.resize(n);
   gradients.sh.resize(3 * kShCoefficients * n);
   if (in.request.collect_density) gradients.density.resize(n);
-  const size_t chunk_count = (n + kGrain - 1) / kGrain;
+  const size_t chunk_count = (n + kReducedRowsPerTask - 1) / kReducedRowsPerTask;
   std::vector<ChunkSums> sums(chunk_count);
   std::vector<BadGradient> bad(chunk_count);
   const ProjectBackwardInputs backward{in.model, in.view, in.request.sh_degree, in.coupling_scale,
                                        in.request.raster.dropout.factor()};
-  pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
-    const size_t chunk = begin / kGrain;
+  pool.parallel_for(n, kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
+    const size_t chunk = begin / kReducedRowsPerTask;
     uint32_t rows[kMaxBackwardRows];
     SplatGradient row_sums[kMaxBackwardRows];
     RowGradient row[kMaxBackwardRows];
@@ -227,7 +227,7 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
 void add_density_statistics(const ReduceInputs& in, const ParameterGradients& gradients, ThreadPool& pool,
                             DensityStatistics& statistics) {
   const float to_ndc_x = 0.5f * in.view.width, to_ndc_y = 0.5f * in.view.height;
-  pool.parallel_for(in.model.size(), kGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(in.model.size(), kReducedRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       if (gradients.touched[i] == 0) continue;
       const DensitySums& d = gradients.density[i];

@@ -9,7 +9,7 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kRowsPerTask = 8;      ///< image rows per task
+constexpr size_t kImageRowsPerTask = 8;      ///< image rows per task
 constexpr float kLabelAlphaMin = 0.5f;  ///< "nothing here" below (engine.h)
 
 /// Arg-max class of one pixel and its probability.
@@ -54,7 +54,7 @@ Rendering CpuEngine::render(const Camera& camera, const RenderOptions& options) 
     r.depth_median = ImageF(w, h, 1);
     r.depth_median.data = m.median;
   }
-  pool_->parallel_for(static_cast<size_t>(h), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool_->parallel_for(static_cast<size_t>(h), kImageRowsPerTask, [&](size_t begin, size_t end, int) {
     interleave(m.color, n, begin * w, end * w, r.color);
     if (!options.geometry) return;
     for (size_t y = begin; y < end; ++y) {

@@ -8,7 +8,7 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kRowsPerTask = 2048;
+constexpr size_t kVotedRowsPerTask = 2048;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ const std::vector<float>& ViewVotes::of(const TrainingView& view, const RasterSe
     build_tile_lists(projected_, pool_, lists_);
     lift_pass({projected_, lists_, raster}, step, pool_, scratch_, batches_, sums_.data(), written_);
   }
-  pool_.parallel_for(model_.size(), kRowsPerTask, [&](size_t begin, size_t end, int) {
+  pool_.parallel_for(model_.size(), kVotedRowsPerTask, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       float* to = &votes_[i * channels];
       if (written_[i] == 0) {

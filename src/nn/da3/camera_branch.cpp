@@ -5,7 +5,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;
+constexpr float kCameraNormEps = 1e-5f;
 constexpr int64_t kPose = 9;
 
 }  // namespace
@@ -15,11 +15,11 @@ Da3CameraEncoder::Da3CameraEncoder(const Compute& compute, const Weights& weight
   const int64_t hidden = weights.dimension("pose_branch.fc1.weight", 0);
   fc1_ = Linear(compute, weights, "pose_branch.fc1", hidden, kPose);
   fc2_ = Linear(compute, weights, "pose_branch.fc2", c, hidden);
-  token_norm_ = LayerNorm(weights, "token_norm", c, kEps);
-  trunk_norm_ = LayerNorm(weights, "trunk_norm", c, kEps);
+  token_norm_ = LayerNorm(weights, "token_norm", c, kCameraNormEps);
+  trunk_norm_ = LayerNorm(weights, "trunk_norm", c, kCameraNormEps);
   for (int i = 0; i < weights.count("trunk."); ++i) {
     trunk_.emplace_back(compute, weights.sub("trunk." + std::to_string(i) + "."),
-                        TransformerBlock::Config{c, heads, kEps});
+                        TransformerBlock::Config{c, heads, kCameraNormEps});
   }
 }
 

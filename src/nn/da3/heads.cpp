@@ -11,7 +11,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-5f;
+constexpr float kHeadNormEps = 1e-5f;
 constexpr int64_t kRayValues = 7;
 
 /// A 3x3 convolution that keeps the size of the map.
@@ -40,7 +40,7 @@ Da3DualHead::Da3DualHead(const Compute& compute, const Weights& weights)
   if (ray_widths_.empty()) weights.shape(widths + "0.weight");  // throws: missing
   ray_hidden_ = convolution_of(compute, weights, last + ".0", channels);
   ray_norm_ = LayerNorm(weights, weights.has(last + ".2.weight") ? last + ".2" : shared,
-                        ray_hidden_.shape().outputs, kEps);
+                        ray_hidden_.shape().outputs, kHeadNormEps);
   ray_output_ = Linear(compute, weights, last + ".5", kRayValues, ray_hidden_.shape().outputs);
 }
 

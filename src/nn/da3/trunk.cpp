@@ -38,7 +38,7 @@ VitOptions vit_options(int64_t heads) {
 }
 
 /// Layers of the published networks: Small and Base, Large, Giant.
-std::vector<int> published_layers(int64_t depth) {
+std::vector<int> published_da3_layers(int64_t depth) {
   if (depth == 12) return {5, 7, 9, 11};
   if (depth == 24) return {11, 15, 19, 23};
   if (depth == 40) return {19, 27, 33, 39};
@@ -119,7 +119,7 @@ std::vector<FeatureMap> Da3Tokens::maps_of(int64_t view) const {
 
 Da3Trunk::Da3Trunk(const Compute& compute, const Weights& weights, const Da3TrunkOptions& options)
     : vit_(compute, weights, vit_options(heads_of(weights, options.heads))),
-      layers_(options.layers.empty() ? published_layers(vit_.depth()) : options.layers),
+      layers_(options.layers.empty() ? published_da3_layers(vit_.depth()) : options.layers),
       alternate_from_(options.alternate_from.value_or(first_normed_block(weights))),
       rotate_from_(options.rotate_from.value_or(alternate_from_)),
       joined_(options.joined) {

@@ -13,13 +13,13 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kEps = 1e-6f;
+constexpr float kEomtNormEps = 1e-6f;
 
 VitOptions vit_options(int64_t heads) {
   VitOptions options;
   options.heads = heads;
   options.position = PositionRule::kPatchTable;
-  options.eps = kEps;
+  options.eps = kEomtNormEps;
   return options;
 }
 
@@ -91,7 +91,7 @@ Eomt::Eomt(Compute& compute, const Weights& weights, const EomtOptions& options)
     upscale_.push_back({TransposedConvolution(compute, weights, n + "conv1", c, c, 2),
                         DepthwiseConvolution(weights.load(n + "conv2.weight", {c, 1, 3, 3}),
                                              std::vector<float>(size_t(c))),
-                        LayerNorm(weights, n + "norm", c, kEps)});
+                        LayerNorm(weights, n + "norm", c, kEomtNormEps)});
   }
 }
 

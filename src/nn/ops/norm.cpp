@@ -10,7 +10,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr double kEps = 1e-5;  // of group and batch norm in PyTorch
+constexpr double kGroupNormEps = 1e-5;  // of group and batch norm in PyTorch
 constexpr int64_t kRowChunk = 256;
 
 }  // namespace
@@ -57,7 +57,7 @@ GroupNorm::GroupNorm(const Weights& weights, const std::string& name, int64_t ch
 void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   if (NetworkDevice* const device = compute.device()) {
     device->group_norm(x.data.change_on(*device), x.places(), x.channels, groups_, weight_.on(*device),
-                       bias_.on(*device), kEps, relu);
+                       bias_.on(*device), kGroupNormEps, relu);
     return;
   }
   const int64_t size = x.channels / groups_, places = x.places();
@@ -94,7 +94,7 @@ void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   std::vector<float> scale(size_t(x.channels)), shift(size_t(x.channels));
   for (int64_t c = 0; c < x.channels; ++c) {
     const int64_t g = c / size;
-    const double s = double(weight_[size_t(c)]) / std::sqrt(total(squares, g) + kEps);
+    const double s = double(weight_[size_t(c)]) / std::sqrt(total(squares, g) + kGroupNormEps);
     scale[size_t(c)] = float(s);
     shift[size_t(c)] = float(double(bias_[size_t(c)]) - mean[size_t(g)] * s);
   }
@@ -113,7 +113,7 @@ BatchNorm::BatchNorm(const std::vector<float>& weight, const std::vector<float>&
                      const std::vector<float>& mean, const std::vector<float>& variance)
     : scale(weight.size()), shift(weight.size()) {
   for (size_t c = 0; c < weight.size(); ++c) {
-    const double s = double(weight[c]) / std::sqrt(double(variance[c]) + kEps);
+    const double s = double(weight[c]) / std::sqrt(double(variance[c]) + kGroupNormEps);
     scale[c] = float(s);
     shift[c] = float(double(bias[c]) - double(mean[c]) * s);
   }

@@ -10,7 +10,7 @@
 namespace aligngs::nn {
 namespace {
 
-struct Tap {
+struct AreaTap {
   int index;
   float weight;
 };
@@ -20,14 +20,14 @@ double step_of(int inputs, int outputs) { return 1 / (double(outputs) / double(i
 uint8_t rounded(float v) { return uint8_t(std::clamp(std::lrint(v), 0L, 255L)); }  // to nearest even
 
 /// Inputs that each output covers, with the shares of the first and the last.
-std::vector<std::vector<Tap>> taps_of(int inputs, int outputs) {
+std::vector<std::vector<AreaTap>> area_taps_of(int inputs, int outputs) {
   constexpr double kLeastShare = 1e-3;
   const double step = step_of(inputs, outputs);
-  std::vector<std::vector<Tap>> all;
+  std::vector<std::vector<AreaTap>> all;
   for (int i = 0; i < outputs; ++i) {
     const double from = i * step, to = from + step, cell = std::min(step, double(inputs) - from);
     const int last = std::min(int(std::floor(to)), inputs - 1), first = std::min(int(std::ceil(from)), last);
-    std::vector<Tap> taps;
+    std::vector<AreaTap> taps;
     if (first - from > kLeastShare) taps.push_back({first - 1, float((first - from) / cell)});
     for (int k = first; k < last; ++k) taps.push_back({k, float(1.0 / cell)});
     if (to - last > kLeastShare) taps.push_back({last, float(std::min(std::min(to - last, 1.0), cell) / cell)});
@@ -65,14 +65,14 @@ Image<uint8_t> opencv_resize_area(const Image<uint8_t>& image, int width, int he
   };
   if (is_whole(step_of(image.width, width)) && is_whole(step_of(image.height, height)))
     return mean_of_cells(image, width, height);
-  const std::vector<std::vector<Tap>> columns = taps_of(image.width, width), rows = taps_of(image.height, height);
+  const std::vector<std::vector<AreaTap>> columns = area_taps_of(image.width, width), rows = area_taps_of(image.height, height);
   const int channels = image.channels;
   const size_t line = size_t(width) * size_t(channels);
   // A row mixed horizontally; those of two outputs overlap by one input at most.
   const auto mix_row = [&](int y, std::vector<float>& mixed) {
     std::fill(mixed.begin(), mixed.end(), 0.0f);
     for (int x = 0; x < width; ++x) {
-      for (const Tap& tap : columns[size_t(x)]) {
+      for (const AreaTap& tap : columns[size_t(x)]) {
         for (int c = 0; c < channels; ++c)
           mixed[size_t(x * channels + c)] += float(image.at(tap.index, y, c)) * tap.weight;
       }
@@ -83,7 +83,7 @@ Image<uint8_t> opencv_resize_area(const Image<uint8_t>& image, int width, int he
   int held = -1;
   for (int y = 0; y < height; ++y) {
     std::fill(sum.begin(), sum.end(), 0.0f);
-    for (const Tap& tap : rows[size_t(y)]) {
+    for (const AreaTap& tap : rows[size_t(y)]) {
       if (tap.index != held) mix_row(held = tap.index, mixed);
       for (size_t i = 0; i < line; ++i) sum[i] += mixed[i] * tap.weight;
     }

@@ -13,14 +13,14 @@ namespace {
 constexpr size_t kTaps = 4;
 constexpr size_t kLanes = 8;  // values of a row that OpenCV mixes at a time, in floating point
 
-struct Taps {
+struct CubicTaps {
   std::array<int, kTaps> index, weight;  ///< weights of 2048
 };
 
-std::vector<Taps> taps_of(int inputs, int outputs) {
+std::vector<CubicTaps> cubic_taps_of(int inputs, int outputs) {
   constexpr float a = -0.75f, kOne = 2048;
   const double step = 1 / (double(outputs) / double(inputs));
-  std::vector<Taps> all;
+  std::vector<CubicTaps> all;
   for (int i = 0; i < outputs; ++i) {
     const auto position = float((i + 0.5) * step - 0.5);
     const int base = int(std::floor(position));
@@ -30,7 +30,7 @@ std::vector<Taps> taps_of(int inputs, int outputs) {
     w[1] = ((a + 2) * x - (a + 3)) * x * x + 1;
     w[2] = ((a + 2) * after - (a + 3)) * after * after + 1;
     w[3] = 1.0f - w[0] - w[1] - w[2];
-    Taps taps;
+    CubicTaps taps;
     for (size_t k = 0; k < kTaps; ++k) {
       taps.index[k] = std::clamp(base - 1 + int(k), 0, inputs - 1);
       taps.weight[k] = int(std::lrint(w[k] * kOne));
@@ -47,14 +47,14 @@ uint8_t clamped(long v) { return uint8_t(std::clamp(v, 0L, 255L)); }
 Image<uint8_t> opencv_resize_cubic(const Image<uint8_t>& image, int width, int height) {
   if (width <= 0 || height <= 0 || image.empty())
     throw Error({ErrorKind::kFailed, "resizing to or from nothing", {}, "size", ""});
-  const std::vector<Taps> columns = taps_of(image.width, width), rows = taps_of(image.height, height);
+  const std::vector<CubicTaps> columns = cubic_taps_of(image.width, width), rows = cubic_taps_of(image.height, height);
   const int channels = image.channels;
   const size_t line = size_t(width) * size_t(channels);
   std::vector<int> wide(line * size_t(image.height));  // mixed horizontally, times 2048
   for (int y = 0; y < image.height; ++y) {
     int* const to = wide.data() + size_t(y) * line;
     for (int x = 0; x < width; ++x) {
-      const Taps& taps = columns[size_t(x)];
+      const CubicTaps& taps = columns[size_t(x)];
       for (int c = 0; c < channels; ++c) {
         int sum = 0;
         for (size_t k = 0; k < kTaps; ++k) sum += int(image.at(taps.index[k], y, c)) * taps.weight[k];
@@ -66,7 +66,7 @@ Image<uint8_t> opencv_resize_cubic(const Image<uint8_t>& image, int width, int h
   constexpr int kHalf = 1 << 21, kBits = 22;
   Image<uint8_t> out(width, height, channels);
   for (int y = 0; y < height; ++y) {
-    const Taps& taps = rows[size_t(y)];
+    const CubicTaps& taps = rows[size_t(y)];
     std::array<const int*, kTaps> from{};
     std::array<float, kTaps> weight{};
     for (size_t k = 0; k < kTaps; ++k) {

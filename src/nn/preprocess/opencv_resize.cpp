@@ -9,15 +9,15 @@
 namespace aligngs::nn {
 namespace {
 
-struct Taps {
+struct LinearTaps {
   int low, high;
   int low_weight, high_weight;  ///< of 2048
 };
 
 /// Along x the weight is dropped where the image ends; along y only the row index is held there.
-std::vector<Taps> taps_of(int inputs, int outputs, bool horizontal) {
+std::vector<LinearTaps> linear_taps_of(int inputs, int outputs, bool horizontal) {
   constexpr float kOne = 2048;
-  std::vector<Taps> all;
+  std::vector<LinearTaps> all;
   const double scale = double(inputs) / outputs;
   for (int i = 0; i < outputs; ++i) {
     const float position = float((i + 0.5) * scale - 0.5);
@@ -44,17 +44,17 @@ Image<uint8_t> opencv_resize_linear(const Image<uint8_t>& image, int width, int 
   if (width <= 0 || height <= 0 || image.empty())
     throw Error({ErrorKind::kFailed, "resizing to or from nothing", {}, "size", ""});
   if (width == image.width && height == image.height) return image;
-  const std::vector<Taps> columns = taps_of(image.width, width, true);
-  const std::vector<Taps> rows = taps_of(image.height, height, false);
+  const std::vector<LinearTaps> columns = linear_taps_of(image.width, width, true);
+  const std::vector<LinearTaps> rows = linear_taps_of(image.height, height, false);
   const int channels = image.channels;
   Image<uint8_t> out(width, height, channels);
   const auto mixed = [&](int x, int y, int c) {
-    const Taps& taps = columns[size_t(x)];
+    const LinearTaps& taps = columns[size_t(x)];
     return int(image.at(taps.low, y, c)) * taps.low_weight +
            int(image.at(taps.high, y, c)) * taps.high_weight;
   };
   for (int y = 0; y < height; ++y) {
-    const Taps& taps = rows[size_t(y)];
+    const LinearTaps& taps = rows[size_t(y)];
     for (int x = 0; x < width; ++x) {
       for (int c = 0; c < channels; ++c) {
         const int upper = (taps.low_weight * (mixed(x, taps.low, c) >> 4)) >> 16;

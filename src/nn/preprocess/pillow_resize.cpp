@@ -26,15 +26,15 @@ struct Filter {
   double reach;  ///< beyond it the weight is 0
 };
 
-struct Taps {
+struct FilterTaps {
   int first = 0;
   std::vector<int64_t> weights;
 };
 
-std::vector<Taps> taps_of(int inputs, int outputs, const Filter& filter) {
+std::vector<FilterTaps> filter_taps_of(int inputs, int outputs, const Filter& filter) {
   const double scale = double(inputs) / outputs, widening = std::max(scale, 1.0);
   const double support = filter.reach * widening;
-  std::vector<Taps> all(static_cast<size_t>(outputs));
+  std::vector<FilterTaps> all(static_cast<size_t>(outputs));
   for (int i = 0; i < outputs; ++i) {
     const double centre = (i + 0.5) * scale;
     const int low = std::max(int(centre - support + 0.5), 0);
@@ -45,7 +45,7 @@ std::vector<Taps> taps_of(int inputs, int outputs, const Filter& filter) {
       weights.push_back(filter.weight((k + 0.5 - centre) / widening));
       total += weights.back();
     }
-    Taps& taps = all[size_t(i)];
+    FilterTaps& taps = all[size_t(i)];
     taps.first = low;
     for (const double weight : weights) {
       const double fixed = weight / total * (1 << kBits);
@@ -56,7 +56,7 @@ std::vector<Taps> taps_of(int inputs, int outputs, const Filter& filter) {
 }
 
 /// Mixes values that lie `stride` apart.
-uint8_t mix(const uint8_t* from, size_t stride, const Taps& taps) {
+uint8_t mix(const uint8_t* from, size_t stride, const FilterTaps& taps) {
   int64_t sum = int64_t(1) << (kBits - 1);
   for (size_t k = 0; k < taps.weights.size(); ++k) sum += taps.weights[k] * from[k * stride];
   return uint8_t(std::clamp<int64_t>(sum >> kBits, 0, 255));
@@ -69,7 +69,7 @@ Image<uint8_t> resized(const Image<uint8_t>& image, int width, int height, const
   const int channels = image.channels;
   if (width != image.width) {
     wide = Image<uint8_t>(width, image.height, channels);
-    const std::vector<Taps> taps = taps_of(image.width, width, filter);
+    const std::vector<FilterTaps> taps = filter_taps_of(image.width, width, filter);
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (int c = 0; c < channels; ++c) {
@@ -81,7 +81,7 @@ Image<uint8_t> resized(const Image<uint8_t>& image, int width, int height, const
   }
   if (height == image.height) return wide;
   Image<uint8_t> out(width, height, channels);
-  const std::vector<Taps> taps = taps_of(image.height, height, filter);
+  const std::vector<FilterTaps> taps = filter_taps_of(image.height, height, filter);
   const size_t line = size_t(width) * size_t(channels);
   for (int y = 0; y < height; ++y) {
     const uint8_t* from = wide.pixel(0, taps[size_t(y)].first);
