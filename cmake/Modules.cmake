@@ -1,12 +1,28 @@
-# aligngs_module(NAME LIBRARIES ...): a static library of src/NAME/**/*.cpp. The tests beside
-# the sources are collected in tests/CMakeLists.txt, one program per module. cuda/ folders: cmake/Cuda.cmake.
 set_property(GLOBAL PROPERTY ALIGNGS_MODULES "")
+
+# Half of the time of a first build goes into templates of other libraries, which each source needs again. A change of one
+# source costs the time of its whole unit, so that this is for builds that nobody works in.
+option(ALIGNGS_UNITY_BUILD "Compile several sources of a module at once: a first build takes half the time" OFF)
+
+# aligngs_module(NAME [TOGETHER] LIBRARIES ...): a static library of src/NAME/**/*.cpp. TOGETHER lets unity builds compile
+# its sources in groups: names in their anonymous namespaces must differ. Sources for one instruction set, or that include
+# themselves for each (Highway's foreach_target.h), are compiled alone. The tests beside the sources are collected in
+# tests/CMakeLists.txt, one program per module. cuda/ folders: cmake/Cuda.cmake.
 function(aligngs_module name)
-  cmake_parse_arguments(ARG "" "" "LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "" "LIBRARIES" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "_test\\.cpp$|/src/[a-z]+/cuda/")
   if(sources)
     add_library(aligngs_${name} STATIC ${sources})
+    if(ARG_TOGETHER AND ALIGNGS_UNITY_BUILD)
+      set_target_properties(aligngs_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+      foreach(file IN LISTS sources)
+        file(STRINGS ${file} per_target REGEX "foreach_target|__attribute__\\(\\(target|GCC target")
+        if(per_target)
+          set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        endif()
+      endforeach()
+    endif()
     target_link_libraries(aligngs_${name} PUBLIC aligngs_flags ${ARG_LIBRARIES})
   else()
     add_library(aligngs_${name} INTERFACE)

@@ -13,5 +13,6 @@ elif [ "$cuda" = AUTO ]; then
   export CUDAARCHS=${CUDAARCHS:-native}
 fi
 echo "demo.sh: building; ninja counts what is left"
-"$here/scripts/build.sh" build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF "-DALIGNGS_WITH_CUDA=$cuda"
+"$here/scripts/build.sh" build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF \
+  -DALIGNGS_UNITY_BUILD=ON "-DALIGNGS_WITH_CUDA=$cuda"
 exec "$here/build/aligngs" demo "$@"

@@ -9,7 +9,7 @@ folder=${1:-build}
 scripts/setup.sh
 command -v dpkg-shlibdeps >/dev/null || { echo "package.sh: dpkg-shlibdeps is missing: apt-get install dpkg-dev" >&2; exit 5; }
 if [ ! -x "$folder/aligngs" ]; then
-  scripts/build.sh "$folder" -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF
+  scripts/build.sh "$folder" -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF -DALIGNGS_UNITY_BUILD=ON
 fi
 mkdir -p dist
 (cd "$folder" && cpack -G DEB -B "$OLDPWD/dist" >/dev/null)

@@ -10,7 +10,7 @@ folder=${1:-build}
 newest_glibc=2.35 # of Ubuntu 22.04, the oldest of the three
 command -v patchelf >/dev/null || { echo "portable.sh: patchelf is missing: apt-get install patchelf" >&2; exit 5; }
 if [ ! -x "$folder/aligngs" ]; then
-  scripts/build.sh "$folder" -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF
+  scripts/build.sh "$folder" -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=OFF -DALIGNGS_BUILD_BENCHMARKS=OFF -DALIGNGS_UNITY_BUILD=ON
 fi
 version=$("$folder/aligngs" --version | awk '{print $2}')
 name=aligngs-$version-linux-$(uname -m)

@@ -22,6 +22,6 @@ scripts/setup.sh
 scripts/check_layering.sh
 scripts/check_prose.sh
 scripts/check_docs.py
-scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON "${definitions[@]}"
+scripts/build.sh build -DCMAKE_BUILD_TYPE=Release -DALIGNGS_BUILD_TESTS=ON -DALIGNGS_UNITY_BUILD=ON "${definitions[@]}"
 # In parallel: most use one core, and each process has a folder of temporary files to itself (tests/test_main.cpp).
 ctest --test-dir build --parallel "$(nproc)" --output-on-failure --no-tests=error "${selection[@]}"
