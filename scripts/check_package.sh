@@ -18,7 +18,7 @@ inside useradd --create-home visitor
 as_visitor() { inside su visitor -c "cd && $*"; }
 as_visitor aligngs --version
 as_visitor aligngs doctor >/dev/null
-as_visitor aligngs demo -q -n 30 -o run
+as_visitor aligngs demo -q -n 30 --views 8 --size 64x48 -o run
 for file in home/visitor/run/report.html home/visitor/run/mesh/mesh.ply usr/share/man/man1/aligngs-run.1.gz \
             usr/share/bash-completion/completions/aligngs usr/share/zsh/vendor-completions/_aligngs \
             usr/share/fish/vendor_completions.d/aligngs.fish; do

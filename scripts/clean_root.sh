@@ -1,7 +1,8 @@
 # For scripts that check an installation in a clean system. Sourced, not run:
 #   clean_root_or_skip         77 with a reason where root or debootstrap is missing
 #   make_clean_root [SUITE]    a minimal Debian 12, or jammy or noble of Ubuntu, in a temporary folder, named by $root;
-#                              removed when the script ends
+#                              removed when the script ends. It is kept for a week in ~/.cache/aligngs for the next one.
+#                              77 with a reason where it cannot be made, which says nothing about a package.
 #   inside COMMAND...          runs a command in it
 # shellcheck shell=bash
 
@@ -28,12 +29,24 @@ make_clean_root() {
   fi
   root=$(mktemp -d)
   chmod 755 "$root"
-  trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
-  debootstrap --variant=minbase "${extra[@]}" "$suite" "$root" ${mirror:+"$mirror"} ${script:+"$script"} >"$root.log" 2>&1 || { tail "$root.log" >&2; exit 5; }
-  rm -f "$root.log"
+  trap 'umount "$root/proc" 2>/dev/null || true; rm -rf "$root" "$root.log"' EXIT
+  local kept=${XDG_CACHE_HOME:-$HOME/.cache}/aligngs/clean-$suite.tar
+  if [ -n "$(find "$kept" -mtime -7 2>/dev/null)" ]; then
+    tar -C "$root" -xpf "$kept"
+  else
+    if ! debootstrap --variant=minbase "${extra[@]}" "$suite" "$root" ${mirror:+"$mirror"} ${script:+"$script"} >"$root.log" 2>&1; then
+      echo "skipped: debootstrap cannot make a clean $suite here: $(tail -n 1 "$root.log")"
+      exit 77
+    fi
+    mkdir -p "$(dirname "$kept")"
+    tar -C "$root" -cf "$kept.part" . && mv "$kept.part" "$kept"
+  fi
   apt-config dump | grep '^Acquire::' >"$root/etc/apt/apt.conf.d/90host" || true  # proxies and the like, as they are here
   echo 'APT::Sandbox::User "root";' >>"$root/etc/apt/apt.conf.d/90host"
-  mount -t proc proc "$root/proc"
+  if ! mount -t proc proc "$root/proc" 2>"$root.log"; then
+    echo "skipped: a clean system needs /proc, and mount fails here: $(cat "$root.log")"
+    exit 77
+  fi
 }
 
 inside() { LC_ALL=C chroot "$root" "$@"; }

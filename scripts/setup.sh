@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
-# Usage: scripts/setup.sh [--clang] [--browser] [--python]     --clang adds clang 14 and the fuzzing runtime; --browser adds
-# what the tests of the page, of exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg; --python adds what the
-# tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema
+# Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages]     --clang adds clang 14 and the fuzzing runtime;
+# --browser adds what the tests of the page, of exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg; --python
+# adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema; --packages adds
+# what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap
 set -euo pipefail
 
 packages=(
@@ -23,7 +24,8 @@ for option in "$@"; do
       command -v npm >/dev/null || packages+=(npm)
       ;;
     --python) packages+=(python3-numpy python3-yaml python3-jsonschema) ;;
-    -h|--help) sed -n '2,5p' "$0" | cut -c3-; exit 0 ;;
+    --packages) packages+=(dpkg-dev file patchelf debootstrap) ;;
+    -h|--help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done
