@@ -1,5 +1,5 @@
-// A real capture through the whole program at 640x480: colour only from SfM points, and with sensor depth. Only as long
-// as a test may take; the figures of full runs are in docs/results.md.
+// A real capture through the whole program at half its size: colour only from SfM points, and with sensor depth. Only as
+// long as a test may take; the figures of full runs are in docs/results.md.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -33,7 +33,7 @@ class Kitchen : public testing::Test {
   nlohmann::json measure(const std::string& import_options, int iterations) const {
     const ProcessResult import = run_aligngs("import '" + capture().string() + "' -o '" + (base_ / "scene").string() + "' -q " + import_options, base_);
     EXPECT_EQ(import.status, 0) << import.err;
-    const ProcessResult run = run_aligngs("run '" + (base_ / "scene").string() + "' -o '" + (base_ / "run").string() + "' -q --json -n " +
+    const ProcessResult run = run_aligngs("run '" + (base_ / "scene").string() + "' -o '" + (base_ / "run").string() + "' -q --json --set data.scale=0.5 -n " +
                                           std::to_string(iterations), base_);
     EXPECT_EQ(run.status, 0) << run.err;
     return parse_json(run.out);
