@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
 # Usage: scripts/setup.sh [--clang] [--browser] [--python]     --clang adds clang 14 and the fuzzing runtime; --browser adds
-# what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg, readers of plans; --python adds what the
-# tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema
+# what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg, readers of plans;
+# --python adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema
 set -euo pipefail
 
 packages=(

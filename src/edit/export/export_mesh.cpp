@@ -44,9 +44,13 @@ ExportMesh export_mesh(const EditableRoom& room, const MeshOptions& options, Thr
 ExportMesh collision_mesh(const EditableRoom& room, const MeshOptions& options, ThreadPool& pool) {
   MeshOptions coarse;
   coarse.closed = options.closed;
-  coarse.triangles = options.triangles;
-  coarse.error = options.simplified() ? options.error : kColliderError * room.gaussians.extent;
+  coarse.error = options.error > 0 ? options.error : kColliderError * room.gaussians.extent;
   ExportMesh out = export_mesh(room, coarse, pool);
+  if (options.triangles > 0 && out.triangles > options.triangles) {
+    coarse.error = 0;
+    coarse.triangles = options.triangles;
+    out = export_mesh(room, coarse, pool);
+  }
   for (ObjectMesh& object : out.objects) {
     object.mesh.normals.clear();
     object.mesh.colors.clear();

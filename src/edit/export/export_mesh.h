@@ -27,7 +27,7 @@ inline constexpr int kTextureQuality = 90;
 /// How far the surface of a collider may move, as a share of the extent: 1 cm in a room.
 inline constexpr double kColliderError = 0.01 / 3;
 
-/// Positions and triangles alone, simplified to kColliderError.
+/// Positions and triangles alone, simplified to the error of `options`, else kColliderError, and further where they say fewer triangles.
 ExportMesh collision_mesh(const EditableRoom& room, const MeshOptions& options, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -149,5 +149,11 @@ TEST_F(TexturedMesh, TheColliderHasNoColours) {
   for (const ObjectMesh& object : collider.objects) EXPECT_TRUE(object.mesh.colors.empty() && object.mesh.normals.empty());
 }
 
+TEST_F(TexturedMesh, TheColliderHasNoMoreTrianglesThanAskedFor) {
+  const size_t usual = collision_mesh(room_, {}, pool_).triangles;
+  EXPECT_EQ(collision_mesh(room_, {.triangles = 100000}, pool_).triangles, usual) << "a limit far above changes nothing";
+  EXPECT_LT(collision_mesh(room_, {.triangles = usual / 2}, pool_).triangles, usual);
+}
+
 }  // namespace
 }  // namespace aligngs
