@@ -204,5 +204,22 @@ TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
   }
 }
 
+TEST_F(EditCommand, ExportShapesTheMesh) {
+  const auto exported = [&](const std::string& options, const std::string& name) {
+    const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json " + options + " -o " + quoted(root() / name));
+    EXPECT_EQ(result.status, 0) << options << result.err;
+    return parse_json(result.out);
+  };
+  const nlohmann::json few = exported("-f glb --mesh-only --triangles 2000 --closed", "few.glb");
+  // Borders of this room's many small objects keep more than 2000.
+  EXPECT_LT(2 * few["triangles"].get<size_t>(), few["triangles_before"].get<size_t>());
+  EXPECT_EQ(few["open_edges"], 0);
+  EXPECT_EQ(few["gaussians"], 0);
+  const nlohmann::json textured = exported("-f obj --textured --error 20", "textured.obj");
+  EXPECT_EQ(textured["files"].size(), 3u);
+  EXPECT_TRUE(fs::exists(root() / "textured.jpg"));
+  EXPECT_EQ(exported("-f glb --object bed", "bed.glb")["objects"], exported("-f glb --object bed --mesh-only", "bed_mesh.glb")["objects"]);
+}
+
 }  // namespace
 }  // namespace aligngs

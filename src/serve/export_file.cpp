@@ -102,6 +102,9 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
     elsewhere = in_original_coordinates(room, *original_world, scene_json);
     to = *original_world;
   }
+  if (room.mesh.empty() && (options.triangles > 0 || options.error > 0 || options.closed || options.textured)) {
+    throw Error({ErrorKind::kUsage, "there is no mesh to simplify, close or texture", session.folder(), "", "make it first: aligngs mesh RUN"});
+  }
   ExportOptions parts{.parts = options.parts};
   parts.mesh.triangles = options.triangles;
   parts.mesh.error = options.error > 0 ? options.error * millimetre(session, measured) * to.scale : 0;
