@@ -56,7 +56,7 @@ def main():
             if done.returncode != 0:
                 raise SystemExit(f"export_table.py: -f {form} {' '.join(options)}: {done.stderr.strip()}")
             report = json.loads(done.stdout)
-            print(f"| `{form}` | {'`' + ' '.join(options) + '`' if options else ''} | {report['bytes'] / 1e6:.2f} | {seconds:.1f} | {report['triangles'] or ''} |", flush=True)
+            print(f"| `{form}` | {'`' + ' '.join(options) + '`' if options else ''} | {report['bytes'] / 1e6:.3g} | {seconds:.1f} | {report['triangles'] or ''} |", flush=True)
 
 
 if __name__ == "__main__":
