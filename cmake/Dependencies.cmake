@@ -8,6 +8,7 @@ find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(Boost 1.74 REQUIRED)  # headers: Asio and Beast
+find_package(meshoptimizer REQUIRED)
 pkg_check_modules(NANOFLANN REQUIRED IMPORTED_TARGET nanoflann)
 add_library(nanoflann::nanoflann ALIAS PkgConfig::NANOFLANN)
 

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
 # Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages]     --clang adds clang 14 and the fuzzing runtime;
-# --browser adds what the tests of the page, of exports and of videos want: chromium, node, npm, assimp-utils, ffmpeg; --python
-# adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML, jsonschema; --packages adds
-# what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap
+# --browser adds what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg,
+# readers of plans; --python adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML,
+# jsonschema; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap
 set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build git pkg-config ccache python3
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libtomlplusplus-dev
   libturbojpeg0-dev libspng-dev libwebp-dev libheif-dev libexif-dev zlib1g-dev
-  libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev
+  libeigen3-dev libhwy-dev libnanoflann-dev libembree-dev libmeshoptimizer-dev
   libgtest-dev libgmock-dev libbenchmark-dev libdnnl-dev libboost-dev
   libcurl4-openssl-dev libceres-dev
 )
@@ -18,7 +18,7 @@ for option in "$@"; do
   case "$option" in
     --clang) packages+=(clang-14 libclang-rt-14-dev) ;;
     --browser)
-      packages+=(chromium assimp-utils fonts-dejavu-core ffmpeg)
+      packages+=(chromium assimp-utils fonts-dejavu-core ffmpeg libxml2-utils librsvg2-bin python3-ezdxf poppler-utils)
       # A node that came from elsewhere brings its own npm and conflicts with Debian's.
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)

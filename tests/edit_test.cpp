@@ -190,7 +190,7 @@ TEST_F(EditCommand, MeasureComparesWithTheTruth) {
 
 TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
   edit_json("--select bed --delete");
-  for (const char* format : {"ply", "labels.ply", "glb", "obj", "sog", "spz", "splat"}) {
+  for (const char* format : {"ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usdz"}) {
     const fs::path file = root() / (std::string("export.") + format);
     const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json -f " + format + " -o " + quoted(file));
     ASSERT_EQ(result.status, 0) << format << result.err;
@@ -198,9 +198,27 @@ TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
     EXPECT_GT(fs::file_size(file), 100u) << format;
   }
   EXPECT_EQ(read_gaussian_ply(root() / "export.ply").size(), read_gaussian_ply(run_ / "edits" / "scene.ply").size());
-  for (const char* wrong : {" -f gbl", " -f glb -o '/tmp/room.spz'", " -f spz --only mesh", " -f glb --only doors"}) {
+  for (const char* wrong : {" -f gbl", " -f glb -o '/tmp/room.spz'", " -f spz --only mesh", " -f glb --only doors", " -f glb --mesh-only --splats-only", " -f ply --triangles 100",
+                            " -f glb --splats-only --textured", " -f collision.glb --textured", " -f glb --triangles 0", " -f glb --object spoonbill"}) {
     EXPECT_EQ(aligngs("export " + quoted(run_) + wrong).status, 2) << wrong;
   }
+}
+
+TEST_F(EditCommand, ExportShapesTheMesh) {
+  const auto exported = [&](const std::string& options, const std::string& name) {
+    const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json " + options + " -o " + quoted(root() / name));
+    EXPECT_EQ(result.status, 0) << options << result.err;
+    return parse_json(result.out);
+  };
+  const nlohmann::json few = exported("-f glb --mesh-only --triangles 2000 --closed", "few.glb");
+  // Borders of this room's many small objects keep more than 2000.
+  EXPECT_LT(2 * few["triangles"].get<size_t>(), few["triangles_before"].get<size_t>());
+  EXPECT_EQ(few["open_edges"], 0);
+  EXPECT_EQ(few["gaussians"], 0);
+  const nlohmann::json textured = exported("-f obj --textured --error 20", "textured.obj");
+  EXPECT_EQ(textured["files"].size(), 3u);
+  EXPECT_TRUE(fs::exists(root() / "textured.jpg"));
+  EXPECT_EQ(exported("-f glb --object bed", "bed.glb")["objects"], exported("-f glb --object bed --mesh-only", "bed_mesh.glb")["objects"]);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/shell_for_tests.h"
+#include "edit/export/painted_photos_for_tests.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "edit/small_room_for_tests.h"
@@ -39,6 +40,21 @@ class ExportReaders : public testing::Test {
     const fs::path file = folder_ / ("room." + format);
     export_room(room_, format, file, pool_);
     return file.string();
+  }
+  /// The mesh alone, simplified, with a texture.
+  std::string textured(const std::string& format) {
+    const fs::path file = folder_ / ("textured." + format);
+    ExportOptions options{.parts = RoomParts::kMesh};
+    options.mesh.error = 0.001;
+    options.mesh.photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_));
+    export_room(room_, format, file, pool_, options);
+    return file.string();
+  }
+  nlohmann::json read_by(const char* script, const std::string& file) {
+    const std::string text = output_of("node '" + (kNodeFolder / script).string() + "' '" + file + "'");
+    const nlohmann::json report = parse_json(text);
+    EXPECT_FALSE(report.is_discarded()) << text;
+    return report;
   }
   void needs_node(const char* package) {
     if (!runs("node --version") || !fs::exists(kNodeFolder / "node_modules" / package)) {
@@ -98,6 +114,39 @@ TEST_F(ExportReaders, TheKhronosValidatorAcceptsTheGlb) {
   EXPECT_EQ(report["info"]["drawCallCount"], 5) << "four objects and the splats";
 }
 
+TEST_F(ExportReaders, TheKhronosValidatorAcceptsTextureAndCollisionMesh) {
+  needs_node("gltf-validator");
+  if (IsSkipped()) return;
+  for (const std::string& file : {textured("glb"), exported("collision.glb")}) {
+    const nlohmann::json report = read_by("validate_glb.mjs", file);
+    EXPECT_TRUE(report["errors"].empty()) << json_document(report["errors"]);
+    EXPECT_TRUE(report["warnings"].empty()) << json_document(report["warnings"]);
+    EXPECT_EQ(report["info"]["drawCallCount"], 4) << "four objects";
+  }
+}
+
+TEST_F(ExportReaders, TinyusdzReadsMeshesAndTextureOfTheUsdz) {
+  needs_node("tinyusdz");
+  if (IsSkipped()) return;
+  const nlohmann::json report = read_by("read_usd.mjs", textured("usdz"));
+  EXPECT_TRUE(report["loaded"].get<bool>()) << report["error"];
+  ASSERT_EQ(report["meshes"].size(), 4u);
+  for (const auto& mesh : report["meshes"]) {
+    EXPECT_EQ(mesh["image"]["uri"], "texture.jpg");
+    EXPECT_GT(mesh["image"]["bytes"], 1000);
+  }
+  const std::string layer = report["text"];
+  for (const char* part : {"texCoord2f[] primvars:st", "semantics:labels:class = [\"pillow\"]", "rel material:binding = </room/photos>"}) {
+    EXPECT_NE(layer.find(part), std::string::npos) << part;
+  }
+}
+
+TEST_F(ExportReaders, AssimpReadsTheTextureOfTheObj) {
+  if (!runs("assimp version")) GTEST_SKIP() << "needs the Debian package assimp-utils";
+  const std::string text = output_of("assimp info '" + textured("obj") + "'");
+  for (const char* name : {"floor.001", "pillow.002", "photos", "Texture Refs"}) EXPECT_THAT(text, HasSubstr(name));
+}
+
 TEST_F(ExportReaders, SplatTransformReadsTheSog) {
   needs_node("@playcanvas/splat-transform");
   if (IsSkipped()) return;
@@ -128,7 +177,7 @@ TEST_F(ExportReaders, TinyusdzReadsThePrimsOfTheUsd) {
   EXPECT_TRUE(report["parsed"].get<bool>() && report["loaded"].get<bool>()) << report["error"];
   size_t points = 0;
   for (const auto& mesh : report["meshes"]) points += mesh["points"].get<size_t>();
-  EXPECT_EQ(report["meshes"].size(), 4u) << "one per object";
+  EXPECT_EQ(report["meshes"].size(), 8u) << "a surface and a collider per object";
   EXPECT_GE(points, room_.mesh.vertices.size());
   const std::string layer = report["text"];
   for (const char* part : {"metersPerUnit = 1", "upAxis = \"Y\"", "def Xform \"pillow_002\"", "semantics:labels:class = [\"pillow\"]",

@@ -190,11 +190,29 @@ std::string ZipArchive::read(const ZipEntry& entry, uint64_t limit) const {
   return content;
 }
 
-std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries) {
+namespace {
+
+/// An extra field that moves what follows `end` to a multiple of `alignment`; empty where it is there already.
+std::string padding(size_t end, size_t alignment) {
+  constexpr size_t kHead = 4;               // identifier and size
+  constexpr uint16_t kIdentifier = 0x1986;  // that of OpenUSD's writer
+  size_t bytes = (alignment - end % alignment) % alignment;
+  if (bytes == 0) return {};
+  while (bytes < kHead) bytes += alignment;
+  std::string out;
+  append_little(out, kIdentifier);
+  append_little(out, static_cast<uint16_t>(bytes - kHead));
+  out.resize(bytes, '\0');
+  return out;
+}
+
+}  // namespace
+
+std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries, size_t alignment) {
   std::string out, directory;
   for (const auto& [name, content] : entries) {
     constexpr uint64_t kLimit = 0xffffffff;  // beyond it the 64-bit extension would be needed
-    if (out.size() + content.size() + kLocalBytes + name.size() > kLimit ||
+    if (out.size() + content.size() + kLocalBytes + name.size() + 2 * alignment > kLimit ||
         entries.size() > 65534) {
       throw Error(
           {ErrorKind::kFailed, "an archive of more than 4 GiB or 65534 entries", {}, name, ""});
@@ -208,18 +226,20 @@ std::string make_stored_zip(const std::vector<std::pair<std::string, std::string
     append_little(common, static_cast<uint32_t>(content.size()));
     append_little(common, static_cast<uint32_t>(content.size()));
     append_little(common, static_cast<uint16_t>(name.size()));
-    append_little(common, uint16_t(0));
 
     append_little(directory, kDirectorySignature);
     append_little(directory, uint16_t(20));
     directory += common;
-    directory.append(10, '\0');  // comment length, disk, attributes
+    directory.append(12, '\0');  // lengths of extra field and comment, disk, attributes
     append_little(directory, static_cast<uint32_t>(out.size()));
     directory += name;
 
     append_little(out, kLocalSignature);
     out += common;
+    const std::string extra = padding(out.size() + 2 + name.size(), alignment);
+    append_little(out, static_cast<uint16_t>(extra.size()));
     out += name;
+    out += extra;
     out += content;
   }
   const uint64_t directory_offset = out.size();

@@ -41,7 +41,7 @@ class ZipArchive {
 };
 
 /// The bytes of an archive with the given entries, all stored. For archives below 4 GiB
-/// (Error{kFailed} above).
-std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries);
+/// (Error{kFailed} above). The content of each entry starts at a multiple of `alignment` bytes (USDZ: 64).
+std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries, size_t alignment = 1);
 
 }  // namespace aligngs

@@ -159,5 +159,17 @@ TEST(ZipArchive, KeepsTheCallersLimit) {
   EXPECT_NO_THROW(archive.read(archive.entries()[0], 7));
 }
 
+TEST(ZipArchive, ContentsStartAtMultiplesOfTheAlignment) {
+  const std::string bytes = make_stored_zip({{"a.usda", std::string(61, 'x')}, {"second", "y"}, {"third.jpg", ""}}, 64);
+  const ZipArchive zip = open(bytes);
+  ASSERT_EQ(zip.entries().size(), 3u);
+  for (const ZipEntry& entry : zip.entries()) {
+    const size_t extra = load_number<uint16_t>(bytes.data() + entry.header_offset + 28, false);
+    EXPECT_EQ((entry.header_offset + 30 + entry.name.size() + extra) % 64, 0u) << entry.name;
+  }
+  EXPECT_EQ(zip.read(zip.entries()[0]), std::string(61, 'x'));
+  EXPECT_EQ(zip.read(zip.entries()[1]), "y");
+}
+
 }  // namespace
 }  // namespace aligngs

@@ -145,7 +145,7 @@ std::string EditService::redo(const std::string& request) {
 std::string EditService::export_file(const std::string& request) {
   const std::string format = request_of(request, {"format"})["format"].get<std::string>();
   require_export_format(format, run_export_formats());
-  const RunExport made = export_run(session(), format, false, {});
+  const RunExport made = export_run(session(), format);
   return json_line(Json{{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "edit/export/aligned_room.h"
+#include "edit/export/chosen_objects.h"
 #include "edit/export/moved_room.h"
 #include "gaussians/instances.h"
 #include "room/plan/plan_files.h"
@@ -42,6 +43,14 @@ std::string default_name(const std::string& format, bool edited) {
   return (edited ? "scene.edited." : own ? "scene.export." : "scene.") + format;
 }
 
+/// Scene units.
+double millimetre(const EditSession& session, const std::optional<MeasuredRoom>& measured) {
+  constexpr double kMillimetre = 1e-3;  // metres
+  if (measured && measured->scale_source != ScaleSource::kUnknown) return kMillimetre / measured->to_room.scale;
+  if (session.scene().metric) return kMillimetre;
+  throw_bad_input(session.folder(), "--error", "an error in millimetres needs a scale, and this run has none", "give it one with aligngs scale, or use --triangles");
+}
+
 }  // namespace
 
 std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
@@ -50,42 +59,62 @@ std::vector<std::string> formats_of_run(const std::filesystem::path& run) {
   return formats;
 }
 
-RunExport export_run(EditSession& session, const std::string& format, bool original, const std::filesystem::path& file, RoomParts parts,
-                     ExportCoordinates coordinates) {
+RunExport export_run(EditSession& session, const std::string& format, const RunExportOptions& options) {
   require_export_format(format, run_export_formats());
   RunExport out;
-  out.edits = original ? 0 : session.stack().size();
-  out.file = !file.empty() ? file : session.folder() / (default_name(format, out.edits > 0));
+  out.edits = options.original ? 0 : session.stack().size();
+  out.file = !options.file.empty() ? options.file : session.folder() / (default_name(format, out.edits > 0));
   RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
-  const bool moves = coordinates == ExportCoordinates::kRoom && format != "html";
-  const std::optional<MeasuredRoom> measured = moves || is_plan(format) ? room_of(session.folder()) : std::nullopt;
+  const bool moves = options.coordinates == ExportCoordinates::kRoom && format != "html";
+  const std::optional<MeasuredRoom> measured = moves || is_plan(format) || options.error > 0 ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {
     if (!measured) {
       throw_bad_input(session.folder() / "room.json", "", "this run has no description of its room, of which a plan is drawn",
                       "make it with: aligngs room " + session.folder().string());
     }
     write_plan(out.file, format, *measured);
-    out.report = {{out.file}, 0, measured->boxes.size()};
+    out.report = {.files = {out.file}, .objects = measured->boxes.size()};
     return out;
   }
-  const EditableRoom& room = original ? session.original() : session.room();
+  const EditableRoom& whole = options.original ? session.original() : session.room();
+  std::optional<EditableRoom> chosen;
+  if (!options.object.empty()) chosen = chosen_objects(whole, options.object, session.pool());
+  const EditableRoom& room = chosen ? *chosen : whole;
   if (format == "html") {
     HtmlSceneInfo info;
     info.name = std::filesystem::weakly_canonical(session.folder()).filename().string();
     info.metric = session.scene().metric;
     info.cameras = session.folder() / "cameras.json";
     write_html(out.file, room, info);
-    out.report = {{out.file}, room.gaussians.model.size(), list_instances(room.gaussians.model, room.gaussians.labels).size()};
-  } else {
-    out.aligned = measured.has_value();
-    const std::filesystem::path scene_json = session.scene().folder / "scene.json";
-    const std::optional<Similarity> original_world =
-        coordinates == ExportCoordinates::kOriginal ? read_scene_json(scene_json).to_original : std::nullopt;
-    std::optional<EditableRoom> elsewhere;  // a room that stays is not copied
-    if (out.aligned) elsewhere = aligned(room, measured->to_room);
-    else if (original_world) elsewhere = in_original_coordinates(room, *original_world, scene_json);
-    out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);
+    out.report = {.files = {out.file}, .gaussians = room.gaussians.model.size(), .objects = list_instances(room.gaussians.model, room.gaussians.labels).size()};
+    return out;
   }
+  out.aligned = moves && measured.has_value();
+  const std::filesystem::path scene_json = session.scene().folder / "scene.json";
+  const std::optional<Similarity> original_world =
+      options.coordinates == ExportCoordinates::kOriginal ? read_scene_json(scene_json).to_original : std::nullopt;
+  std::optional<EditableRoom> elsewhere;  // a room that stays is not copied
+  Similarity to;
+  if (out.aligned) {
+    elsewhere = aligned(room, measured->to_room);
+    to = export_frame(measured->to_room);
+  } else if (original_world) {
+    elsewhere = in_original_coordinates(room, *original_world, scene_json);
+    to = *original_world;
+  }
+  if (room.mesh.empty() && (options.triangles > 0 || options.error > 0 || options.closed || options.textured)) {
+    throw Error({ErrorKind::kUsage, "there is no mesh to simplify, close or texture", session.folder(), "", "make it first: aligngs mesh RUN"});
+  }
+  ExportOptions parts{.parts = options.parts};
+  parts.mesh.triangles = options.triangles;
+  parts.mesh.error = options.error > 0 ? options.error * millimetre(session, measured) * to.scale : 0;
+  parts.mesh.closed = options.closed;
+  parts.mesh.texture_size = options.texture_size;
+  if ((options.textured || format == "usdz") && !room.mesh.empty() && options.parts != RoomParts::kSplats) {
+    parts.mesh.photos = std::make_shared<const TexturePhotos>(moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to));
+    if (!parts.mesh.simplified()) parts.mesh.triangles = kTexturedTriangles;
+  }
+  out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);
   return out;
 }
 

@@ -76,6 +76,16 @@ int GlbContainer::add_indices(const std::vector<uint32_t>& indices) {
   return add_accessor(indices.data(), 4 * indices.size(), indices.size(), kUnsignedInt, "SCALAR", false, kIndices);
 }
 
+int GlbContainer::add_texture(const std::vector<uint8_t>& file, const char* type) {
+  constexpr int kLinear = 9729, kLinearMipmaps = 9987, kClampToEdge = 33071;
+  pad(buffer_, '\0');
+  const int view = add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", file.size()}});
+  buffer_.append(file.begin(), file.end());
+  const int image = add("images", {{"name", "texture"}, {"bufferView", view}, {"mimeType", type}});
+  const int sampler = add("samplers", {{"magFilter", kLinear}, {"minFilter", kLinearMipmaps}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}});
+  return add("textures", {{"sampler", sampler}, {"source", image}});
+}
+
 void GlbContainer::use_extension(const std::string& name) {
   nlohmann::ordered_json& used = json_["extensionsUsed"];
   if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);

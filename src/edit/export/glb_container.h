@@ -23,6 +23,8 @@ class GlbContainer {
   /// Unsigned shorts as four normalised values per element: linear colours need more than 8 bits.
   int add_colors16(const std::vector<uint16_t>& rgba);
   int add_indices(const std::vector<uint32_t>& indices);
+  /// A picture in the file; `type` as "image/jpeg". Returns the texture.
+  int add_texture(const std::vector<uint8_t>& file, const char* type);
   /// Appends to json()[array] and returns the index.
   int add(const char* array, nlohmann::ordered_json value);
 

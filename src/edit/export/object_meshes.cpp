@@ -15,8 +15,7 @@ constexpr size_t kGrain = 4096;  // vertices per chunk
 /// The object number of a vertex of a class, from the nearest Gaussian of that class.
 class NearestObject {
  public:
-  explicit NearestObject(const EditableRoom& room) {
-    const LabelledGaussians& g = room.gaussians;
+  explicit NearestObject(const LabelledGaussians& g) {
     std::map<int, std::vector<Vec3f>> points;
     for (size_t i = 0; i < g.model.size(); ++i) {
       if (g.labels.label[i] == kNoLabel || g.labels.instance[i] == 0) continue;
@@ -43,13 +42,16 @@ uint16_t majority(uint16_t a, uint16_t b, uint16_t c) { return b == c ? b : a; }
 }  // namespace
 
 std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool) {
-  const TriangleMesh& mesh = room.mesh;
+  return object_meshes(room.mesh, room.gaussians, room.labels, pool);
+}
+
+std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians, const LabelSet& classes, ThreadPool& pool) {
   std::vector<uint16_t> labels = mesh.labels, instances(mesh.vertices.size(), 0);
   labels.resize(mesh.vertices.size(), kNoLabel);
   for (uint16_t& label : labels) {
-    if (label >= room.labels.size()) label = kNoLabel;
+    if (label >= classes.size()) label = kNoLabel;
   }
-  const NearestObject nearest(room);
+  const NearestObject nearest(gaussians);
   pool.parallel_for(labels.size(), kGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> scratch;
     for (size_t v = begin; v < end; ++v) {
@@ -75,7 +77,7 @@ std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool
     } else {
       object.label = key.first;
       object.instance = key.second;
-      object.class_name = room.labels.classes[key.first].name;
+      object.class_name = classes.classes[key.first].name;
       object.name = fmt::format("{}.{:03}", object.class_name, object.instance);
     }
     std::vector<uint32_t> used;

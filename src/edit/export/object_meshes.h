@@ -1,6 +1,7 @@
 // A room's mesh, cut into one mesh per object.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -15,10 +16,13 @@ struct ObjectMesh {
   int label = -1;          ///< class number
   int instance = 0;        ///< 0: surface of the class that belongs to no numbered object
   TriangleMesh mesh;
+  std::vector<std::array<float, 2>> uv;  ///< per vertex, in the texture, (0, 0) at its top left; empty without one
 };
 
 /// Every triangle goes to exactly one object: the majority class of its vertices, and of that class the object whose
 /// Gaussians are nearest. By class, then number; what has no class comes last.
 std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool);
+/// The same of another mesh of the room.
+std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians, const LabelSet& classes, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -11,11 +11,13 @@
 #include "edit/export/codebook.h"
 #include "edit/export/glb_container.h"
 #include "edit/export/object_meshes.h"
+#include "edit/export/painted_photos_for_tests.h"
 #include "edit/export/upright.h"
 #include "edit/small_room_for_tests.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/gzip.h"
+#include "io/image_file.h"
 #include "io/json_text.h"
 #include "io/zip_archive.h"
 
@@ -66,23 +68,23 @@ TEST_F(SceneExport, GlbHasANodePerObjectAndTheSplats) {
 }
 
 TEST_F(SceneExport, GlbOfTheMeshOrTheSplatsAlone) {
-  const ExportReport mesh = write_glb(file("mesh.glb"), room_, pool_, RoomParts::kMesh);
+  const ExportReport mesh = write_glb(file("mesh.glb"), room_, pool_, {.parts = RoomParts::kMesh});
   EXPECT_EQ(mesh.objects, 4u);
   EXPECT_EQ(mesh.gaussians, 0u);
   EXPECT_EQ(json_of_glb(file("mesh.glb"))["extensionsUsed"], nlohmann::json{"KHR_materials_unlit"});
-  const ExportReport splats = write_glb(file("splats.glb"), room_, pool_, RoomParts::kSplats);
+  const ExportReport splats = write_glb(file("splats.glb"), room_, pool_, {.parts = RoomParts::kSplats});
   EXPECT_EQ(splats.objects, 0u);
   EXPECT_EQ(splats.gaussians, room_.gaussians.model.size());
   const nlohmann::json glb = json_of_glb(file("splats.glb"));
   EXPECT_EQ(glb["extensionsUsed"], nlohmann::json{"KHR_gaussian_splatting"});
   EXPECT_EQ(glb["meshes"].size(), 1u);
   room_.mesh = {};
-  EXPECT_THROW(write_glb(file("none.glb"), room_, pool_, RoomParts::kMesh), Error);
+  EXPECT_THROW(write_glb(file("none.glb"), room_, pool_, {.parts = RoomParts::kMesh}), Error);
   EXPECT_FALSE(fs::exists(file("none.glb")));
 }
 
 TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {
-  write_glb(file("splats.glb"), room_, pool_, RoomParts::kSplats);
+  write_glb(file("splats.glb"), room_, pool_, {.parts = RoomParts::kSplats});
   const nlohmann::json glb = json_of_glb(file("splats.glb"));
   const nlohmann::json& primitive = glb["meshes"][0]["primitives"][0];
   EXPECT_EQ(primitive["mode"], 0);
@@ -110,6 +112,55 @@ TEST_F(SceneExport, ObjHasOneGroupPerObject) {
        {"o floor.001\ng floor\n", "o box.001\ng box\n", "o pillow.001\ng pillow\n", "o pillow.002\ng pillow\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
   }
+}
+
+TEST_F(SceneExport, TheCollisionMeshHasPlacesAndTrianglesAlone) {
+  const ExportReport report = export_room(room_, "collision.glb", file("scene.collision.glb"), pool_);
+  EXPECT_LT(report.triangles, report.triangles_before / 3);
+  const nlohmann::json glb = json_of_glb(file("scene.collision.glb"));
+  EXPECT_EQ(glb["meshes"].size(), 4u);
+  for (const auto& mesh : glb["meshes"]) {
+    EXPECT_EQ(mesh["primitives"][0]["attributes"].size(), 2u) << "POSITION, and the number of the object";
+    EXPECT_FALSE(mesh["primitives"][0].contains("material"));
+  }
+}
+
+TEST_F(SceneExport, ATexturedGlbHasOnePictureForAllObjects) {
+  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  export_room(room_, "glb", file("textured.glb"), pool_, {.parts = RoomParts::kMesh, .mesh = mesh});
+  const nlohmann::json glb = json_of_glb(file("textured.glb"));
+  EXPECT_EQ(glb["images"].size(), 1u);
+  EXPECT_EQ(glb["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+  for (const auto& m : glb["meshes"]) {
+    EXPECT_TRUE(m["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+    EXPECT_FALSE(m["primitives"][0]["attributes"].contains("COLOR_0")) << "it would be multiplied with the texture";
+  }
+}
+
+TEST_F(SceneExport, ATexturedObjNamesItsFiles) {
+  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  const ExportReport report = export_room(room_, "obj", file("textured.obj"), pool_, {.mesh = mesh});
+  ASSERT_EQ(report.files.size(), 3u);
+  EXPECT_THAT(read_file(file("textured.obj")), HasSubstr("mtllib textured.mtl\nusemtl photos\n"));
+  EXPECT_THAT(read_file(file("textured.mtl")), HasSubstr("map_Kd textured.jpg"));
+  EXPECT_EQ(read_image_info(file("textured.jpg")).channels, 3);
+}
+
+TEST_F(SceneExport, UsdzIsStoredAndAligned) {
+  MeshOptions mesh{.error = 0.001, .photos = std::make_shared<const TexturePhotos>(painted::photos(room_.mesh, pool_))};
+  export_room(room_, "usdz", file("room.usdz"), pool_, {.mesh = mesh});
+  const std::string bytes = read_file(file("room.usdz"));
+  const ZipArchive zip(file_source(file("room.usdz")));
+  ASSERT_EQ(zip.entries().size(), 2u);
+  EXPECT_EQ(zip.entries()[0].name, "room.usda") << "the stage is the first file";
+  for (const ZipEntry& entry : zip.entries()) {
+    EXPECT_EQ(entry.method, 0);
+    const size_t extra = load_number<uint16_t>(bytes.data() + entry.header_offset + 28, false);
+    EXPECT_EQ((entry.header_offset + 30 + entry.name.size() + extra) % 64, 0u) << entry.name;
+  }
+  const std::string stage = zip.read(zip.entries()[0]);
+  EXPECT_THAT(stage, HasSubstr("asset inputs:file = @texture.jpg@"));
+  EXPECT_THAT(stage, testing::Not(HasSubstr("ParticleField")));
 }
 
 TEST_F(SceneExport, EveryTriangleBelongsToOneObject) {
@@ -187,7 +238,7 @@ TEST_F(SceneExport, WithoutLabelsEveryFormatButTheLabelsIsWritten) {
     if (format == "labels.ply") continue;
     const ExportReport report = export_room(room_, format, file("unlabelled." + format), pool_);
     EXPECT_GT(fs::file_size(report.files.front()), 100u) << format;
-    EXPECT_EQ(report.objects, format == "glb" || format == "obj" || format == "usda" ? 1u : 0u) << format;
+    EXPECT_EQ(report.objects, holds_mesh(format) ? 1u : 0u) << format;
   }
   EXPECT_THROW(export_room(room_, "labels.ply", file("unlabelled.labels.ply"), pool_), Error);
   EXPECT_FALSE(fs::exists(file("unlabelled.labels.ply")));

@@ -6,6 +6,7 @@
 #include "edit/export/object_meshes.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
+#include "io/image_file.h"
 
 namespace aligngs {
 namespace {
@@ -33,13 +34,16 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
       colors.push_back(linear16(c[k] / 255.f));
     colors.push_back(65535);
   }
+  std::vector<float> uv;
+  for (const auto& place : object.uv) uv.insert(uv.end(), place.begin(), place.end());
   for (const auto& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   Json attributes = {{"POSITION", glb.add_floats(positions, 3, true)}};
   if (!normals.empty()) attributes["NORMAL"] = glb.add_floats(normals, 3);
-  if (!colors.empty()) attributes["COLOR_0"] = glb.add_colors16(colors);
+  if (!uv.empty()) attributes["TEXCOORD_0"] = glb.add_floats(uv, 2);
+  else if (!colors.empty()) attributes["COLOR_0"] = glb.add_colors16(colors);
   attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
-  const Json primitive = {
-      {"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"material", material}, {"mode", 4}};
+  Json primitive = {{"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"mode", 4}};
+  if (material >= 0) primitive["material"] = material;
   const int id = glb.add("meshes", {{"name", object.name}, {"primitives", Json::array({primitive})}});
   Json node = {{"name", object.name}, {"mesh", id}};
   if (object.label >= 0)
@@ -103,36 +107,60 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
   return glb.add("nodes", {{"name", "splats"}, {"mesh", mesh}});
 }
 
-}  // namespace
-
-ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts parts) {
-  if (parts == RoomParts::kMesh && room.mesh.empty())
-    throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--only", "make it first: aligngs mesh RUN"});
-  const Mat3d rotation = rotation_to_y_up(room.up);
-  GlbContainer glb;
-  // The material uses the vertex colours; without one Blender drops them.
-  const int material = glb.add(
-      "materials",
-      {{"name", "vertex_color"},
-       {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-       {"doubleSided", true},
-       {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
-  ExportReport report;
+/// The node "room" with a node per object. `material`: -1 for none.
+Json add_objects(GlbContainer& glb, const ExportMesh& mesh, const Mat3d& rotation, int material) {
   Json children = Json::array();
-  const int root = glb.add("nodes", {{"name", "room"}});
-  const std::vector<ObjectMesh> objects = parts == RoomParts::kSplats ? std::vector<ObjectMesh>() : object_meshes(room, pool);
-  for (const ObjectMesh& object : objects) {
-    children.push_back(add_object(glb, object, rotation, material));
-    ++report.objects;
-  }
-  const int splats = parts == RoomParts::kMesh ? -1 : add_splats(glb, room, rotation, report.gaussians);
-  if (splats >= 0) children.push_back(splats);
+  for (const ObjectMesh& object : mesh.objects) children.push_back(add_object(glb, object, rotation, material));
+  return children;
+}
+
+/// Unlit: the photos' light is in the colours.
+int add_material(GlbContainer& glb, const Image<uint8_t>& texture) {
+  Json surface = {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
+  if (!texture.empty()) surface["baseColorTexture"] = {{"index", glb.add_texture(encode_jpeg(texture, kTextureQuality), "image/jpeg")}};
+  glb.use_extension("KHR_materials_unlit");
+  // The material uses the vertex colours; without one Blender drops them.
+  return glb.add("materials", {{"name", texture.empty() ? "vertex_color" : "photos"},
+                               {"pbrMetallicRoughness", surface},
+                               {"doubleSided", true},
+                               {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
+}
+
+void finish(GlbContainer& glb, int root, const Json& children, const std::filesystem::path& path) {
   if (!children.empty()) glb.json()["nodes"][static_cast<size_t>(root)]["children"] = children;
-  if (report.objects > 0) glb.use_extension("KHR_materials_unlit");
-  else glb.json()["materials"] = Json::array();
   glb.add("scenes", {{"name", "room"}, {"nodes", Json::array({root})}});
   glb.write(path);
-  report.files.push_back(path);
+}
+
+}  // namespace
+
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+  if (options.parts == RoomParts::kMesh && room.mesh.empty())
+    throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--mesh-only", "make it first: aligngs mesh RUN"});
+  const Mat3d rotation = rotation_to_y_up(room.up);
+  GlbContainer glb;
+  ExportReport report{.files = {path}};
+  const int root = glb.add("nodes", {{"name", "room"}});
+  Json children = Json::array();
+  const int splats = options.parts == RoomParts::kMesh ? -1 : add_splats(glb, room, rotation, report.gaussians);
+  if (options.parts != RoomParts::kSplats && !room.mesh.empty()) {
+    const ExportMesh mesh = export_mesh(room, options.mesh, pool);
+    report.describe(mesh);
+    children = add_objects(glb, mesh, rotation, add_material(glb, mesh.texture));
+  }
+  if (splats >= 0) children.push_back(splats);
+  finish(glb, root, children, path);
+  return report;
+}
+
+ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+  if (room.mesh.empty()) throw Error({ErrorKind::kUsage, "a collision mesh needs a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
+  const ExportMesh mesh = collision_mesh(room, options.mesh, pool);
+  ExportReport report{.files = {path}};
+  report.describe(mesh);
+  GlbContainer glb;
+  const int root = glb.add("nodes", {{"name", "room"}});
+  finish(glb, root, add_objects(glb, mesh, rotation_to_y_up(room.up), -1), path);
   return report;
 }
 

@@ -1,34 +1,54 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "edit/export/object_meshes.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
+#include "io/image_file.h"
 
 namespace aligngs {
+namespace {
 
-ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool) {
+/// Beside the file: its texture, and the material that names it. Unlit (illum 0): the photos' light is in the colours.
+void write_material(const std::filesystem::path& path, const Image<uint8_t>& texture, ExportReport& report) {
+  std::filesystem::path picture = path, library = path;
+  picture.replace_extension(".jpg");
+  library.replace_extension(".mtl");
+  write_jpeg(picture, texture, kTextureQuality);
+  write_file_atomically(library, "newmtl photos\nillum 0\nKd 1 1 1\nmap_Kd " + picture.filename().string() + "\n");
+  report.files.push_back(library);
+  report.files.push_back(picture);
+}
+
+}  // namespace
+
+ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
   if (room.mesh.empty())
     throw Error(
         {ErrorKind::kUsage, "OBJ holds a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
   const Mat3d rotation = rotation_to_y_up(room.up);
-  ExportReport report;
+  const ExportMesh all = export_mesh(room, options.mesh, pool);
+  ExportReport report{.files = {path}};
+  report.describe(all);
+  std::string text = std::string("# aligngs ") + ALIGNGS_VERSION + ", y up; vertices: x y z" + (all.texture.empty() ? " r g b\n" : "\n");
+  if (!all.texture.empty()) {
+    write_material(path, all.texture, report);
+    text += "mtllib " + report.files[1].filename().string() + "\nusemtl photos\n";
+  }
   AtomicFile file(path);
-  std::string text = std::string("# aligngs ") + ALIGNGS_VERSION + ", y up; vertices: x y z r g b\n";
   size_t base = 1;  // OBJ counts from 1, through all objects
   const auto underscored = [](std::string name) {
     for (char& c : name) c = c == ' ' || c == '\t' ? '_' : c;
     return name;
   };
-  for (const ObjectMesh& object : object_meshes(room, pool)) {
+  for (const ObjectMesh& object : all.objects) {
     const TriangleMesh& mesh = object.mesh;
     text += "o " + underscored(object.name) + "\ng " +
             underscored(object.class_name.empty() ? object.name : object.class_name) + "\n";
     for (size_t v = 0; v < mesh.vertices.size(); ++v) {
       const Vec3d p = rotation * mesh.vertices[v].cast<double>();
       text += fmt::format("v {:.6g} {:.6g} {:.6g}", p.x, p.y, p.z);
-      if (!mesh.colors.empty())
+      if (!mesh.colors.empty() && object.uv.empty())
         text += fmt::format(" {:.4f} {:.4f} {:.4f}", mesh.colors[v][0] / 255., mesh.colors[v][1] / 255.,
                             mesh.colors[v][2] / 255.);
       text += '\n';
@@ -37,18 +57,18 @@ ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& ro
       const Vec3d n = rotation * normal.cast<double>();
       text += fmt::format("vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
     }
+    for (const auto& place : object.uv) text += fmt::format("vt {:.6f} {:.6f}\n", place[0], 1 - place[1]);
+    const std::string corner = object.uv.empty() ? (mesh.normals.empty() ? "{0}" : "{0}//{0}") : (mesh.normals.empty() ? "{0}/{0}" : "{0}/{0}/{0}");
     for (const auto& t : mesh.triangles) {
-      const size_t a = base + t[0], b = base + t[1], c = base + t[2];
-      text += mesh.normals.empty() ? fmt::format("f {} {} {}\n", a, b, c)
-                                   : fmt::format("f {0}//{0} {1}//{1} {2}//{2}\n", a, b, c);
+      text += 'f';
+      for (const uint32_t v : t) text += ' ' + fmt::format(fmt::runtime(corner), base + v);
+      text += '\n';
     }
     base += mesh.vertices.size();
     file.write(text);
     text.clear();
-    ++report.objects;
   }
   file.commit();
-  report.files.push_back(path);
   return report;
 }
 

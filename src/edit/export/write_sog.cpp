@@ -188,7 +188,7 @@ ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& m
   std::vector<std::pair<std::string, std::string_view>> entries = {{"meta.json", text}};
   for (const auto& [name, bytes] : files) entries.emplace_back(name, bytes);
   write_file_atomically(path, make_stored_zip(entries));
-  return {{path}, model.size(), 0};
+  return {.files = {path}, .gaussians = model.size()};
 }
 
 }  // namespace aligngs

@@ -94,7 +94,7 @@ ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& m
     throw Error({ErrorKind::kFailed, "SPZ readers take at most 10 million Gaussians", path, {}, "export as PLY"});
   const Mat3d half_turn{{1, 0, 0, 0, -1, 0, 0, 0, -1}};  // right-down-front to right-up-back
   write_file_atomically(path, gzip_compressed(body_of(rotated(model, half_turn)), kSpeedOverSize));
-  return {{path}, model.size(), 0};
+  return {.files = {path}, .gaussians = model.size()};
 }
 
 ExportReport write_splat(const std::filesystem::path& path, const GaussianModel& model) {
@@ -110,7 +110,7 @@ ExportReport write_splat(const std::filesystem::path& path, const GaussianModel&
     for (const float v : {q.w, q.x, q.y, q.z}) out += static_cast<char>(quantized(128 * v + 128));
   }
   write_file_atomically(path, out);
-  return {{path}, model.size(), 0};
+  return {.files = {path}, .gaussians = model.size()};
 }
 
 }  // namespace aligngs

@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "core/error.h"
 #include "core/srgb.h"
-#include "edit/export/object_meshes.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
+#include "io/image_file.h"
+#include "io/zip_archive.h"
 
 namespace aligngs {
 namespace {
@@ -20,21 +22,24 @@ constexpr double kReach = 3;  // standard deviations of a Gaussian that its exte
 /// One object or structural part: its surface, its Gaussians, or both.
 struct Part {
   std::string name, class_name;
-  const TriangleMesh* mesh = nullptr;
+  const ObjectMesh* surface = nullptr;
+  const TriangleMesh* collider = nullptr;
   std::vector<uint32_t> rows;
 };
 
 /// By class, then number; what has no class comes last.
 using Parts = std::map<std::pair<uint16_t, uint16_t>, Part>;
 
-Parts parts_of(const EditableRoom& room, const std::vector<ObjectMesh>& meshes, bool with_splats) {
+Parts parts_of(const EditableRoom& room, const ExportMesh& surfaces, const ExportMesh& colliders, bool with_splats) {
   Parts parts;
-  for (const ObjectMesh& object : meshes) {
+  const auto part_of = [&](const ObjectMesh& object) -> Part& {
     Part& part = parts[{object.label < 0 ? kNoLabel : static_cast<uint16_t>(object.label), static_cast<uint16_t>(object.instance)}];
     part.name = object.name;
     part.class_name = object.class_name;
-    part.mesh = &object.mesh;
-  }
+    return part;
+  };
+  for (const ObjectMesh& object : surfaces.objects) part_of(object).surface = &object;
+  for (const ObjectMesh& object : colliders.objects) part_of(object).collider = &object.mesh;
   const LabelledGaussians& g = room.gaussians;
   for (size_t i = 0; with_splats && i < g.model.size(); ++i) {
     const uint16_t label = i < g.labels.label.size() && g.labels.label[i] < room.labels.size() ? g.labels.label[i] : kNoLabel;
@@ -67,7 +72,7 @@ std::string quoted(const std::string& text) {
 /// Text of USD, written piece by piece: a room has hundreds of megabytes of it.
 class Writer {
  public:
-  explicit Writer(AtomicFile& file) : file_(file) {}
+  explicit Writer(std::function<void(const std::string&)> sink) : sink_(std::move(sink)) {}
   void line(int depth, const std::string& text) {
     text_.append(4 * static_cast<size_t>(depth), ' ');
     text_ += text;
@@ -86,13 +91,13 @@ class Writer {
     text_ += std::string("]") + after + "\n";
   }
   void flush() {
-    file_.write(text_);
+    sink_(text_);
     text_.clear();
   }
 
  private:
   static constexpr size_t kPiece = 1 << 20;
-  AtomicFile& file_;
+  std::function<void(const std::string&)> sink_;
   std::string text_;
 };
 
@@ -112,29 +117,82 @@ struct Extent {
 
 constexpr const char* kPerVertex = " (\n                interpolation = \"vertex\"\n            )";
 
-void write_mesh(Writer& out, const TriangleMesh& mesh, const Mat3d& rotation) {
+void write_triangles(Writer& out, const TriangleMesh& mesh, const Mat3d& rotation) {
   Extent extent;
   for (const Vec3f& v : mesh.vertices) extent.take(rotation * v.cast<double>(), 0);
-  out.line(2, "def Mesh \"mesh\" (");
-  out.line(3, "prepend apiSchemas = [\"PhysicsCollisionAPI\", \"PhysicsMeshCollisionAPI\"]");
-  out.line(2, ")");
-  out.line(2, "{");
   out.line(3, extent.text());
   out.list(3, "int[] faceVertexCounts", mesh.triangles.size(), [](size_t) { return "3"; });
   out.list(3, "int[] faceVertexIndices", 3 * mesh.triangles.size(), [&](size_t i) { return fmt::format("{}", mesh.triangles[i / 3][i % 3]); });
   out.list(3, "point3f[] points", mesh.vertices.size(), [&](size_t i) { return triple(rotation * mesh.vertices[i].cast<double>()); });
+  out.line(3, "uniform token subdivisionScheme = \"none\"");
+}
+
+void write_surface(Writer& out, const ObjectMesh& object, const Mat3d& rotation) {
+  const TriangleMesh& mesh = object.mesh;
+  const bool textured = !object.uv.empty();
+  out.line(2, std::string("def Mesh \"mesh\"") + (textured ? " (" : ""));
+  if (textured) out.line(3, "prepend apiSchemas = [\"MaterialBindingAPI\"]\n        )");
+  out.line(2, "{");
+  write_triangles(out, mesh, rotation);
+  out.line(3, "uniform bool doubleSided = true");
   if (!mesh.normals.empty()) {
     out.list(3, "normal3f[] normals", mesh.normals.size(), [&](size_t i) { return triple(rotation * mesh.normals[i].cast<double>()); }, kPerVertex);
   }
-  if (!mesh.colors.empty()) {
+  if (textured) {
+    out.list(3, "texCoord2f[] primvars:st", object.uv.size(), [&](size_t i) { return fmt::format("({:.6f}, {:.6f})", object.uv[i][0], 1 - object.uv[i][1]); }, kPerVertex);
+    out.line(3, "rel material:binding = </room/photos>");
+  } else if (!mesh.colors.empty()) {
     const auto linear = [](uint8_t c) { return static_cast<double>(srgb_decode(static_cast<float>(c) / 255)); };
     out.list(3, "color3f[] primvars:displayColor", mesh.colors.size(),
              [&](size_t i) { return triple(linear(mesh.colors[i][0]), linear(mesh.colors[i][1]), linear(mesh.colors[i][2])); }, kPerVertex);
   }
-  // The triangles themselves: a room is hollow, so that its hull would fill it.
-  out.line(3, "uniform token physics:approximation = \"none\"");
-  out.line(3, "uniform token subdivisionScheme = \"none\"");
   out.line(2, "}");
+}
+
+/// Invisible. The triangles themselves: a room is hollow, so that its hull would fill it.
+void write_collider(Writer& out, const TriangleMesh& mesh, const Mat3d& rotation) {
+  out.line(2, "def Mesh \"collider\" (");
+  out.line(3, "prepend apiSchemas = [\"PhysicsCollisionAPI\", \"PhysicsMeshCollisionAPI\"]");
+  out.line(2, ")");
+  out.line(2, "{");
+  write_triangles(out, mesh, rotation);
+  out.line(3, "uniform token physics:approximation = \"none\"");
+  out.line(3, "uniform token purpose = \"guide\"");
+  out.line(2, "}");
+}
+
+/// The photos' light is in the texture: it shines by itself and takes no light.
+void write_material(Writer& out, const std::string& texture) {
+  out.line(0, R"(    def Material "photos"
+    {
+        token outputs:surface.connect = </room/photos/surface.outputs:surface>
+        def Shader "surface"
+        {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0, 0, 0)
+            color3f inputs:emissiveColor.connect = </room/photos/texture.outputs:rgb>
+            float inputs:roughness = 1
+            int inputs:useSpecularWorkflow = 1
+            color3f inputs:specularColor = (0, 0, 0)
+            token outputs:surface
+        }
+        def Shader "texture"
+        {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @)" + texture + R"(@
+            token inputs:sourceColorSpace = "sRGB"
+            float2 inputs:st.connect = </room/photos/st.outputs:result>
+            token inputs:wrapS = "clamp"
+            token inputs:wrapT = "clamp"
+            float3 outputs:rgb
+        }
+        def Shader "st"
+        {
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "st"
+            float2 outputs:result
+        }
+    })");
 }
 
 void write_splats(Writer& out, const GaussianModel& model, const std::vector<uint32_t>& rows) {
@@ -162,21 +220,11 @@ void write_splats(Writer& out, const GaussianModel& model, const std::vector<uin
   out.line(2, "}");
 }
 
-}  // namespace
-
-ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, RoomParts which) {
-  if (which == RoomParts::kMesh && room.mesh.empty()) {
-    throw Error({ErrorKind::kUsage, "the run has no mesh", path, "--only", "make it first: aligngs mesh RUN"});
-  }
-  const Mat3d rotation = rotation_to_y_up(room.up);
-  const bool splats = which != RoomParts::kMesh;
-  const std::vector<ObjectMesh> meshes = which == RoomParts::kSplats ? std::vector<ObjectMesh>() : object_meshes(room, pool);
-  const GaussianModel model = splats ? rotated(room.gaussians.model, rotation) : GaussianModel();
-  const Parts parts = parts_of(room, meshes, splats);
-  AtomicFile file(path);
-  Writer out(file);
+/// The file as text. `texture`: the name by which the surfaces refer to their texture.
+void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, const Mat3d& rotation, const std::string& texture) {
   out.line(0, "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs " + std::string(ALIGNGS_VERSION) + "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n");
   out.line(0, "def Xform \"room\"\n{");
+  if (!texture.empty()) write_material(out, texture);
   for (const auto& [key, part] : parts) {
     if (part.class_name.empty()) {
       out.line(1, "def Xform \"" + identifier(part.name) + "\"\n    {");
@@ -184,14 +232,64 @@ ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& r
       out.line(1, "def Xform \"" + identifier(part.name) + "\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]\n    )\n    {");
       out.line(2, "token[] semantics:labels:class = [" + quoted(part.class_name) + "]");
     }
-    if (part.mesh && !part.mesh->empty()) write_mesh(out, *part.mesh, rotation);
-    if (!part.rows.empty()) write_splats(out, model, part.rows);
+    if (part.surface) write_surface(out, *part.surface, rotation);
+    if (part.collider) write_collider(out, *part.collider, rotation);
+    if (!part.rows.empty()) write_splats(out, splats, part.rows);
     out.line(1, "}");
   }
   out.line(0, "}");
   out.flush();
+}
+
+}  // namespace
+
+ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+  if (options.parts == RoomParts::kMesh && room.mesh.empty()) {
+    throw Error({ErrorKind::kUsage, "the run has no mesh", path, "--mesh-only", "make it first: aligngs mesh RUN"});
+  }
+  const Mat3d rotation = rotation_to_y_up(room.up);
+  const bool with_splats = options.parts != RoomParts::kMesh, with_mesh = options.parts != RoomParts::kSplats && !room.mesh.empty();
+  const ExportMesh surfaces = with_mesh ? export_mesh(room, options.mesh, pool) : ExportMesh(),
+                   colliders = with_mesh ? collision_mesh(room, options.mesh, pool) : ExportMesh();
+  const GaussianModel splats = with_splats ? rotated(room.gaussians.model, rotation) : GaussianModel();
+  const Parts parts = parts_of(room, surfaces, colliders, with_splats);
+  ExportReport report{.files = {path}, .gaussians = splats.size()};
+  report.describe(surfaces);
+  report.objects = parts.size();
+  std::string texture;
+  if (!surfaces.texture.empty()) {
+    std::filesystem::path picture = path;
+    picture.replace_extension(".jpg");
+    write_jpeg(picture, surfaces.texture, kTextureQuality);
+    report.files.push_back(picture);
+    texture = "./" + picture.filename().string();
+  }
+  AtomicFile file(path);
+  Writer out([&](const std::string& text) { file.write(text); });
+  write_stage(out, parts, splats, rotation, texture);
   file.commit();
-  return {{path}, splats ? model.size() : 0, parts.size()};
+  return report;
+}
+
+ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+  constexpr size_t kAlignment = 64;  // bytes; specification of USDZ
+  if (room.mesh.empty()) throw Error({ErrorKind::kUsage, "a USDZ holds a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
+  const ExportMesh surfaces = export_mesh(room, options.mesh, pool);
+  ExportReport report{.files = {path}};
+  report.describe(surfaces);
+  const std::string name = "texture.jpg";
+  std::string stage;
+  Writer out([&](const std::string& text) { stage += text; });
+  write_stage(out, parts_of(room, surfaces, {}, false), {}, rotation_to_y_up(room.up), surfaces.texture.empty() ? "" : name);
+  // The first file is the stage.
+  std::vector<std::pair<std::string, std::string_view>> files = {{"room.usda", stage}};
+  std::vector<uint8_t> picture;
+  if (!surfaces.texture.empty()) {
+    picture = encode_jpeg(surfaces.texture, kTextureQuality);
+    files.emplace_back(name, std::string_view(reinterpret_cast<const char*>(picture.data()), picture.size()));
+  }
+  write_file_atomically(path, make_stored_zip(files, kAlignment));
+  return report;
 }
 
 }  // namespace aligngs

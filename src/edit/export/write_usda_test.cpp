@@ -17,7 +17,7 @@ using testing::Not;
 class Usda : public testing::Test {
  protected:
   std::string written(RoomParts parts = RoomParts::kAll) {
-    report_ = write_usda(file_, room_, pool_, parts);
+    report_ = write_usda(file_, room_, pool_, {.parts = parts});
     return read_file(file_);
   }
   ThreadPool pool_{2};
@@ -35,10 +35,26 @@ size_t count(const std::string& text, const std::string& part) {
 TEST_F(Usda, EveryObjectHasItsLabelSplatsMeshAndCollider) {
   const std::string text = written();
   EXPECT_EQ(count(text, "{"), count(text, "}"));
-  EXPECT_EQ(count(text, "def Mesh "), count(text, "PhysicsMeshCollisionAPI"));
+  EXPECT_EQ(count(text, "def Mesh \"mesh\""), 4u);
+  EXPECT_EQ(count(text, "def Mesh \"collider\""), count(text, "PhysicsMeshCollisionAPI"));
   EXPECT_THAT(text, HasSubstr("def Xform \"pillow_001\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]"));
   EXPECT_EQ(count(text, "semantics:labels:class = [\"pillow\"]"), 2u);
   EXPECT_EQ(report_.gaussians, room_.gaussians.model.size());
+}
+
+TEST_F(Usda, TheColliderIsInvisibleAndHasFewerTriangles) {
+  const std::string text = written(RoomParts::kMesh);
+  const auto corners = [&](const char* name) {
+    size_t n = 0;
+    for (size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
+      const size_t list = text.find("faceVertexCounts = [", at);
+      n += 1 + static_cast<size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(list), text.begin() + static_cast<std::ptrdiff_t>(text.find(']', list + 20)), ','));
+    }
+    return n;
+  };
+  EXPECT_EQ(corners("def Mesh \"mesh\""), room_.mesh.triangles.size());
+  EXPECT_LT(corners("def Mesh \"collider\""), room_.mesh.triangles.size() / 3);
+  EXPECT_EQ(count(text, "uniform token purpose = \"guide\""), count(text, "def Mesh \"collider\""));
 }
 
 TEST_F(Usda, AllGaussiansAreThereOnce) {
