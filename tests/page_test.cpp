@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "cli/page_server.h"
+#include "edit/edit_operation.h"
 #include "io/atomic_file.h"
+#include "io/gzip.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "serve/http_client_for_tests.h"
@@ -75,9 +77,9 @@ TEST_F(PageRequests, AnEditInThePageIsTheEditOfTheCommandLine) {
   posted("/api/edits/push", {{"edit", "Recolour walls to #add8e6"}});
   ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select bed --delete --fill", root()).status, 0);
   ASSERT_EQ(run_aligngs("edit " + quoted(other) + " -q --select wall --recolor '#add8e6'", root()).status, 0);
-  for (const char* file : {"edits.json", "edits/scene.ply", "edits/scene.labels.ply", "edits/classes.json", "edits/mesh/mesh.ply",
-                           "edits/before_after.png"}) {
-    EXPECT_TRUE(read_file(run_ / file) == read_file(other / file)) << file;
+  EXPECT_EQ(read_file(run_ / "edits.json"), read_file(other / "edits.json"));
+  for (const EditOperation& edit : read_edits(run_ / "edits.json")) {
+    EXPECT_TRUE(read_file(run_ / "edits" / edit.change) == read_file(other / "edits" / edit.change)) << edit.change;
   }
 }
 
@@ -85,7 +87,7 @@ TEST_F(PageRequests, UndoAndRedoGoThroughTheStack) {
   EXPECT_TRUE(list()["edits"].empty());
   json answer = posted("/api/edits/push", {{"edit", "delete bed"}});
   EXPECT_GT(answer["report"]["selected_gaussians"], 0);
-  const std::string edited = read_file(run_ / "edits" / "scene.ply");
+  const std::string edited = read_file(run_ / "edits.json");
   answer = posted("/api/edits/undo", json::object());
   EXPECT_EQ(answer["undone"], "delete bed, hole filled");
   EXPECT_TRUE(answer["edits"].empty());
@@ -94,8 +96,24 @@ TEST_F(PageRequests, UndoAndRedoGoThroughTheStack) {
   answer = posted("/api/edits/redo", json::object());
   EXPECT_EQ(answer["edits"], json{"delete bed, hole filled"});
   EXPECT_TRUE(answer["redo"].empty());
-  EXPECT_TRUE(read_file(run_ / "edits" / "scene.ply") == edited);
+  EXPECT_EQ(read_file(run_ / "edits.json"), edited);
   EXPECT_EQ(test_http::status(post("/api/edits/redo", json::object())), 400) << "nothing is left to do again";
+}
+
+TEST_F(PageRequests, AnEditIsSentAsWhatItChanges) {
+  const auto got = [&](const std::string& path) { return test_http::body(test_http::get(server_->port(), path, "localhost", kPatience)); };
+  const std::string path = "/api/edits/scene/scene.labels.ply", whole = got("/api/scene/coarse/scene.labels.ply"), before = got("/api/edits/mesh.ply");
+  EXPECT_THAT(before, testing::StartsWith("ply"));
+  posted("/api/edits/push", {{"edit", "delete bed"}});
+  const std::string part = got(path);
+  const std::string text = gzip_expanded(part, "part", 1 << 28);
+  const json head = parse_json(text.substr(0, text.find('\n')));
+  EXPECT_GT(head["added"], 0) << "the hole is filled";
+  EXPECT_LT(part.size(), whole.size() / 2);
+  EXPECT_FALSE(got("/api/edits/mesh.ply") == before);
+  posted("/api/edits/undo", json::object());
+  EXPECT_TRUE(got("/api/edits/mesh.ply") == before);
+  EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/edits/scene/nothing.ply", "localhost", kPatience)), 404);
 }
 
 TEST_F(PageRequests, UndoCanBeTyped) {

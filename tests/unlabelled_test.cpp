@@ -60,8 +60,8 @@ TEST_F(Unlabelled, TheWholeRoomIsListedAndEdited) {
   EXPECT_EQ(aligngs("edit " + quoted(copy) + " --list").status, 0);
   const ProcessResult edited = aligngs("edit " + quoted(copy) + " --select everything --highlight '#ff0000'");
   EXPECT_EQ(edited.status, 0) << edited.err;
-  EXPECT_TRUE(fs::exists(copy / "edits" / "scene.ply"));
-  EXPECT_FALSE(fs::exists(copy / "edits" / "scene.labels.ply"));
+  EXPECT_EQ(aligngs("export " + quoted(copy) + " -f ply").status, 0);
+  EXPECT_FALSE(read_file(copy / "scene.edited.ply") == read_file(copy / "scene.ply"));
   EXPECT_EQ(aligngs("export " + quoted(copy) + " -f spz").status, 0);
   EXPECT_TRUE(fs::exists(copy / "scene.edited.spz"));
 }

@@ -9,6 +9,7 @@
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
 #include "edit/color_names.h"
+#include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/edit_session.h"
 #include "edit/mesh_selection.h"
@@ -97,7 +98,7 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   for (const int view : session.scene().train)
     cameras.push_back(session.scene().evaluation_cameras[static_cast<size_t>(view)]);
   const SelectionScore s = score_selection(
-      room.mesh, select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent),
+      room.mesh, select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, session.pool()),
       read_mesh_ply(session.scene().truth_mesh), query, cameras, session.pool());
   char text[400];
   std::snprintf(text, sizeof text,
@@ -172,9 +173,22 @@ void require_only_a_sentence(const EditOptions& options) {
   }
 }
 
-void undo(const CommandContext& context, EditSession& session, size_t number) {
-  const std::string undone = describe(session.undo(number));
-  print(context, {{"undone", undone}, {"edits", session.stack().size()}}, "undone: " + undone + "\n");
+/// Opens the run only for an edit from which later ones follow.
+void undo(const CommandContext& context, const EditOptions& options, size_t number) {
+  std::optional<EditOperation> undone = undo_in_files(options.run, number, options.wait);
+  if (!undone) undone = EditSession(options.run, {options.scene, context.global.threads, options.wait}).undo(number);
+  const std::string text = describe(*undone);
+  print(context, {{"undone", text}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}}, "undone: " + text + "\n");
+}
+
+/// A sentence that asks for an undo needs no room.
+std::optional<size_t> undo_in_words(const EditOptions& options) {
+  if (options.say.empty()) return std::nullopt;
+  try {
+    return parse_request(options.say).undo;
+  } catch (const Error&) {
+    return std::nullopt;  // read again with the words of the room, for its suggestions
+  }
 }
 
 void run_edit(const CommandContext& context, const EditOptions& options) {
@@ -195,19 +209,19 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
   if ((edits || says) && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
-  const std::string picture_file = options.picture.empty() ? "edit_preview.png" : options.picture;
-  if (options.dry_run) require_extension(picture_file, "png");
-  if (options.dry_run) RunFolder(options.run).require_not_of_run(picture_file, options.scene);
+  const std::string picture_file = options.picture.empty() && options.dry_run ? "edit_preview.png" : options.picture;
+  if (!picture_file.empty()) {
+    if (options.undo || options.list || options.measure || !options.output.empty()) throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
+    require_extension(picture_file, "png");
+    RunFolder(options.run).require_not_of_run(picture_file, options.scene);
+  }
+  const std::optional<size_t> number = options.undo ? std::optional<size_t>(0) : undo_in_words(options);
+  if (number && (options.dry_run || !options.output.empty())) throw_usage("undo changes this run", "leave out --dry-run and -o");
+  if (number) return undo(context, options, *number);
   EditSession session(options.run, {options.scene, context.global.threads, options.wait});
   if (options.list) return list_run(context, session);
   if (options.measure) return measure(context, session, options);
-  if (options.undo) return undo(context, session, 0);
-  if (says) {
-    const EditRequest request = session.understand(options.say);
-    if (request.undo && (options.dry_run || !options.output.empty())) throw_usage("undo changes this run", "leave out --dry-run and -o");
-    if (request.undo) return undo(context, session, *request.undo);
-    edit = request.edit;
-  }
+  if (says) edit = session.understand(options.say).edit;
   const LabelSet& labels = session.room().labels;
   if (options.dry_run) {
     BeforeAfter picture;
@@ -231,10 +245,17 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     json["run"] = options.output;
     return print(context, json, report_text(report, labels) + "run          " + options.output + "\n");
   }
-  const EditReport report = session.push(edit);
-  print(context, report_json(report, labels),
-        report_text(report, labels) + "look at      " + (session.folder() / "edits" / "before_after.png").string() +
-            "; take it back: aligngs edit " + options.run + " --undo\n");
+  BeforeAfter picture;
+  const EditReport report = session.push(edit, picture_file.empty() ? nullptr : &picture);
+  Json json = report_json(report, labels);
+  std::string text = report_text(report, labels);
+  if (!picture_file.empty()) {
+    write_before_after(picture_file, picture);
+    json["picture"] = picture_file;
+    json["view"] = picture.view;
+    text += "picture      " + picture_file + " (view " + picture.view + ")\n";
+  }
+  print(context, json, text + "look at it   aligngs view " + options.run + "; take it back: aligngs edit " + options.run + " --undo\n");
 }
 
 }  // namespace
@@ -243,7 +264,7 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("edit", "Delete, extract, move, copy, recolour or highlight objects by name");
   command->group("Use");
   command->footer(help_footer({.reads = "a run folder",
-                                .writes = "RUN/edits.json and RUN/edits/; with -o a new run instead",
+                                .writes = "RUN/edits.json and a small file in RUN/edits/; with -o a new run instead",
                                 .example = "aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'",
                                 .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
                                 .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
@@ -266,7 +287,7 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
   command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb' or a name")->group("Edit");
   command->add_option("-o,--output", options->output, "write a new run instead of editing this one")->group("Stack and output");
   command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")->group("Stack and output");
-  command->add_option("--picture", options->picture, "picture of --dry-run (default: edit_preview.png)")->group("Stack and output");
+  command->add_option("--picture", options->picture, "draw a test view before and after the edit into this file (--dry-run: edit_preview.png)")->group("Stack and output");
   command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
   command->add_option("--wait", options->wait, "seconds to wait for another edit of this run")
       ->check(CLI::NonNegativeNumber)->capture_default_str()->group("Stack and output");

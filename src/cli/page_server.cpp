@@ -17,7 +17,7 @@ PageServer::PageServer(PageServerOptions options) {
   scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
   scenes_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
-    edits_ = std::make_unique<EditService>(EditServiceOptions{run, options.scene, options.threads});
+    edits_ = std::make_unique<EditService>(EditServiceOptions{run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
     edits_->serve(options.server);
     renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
     renders_->serve(options.server);

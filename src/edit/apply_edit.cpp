@@ -9,6 +9,7 @@
 #include "edit/crumbs.h"
 #include "edit/export/moved_room.h"
 #include "edit/fill/fill_removed.h"
+#include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 #include "edit/move_objects.h"
 #include "edit/object_choice.h"
@@ -53,7 +54,7 @@ void append_patch(EditableRoom& room, const SupportPatch& patch) {
     l.label.push_back(l.label[source]);
     l.instance.push_back(l.instance[source]);
     l.confidence.push_back(l.confidence[source]);
-    for (size_t k = 0; room.gaussians.has_labels() && k < SoftLabels::kTop; ++k) {
+    for (size_t k = 0; !room.gaussians.soft.label.empty() && k < SoftLabels::kTop; ++k) {
       room.gaussians.soft.label.push_back(room.gaussians.soft.label[SoftLabels::kTop * source + k]);
       room.gaussians.soft.probability.push_back(room.gaussians.soft.probability[SoftLabels::kTop * source + k]);
     }
@@ -61,20 +62,11 @@ void append_patch(EditableRoom& room, const SupportPatch& patch) {
   }
 }
 
-void append_mesh(TriangleMesh& mesh, const TriangleMesh& patch) {
-  const uint32_t base = static_cast<uint32_t>(mesh.vertices.size());
-  append(mesh.vertices, patch.vertices);
-  if (!mesh.normals.empty()) append(mesh.normals, patch.normals);
-  if (!mesh.colors.empty()) append(mesh.colors, patch.colors);
-  if (!mesh.labels.empty()) append(mesh.labels, patch.labels);
-  for (const auto& t : patch.triangles) mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-}
-
 void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::vector<uint8_t>& vertices,
                uint8_t value) {
   room.gaussians = keep_rows(room.gaussians, keep);
   room.origins = kept(room.origins, keep, 1);
-  if (!room.mesh.vertices.empty()) room.mesh = submesh(room.mesh, vertices, value);
+  keep_mesh(room, vertices, value);
 }
 
 /// Gaussians that a deletion leaves of objects that it takes for the most part: specks inside of other things.
@@ -104,12 +96,12 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   std::vector<SupportPatch> patches;
   std::vector<uint8_t> gone = mask;
   if (edit.fill) {
-    Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras});
+    Filling filling = fill_removed({room.gaussians, room.labels, mask, room.up, room.cameras, &pool});
     patches = std::move(filling.patches);
     report.no_support = patches.empty();
     report.cleared = static_cast<size_t>(std::count(filling.debris.begin(), filling.debris.end(), uint8_t(1)));
     gone = with(std::move(gone), filling.debris);
-    if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent);
+    if (report.cleared) vertices = select_vertices(room.mesh, room.gaussians.model, gone, room.gaussians.extent, pool);
   }
   std::vector<uint8_t> keep = inverted(gone), rest = rest_of_objects(room.gaussians, mask);
   for (const SupportPatch& patch : patches) {
@@ -121,7 +113,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   keep_part(room, keep, vertices, 0);
   join_neighbours(room.gaussians, kept(rest, keep, 1), {}, pool);
   for (const SupportPatch& patch : patches) {
-    if (!room.mesh.vertices.empty()) append_mesh(room.mesh, patch.mesh);
+    if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);
   }
 }
 
@@ -163,7 +155,8 @@ LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uin
   out.extent = room.extent;
   out.model = room.model;
   restructure_model(plan_keep(keep), out.model);
-  if (room.has_labels()) {
+  out.named = room.named;
+  if (!room.soft.label.empty()) {
     out.soft.label = kept(room.soft.label, keep, SoftLabels::kTop);
     out.soft.probability = kept(room.soft.probability, keep, SoftLabels::kTop);
   }
@@ -202,13 +195,15 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   report.objects = selection.objects;
   report.selected = selection.count;
   report.threshold = selection.threshold;
+  report.asked_everything = query.everything;
+  for (const SelectionTerm& term : query.include) report.asked.push_back(static_cast<uint16_t>(term.label));
   report.before = room.gaussians.model.size();
   report.vertices_before = room.mesh.vertices.size();
   if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) && selection.count == report.before) {
     throw_bad_input({}, "--select", "nothing would be left: the selection is the whole room", "select less");
   }
   const std::vector<uint8_t> vertices =
-      select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent);
+      select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, pool);
   report.selected_vertices = static_cast<size_t>(std::count(vertices.begin(), vertices.end(), uint8_t(1)));
   switch (edit.kind) {
     case EditKind::kDelete:
@@ -222,7 +217,8 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
       keep_part(room, selection.mask, vertices, 1);
       break;
     case EditKind::kRecolor:
-      recolor_gaussians(room.gaussians.model, selection.mask, edit.color);
+      report.mean_luma = mean_luma(room.gaussians.model, selection.mask);
+      if (report.mean_luma) recolor_gaussians(room.gaussians.model, selection.mask, edit.color, *report.mean_luma);
       recolor_vertices(room.mesh, vertices, edit.color);
       break;
     case EditKind::kHighlight:
@@ -230,6 +226,7 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
       highlight_vertices(room.mesh, vertices, edit.color);
       break;
   }
+  if (edit.kind == EditKind::kHighlight || report.mean_luma) report.recolored = std::move(selection.mask);
   report.after = room.gaussians.model.size();
   report.vertices_after = room.mesh.vertices.size();
   return report;

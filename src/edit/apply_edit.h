@@ -7,6 +7,7 @@
 
 #include "core/thread_pool.h"
 #include "edit/edit_operation.h"
+#include "edit/row_id.h"
 #include "edit/selection.h"
 #include "scene/camera.h"
 #include "scene/triangle_mesh.h"
@@ -17,6 +18,7 @@ namespace aligngs {
 struct GaussianOrigin {
   uint32_t row = 0;     ///< row of the trained model
   bool filled = false;  ///< made by an edit; `row` is the one whose class it has
+  RowId id = kNewRow;
 };
 
 /// A room with everything that edits change.
@@ -24,6 +26,7 @@ struct EditableRoom {
   LabelledGaussians gaussians;
   std::vector<GaussianOrigin> origins;  ///< per Gaussian
   TriangleMesh mesh;                    ///< empty when the run has none
+  MeshRows mesh_rows;                   ///< names of its rows
   LabelSet labels;
   std::optional<Vec3d> up;  ///< unit, world; when the scene knows it
   std::vector<Camera> cameras;  ///< of the training photos, world; empty where they are not known
@@ -40,6 +43,10 @@ struct EditReport {
   bool no_support = false;              ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
   double threshold = 0;  ///< that was used; 0 for argmax
+  std::optional<float> mean_luma;  ///< of the selection, for kRecolor; empty when nothing of it is to be seen
+  std::vector<uint8_t> recolored;  ///< per Gaussian of the room before: 1 for those that kRecolor and kHighlight colour
+  bool asked_everything = false;   ///< the selection is the room but for some classes
+  std::vector<uint16_t> asked;     ///< classes that the selection names
 };
 
 /// Names and objects mean what they meant in the unedited room, whatever was deleted before. Error{kUsage} for names

@@ -13,18 +13,23 @@ namespace aligngs {
 size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows, const CrumbOptions& options,
                        ThreadPool& pool) {
   const size_t k = static_cast<size_t>(options.neighbours);
-  if (room.model.size() <= k || std::find(rows.begin(), rows.end(), uint8_t(1)) == rows.end()) return 0;
-  const NeighbourGraph graph = neighbour_graph(positions_of(room.model), k, pool);
+  std::vector<uint32_t> marked;
+  for (uint32_t i = 0; i < rows.size(); ++i) {
+    if (rows[i]) marked.push_back(i);
+  }
+  if (room.model.size() <= k || marked.empty()) return 0;
+  const NeighbourGraph graph = neighbour_graph(positions_of(room.model), marked, k, pool);
   std::vector<uint8_t> open = rows;
   size_t joined = 0;
   // From the outside of a group inwards: the inner ones have neighbours with an object only when the outer ones have.
   for (bool moved = true; moved;) {
     moved = false;
     const std::vector<uint8_t> before = open;
-    for (size_t i = 0; i < open.size(); ++i) {
+    for (size_t m = 0; m < marked.size(); ++m) {
+      const uint32_t i = marked[m];
       if (!before[i]) continue;
       std::map<std::pair<uint16_t, uint16_t>, double> votes;
-      for (size_t slot = k * i; slot < k * (i + 1); ++slot) {
+      for (size_t slot = k * m; slot < k * (m + 1); ++slot) {
         const uint32_t j = graph.index[slot];
         const uint16_t label = room.labels.label[j], instance = room.labels.instance[j];
         if (before[j] || label == kNoLabel || instance == 0) continue;

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "edit/edit_change_file.h"
 #include "edit/motion_text.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
@@ -14,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2, kOldestSchema = 1;  // 1: without number and change
 constexpr uint64_t kLargestFile = uint64_t(1) << 20;  // bytes
 constexpr size_t kMostEdits = 1000;                   // replayed one after the other
 constexpr size_t kLongestSelection = 4096;            // bytes, as in selection_text
@@ -54,6 +56,13 @@ class EntryReader {
     if (!it->is_boolean()) fail(key, "true or false is expected");
     return it->get<bool>();
   }
+  /// A whole number from 1 on.
+  uint32_t number(const char* key) const {
+    const auto it = json_.find(key);
+    constexpr int64_t kMost = std::numeric_limits<int32_t>::max();
+    if (it == json_.end() || !it->is_number_integer() || it->get<int64_t>() < 1 || it->get<int64_t>() > kMost) fail(key, "a whole number from 1 on is expected");
+    return it->get<uint32_t>();
+  }
   bool has(const char* key) const { return json_.contains(key); }
   /// Runs a parser of a user's text; its complaint is one about this file.
   template <class Parse>
@@ -91,6 +100,9 @@ EditOperation parse_entry(const EntryReader& entry) {
   edit.fill = entry.flag("fill");
   edit.with_contents = entry.flag("with_contents");
   if (entry.has("shift")) edit.motion.shift = entry.parsed("shift", [](const std::string& t) { return parse_shift(t); });
+  if (entry.has("number")) edit.number = entry.number("number");
+  if (entry.has("change")) edit.change = entry.text("change", 64);
+  if (!edit.change.empty() && (!is_change_name(edit.change) || edit.number == 0)) entry.fail("change", "the name of a file NNNN-DIGEST.edit and a number are expected");
   if (entry.has("turn")) edit.motion.turn = entry.parsed("turn", [](const std::string& t) { return parse_turn(t); });
   return edit;
 }
@@ -152,14 +164,19 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
   const Json document = parse_ordered_json(json);
   if (!document.is_object()) refuse("", "this is no JSON object");
   const auto schema = document.find("schema");
-  if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() != kSchema) {
-    refuse("schema", "schema 1 is expected");
+  if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() < kOldestSchema || schema->get<int64_t>() > kSchema) {
+    refuse("schema", "schema 1 or 2 is expected");
   }
   const auto list = document.find("edits");
   if (list == document.end() || !list->is_array()) refuse("edits", "a list is expected");
   if (list->size() > kMostEdits) refuse("edits", "more than 1000 edits");
   std::vector<EditOperation> edits;
-  for (const Json& entry : *list) edits.push_back(parse_entry(EntryReader(entry, edits.size(), name_for_errors)));
+  for (const Json& entry : *list) {
+    const EntryReader reader(entry, edits.size(), name_for_errors);
+    EditOperation edit = parse_entry(reader);
+    if (edit.number != 0 && !edits.empty() && edit.number <= edits.back().number) reader.fail("number", "the numbers of edits rise");
+    edits.push_back(std::move(edit));
+  }
   return edits;
 }
 
@@ -182,7 +199,14 @@ Json edits_json(const std::vector<EditOperation>& edits) {
   return list;
 }
 
-std::string edits_text(const std::vector<EditOperation>& edits) { return json_document(Json{{"schema", kSchema}, {"edits", edits_json(edits)}}); }
+std::string edits_text(const std::vector<EditOperation>& edits) {
+  Json list = edits_json(edits);
+  for (size_t i = 0; i < edits.size(); ++i) {
+    if (edits[i].number != 0) list[i]["number"] = edits[i].number;
+    if (!edits[i].change.empty()) list[i]["change"] = edits[i].change;
+  }
+  return json_document(Json{{"schema", kSchema}, {"edits", list}});
+}
 
 std::vector<EditOperation> read_edits(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) return {};

@@ -30,6 +30,8 @@ struct EditOperation {
   bool fill = false;           ///< kDelete, kMove: continue the surfaces behind and under the object
   bool with_contents = false;  ///< also things on the selected objects; not for colours
   ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
+  uint32_t number = 0;         ///< in its run, from 1 on, never the same for two edits of a stack; 0: has none yet
+  std::string change;          ///< file in RUN/edits/ with what the edit did (edit_change_file.h); empty: only the words are known
 };
 
 /// Ends of descriptions.
@@ -43,11 +45,12 @@ std::array<uint8_t, 3> parse_color(std::string_view text);
 std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"
 std::string describe(const EditOperation& edit);              ///< "recolor pillow to #add8e6", for lists and messages
 
-/// edits.json: the stack of a run, oldest first. Error{kBadInput} naming entry and field; selections are only checked
+/// edits.json: the stack of a run, oldest first. Schema 1 is of earlier programs and has no changes. Error{kBadInput} naming entry and field; selections are only checked
 /// against a label set when they are applied.
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors);
 std::string edits_text(const std::vector<EditOperation>& edits);
-nlohmann::ordered_json edits_json(const std::vector<EditOperation>& edits);  ///< its entries, an array
+/// Their words as an array, without number and change: for the record of a run of its own.
+nlohmann::ordered_json edits_json(const std::vector<EditOperation>& edits);
 /// An absent file is an empty stack.
 std::vector<EditOperation> read_edits(const std::filesystem::path& path);
 

@@ -18,11 +18,14 @@ TEST(EditsFile, WhatIsWrittenReadsBack) {
   recolor.select = "everything but wall";
   recolor.color = {173, 216, 230};
   recolor.threshold = {ThresholdRule::Kind::kValue, 0.25};
+  recolor.number = 4;
+  recolor.change = "0004-0123456789abcdef.edit";
   const std::string text = edits_text({remove, recolor});
   const std::vector<EditOperation> back = parse_edits(text, "edits.json");
   ASSERT_EQ(back.size(), 2u);
   EXPECT_EQ(describe(back[0]), "delete pillow#2, hole filled");
   EXPECT_EQ(describe(back[1]), "recolor everything but wall to #add8e6 (threshold 0.25)");
+  EXPECT_EQ(back[1].change, recolor.change);
   EXPECT_EQ(edits_text(back), text);
 }
 
@@ -34,7 +37,7 @@ TEST(EditsFile, MalformedFilesAreRefusedByName) {
                              "[]",
                              "{",
                              "nonsense",
-                             R"({"schema": 2, "edits": []})",
+                             R"({"schema": 3, "edits": []})",
                              R"({"edits": []})",
                              R"({"schema": 1})",
                              R"({"schema": 1, "edits": {}})",
@@ -47,6 +50,10 @@ TEST(EditsFile, MalformedFilesAreRefusedByName) {
                              entry(R"({"operation": "recolor", "select": "a", "color": "blue"})"),
                              entry(R"({"operation": "delete", "select": "a", "threshold": "2"})"),
                              entry(R"({"operation": "delete", "select": ")" + std::string(5000, 'a') + "\"}"),
+                             entry(R"({"operation": "delete", "select": "a", "number": 0})"),
+                             entry(R"({"operation": "delete", "select": "a", "number": 1, "change": "../../etc/passwd"})"),
+                             entry(R"({"operation": "delete", "select": "a", "change": "0001-0123456789abcdef.edit"})"),
+                             entry(R"({"operation": "delete", "select": "a", "number": 2}, {"operation": "delete", "select": "a", "number": 2})"),
                              std::string(100000, '['),
                              R"({"schema": 1e400, "edits": []})"};
   for (const std::string& text : bad) {

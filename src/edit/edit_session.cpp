@@ -1,93 +1,164 @@
 #include "edit/edit_session.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "core/error.h"
+#include "core/log.h"
+#include "edit/edit_change_file.h"
+#include "edit/edit_independence.h"
 #include "edit/edit_lock.h"
+#include "edit/edit_log.h"
 #include "edit/edit_products.h"
 #include "edit/nearest_readings.h"
-#include "edit/room_up.h"
+#include "gaussians/object_labels.h"
 #include "gaussians/restructure.h"
 #include "io/atomic_file.h"
 #include "io/folder_replacement.h"
-#include "scene/mesh_ply.h"
 #include "train/camera_outputs.h"
 #include "train/run_folder.h"
-#include "train/trained_run.h"
-#include "train/training_set.h"
 
 namespace aligngs {
 
 namespace fs = std::filesystem;
 
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
-    : run_(run), threads_(options.threads), patience_(options.patience) {
-  TrainedRun trained = read_trained_run(run, options.scene, CheckpointParts::kAll);
+    : run_(run), threads_(options.threads), patience_(options.patience), pool_(std::make_unique<ThreadPool>(options.threads)) {
+  TrainedRoom trained = read_trained_room(run, options.scene, *pool_);
   record_ = std::move(trained.record);
   config_ = std::move(trained.config);
   scene_ = std::move(trained.scene);
-  state_ = std::move(trained.state);
+  original_ = std::move(trained.room);
+  base_ = room_digest(original_);
   stack_ = read_edits(run / "edits.json");
-  pool_ = std::make_unique<ThreadPool>(options.threads);
-
-  original_.labels = scene_.labels;
-  original_.gaussians = label_objects(state_.engine.model, scene_.labels, robust_extent(scene_), *pool_);
-  original_.up = up_of_room(scene_, original_.gaussians);
-  for (const int view : scene_.train) original_.cameras.push_back(working_camera(scene_, config_, view));
-  for (uint32_t i = 0; i < original_.gaussians.model.size(); ++i) original_.origins.push_back({i, false});
-  if (fs::exists(run / "mesh" / "mesh.ply")) original_.mesh = read_mesh_ply(run / "mesh" / "mesh.ply");
-  replay();
+  listed_ = edits_text(stack_);
+  room_ = rebuilt(stack_, changes_);
 }
 
 std::vector<Instance> EditSession::objects() const {
   return list_instances(room_.gaussians.model, room_.gaussians.labels);
 }
 
-void EditSession::replay() {
-  room_ = original_;
-  for (size_t i = 0; i < stack_.size(); ++i) {
+const TrainingState& EditSession::state() {
+  if (state_) return *state_;
+  std::optional<TrainingState> state = read_latest_checkpoint(RunFolder(run_).checkpoints(), record_.fingerprint, CheckpointParts::kAll);
+  if (!state) {
+    throw_bad_input(RunFolder(run_).checkpoints(), "", "this run has no checkpoints: a probability as --threshold and a run of its own (-o) need one",
+                    "leave out --threshold and -o, or put the checkpoints back");
+  }
+  if (state->engine.model.size() != original_.gaussians.model.size()) {
+    throw_bad_input(RunFolder(run_).checkpoints(), "", "the checkpoint is of another training than scene.ply", "finish the training: aligngs train ... --resume");
+  }
+  state_ = std::make_unique<TrainingState>(std::move(*state));
+  return *state_;
+}
+
+EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit) {
+  const bool asks_probabilities = edit.threshold.kind != ThresholdRule::Kind::kArgmax && room.gaussians.has_labels();
+  if (asks_probabilities && room.gaussians.soft.label.empty()) {
+    if (soft_.label.empty()) soft_ = smoothed_labels(state().engine.model, original_.gaussians.extent, *pool_);
+    SoftLabels& soft = room.gaussians.soft;
+    for (const GaussianOrigin& origin : room.origins) {
+      const auto row = static_cast<std::ptrdiff_t>(SoftLabels::kTop * origin.row), width = static_cast<std::ptrdiff_t>(SoftLabels::kTop);
+      soft.label.insert(soft.label.end(), soft_.label.begin() + row, soft_.label.begin() + row + width);
+      soft.probability.insert(soft.probability.end(), soft_.probability.begin() + row, soft_.probability.begin() + row + width);
+    }
+  }
+  return apply_edit(room, edit, *pool_);
+}
+
+std::shared_ptr<const EditChange> EditSession::stored_change(const EditOperation& edit) const {
+  const fs::path file = run_ / "edits" / edit.change;
+  if (edit.change.empty() || !fs::exists(file)) return nullptr;
+  try {
+    auto change = std::make_shared<const EditChange>(read_change(file));
+    if (change->base == base_ && change->number == edit.number) return change;
+    log_info("the room was trained again, or its mesh made again: \"{}\" is carried out again", describe(edit));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kBadInput) throw;
+    log_warning("{}; \"{}\" is carried out again", error.what(), describe(edit));
+  }
+  return nullptr;
+}
+
+EditableRoom EditSession::rebuilt(std::vector<EditOperation>& stack, Changes& changes) {
+  EditableRoom room = original_;
+  bool anew = false;  // rows of later changes may be others from here on
+  for (size_t i = 0; i < stack.size(); ++i) {
+    if (i < changes.size()) {
+      if (!apply_change(room, *changes[i])) throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", "rows of this edit are gone", "undo it");
+      continue;
+    }
+    if (auto change = anew ? nullptr : stored_change(stack[i]); change && apply_change(room, *change)) {
+      changes.push_back(std::move(change));
+      continue;
+    }
+    anew = true;
+    stack[i].change.clear();
     try {
-      apply_edit(room_, stack_[i], *pool_);
+      EditableRoom after = room;
+      const EditReport report = carry_out(after, stack[i]);
+      const uint32_t number = stack[i].number != 0 ? stack[i].number : changes.empty() ? 1 : changes.back()->number + 1;
+      auto change = std::make_shared<const EditChange>(difference(room, after, stack[i], report, number, base_));
+      apply_change(room, *change);
+      changes.push_back(std::move(change));
     } catch (const Error& error) {
       throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", error.details().message,
                       "remove this entry, or edits.json to forget all edits");
     }
   }
+  return room;
 }
 
 void EditSession::follow_file() {
   std::vector<EditOperation> now = read_edits(run_ / "edits.json");
-  if (edits_text(now) == edits_text(stack_)) return;
+  std::string listed = edits_text(now);
+  if (listed == listed_) return;
+  Changes changes;
+  room_ = rebuilt(now, changes);
   stack_ = std::move(now);
-  replay();
+  changes_ = std::move(changes);
+  listed_ = std::move(listed);
+}
+
+void EditSession::commit(std::vector<EditOperation>& stack, const Changes& changes) {
+  for (size_t i = 0; i < stack.size(); ++i) {
+    if (!stack[i].change.empty() && fs::exists(run_ / "edits" / stack[i].change)) continue;
+    stack[i].number = changes[i]->number;
+    stack[i].change = write_change(run_ / "edits", *changes[i]);
+  }
+  commit_edits(run_, stack);
+  listed_ = edits_text(stack);
 }
 
 EditReport EditSession::preview(const EditOperation& edit, BeforeAfter* picture) {
   EditableRoom after = room_;
-  const EditReport report = apply_edit(after, edit, *pool_);
+  const EditReport report = carry_out(after, edit);
   if (picture) *picture = compare(room_, after);
   return report;
 }
 
-EditReport EditSession::push(const EditOperation& edit) {
+EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
   const EditLock lock(run_, describe(edit), patience_);
   follow_file();
   EditOperation canonical = edit;
   canonical.select = selection_text(read_selection(room_, edit.select), room_.labels);
-  EditableRoom before = room_;
-  const EditReport report = apply_edit(room_, canonical, *pool_);
-  stack_.push_back(canonical);
-  try {
-    write_products(compare(before, room_), &canonical);
-  } catch (...) {
-    stack_.pop_back();
-    room_ = std::move(before);
-    throw;
-  }
+  canonical.number = changes_.empty() ? 1 : changes_.back()->number + 1;
+  canonical.change.clear();
+  EditableRoom after = room_;
+  const EditReport report = carry_out(after, canonical);
+  if (picture) *picture = compare(room_, after);
+  std::vector<EditOperation> stack = stack_;
+  Changes changes = changes_;
+  stack.push_back(canonical);
+  changes.push_back(std::make_shared<const EditChange>(difference(room_, after, canonical, report, canonical.number, base_)));
+  after = EditableRoom();
+  commit(stack, changes);
+  apply_change(room_, *changes.back());
+  stack_ = std::move(stack);
+  changes_ = std::move(changes);
   return report;
 }
 
@@ -105,67 +176,54 @@ EditRequest EditSession::understand(std::string_view text) const {
 EditOperation EditSession::undo(size_t number) {
   const EditLock lock(run_, "undo", patience_);
   follow_file();
-  if (stack_.empty()) throw_usage("there is no edit to undo", "`aligngs edit RUN --list` shows the edits of a run");
-  if (number > stack_.size()) {
-    throw_usage(fmt::format("there is no edit {} to undo: the run has {}", number, stack_.size()),
-                "`aligngs edit RUN --list` shows the edits of a run, the first one first");
-  }
-  const std::vector<EditOperation> stack = stack_;
-  const size_t index = (number == 0 ? stack_.size() : number) - 1;
+  const size_t index = index_of_edit(stack_, number);
   const EditOperation undone = stack_[index];
-  EditableRoom before = std::move(room_);
-  try {
-    stack_.erase(stack_.begin() + static_cast<std::ptrdiff_t>(index));
-    replay();
-    // Without edits there is no folder for a picture, whose views take seconds to draw.
-    write_products(stack_.empty() ? BeforeAfter() : compare(before, room_), stack_.empty() ? nullptr : &stack_.back());
-  } catch (...) {
-    stack_ = stack;
-    room_ = std::move(before);
-    throw;
+  bool stay = true;  // the edits after it
+  for (size_t i = index + 1; i < changes_.size(); ++i) stay = stay && is_independent(*changes_[index], *changes_[i]);
+  std::vector<EditOperation> stack = stack_;
+  stack.erase(stack.begin() + static_cast<std::ptrdiff_t>(index));
+  Changes changes(changes_.begin(), changes_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (stay) changes.insert(changes.end(), changes_.begin() + static_cast<std::ptrdiff_t>(index) + 1, changes_.end());
+  if (!stay) {
+    for (size_t i = index; i < stack.size(); ++i) stack[i].change.clear();
   }
+  EditableRoom room = rebuilt(stack, changes);
+  commit(stack, changes);
+  room_ = std::move(room);
+  stack_ = std::move(stack);
+  changes_ = std::move(changes);
   return undone;
 }
 
-void EditSession::write_products(const BeforeAfter& picture, const EditOperation* last) const {
-  const std::string list = edits_text(stack_);
-  const fs::path folder = run_ / "edits";
-  if (stack_.empty()) {
-    write_file_atomically(run_ / "edits.json", list);
-    std::error_code error;
-    fs::remove_all(folder, error);
-    return;
-  }
-  FolderReplacement replacement(folder);
-  write_room(replacement.path(), room_);
-  if (!picture.picture.empty()) write_before_after(replacement.path() / "before_after.png", picture);
-  if (last && last->kind == EditKind::kExtract) write_object(replacement.path() / "object", centred(room_), *pool_);
-  write_file_atomically(replacement.path() / "edits.json", list);  // says to which stack these files belong
-  replacement.commit();
-  write_file_atomically(run_ / "edits.json", list);
-}
-
-TrainingState EditSession::edited_state(const EditableRoom& room) const {
-  TrainingState state = state_;
-  const size_t rows = state_.engine.model.size();
+TrainingState EditSession::edited_state(const EditableRoom& room) {
+  TrainingState out = state();
+  const GaussianModel& trained = state().engine.model;
+  const size_t rows = trained.size(), channels = static_cast<size_t>(trained.semantic_channels);
   RestructurePlan plan;
+  std::vector<float> semantics;
+  semantics.reserve(channels * room.origins.size());
   for (const GaussianOrigin& origin : room.origins) {
     RowOrigin row;
     row.source = origin.row;
     row.kind = origin.filled ? RowOrigin::Kind::kClone : RowOrigin::Kind::kKeep;
     plan.rows.push_back(row);
+    const auto first = trained.semantics.begin() + static_cast<std::ptrdiff_t>(channels * origin.row);
+    semantics.insert(semantics.end(), first, first + static_cast<std::ptrdiff_t>(channels));
   }
-  for (auto& [name, values] : state.engine.arrays) {
+  for (auto& [name, values] : out.engine.arrays) {
     if (rows > 0 && !values.empty() && values.size() % rows == 0) restructure_rows(plan, values.size() / rows, values);
   }
-  state.engine.model = room.gaussians.model;
-  return state;
+  out.engine.model = room.gaussians.model;
+  out.engine.model.semantic_channels = trained.semantic_channels;
+  out.engine.model.semantics = std::move(semantics);
+  return out;
 }
 
 EditReport EditSession::write_run(const fs::path& out, const EditOperation& edit, const std::string& command_line) {
   require_new_folder(out, {run_, scene_.folder});
+  state();  // before the work: a run without checkpoints has none
   EditableRoom after = room_;
-  const EditReport report = apply_edit(after, edit, *pool_);
+  const EditReport report = carry_out(after, edit);
   std::vector<EditOperation> done = stack_;
   done.push_back(edit);
 

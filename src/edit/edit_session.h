@@ -1,5 +1,5 @@
-// Edits of a run: the stack in edits.json, what it makes of the room, and the files that show it. The command line and
-// the page call the same functions.
+// Edits of a run: the list in edits.json, what each did to the room, and how both change. The command line and the page call
+// the same functions.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 #include "core/image.h"
 #include "core/thread_pool.h"
 #include "edit/apply_edit.h"
+#include "edit/edit_change.h"
 #include "edit/edit_text.h"
+#include "edit/trained_room.h"
 #include "engine/engine.h"
 #include "train/checkpoint.h"
-#include "train/config.h"
-#include "train/run_record.h"
 
 namespace aligngs {
 
@@ -32,7 +32,9 @@ struct BeforeAfter {
 
 class EditSession {
  public:
-  /// Opens a run and applies its stack. Error{kBadInput} when the folder is no run, nothing has been trained, or edits.json is damaged.
+  /// Opens a run and applies what its edits did. An edit whose change is not there, or was made on another training of the
+  /// run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained, or
+  /// edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
 
   const std::vector<EditOperation>& stack() const { return stack_; }
@@ -45,36 +47,49 @@ class EditSession {
 
   /// Preview of an edit in figures and as a picture; nothing is written.
   EditReport preview(const EditOperation& edit, BeforeAfter* picture = nullptr);
-  /// Applies an edit and writes edits.json and edits/ (scene.ply, scene.labels.ply, classes.json, mesh.ply,
-  /// before_after.png; for an extraction also object/). Nothing of the training is touched. Changes of one run happen
-  /// one after the other (edit_lock.h), each on top of those that other processes made meanwhile.
-  EditReport push(const EditOperation& edit);
+  /// Applies an edit, writes what it did into edits/, and then its entry into edits.json. Nothing of the training is touched.
+  /// Changes of one run happen one after the other (edit_lock.h), each on top of those that other processes made meanwhile.
+  EditReport push(const EditOperation& edit, BeforeAfter* picture = nullptr);
   /// Takes an edit back and returns what it was: the latest one, or that of a number, where 1 is the oldest. The edits
-  /// after it stay. Error{kUsage} when there is none, Error{kBadInput} when a later edit needs it; nothing changes then.
+  /// after it stay. Those that follow from it are carried out again (edit_independence.h). Error{kUsage} when there is
+  /// none, Error{kBadInput} when a later edit needs it; nothing changes then.
   EditOperation undo(size_t number = 0);
   /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not understand.
   EditRequest understand(std::string_view text) const;
   /// Writes the room with the stack and one more edit as a run of its own, and returns what the edit did. `out` must
-  /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all.
+  /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all. Error{kBadInput} for a run without
+  /// checkpoints: the new run could not be rendered.
   EditReport write_run(const std::filesystem::path& out, const EditOperation& edit, const std::string& command_line);
 
  private:
-  void replay();
+  using Changes = std::vector<std::shared_ptr<const EditChange>>;  ///< of the edits of a stack
+  /// Applies a stack to the trained room. `changes` are those of its first edits; the others are read, or found anew.
+  /// Edits that are carried out again lose the name of their file.
+  EditableRoom rebuilt(std::vector<EditOperation>& stack, Changes& changes);
+  /// From the file of an edit; null where there is none that was made on this room.
+  std::shared_ptr<const EditChange> stored_change(const EditOperation& edit) const;
+  EditReport carry_out(EditableRoom& room, const EditOperation& edit);
   void follow_file();  ///< takes over edits that were made since the stack was read; under the lock
-  void write_products(const BeforeAfter& picture, const EditOperation* last) const;
+  /// Writes changes that no file has, and the list.
+  void commit(std::vector<EditOperation>& stack, const Changes& changes);
+  const TrainingState& state();
   BeforeAfter compare(const EditableRoom& before, const EditableRoom& after) const;
-  TrainingState edited_state(const EditableRoom& room) const;
+  TrainingState edited_state(const EditableRoom& room);
 
   std::filesystem::path run_;
+  int threads_ = 0;
+  double patience_ = 0;  ///< seconds
+  std::unique_ptr<ThreadPool> pool_;
   TrainConfig config_;
   RunRecord record_;
   Scene scene_;
-  TrainingState state_;  ///< of the last checkpoint
-  std::unique_ptr<ThreadPool> pool_;
-  int threads_ = 0;
-  double patience_ = 0;  ///< seconds
   EditableRoom original_, room_;
+  uint64_t base_ = 0;  ///< digest of original_
   std::vector<EditOperation> stack_;
+  std::string listed_;  ///< content of edits.json that stack_ was read from or written to
+  Changes changes_;
+  std::unique_ptr<TrainingState> state_;  ///< of the last checkpoint, when it was needed
+  SoftLabels soft_;                       ///< of the rows of original_, when a threshold needed them
 };
 
 /// Gaussians, labels and mesh of a room moved so that the middle of their box is the origin; for a single object.

@@ -52,6 +52,38 @@ struct Box {
   }
 };
 
+/// Ellipsoid::reach without the rotation, which takes longest.
+float largest_reach(const GaussianModel& model, size_t i, float floor, float sigmas) {
+  const float* s = &model.log_scales[3 * i];
+  return sigmas * std::max(std::exp(std::max({s[0], s[1], s[2]})), floor);
+}
+
+/// Adds the votes of Gaussians to the points of a tree. Blocks are looked up in parallel and added one after the other, so
+/// that the sums are the same for any number of threads.
+void add_votes(const std::vector<Ellipsoid>& gaussians, const PointTree& tree, double sign, ThreadPool& pool, std::vector<double>& balance) {
+  constexpr size_t kGrain = 256, kRound = 64;  // Gaussians of a block, blocks at a time
+  struct Vote {
+    uint32_t point;
+    float vote;
+  };
+  for (size_t first = 0; first < gaussians.size(); first += kGrain * kRound) {
+    const size_t count = std::min(gaussians.size() - first, kGrain * kRound);
+    std::vector<std::vector<Vote>> votes((count + kGrain - 1) / kGrain);
+    pool.parallel_for(count, kGrain, [&](size_t begin, size_t end, int) {
+      std::vector<uint32_t> near;
+      std::vector<Vote>& block = votes[begin / kGrain];
+      for (size_t i = begin; i < end; ++i) {
+        const Ellipsoid& e = gaussians[first + i];
+        tree.within_unordered(e.centre, e.reach, near);
+        for (const uint32_t n : near) block.push_back({n, e.vote(tree.point(n))});
+      }
+    });
+    for (const std::vector<Vote>& block : votes) {
+      for (const Vote& v : block) balance[v.point] += sign * v.vote;
+    }
+  }
+}
+
 /// Majority over the vertices that share a triangle, the vertex itself counting as two.
 void smooth_flags(const TriangleMesh& mesh, int rounds, std::vector<uint8_t>& flags) {
   std::vector<int> vote(flags.size());
@@ -71,7 +103,7 @@ void smooth_flags(const TriangleMesh& mesh, int rounds, std::vector<uint8_t>& fl
 }  // namespace
 
 std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianModel& model,
-                                     const std::vector<uint8_t>& selected, double extent,
+                                     const std::vector<uint8_t>& selected, double extent, ThreadPool& pool,
                                      const MeshSelectionOptions& options) {
   const float floor = static_cast<float>(options.thickness * extent), sigmas = static_cast<float>(options.sigmas);
   std::vector<uint8_t> flags(mesh.vertices.size(), 0);
@@ -93,42 +125,53 @@ std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianMod
     vertex_of.push_back(v);
   }
   const PointTree tree(std::move(points));
-  std::vector<double> balance(tree.size(), 0.0);
-  std::vector<PointTree::Neighbour> near;
-  const auto scatter = [&](const Ellipsoid& e, double sign) {
-    tree.within(e.centre, e.reach, near);
-    for (const PointTree::Neighbour& n : near) balance[n.index] += sign * e.vote(tree.point(n.index));
-  };
-  for (const Ellipsoid& e : chosen) scatter(e, 1);
+  std::vector<Ellipsoid> others;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (selected[i]) continue;
-    const Ellipsoid e(model, i, floor, sigmas);
-    if (box.touches(e.centre, e.reach)) scatter(e, -1);
+    if (selected[i] || !box.touches(Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]}, largest_reach(model, i, floor, sigmas))) continue;
+    others.emplace_back(model, i, floor, sigmas);
   }
+  std::vector<double> balance(tree.size(), 0.0);
+  add_votes(chosen, tree, 1, pool, balance);
+  add_votes(others, tree, -1, pool, balance);
   for (size_t i = 0; i < tree.size(); ++i) flags[vertex_of[i]] = balance[i] > 0;
   smooth_flags(mesh, options.smoothing_rounds, flags);
   return flags;
 }
 
-TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value) {
-  constexpr uint32_t kUnused = 0xffffffffu;
-  TriangleMesh out;
-  std::vector<uint32_t> moved(mesh.vertices.size(), kUnused);
-  const auto move = [&](uint32_t v) {
-    if (moved[v] == kUnused) {
-      moved[v] = static_cast<uint32_t>(out.vertices.size());
-      out.vertices.push_back(mesh.vertices[v]);
-      if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
-      if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
-      if (!mesh.labels.empty()) out.labels.push_back(mesh.labels[v]);
-    }
-    return moved[v];
-  };
-  for (const auto& t : mesh.triangles) {
-    if ((flags[t[0]] == value) + (flags[t[1]] == value) + (flags[t[2]] == value) < 2) continue;
-    const uint32_t a = move(t[0]), b = move(t[1]), c = move(t[2]);
-    out.triangles.push_back({a, b, c});
+TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value, SubmeshRows* rows) {
+  std::vector<uint32_t> triangles;
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    if ((flags[t[0]] == value) + (flags[t[1]] == value) + (flags[t[2]] == value) >= 2) triangles.push_back(i);
   }
+  return submesh(mesh, triangles, rows);
+}
+
+TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint32_t>& triangles, SubmeshRows* rows) {
+  constexpr uint32_t kUnused = 0xffffffffu;
+  std::vector<uint32_t> moved(mesh.vertices.size(), kUnused), vertices;
+  for (const uint32_t i : triangles) {
+    for (const uint32_t v : mesh.triangles[i]) moved[v] = 0;
+  }
+  for (uint32_t v = 0; v < moved.size(); ++v) {
+    if (moved[v] == kUnused) continue;
+    moved[v] = static_cast<uint32_t>(vertices.size());
+    vertices.push_back(v);
+  }
+  TriangleMesh out;
+  out.vertices.reserve(vertices.size());
+  for (const uint32_t v : vertices) {
+    out.vertices.push_back(mesh.vertices[v]);
+    if (!mesh.normals.empty()) out.normals.push_back(mesh.normals[v]);
+    if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+    if (!mesh.labels.empty()) out.labels.push_back(mesh.labels[v]);
+  }
+  out.triangles.reserve(triangles.size());
+  for (const uint32_t i : triangles) {
+    const auto& t = mesh.triangles[i];
+    out.triangles.push_back({moved[t[0]], moved[t[1]], moved[t[2]]});
+  }
+  if (rows) *rows = {std::move(vertices), triangles};
   return out;
 }
 

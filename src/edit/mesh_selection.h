@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/thread_pool.h"
 #include "gaussians/gaussian_model.h"
 #include "scene/triangle_mesh.h"
 
@@ -19,10 +20,19 @@ struct MeshSelectionOptions {
 /// Each Gaussian votes for the vertices near it with opacity * exp(-m^2 / 2), m the Mahalanobis distance. A vertex is
 /// selected when the selected Gaussians have more votes than the others. Returns one flag per vertex.
 std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianModel& model,
-                                     const std::vector<uint8_t>& selected, double extent,
+                                     const std::vector<uint8_t>& selected, double extent, ThreadPool& pool,
                                      const MeshSelectionOptions& options = {});
 
-/// The triangles of which at least two vertices have the flag `value`, with the vertices they use; attributes follow.
-TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value);
+/// Rows of the whole mesh that a part was made of.
+struct SubmeshRows {
+  std::vector<uint32_t> vertices, triangles;
+};
+
+/// The triangles of which at least two vertices have the flag `value`, with the vertices they use, both in their order;
+/// attributes follow.
+TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value, SubmeshRows* rows = nullptr);
+
+/// The given triangles, with the vertices that they use.
+TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint32_t>& triangles, SubmeshRows* rows = nullptr);
 
 }  // namespace aligngs

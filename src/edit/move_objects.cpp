@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 
 namespace aligngs {
@@ -116,12 +117,7 @@ void add_piece(EditableRoom& room, const EditableRoom& piece) {
   append(room.gaussians.soft.label, piece.gaussians.soft.label);
   append(room.gaussians.soft.probability, piece.gaussians.soft.probability);
   for (const GaussianOrigin& origin : piece.origins) room.origins.push_back({origin.row, true});
-  const uint32_t base = static_cast<uint32_t>(room.mesh.vertices.size());
-  append(room.mesh.vertices, piece.mesh.vertices);
-  append(room.mesh.normals, piece.mesh.normals);
-  append(room.mesh.colors, piece.mesh.colors);
-  append(room.mesh.labels, piece.mesh.labels);
-  for (const auto& t : piece.mesh.triangles) room.mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+  append_mesh(room, piece.mesh);
 }
 
 void number_anew(EditableRoom& piece, const EditableRoom& room) {

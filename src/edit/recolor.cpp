@@ -16,8 +16,7 @@ uint8_t to_byte(float v) { return static_cast<uint8_t>(std::lround(255 * std::cl
 
 }  // namespace
 
-void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
-                       const std::array<uint8_t, 3>& color) {
+std::optional<float> mean_luma(const GaussianModel& model, const std::vector<uint8_t>& selected) {
   double sum = 0, weight = 0;
   for (size_t i = 0; i < model.size(); ++i) {
     if (!selected[i]) continue;
@@ -26,8 +25,15 @@ void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selecte
     sum += opacity * luma(c.x, c.y, c.z);
     weight += opacity;
   }
-  if (!(weight > 0)) return;
-  const float mean = static_cast<float>(std::max(sum / weight, kDarkest));
+  if (!(weight > 0)) return std::nullopt;
+  return static_cast<float>(std::max(sum / weight, kDarkest));
+}
+
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color) {
+  if (const auto mean = mean_luma(model, selected)) recolor_gaussians(model, selected, color, *mean);
+}
+
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color, float mean) {
   for (size_t i = 0; i < model.size(); ++i) {
     if (!selected[i]) continue;
     float* sh = &model.sh[size_t(3) * kShCoefficients * i];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gaussians/gaussian_model.h"
@@ -14,6 +15,10 @@ namespace aligngs {
 /// coefficients, so every viewing direction keeps its shade and texture keeps its contrast. The mean is taken over the
 /// selection, weighted by opacity, and is at least kDarkest: black things become dark, not white.
 void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
+/// The mean that it takes; empty when nothing of the selection is to be seen.
+std::optional<float> mean_luma(const GaussianModel& model, const std::vector<uint8_t>& selected);
+/// The same with a mean that is known.
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color, float mean);
 /// The same for vertex colours.
 void recolor_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
 

@@ -103,17 +103,38 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
   }
 }
 
+/// Rows in the box around the marked ones, which is `reach` wider. Others do not join a selection: what is that far from it
+/// has no neighbours of its own.
+std::vector<uint32_t> rows_around(const std::vector<Vec3f>& points, const std::vector<uint8_t>& marked, float reach) {
+  Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
+  for (size_t i = 0; i < points.size(); ++i) {
+    for (int a = 0; marked[i] && a < 3; ++a) {
+      low[a] = std::min(low[a], points[i][a] - reach);
+      high[a] = std::max(high[a], points[i][a] + reach);
+    }
+  }
+  std::vector<uint32_t> rows;
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    const Vec3f& p = points[i];
+    if (p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z) rows.push_back(i);
+  }
+  return rows;
+}
+
 /// Majority of the neighbours with hysteresis, counted by opacity.
 void clean(const LabelledGaussians& room, const SelectionOptions& options, ThreadPool& pool,
            std::vector<uint8_t>& mask) {
   const size_t k = static_cast<size_t>(std::max(0, options.neighbours));
   if (k == 0 || mask.size() <= k) return;
-  const NeighbourGraph graph = neighbour_graph(positions_of(room.model), k, pool);
+  const std::vector<Vec3f> points = positions_of(room.model);
+  const std::vector<uint32_t> rows = rows_around(points, mask, static_cast<float>(options.reach * room.extent));
+  const NeighbourGraph graph = neighbour_graph(points, rows, k, pool);
   for (int round = 0; round < options.rounds; ++round) {
     const std::vector<uint8_t> before = mask;
-    for (size_t i = 0; i < mask.size(); ++i) {
+    for (size_t n = 0; n < rows.size(); ++n) {
+      const uint32_t i = rows[n];
       double chosen = 0, all = 0;
-      for (size_t slot = k * i; slot < k * (i + 1); ++slot) {
+      for (size_t slot = k * n; slot < k * (n + 1); ++slot) {
         const double weight = opacity_of(room.model, graph.index[slot]);
         all += weight;
         if (before[graph.index[slot]]) chosen += weight;

@@ -19,7 +19,9 @@ struct LabelledGaussians {
   GaussianLabels labels;  ///< with instances; without labels kNoLabel everywhere
   double extent = 1;      ///< robust extent of the scene, scene units
 
-  bool has_labels() const { return model.semantic_channels > 0; }
+  bool named = false;     ///< the labels were read from scene.labels.ply: the model has no semantic rows
+
+  bool has_labels() const { return named || model.semantic_channels > 0; }
 };
 
 /// Smooths, labels and numbers the objects; crumbs join their neighbours (crumbs.h). A model that was trained without

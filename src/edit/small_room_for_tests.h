@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "edit/apply_edit.h"
+#include "edit/mesh_rows.h"
 
 namespace aligngs::small_room {
 
@@ -110,7 +111,8 @@ inline EditableRoom make(ThreadPool& pool) {
     }
   }
   room.gaussians = label_objects(std::move(model), room.labels, kExtent, pool);
-  for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false});
+  for (uint32_t i = 0; i < room.gaussians.model.size(); ++i) room.origins.push_back({i, false, i});
+  number_mesh(room);
   return room;
 }
 

@@ -24,4 +24,11 @@ void write_labelled_gaussian_ply(const std::filesystem::path& path, const Gaussi
 /// Non-finite values and missing required properties are Error{kBadInput}.
 GaussianModel read_gaussian_ply(const std::filesystem::path& path);
 
+struct LabelledModel {
+  GaussianModel model;
+  GaussianLabels labels;  ///< without the name of the label set
+};
+/// The same for a file with labels. Error{kBadInput} also where it has none.
+LabelledModel read_labelled_gaussian_ply(const std::filesystem::path& path);
+
 }  // namespace aligngs

@@ -107,6 +107,27 @@ TEST(GaussianPly, LabelsFollowTheStandardProperties) {
   EXPECT_EQ(read_gaussian_ply(file_in_temp("labels.ply")).size(), 2u);
 }
 
+TEST(GaussianPly, LabelsReadBack) {
+  const GaussianModel model = random_model(700);
+  GaussianLabels labels;
+  labels.label_set = "ade20k150";
+  for (size_t i = 0; i < model.size(); ++i) {
+    labels.label.push_back(static_cast<uint16_t>(i % 3 == 0 ? 65535 : i));
+    labels.instance.push_back(static_cast<uint16_t>(i / 2));
+    labels.confidence.push_back(static_cast<uint8_t>(i));
+  }
+  const auto path = file_in_temp("labels_back.ply");
+  write_labelled_gaussian_ply(path, model, labels);
+  const LabelledModel back = read_labelled_gaussian_ply(path);
+  EXPECT_EQ(back.labels.label, labels.label);
+  EXPECT_EQ(back.labels.instance, labels.instance);
+  EXPECT_EQ(back.labels.confidence, labels.confidence);
+  EXPECT_EQ(back.model.sh, model.sh);
+  EXPECT_EQ(back.model.positions, read_gaussian_ply(path).positions);
+  write_gaussian_ply(path, model);
+  EXPECT_THROW(read_labelled_gaussian_ply(path), Error) << "it has none";
+}
+
 TEST(GaussianPly, LabelsOfAnotherLengthAreRefused) {
   EXPECT_THROW(write_labelled_gaussian_ply(file_in_temp("bad.ply"), random_model(2), {}), Error);
 }

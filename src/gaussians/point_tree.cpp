@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "scene/kd_tree.h"
@@ -49,19 +50,33 @@ void PointTree::within(const Vec3f& query, float radius, std::vector<Neighbour>&
   std::sort(out.begin(), out.end(), nearer);
 }
 
+void PointTree::within_unordered(const Vec3f& query, float radius, std::vector<uint32_t>& out) const {
+  out.clear();
+  if (!(radius > 0)) return;
+  thread_local std::vector<std::pair<uint32_t, float>> found;
+  tree_->within_unordered(query, radius * radius, found);
+  for (const auto& [index, squared] : found) out.push_back(index);
+}
+
 NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, ThreadPool& pool) {
+  std::vector<uint32_t> rows(points.size());
+  std::iota(rows.begin(), rows.end(), 0u);
+  return neighbour_graph(points, rows, k, pool);
+}
+
+NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool) {
   NeighbourGraph graph;
   graph.k = k;
-  graph.index.assign(points.size() * k, NeighbourGraph::kNone);
-  graph.distance.assign(points.size() * k, std::numeric_limits<float>::infinity());
+  graph.index.assign(rows.size() * k, NeighbourGraph::kNone);
+  graph.distance.assign(rows.size() * k, std::numeric_limits<float>::infinity());
   const PointTree tree(points);
-  pool.parallel_for(points.size(), kQueryGrain, [&](size_t begin, size_t end, int) {
+  pool.parallel_for(rows.size(), kQueryGrain, [&](size_t begin, size_t end, int) {
     std::vector<PointTree::Neighbour> found;
     for (size_t i = begin; i < end; ++i) {
-      tree.nearest(points[i], k + 1, found);
+      tree.nearest(points[rows[i]], k + 1, found);
       size_t slot = 0;
       for (const PointTree::Neighbour& n : found) {
-        if (n.index == i || slot == k) continue;
+        if (n.index == rows[i] || slot == k) continue;
         graph.index[k * i + slot] = n.index;
         graph.distance[k * i + slot++] = n.distance;
       }

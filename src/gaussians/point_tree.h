@@ -29,6 +29,8 @@ class PointTree {
   void nearest(const Vec3f& query, size_t k, std::vector<Neighbour>& out) const;
   /// All points with distance < radius; for trees of points that lie apart, as the answer may be all of them.
   void within(const Vec3f& query, float radius, std::vector<Neighbour>& out) const;
+  /// Their numbers alone, in no order.
+  void within_unordered(const Vec3f& query, float radius, std::vector<uint32_t>& out) const;
 
  private:
   struct Tree;
@@ -44,5 +46,7 @@ struct NeighbourGraph {
   std::vector<float> distance;
 };
 NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, ThreadPool& pool);
+/// The same for some of the points: neighbours of the point rows[i] are at [k * i, k * i + k).
+NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -34,6 +34,15 @@ class KdTree {
     index_.radiusSearch(q, squared, found, nanoflann::SearchParams());
   }
 
+  /// The same in no order.
+  void within_unordered(const Vec3<Real>& query, Real squared, std::vector<std::pair<uint32_t, Real>>& found) const {
+    found.clear();
+    if (cloud_.points.empty()) return;
+    const Real q[3] = {query.x, query.y, query.z};
+    constexpr int kUnused = 32;
+    index_.radiusSearch(q, squared, found, nanoflann::SearchParams(kUnused, 0, false));
+  }
+
  private:
   static constexpr size_t kLeafSize = 12;  // points; the usual optimum in three dimensions
 

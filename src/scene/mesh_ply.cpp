@@ -145,7 +145,11 @@ TriangleMesh read_mesh_ply(const std::filesystem::path& path) {
   return mesh;
 }
 
-void write_mesh_ply(const std::filesystem::path& path, const TriangleMesh& mesh) {
+namespace {
+
+/// Hands over the file in pieces of about a megabyte.
+template <class Sink>
+void encode(const std::filesystem::path& path, const TriangleMesh& mesh, const Sink& sink) {
   const size_t count = mesh.vertices.size();
   require_rows(mesh.normals, count, path, "normals");
   require_rows(mesh.colors, count, path, "colors");
@@ -158,11 +162,10 @@ void write_mesh_ply(const std::filesystem::path& path, const TriangleMesh& mesh)
   out += "element face " + std::to_string(mesh.triangles.size()) +
          "\nproperty list uchar int vertex_indices\nend_header\n";
 
-  AtomicFile file(path);
   constexpr size_t kFlush = size_t(1) << 20;  // bytes handed over at a time
   const auto flush_at = [&](size_t limit) {
     if (out.size() < limit) return;
-    file.write(out);
+    sink(out);
     out.clear();
   };
   for (size_t i = 0; i < count; ++i) {
@@ -178,7 +181,20 @@ void write_mesh_ply(const std::filesystem::path& path, const TriangleMesh& mesh)
     flush_at(kFlush);
   }
   flush_at(0);
+}
+
+}  // namespace
+
+void write_mesh_ply(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  AtomicFile file(path);
+  encode(path, mesh, [&](const std::string& bytes) { file.write(bytes); });
   file.commit();
+}
+
+std::string mesh_ply(const TriangleMesh& mesh) {
+  std::string out;
+  encode({}, mesh, [&](const std::string& bytes) { out += bytes; });
+  return out;
 }
 
 PointCloud read_cloud_ply(const std::filesystem::path& path) {

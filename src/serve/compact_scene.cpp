@@ -141,7 +141,7 @@ CompactScene compact_scene(const SplatTable& table) {
   for (size_t k = 0; k < table.harmonics.size(); ++k) {
     rest.add<int8_t>("f_rest_" + std::to_string(k), kHarmonicStep, rows, 0, [&](uint32_t i) { return table.harmonics[k][i]; });
   }
-  return {coarse.compressed(rows.size(), shown), rest.compressed(rows.size(), rows.size())};
+  return {coarse.compressed(rows.size(), shown), rest.compressed(rows.size(), rows.size()), std::move(rows)};
 }
 
 }  // namespace aligngs

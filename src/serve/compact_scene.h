@@ -1,7 +1,9 @@
 // The splats of a room as the page loads them: small numbers, compressed, the most visible splats first.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "serve/splat_table.h"
 
@@ -13,6 +15,7 @@ namespace aligngs {
 struct CompactScene {
   std::string coarse;  ///< the first `shown` splats without their higher harmonics
   std::string rest;    ///< the other splats, and the harmonics of all
+  std::vector<uint32_t> order;  ///< row of the table of each splat
 };
 
 /// Splats that nobody can see (an opacity below 1/255) are left out. The page draws the others within 1/255 of their colours and 3 % of

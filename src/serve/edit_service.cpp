@@ -9,6 +9,7 @@
 #include "io/base64.h"
 #include "io/image_file.h"
 #include "io/json_text.h"
+#include "scene/mesh_ply.h"
 #include "serve/export_file.h"
 #include "serve/file_version.h"
 #include "serve/plain_run.h"
@@ -149,8 +150,26 @@ std::string EditService::export_file(const std::string& request) {
   return json_line(Json{{"file", made.file.filename().string()}, {"bytes", fs::file_size(made.file)}});
 }
 
+std::optional<GetAnswer> EditService::scene(const std::string& path) {
+  const auto shown = options_.shown ? options_.shown(path) : nullptr;
+  if (!shown) return {};
+  const EditSession& s = session();
+  const size_t rows = s.original().origins.size();
+  if (std::any_of(shown->order.begin(), shown->order.end(), [&](uint32_t row) { return row >= rows; })) return {};
+  auto bytes = std::make_shared<const std::string>(edited_scene(s.original(), s.room(), *shown));
+  return GetAnswer{"application/octet-stream", {}, std::move(bytes), {}};
+}
+
+std::optional<GetAnswer> EditService::mesh() {
+  const TriangleMesh& mesh = session().room().mesh;
+  if (mesh.vertices.empty()) return {};
+  return GetAnswer{"application/octet-stream", {}, std::make_shared<const std::string>(mesh_ply(mesh)), {}};
+}
+
 void EditService::serve(ViewServerOptions& options) {
   options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> { return GetAnswer{"application/json", list(), {}, {}}; };
+  options.get["/api/edits/scene/"] = [this](const std::string& path) { return scene(path); };
+  options.get["/api/edits/mesh.ply"] = [this](const std::string&) { return mesh(); };
   options.post["/api/edits/preview"] = [this](const std::string& body) { return preview(body); };
   options.post["/api/edits/push"] = [this](const std::string& body) { return push(body); };
   options.post["/api/edits/undo"] = [this](const std::string& body) { return undo(body); };

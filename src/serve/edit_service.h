@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "edit/edit_session.h"
+#include "serve/edited_scene.h"
 #include "serve/view_server.h"
 
 namespace aligngs {
@@ -17,6 +18,8 @@ struct EditServiceOptions {
   std::filesystem::path run;
   std::filesystem::path scene;  ///< where the scene went; may be empty
   int threads = 0;
+  /// Tells the splats of a .ply file that the page has (SceneService::shown).
+  std::function<std::shared_ptr<const ShownSplats>(const std::string& path)> shown;
 };
 
 /// One call at a time. The run is opened at the first call, and again when another process changed its files (a resumed
@@ -40,7 +43,13 @@ class EditService {
   /// {"format": NAME} -> {"file": path below the run folder, "bytes"}
   std::string export_file(const std::string& request);
 
-  /// Adds GET /api/edits and POST /api/edits/{preview,push,undo,redo} and /api/export. The service must outlive the server.
+  /// The difference that the edits make to the splats of a file of the run, for a page that has them (edited_scene.h). Nothing for other
+  /// names and other rooms than the one that is edited.
+  std::optional<GetAnswer> scene(const std::string& path);
+  /// The edited mesh as PLY; nothing when the run has none.
+  std::optional<GetAnswer> mesh();
+
+  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, and POST /api/edits/{preview,push,undo,redo} and /api/export. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:

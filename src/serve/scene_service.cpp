@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kKept = 2;                              // scenes: the edited room, and the one before the edits
+constexpr size_t kKept = 2;                              // scenes: the live snapshot, and the trained room after it
 constexpr uint64_t kLargestScene = uint64_t(4) << 30;    // bytes of a PLY file
 
 }  // namespace
@@ -38,7 +38,8 @@ SceneService::Prepared SceneService::prepared(const std::string& path, const Ser
   CompactScene made = compact_scene(table);
   scenes_.remove_if([&](const Prepared& scene) { return scene.path == path; });
   scenes_.push_front({path, file.etag(), std::make_shared<const std::string>(std::move(made.coarse)),
-                      std::make_shared<const std::string>(std::move(made.rest))});
+                      std::make_shared<const std::string>(std::move(made.rest)),
+                      std::make_shared<const ShownSplats>(ShownSplats{std::move(made.order), table.harmonics.size()})});
   if (scenes_.size() > kKept) scenes_.pop_back();
   return scenes_.front();
 }
@@ -53,6 +54,11 @@ std::optional<GetAnswer> SceneService::part(const std::string& name) {
   std::string etag = scene.version;
   etag.insert(etag.size() - 1, "-" + which);
   return GetAnswer{"application/octet-stream", {}, which == "coarse" ? scene.coarse : scene.rest, etag};
+}
+
+std::shared_ptr<const ShownSplats> SceneService::shown(const std::string& path) {
+  const auto file = path.ends_with(".ply") ? run_.file(path) : std::nullopt;
+  return file ? prepared(path, *file).shown : nullptr;
 }
 
 void SceneService::serve(ViewServerOptions& options) {

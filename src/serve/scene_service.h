@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "serve/edited_scene.h"
 #include "serve/served_run.h"
 #include "serve/view_server.h"
 
@@ -26,6 +27,9 @@ class SceneService {
   /// for a file without splats.
   std::optional<GetAnswer> part(const std::string& name);
 
+  /// The splats of a .ply file of the run as the page has them. Nothing for other names.
+  std::shared_ptr<const ShownSplats> shown(const std::string& path);
+
   /// Adds GET /api/scene/. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
@@ -33,6 +37,7 @@ class SceneService {
   struct Prepared {
     std::string path, version;
     std::shared_ptr<const std::string> coarse, rest;
+    std::shared_ptr<const ShownSplats> shown;
   };
   Prepared prepared(const std::string& path, const ServedFile& file);
 

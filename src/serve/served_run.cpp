@@ -120,7 +120,6 @@ Json why_not_editable(const fs::path& root, bool active) {
     return has_folder(root, "checkpoints") ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
                                            : "nothing has been trained yet";
   }
-  if (!has_folder(root, "checkpoints")) return "the run has no checkpoints: it can be looked at, but not edited, rendered or exported";
   return nullptr;
 }
 
@@ -152,9 +151,9 @@ fs::path ServedRun::scene_folder() const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {{"splats", nullptr}, {"original", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr},
+  Json state = {{"splats", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr},
                 {"classes", nullptr}, {"cameras", nullptr}, {"views", Json::object()}, {"train", nullptr}, {"report", false},
-                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false},
+                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false}, {"edits", nullptr}, {"drawable", false},
                 {"not_editable", nullptr}, {"room", nullptr}, {"problems", Json::array()}};
   if (!only_.empty()) {
     state["name"] = only_;
@@ -175,25 +174,23 @@ std::string ServedRun::state() const {
     if (trained.empty() && has_file(root_, name)) trained = name;
   }
   const bool live = active && has_file(root_, "live/scene.ply");
-  const bool labelled_edit = has_file(root_, "edits/scene.labels.ply");  // a run without labels has edits without them
-  const bool edited = !live && (labelled_edit || has_file(root_, "edits/scene.ply"));
-  const fs::path shown = edited ? root_ / "edits" : root_;
   if (live) {
     state["splats"] = "live/scene.ply";
-  } else if (edited) {
-    state["splats"] = labelled_edit ? "edits/scene.labels.ply" : "edits/scene.ply";
-    if (!trained.empty()) state["original"] = trained;
   } else if (!trained.empty()) {
     state["splats"] = trained;
   }
-  const std::string mesh = edited ? "edits/mesh/mesh.ply" : "mesh/mesh.ply";
-  if (has_file(root_, mesh)) state["mesh"] = mesh;
-  state["edited"] = edited;
+  if (has_file(root_, "mesh/mesh.ply")) state["mesh"] = "mesh/mesh.ply";
   state["not_editable"] = why_not_editable(root_, active);
   state["editable"] = state["not_editable"].is_null();
-  state["version"] = (live ? file_version(root_ / "live" / "scene.ply") : file_version(shown / "scene.ply")) + file_version(shown / "mesh" / "mesh.ply");
+  state["drawable"] = state["editable"].get<bool>() && has_folder(root_, "checkpoints");
+  const Json edits = field(descriptions.read(root_, "edits.json"), "edits");
+  if (!live && state["editable"].get<bool>() && edits.is_array() && !edits.empty()) {
+    state["edited"] = true;
+    state["edits"] = file_version(root_ / "edits.json");
+  }
+  state["version"] = file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
-  state["classes"] = field(descriptions.read(root_, edited ? "edits/classes.json" : "classes.json"), "classes");
+  state["classes"] = field(descriptions.read(root_, "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
   state["cameras"] = descriptions.read(root_, "cameras.json");
   state["views"] = rendered_views(root_);
@@ -211,8 +208,7 @@ std::string ServedRun::state() const {
 std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
-  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "edits/scene.ply",
-                           "mesh/mesh.ply", "metrics.json", "report.html"}) {
+  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "mesh/mesh.ply", "metrics.json", "report.html"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;

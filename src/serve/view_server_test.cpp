@@ -107,22 +107,18 @@ TEST_F(ViewServerTest, ARunInProgressShowsItsSnapshotAndItsStages) {
   EXPECT_EQ(state["stages"][2]["state"], "waiting");
 }
 
-TEST_F(ViewServerTest, AnEditedRunShowsItsEditsAndKnowsTheOriginal) {
-  fs::create_directories(base_ / "run" / "edits");
-  write("run/edits/scene.labels.ply", "edited");
+TEST_F(ViewServerTest, AnEditedRunTellsTheVersionOfItsEdits) {
+  const auto before = parse_json(body(get("/api/state")));
+  EXPECT_EQ(before["edited"], false);
+  EXPECT_TRUE(before["edits"].is_null());
+  write("run/edits.json", R"({"schema": 2, "edits": [{"operation": "delete", "select": "bed"}]})");
   const auto state = parse_json(body(get("/api/state")));
-  EXPECT_EQ(state["splats"], "edits/scene.labels.ply");
-  EXPECT_EQ(state["original"], "scene.ply");
   EXPECT_EQ(state["edited"], true);
-}
-
-TEST_F(ViewServerTest, ATrainedRunWithoutLabelsIsEditableToo) {
-  fs::create_directories(base_ / "run" / "checkpoints");
-  fs::create_directories(base_ / "run" / "edits");
-  write("run/edits/scene.ply", "edited");
-  const auto state = parse_json(body(get("/api/state")));
-  EXPECT_EQ(state["editable"], true);
-  EXPECT_EQ(state["splats"], "edits/scene.ply");
+  EXPECT_TRUE(state["edits"].is_string());
+  EXPECT_EQ(state["splats"], "scene.ply") << "the page has them already, and asks for what the edits did";
+  EXPECT_EQ(state["version"], before["version"]);
+  write("run/edits.json", R"({"schema": 2, "edits": []})");
+  EXPECT_EQ(parse_json(body(get("/api/state")))["edited"], false);
 }
 
 TEST_F(ViewServerTest, DescribesTheRun) {
@@ -233,12 +229,19 @@ TEST_F(ViewServerTest, FilesThatAreNestedTooDeeplyAreNamed) {
   EXPECT_EQ(state["problems"][0], "cameras.json is nested deeper than 32 levels");
 }
 
-TEST_F(ViewServerTest, ARunWithoutCheckpointsSaysWhatItCannotDo) {
+TEST_F(ViewServerTest, ARunWithoutCheckpointsIsEditedButNotDrawn) {
+  const auto state = parse_json(body(get("/api/state")));
+  EXPECT_EQ(state["editable"], true);
+  EXPECT_EQ(state["drawable"], false);
+  fs::create_directories(base_ / "run" / "checkpoints");
+  EXPECT_EQ(parse_json(body(get("/api/state")))["drawable"], true);
+}
+
+TEST_F(ViewServerTest, ARunThatWasNotTrainedSaysSo) {
+  fs::remove(base_ / "run" / "scene.ply");
   const auto state = parse_json(body(get("/api/state")));
   EXPECT_EQ(state["editable"], false);
-  EXPECT_NE(state["not_editable"].get<std::string>().find("no checkpoints"), std::string::npos);
-  fs::create_directories(base_ / "run" / "checkpoints");
-  EXPECT_TRUE(parse_json(body(get("/api/state")))["not_editable"].is_null());
+  EXPECT_NE(state["not_editable"].get<std::string>().find("nothing has been trained"), std::string::npos);
 }
 
 TEST_F(ViewServerTest, RequestsOfOtherSitesAreRefusedBeforeAnyWork) {

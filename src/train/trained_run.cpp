@@ -20,7 +20,7 @@ void require_run_folder(const fs::path& folder) {
   throw_bad_input(folder, "run.json", "this is no run folder", "give a folder that `aligngs train` or `aligngs run` made");
 }
 
-TrainedRun read_trained_run(const fs::path& folder, const fs::path& scene, CheckpointParts parts) {
+TrainedRun read_run_without_state(const fs::path& folder, const fs::path& scene) {
   require_run_folder(folder);
   const RunFolder paths(folder);
   TrainedRun run;
@@ -36,6 +36,12 @@ TrainedRun read_trained_run(const fs::path& folder, const fs::path& scene, Check
   if (!run.record.fingerprint.empty() && run.record.fingerprint != scene_fingerprint(run.scene)) {
     log_warning("the scene in {} has changed since this run was trained", scene_folder.string());
   }
+  return run;
+}
+
+TrainedRun read_trained_run(const fs::path& folder, const fs::path& scene, CheckpointParts parts) {
+  TrainedRun run = read_run_without_state(folder, scene);
+  const RunFolder paths(folder);
   std::optional<TrainingState> state = read_latest_checkpoint(paths.checkpoints(), run.record.fingerprint, parts);
   if (!state && fs::exists(paths.scene_ply())) {
     throw_bad_input(paths.checkpoints(), "", "the checkpoints of this run are gone or damaged; scene.ply alone has no labels to resume with",

@@ -13,7 +13,9 @@ export interface Stage { name: string; state: 'done' | 'now' | 'waiting' }
 export interface RunState {
   name: string; status: string | null; stage: string | null; stages: Stage[]; version: string;
   active: boolean; editable: boolean; edited: boolean;
-  splats: string | null; original: string | null; mesh: string | null; up: [number, number, number] | null; units: string | null;
+  edits: string | null;               // version of the edits
+  drawable: boolean;                  // the server draws pictures of the trained room
+  splats: string | null; mesh: string | null; up: [number, number, number] | null; units: string | null;
   classes: ClassInfo[] | null; cameras: CameraInfo[] | null;
   views: Record<string, { split: string; kinds: string[] }>;
   train: { iterations?: number; gaussians?: number; seconds?: number } | null;
@@ -39,6 +41,7 @@ export const kExported = embedded !== null;
 
 export const fileUrl = (path: string, version = ''): string =>
   '/files/' + path.split('/').map(encodeURIComponent).join('/') + (version ? '?v=' + encodeURIComponent(version) : '');
+export const editedMeshUrl = (version: string): string => `/api/edits/mesh.ply?v=${encodeURIComponent(version)}`;
 export const photoUrl = (view: string): string => '/api/photo/' + encodeURIComponent(view);
 export const renderUrl = (view: string, kind: string): string => `/api/render/${encodeURIComponent(view)}/${kind}.png`;
 
@@ -50,7 +53,7 @@ export async function fetchState(): Promise<RunState> {
   if (embedded) {
     const { state, columns } = await unpackScene(embedded.textContent!.trim());
     exported = columns;
-    return { stage: null, stages: [], active: false, editable: false, edited: false, original: null, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
+    return { stage: null, stages: [], active: false, editable: false, edited: false, edits: null, drawable: false, mesh: null, views: {}, train: null, report: false, room: null, not_editable: null, problems: [], ...(state as Partial<RunState>) } as RunState;
   }
   return answered(await request('/api/state'));
 }

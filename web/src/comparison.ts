@@ -36,7 +36,7 @@ export class Comparison {
     this.begun();
     const have = this.state.views[name]?.kinds ?? [], select = element<HTMLSelectElement>('right'), before = select.value;
     // The server draws the others where it can open the run.
-    const made = this.state.editable ? ['rgb', 'depth', 'normal', ...(this.state.classes ? ['label'] : [])] : [];
+    const made = this.state.drawable ? ['rgb', 'depth', 'normal', ...(this.state.classes ? ['label'] : [])] : [];
     select.replaceChildren(new Option('this view', ''));
     for (const kind of kKinds) if (have.includes(kind) || made.includes(kind)) select.append(new Option(kind === 'rgb' ? 'render' : kind, kind));
     select.value = [...select.options].some((o) => o.value === before) ? before : '';
@@ -44,6 +44,9 @@ export class Comparison {
     element('compare-controls').hidden = false;
     this.layout();
   }
+
+  /// Photos, and the pictures beside them, are of the room before its edits.
+  tellEdited(edited: boolean): void { element('photo-before').hidden = !edited; }
 
   next(step: number): void {
     if (this.cameras.length === 0 || kExported) return;

@@ -21,14 +21,14 @@ export class EditPanel {
     element('preview-apply').addEventListener('click', () => { const edit = text.value; this.closePreview(); void this.apply(edit); });
   }
 
-  /// Shows the panel where the run can be edited. Opening a run takes the server seconds, so it is asked only when
-  /// something changed.
+  /// Shows the panel where the run can be edited. The server is asked only when something changed.
   async refresh(state: RunState): Promise<void> {
     element('editing').hidden = !state.editable;
     this.tellWhyNot(state);
     if (!state.editable) { this.asked = ''; return; }
-    if (this.asked === state.version || this.busy) return;
-    this.asked = state.version;
+    const now = `${state.version} ${state.edits}`;
+    if (this.asked === now || this.busy) return;
+    this.asked = now;
     try { this.show(await fetchEdits()); } catch (e) { this.asked = ''; this.messages.error(e); }
   }
 

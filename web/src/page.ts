@@ -1,6 +1,6 @@
 // The page's parts and how they belong together.
 import { Vec3 } from 'playcanvas';
-import { fetchState, fileUrl, kExported, listen, type RunState } from './api';
+import { editedMeshUrl, fetchState, fileUrl, kExported, listen, type RunState } from './api';
 import { ClassList } from './class_list';
 import { Comparison } from './comparison';
 import { element } from './dom';
@@ -95,8 +95,8 @@ export class Page {
       this.tellStatus();
       (element('report') as HTMLAnchorElement).hidden = !s.report;
       this.training.refresh(s);
-      element('original').hidden = !s.original;
-      if (!s.original) this.setOriginal(false);
+      element('original').hidden = !s.edited;
+      if (!s.edited) this.setOriginal(false);
       this.comparison.refresh(s);
       this.views.open(s.name);
       await this.plan.refresh(s.room, s.version).catch(() => {});
@@ -110,14 +110,15 @@ export class Page {
 
   /// The splats that are to be seen now, and the mesh when it is.
   private async loadShown(): Promise<void> {
-    const s = this.state, path = this.showsOriginal && s.original ? s.original : s.splats;
+    const s = this.state, path = s.splats, edits = this.showsOriginal ? null : s.edits;
     if (!path && this.loadedSplats) return; // a training was stopped: its last splats stay
     if (!path) { this.messages.show('There are no splats yet. They appear when the training has some.', 'work'); return; }
-    const wanted = `${path}?${s.version}`;
+    this.comparison.tellEdited(edits !== null);
+    const wanted = `${path}?${s.version} ${edits}`;
     if (wanted === this.loadedSplats) return;
     this.viewer.setUp(this.up());
     const begins = this.loadedSplats === '';
-    await this.loader.load(path, s.version, begins, (columns, first) => {
+    await this.loader.load(path, s.version, edits, begins, (columns, first) => {
       this.viewer.setSplats(columns);
       this.loadedSplats = wanted;
       this.viewer.mesh = null;
@@ -125,7 +126,7 @@ export class Page {
       this.classes.build(this.viewer.splats?.labels ?? null, s);
       this.listObjects();
       this.applyStyles();
-      if (this.mode === 'mesh') this.showMode(s.mesh && !this.showsOriginal ? 'mesh' : 'splats');
+      if (this.mode === 'mesh') this.showMode(s.mesh ? 'mesh' : 'splats');
       if (this.frustaShown) this.viewer.setFrusta(s.cameras ?? [], 0.25);
       if (!begins || !first) return;
       this.messages.clear();
@@ -145,12 +146,12 @@ export class Page {
   }
 
   private setOriginal(on: boolean): void {
-    this.showsOriginal = on && !!this.state.original;
+    this.showsOriginal = on && this.state.edited;
     element('original').setAttribute('aria-pressed', String(this.showsOriginal));
   }
 
   private toggleOriginal(): void {
-    if (!this.state.original) return;
+    if (!this.state.edited) return;
     this.setOriginal(!this.showsOriginal);
     this.loading = (this.loading ?? Promise.resolve()).catch(() => {}).then(() => this.loadShown()).catch((e) => this.messages.error(e));
   }
@@ -228,7 +229,8 @@ export class Page {
     };
     if (mode === 'mesh' && !this.viewer.mesh && this.state.mesh) {
       this.messages.show('loading the mesh', 'work');
-      this.viewer.loadMesh(fileUrl(this.state.mesh, this.state.version)).then(() => { this.messages.clear(); apply(); }, (e) => this.messages.error(e));
+      const { mesh, version, edits } = this.state;
+      this.viewer.loadMesh(edits && !this.showsOriginal ? editedMeshUrl(version + edits) : fileUrl(mesh, version)).then(() => { this.messages.clear(); apply(); }, (e) => this.messages.error(e));
     } else if (mode === 'splats' || this.viewer.mesh) apply();
   }
 
@@ -338,7 +340,7 @@ export class Page {
       action: (key) => this.comparison.next(key === 'n' ? 1 : -1) },
     { keys: ['/'], shown: '/', does: 'type an edit', here: () => this.state.editable, action: () => { this.openPanel(true); element('edit-text').focus(); } },
     { keys: ['z', 'y'], shown: 'z, y', does: 'undo, redo', here: () => this.state.editable, action: (key) => void (key === 'z' ? this.edits.undo() : this.edits.redo()) },
-    { keys: ['o'], shown: 'o', does: 'before the edits', here: () => !!this.state.original, action: () => this.toggleOriginal() },
+    { keys: ['o'], shown: 'o', does: 'before the edits', here: () => this.state.edited, action: () => this.toggleOriginal() },
     { keys: [' '], shown: 'Space', does: 'pause the training, go on', here: () => this.state.active, action: () => void this.training.togglePause() },
     { keys: ['?'], shown: '?', does: 'this list', action: () => showKeys(this.keys) },
     { keys: ['Escape'], shown: 'Esc', does: 'leave', action: () => this.escape() },

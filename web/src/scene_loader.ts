@@ -3,29 +3,45 @@ import { exportedColumns, kExported } from './api';
 import { firstOf, readColumns, unpacked, type Columns, type Head } from './columns';
 import { element } from './dom';
 import { download } from './download';
+import { editedScene } from './edited_scene';
 
-const address = (part: 'coarse' | 'rest', path: string, version: string): string =>
-  `/api/scene/${part}/${path.split('/').map(encodeURIComponent).join('/')}?v=${encodeURIComponent(version)}`;
+const address = (part: 'scene/coarse' | 'scene/rest' | 'edits/scene', path: string, version: string): string =>
+  `/api/${part}/${path.split('/').map(encodeURIComponent).join('/')}?v=${encodeURIComponent(version)}`;
 
 export class SceneLoader {
   private current = new AbortController();
+  private trained: { key: string; columns: Columns } | null = null; // of an edited scene, which is made of it
 
   /// `shown` draws splats; the second call has all of them. `steps` of a first scene: one picture as early as possible; a scene that takes
-  /// the place of another comes at once. A newer call ends an older one.
-  async load(path: string, version: string, steps: boolean, shown: (columns: Columns, first: boolean) => void): Promise<void> {
+  /// the place of another comes at once. `edits` is the version of the edits that are to be seen, or null. A newer call ends an older one.
+  async load(path: string, version: string, edits: string | null, steps: boolean, shown: (columns: Columns, first: boolean) => void): Promise<void> {
     this.current.abort();
     const { signal } = this.current = new AbortController();
     if (kExported) { shown(await exportedColumns(), true); return; }
+    const key = `${path}?${version}`;
     try {
-      const coarse = await unpacked(await download(address('coarse', path, version), (got, total) => this.progress('first picture', got, total), signal));
+      if (this.trained?.key === key) {
+        const { columns } = this.trained, now = edits === null ? columns : await this.edited(columns, path, edits, signal);
+        if (!signal.aborted) shown(now, true);
+        return;
+      }
+      this.trained = null;
+      const coarse = await unpacked(await download(address('scene/coarse', path, version), (got, total) => this.progress('first picture', got, total), signal));
       const head = coarse.head as Head, columns = readColumns(head, coarse.bytes);
-      if (steps && head.shown < head.total) shown(firstOf(columns, head.shown), true);
-      const rest = await unpacked(await download(address('rest', path, version), (got, total) => this.progress('all details', got, total), signal));
+      if (steps && edits === null && head.shown < head.total) shown(firstOf(columns, head.shown), true);
+      const rest = await unpacked(await download(address('scene/rest', path, version), (got, total) => this.progress('all details', got, total), signal));
       if (signal.aborted) return;
-      shown(readColumns(rest.head as Head, rest.bytes, columns), !steps || head.shown >= head.total);
+      readColumns(rest.head as Head, rest.bytes, columns);
+      this.trained = { key, columns };
+      const now = edits === null ? columns : await this.edited(columns, path, edits, signal);
+      if (!signal.aborted) shown(now, !steps || edits !== null || head.shown >= head.total);
     } finally {
       if (!signal.aborted) element('loading').hidden = true;
     }
+  }
+
+  private async edited(trained: Columns, path: string, edits: string, signal: AbortSignal): Promise<Columns> {
+    return editedScene(trained, await download(address('edits/scene', path, edits), () => {}, signal));
   }
 
   private progress(what: string, got: number, total: number): void {

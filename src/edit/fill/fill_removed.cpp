@@ -47,6 +47,15 @@ class Filler {
   }
 
  private:
+  /// In parallel where there is a pool. The body of an index writes for that index alone.
+  template <class Body>
+  void for_each(size_t count, const Body& body, size_t grain = 256) const {
+    const auto chunk = [&](size_t begin, size_t end, int) {
+      for (size_t i = begin; i < end; ++i) body(i);
+    };
+    if (input_.pool) input_.pool->parallel_for(count, grain, chunk);
+    else chunk(0, count, 0);
+  }
   std::vector<Vec3f> removed_points() {
     std::vector<Vec3f> points;
     for (uint32_t i = 0; i < input_.selected.size(); ++i) {
@@ -78,11 +87,15 @@ class Filler {
   }
   /// Carriers of a surface, without those in the removed object's halo where enough are left.
   std::vector<uint32_t> clean(const std::vector<uint32_t>& carriers) const {
+    std::vector<uint8_t> apart(carriers.size(), 0);
+    for_each(carriers.size(), [&](size_t k) {
+      std::vector<PointTree::Neighbour> near;
+      tree_.nearest(position_of(room_.model, carriers[k]).cast<float>(), 1, near);
+      apart[k] = near.empty() || near.front().distance > settings_.halo * extent_;
+    });
     std::vector<uint32_t> out;
-    std::vector<PointTree::Neighbour> near;
-    for (const uint32_t i : carriers) {
-      tree_.nearest(position_of(room_.model, i).cast<float>(), 1, near);
-      if (near.empty() || near.front().distance > settings_.halo * extent_) out.push_back(i);
+    for (size_t k = 0; k < carriers.size(); ++k) {
+      if (apart[k]) out.push_back(carriers[k]);
     }
     return out.size() < kFewestCarriers ? carriers : out;
   }
@@ -90,12 +103,12 @@ class Filler {
     std::vector<Vec3f> points;
     for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
     const PointTree tree(points);
-    std::vector<PointTree::Neighbour> near;
-    std::vector<float> spacing;
-    for (const Vec3f& p : points) {
-      tree.nearest(p, 2, near);
-      spacing.push_back(near.back().distance);
-    }
+    std::vector<float> spacing(points.size());
+    for_each(points.size(), [&](size_t k) {
+      std::vector<PointTree::Neighbour> near;
+      tree.nearest(points[k], 2, near);
+      spacing[k] = near.back().distance;
+    });
     const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
     std::nth_element(spacing.begin(), middle, spacing.end());
     return std::clamp<double>(*middle, settings_.cell_min * extent_, settings_.cell_max * extent_);
@@ -121,19 +134,18 @@ class Filler {
   }
   std::vector<uint8_t> find_debris() const {
     std::vector<uint8_t> debris(room_.model.size(), 0);
-    std::vector<PointTree::Neighbour> near;
     for (const RoomPlane& plane : planes_) {
       const std::vector<uint32_t> carriers = clean(plane.carriers);
       std::vector<Vec3f> points;
       for (const uint32_t i : carriers) points.push_back(position_of(room_.model, i).cast<float>());
       const PointTree surface(points);
-      for (size_t i = 0; i < debris.size(); ++i) {
+      for_each(debris.size(), [&](size_t i) {
         const uint16_t label = room_.labels.label[i];
-        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) continue;
+        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) return;
         const Vec3d place = position_of(room_.model, i);
-        if (nearest_plane(place, plane.kind) != &plane) continue;
-        debris[i] = hidden_.from_all(place) || has_color_of_removed(i, surface, carriers, near);
-      }
+        if (nearest_plane(place, plane.kind) != &plane) return;
+        debris[i] = has_color_of_removed(i, surface, carriers) || hidden_.from_all(place);
+      });
     }
     return debris;
   }
@@ -149,9 +161,9 @@ class Filler {
     return best;
   }
   /// Beside the removed object, and twice as near to its colour as to that of the surface around.
-  bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers,
-                            std::vector<PointTree::Neighbour>& near) const {
+  bool has_color_of_removed(size_t row, const PointTree& surface, const std::vector<uint32_t>& carriers) const {
     constexpr size_t kAround = 8;  // Gaussians of the surface
+    std::vector<PointTree::Neighbour> near;
     const Vec3f place = position_of(room_.model, row).cast<float>(), color = base_color_of(room_.model, row);
     tree_.nearest(place, 1, near);
     if (near.empty() || near.front().distance > settings_.beside * extent_) return false;
@@ -186,7 +198,8 @@ class Filler {
     }
     const double tolerance = settings_.tolerance * extent_;
     std::vector<uint8_t> hole(grid.size(), 0);
-    for (int j = 0; j < grid.rows; ++j) {
+    for_each(static_cast<size_t>(grid.rows), [&](size_t row) {
+      const int j = static_cast<int>(row);
       for (int i = 0; i < grid.columns; ++i) {
         const size_t at = grid.index(i, j);
         if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
@@ -194,7 +207,7 @@ class Filler {
         if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
         hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
       }
-    }
+    }, 1);
     return patches_of(plane, grid, hole);
   }
 

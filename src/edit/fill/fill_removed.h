@@ -17,6 +17,7 @@ struct FillInput {
   const std::vector<uint8_t>& selected;  ///< rows that go
   std::optional<Vec3d> up;               ///< unit, world
   const std::vector<Camera>& cameras;    ///< of the photos; may be empty
+  ThreadPool* pool = nullptr;            ///< may be null: the work is then done by the calling thread
 };
 
 /// Lengths are shares of the extent, which is about 3 m in a room.

@@ -21,7 +21,7 @@ class HiddenPlaces {
 
  private:
   struct Views {
-    int hidden = 0, free = 0;  ///< photos whose view of the place the removed objects block, and those that show it
+    int hidden = 0, free = 0;  ///< photos whose view of the place the removed objects block, and those that show it; not counted without the former
   };
   Views views_of(const Vec3d& place) const;
 
