@@ -92,27 +92,11 @@ void check_step_request(const StepRequest& request, size_t views) {
   }
 }
 
-const char* non_finite_loss(const LossTerms& t) {
-  const std::pair<const char*, double> terms[] = {{"l1", t.l1},
-                                                  {"ssim", t.ssim},
-                                                  {"flatten", t.flatten},
-                                                  {"semantic_soft", t.semantic_soft},
-                                                  {"semantic_hard", t.semantic_hard},
-                                                  {"pearson", t.pearson},
-                                                  {"log_depth", t.log_depth},
-                                                  {"normal_consistency", t.normal_consistency},
-                                                  {"normal_boundary", t.normal_boundary},
-                                                  {"crease", t.crease},
-                                                  {"prior_normal", t.prior_normal},
-                                                  {"opacity_l1", t.opacity_l1},
-                                                  {"scale_l1", t.scale_l1},
-                                                  {"multi_view_geometric", t.multi_view_geometric},
-                                                  {"multi_view_photometric", t.multi_view_photometric},
-                                                  {"total", t.total}};
-  for (const auto& [name, value] : terms) {
-    if (!std::isfinite(value)) return name;
+const char* non_finite_loss(const LossTerms& terms) {
+  for (const LossRow& row : kLossCatalogue) {
+    if (!std::isfinite(terms[row.loss])) return row.name.data();
   }
-  return nullptr;
+  return std::isfinite(terms.total) ? nullptr : "total";
 }
 
 void check_plan(const RestructurePlan& plan, size_t rows) {

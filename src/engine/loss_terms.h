@@ -1,14 +1,23 @@
-// The values of the loss terms of one step.
+// The values of the losses of one step.
 #pragma once
+
+#include "engine/loss_catalogue.h"
 
 namespace aligngs {
 
-/// Unweighted terms; total is the weighted sum.
+/// Unweighted values by loss; total is their weighted sum.
 struct LossTerms {
-  double total = 0, l1 = 0, ssim = 0, flatten = 0, semantic_soft = 0, semantic_hard = 0, pearson = 0,
-         log_depth = 0, normal_consistency = 0, normal_boundary = 0, crease = 0, prior_normal = 0,
-         opacity_l1 = 0, scale_l1 = 0, multi_view_geometric = 0, multi_view_photometric = 0;
+  double total = 0;
+  PerLoss<double> values;
   double psnr = 0;  ///< of this view before the step, dB
+
+  ALIGNGS_HD double& operator[](Loss loss) { return values[loss]; }
+  ALIGNGS_HD double operator[](Loss loss) const { return values[loss]; }
+  /// Adds an unweighted value, and its share of the total.
+  ALIGNGS_HD void add(Loss loss, float weight, double value) {
+    values[loss] += value;
+    total += weight * value;
+  }
 };
 
 }  // namespace aligngs

@@ -7,6 +7,7 @@
 
 #include "engine/formulas/opacity_dropout.h"
 #include "engine/formulas/semantic_sample.h"
+#include "engine/loss_catalogue.h"
 
 namespace aligngs {
 
@@ -46,41 +47,39 @@ inline SemanticCoupling semantic_coupling_named(std::string_view name) {
 /// Whether the coupling is scaled to a share of the photometric gradient and weighted by omega.
 constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
 
-/// Weights and switches of the losses; a weight of 0 turns a term off and costs nothing.
+/// Weights and switches of the losses.
 struct LossSettings {
-  float l1_weight = 0.8f;         ///< photometric L1
-  float ssim_weight = 0.2f;       ///< 1 - SSIM
-  float flatten_weight = 100.0f;  ///< mean over visible Gaussians of the smallest scale / extent (StepRequest::extent)
+  /// A weight of 0 turns a loss off and costs nothing. The multi-view losses act in steps with a neighbour alone
+  /// (StepRequest::neighbour).
+  PerLoss<float> weight = weights_of_catalogue(&LossRow::weight);
 
-  float semantic_soft_weight = 1.0f;  ///< KL(teacher || student), mean over valid pixels
-  float semantic_hard_weight = 0.1f;  ///< cross-entropy with the teacher's arg-max, mean over valid pixels
   SemanticSample semantic_sample;     ///< pixels that the two semantic terms and their coupling take in this step
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
   /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients (0.1).
   float coupling_strength = 0.1f;
 
-  float pearson_weight = 0.0f;       ///< paper L_d: 1 - Pearson(rendered, prior) outside the edge mask
-  float log_depth_weight = 0.0f;     ///< L_z: Huber on log depth against the prior
-  float log_depth_huber = 0.02f;     ///< Huber delta in log units
+  float log_depth_huber = 0.02f;     ///< Huber delta of L_z, log units
   float prior_depth_scale = 1.0f;    ///< a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
-  float normal_consistency_weight = 0.0f;  ///< L_ng: 1 - n . n_depth
-  float normal_boundary_weight = 0.0f;     ///< paper L_nb with alpha = 100
-  float crease_weight = 0.0f;        ///< one-sided normal supervision at label edges
-  float prior_normal_weight = 0.0f;  ///< 1 - n . n_prior
-  /// PGSR's terms against the neighbour of the step (StepRequest::neighbour); without one they do not act.
-  float multi_view_geometric_weight = 0.0f;    ///< mean forward-backward reprojection error, pixels
-  float multi_view_photometric_weight = 0.0f;  ///< mean 1 - NCC^2 of patches across the rendered planes
   bool paper_normals = false;        ///< L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
 
-  float opacity_l1_weight = 0.0f;    ///< mean opacity (MCMC regulariser)
-  float scale_l1_weight = 0.0f;      ///< mean scale / extent (MCMC regulariser)
-
-  bool has_multi_view_weight() const { return multi_view_geometric_weight != 0 || multi_view_photometric_weight != 0; }
-  /// Some loss looks at normal, distance or alpha; the multi-view terms only in a step with a neighbour.
-  bool has_geometry_terms(bool neighbour) const {
-    return (neighbour && has_multi_view_weight()) || pearson_weight != 0 || log_depth_weight != 0 ||
-           normal_consistency_weight != 0 || normal_boundary_weight != 0 || crease_weight != 0 || prior_normal_weight != 0;
+  /// Some loss of this stage has a weight.
+  constexpr bool has(LossStage stage) const {
+    for (const LossRow& row : kLossCatalogue) {
+      if (row.stage == stage && weight[row.loss] != 0) return true;
+    }
+    return false;
+  }
+  /// Some loss looks at normal, distance or alpha.
+  constexpr bool has_geometry_terms(bool neighbour) const {
+    return has(LossStage::kGeometry) || (neighbour && has(LossStage::kTwoViews));
+  }
+  /// Some loss that acts needs one of these inputs; `needs`: bits of LossNeeds.
+  constexpr bool needs(unsigned needs, bool neighbour) const {
+    for (const LossRow& row : kLossCatalogue) {
+      if (weight[row.loss] != 0 && (row.needs & needs) != 0 && (neighbour || row.stage != LossStage::kTwoViews)) return true;
+    }
+    return false;
   }
 };
 
@@ -130,7 +129,7 @@ struct StepRequest {
     r.dropout = {};
     return r;
   }
-  bool has_multi_view_terms() const { return neighbour.view >= 0 && losses.has_multi_view_weight(); }
+  bool has_multi_view_terms() const { return neighbour.view >= 0 && losses.has(LossStage::kTwoViews); }
   bool has_geometry_terms() const { return losses.has_geometry_terms(neighbour.view >= 0); }
 };
 

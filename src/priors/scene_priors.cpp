@@ -31,19 +31,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kSizes = "gbls";
-
-/// "linear-b" -> ("linear", 'b'); a missing size is 's' for semantics.
-const PublishedModel& sized_model(const std::string& choice, const std::string& kind,
-                                  const std::string& family) {
-  if (choice == kind) return published_model(family + "-s");
-  if (choice.size() == kind.size() + 2 && choice.compare(0, kind.size() + 1, kind + "-") == 0 &&
-      std::string(kSizes).find(choice.back()) != std::string::npos)
-    return published_model(family + choice.substr(kind.size()));
-  throw_usage("\"" + choice + "\" is no network that aligngs knows",
-              "see `aligngs priors --help` for the names");
-}
-
 bool begins(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
 std::string digest_of(const ModelStore& store, const PublishedModel& model) {
@@ -258,49 +245,29 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
   fill.finish(&PriorsJson::depth, notes);
 }
 
+using FillDepth = void (*)(const Scene&, const ModelStore&, const PublishedModel&, PriorsJson, const ScenePriorsOptions&,
+                           ThreadPool&, ScenePriorsReport&);
+
+/// Networks of one design.
+struct DepthFamily {
+  const char* begins;   ///< names of its models
+  DepthScale scale;     ///< of its depth
+  bool has_confidence;  ///< so that the lowest can be left out
+  FillDepth fill;
+};
+constexpr DepthFamily kDepthFamilies[] = {{"vggt", DepthScale::kOwn, true, fill_with_vggt},
+                                          {"lingbot-map", DepthScale::kOwn, true, fill_with_vggt},
+                                          {"da3-", DepthScale::kScene, true, fill_with_da3},
+                                          {"nyu-", DepthScale::kMetres, false, fill_with_depther}};
+
+const DepthFamily& depth_family(const PublishedModel& model) {
+  for (const DepthFamily& family : kDepthFamilies) {
+    if (begins(model.name, family.begins)) return family;
+  }
+  throw_usage(model.name + " is no network for depth", "see `aligngs priors --help` for the names");
+}
+
 }  // namespace
-
-const PublishedModel& semantic_model(const std::string& choice) {
-  if (choice == "m2f") return published_model("ade20k-m2f");
-  if (choice == "eomt-l" || choice == "eomt-l-panoptic" || choice == "lingbot-s") return published_model(choice);
-  if (begins(choice, "ms")) return sized_model(choice, "ms", "ade20k-ms");
-  return sized_model(choice, "linear", "ade20k-linear");
-}
-
-const PublishedModel& depth_model(const std::string& choice) {
-  if (choice == "vggt") return published_model("vggt-1b");
-  if (choice == "vggt-commercial") return published_model("vggt-1b-commercial");
-  if (choice == "da3") return published_model("da3-base");
-  if (begins(choice, "da3-")) return published_model(choice);
-  if (begins(choice, "dpt")) return sized_model(choice, "dpt", "nyu-dpt");
-  return sized_model(choice, "linear", "nyu-linear4");
-}
-
-const std::vector<std::string>& semantic_choices() {
-  static const std::vector<std::string> words = {"m2f",  "eomt-l",   "eomt-l-panoptic", "ms-g",      "linear-g", "ms-l",
-                                                  "linear-l", "ms-b", "linear-b",        "lingbot-s", "ms-s",     "linear-s"};
-  return words;
-}
-
-const std::vector<std::string>& depth_choices() {
-  static const std::vector<std::string> words = {"vggt-commercial", "da3-base", "da3-small", "dpt-g", "linear-g", "dpt-l",
-                                                 "linear-l", "dpt-b", "linear-b", "dpt-s", "linear-s", "vggt"};
-  return words;
-}
-
-const PublishedModel* installed_semantic_model(const ModelStore& store) {
-  for (const std::string& word : semantic_choices()) {
-    if (const PublishedModel& model = semantic_model(word); store.installed(model)) return &model;
-  }
-  return nullptr;
-}
-
-const PublishedModel* installed_depth_model(const ModelStore& store) {
-  for (const std::string& word : depth_choices()) {
-    if (const PublishedModel& model = depth_model(word); store.installed(model)) return &model;
-  }
-  return nullptr;
-}
 
 ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
                              const PublishedModel& model, const ScenePriorsOptions& options) {
@@ -314,13 +281,11 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
     return report;
   }
   ThreadPool pool(options.threads);
-  const bool vggt = begins(model.name, "vggt") || model.name == "lingbot-map", da3 = begins(model.name, "da3-");
+  const DepthFamily& family = depth_family(model);
   notes.depth = PriorJson{model.name, "", {}};
-  if (vggt || da3) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
-  notes.depth_scale = vggt ? DepthScale::kOwn : da3 ? DepthScale::kScene : DepthScale::kMetres;
-  if (vggt) fill_with_vggt(scene, store, model, notes, options, pool, report);
-  else if (da3) fill_with_da3(scene, store, model, notes, options, pool, report);
-  else fill_with_depther(scene, store, model, notes, options, pool, report);
+  if (family.has_confidence) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
+  notes.depth_scale = family.scale;
+  family.fill(scene, store, model, notes, options, pool, report);
   return report;
 }
 

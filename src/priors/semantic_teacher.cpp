@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 
+#include "core/error.h"
 #include "nn/bn_head.h"
 #include "nn/eomt/eomt_weights.h"
 #include "nn/eomt/semantic.h"
@@ -11,12 +14,6 @@
 
 namespace aligngs {
 namespace {
-
-bool begins(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
-
-bool is_mask2former(const PublishedModel& model) { return begins(model.name, "ade20k-m2f"); }
-bool is_eomt(const PublishedModel& model) { return begins(model.name, "eomt-"); }
-bool is_lingbot(const PublishedModel& model) { return begins(model.name, "lingbot-"); }
 
 /// Logits or scores of windows; with several ratios or mirrored the logarithm of the averaged probabilities, which
 /// softmax turns back into them.
@@ -95,6 +92,109 @@ class LingbotTeacher : public SemanticTeacher {
   nn::LingbotNetwork network_;
 };
 
+/// One network of a family, in the store.
+struct TeacherFiles {
+  std::filesystem::path file;                     ///< its own weights
+  std::optional<std::filesystem::path> backbone;  ///< of a head
+};
+
+using Plan = nn::SegmentationPlan (*)(bool augment);
+using AddMemory = void (*)(MemoryBudget&, const TeacherFiles&, const nn::SegmentationPlan&, const std::vector<NetworkInput>& photos,
+                           const NetworkMemoryOptions&);
+using Load = std::unique_ptr<SemanticTeacher> (*)(nn::Compute&, const TeacherFiles&, const nn::SegmentationPlan&, int mask2former_heads);
+
+/// Networks of one design.
+struct TeacherFamily {
+  const char* begins;  ///< names of its models
+  Plan plan;           ///< of the windows; unused by a network that takes the photo as a whole
+  AddMemory add_memory;
+  Load load;
+};
+
+nn::SegmentationPlan linear_plan(bool) { return nn::linear_plan(); }
+nn::SegmentationPlan mask2former_plan(bool) { return nn::mask2former_plan(); }
+
+void add_eomt(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&, const std::vector<NetworkInput>& photos,
+              const NetworkMemoryOptions& options) {
+  double longest = 1;  // long side per short side
+  for (const NetworkInput& photo : photos) {
+    longest = std::max(longest, double(std::max(photo.width, photo.height)) /
+                                    double(std::max<int64_t>(std::min(photo.width, photo.height), 1)));
+  }
+  add_eomt_memory(budget, nn::eomt_weights(WeightFile::open(files.file)), longest, options);
+}
+std::unique_ptr<SemanticTeacher> load_eomt(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan&,
+                                           int mask2former_heads) {
+  return std::make_unique<EomtTeacher>(compute, files.file);
+}
+
+void add_lingbot(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&, const std::vector<NetworkInput>&,
+                 const NetworkMemoryOptions& options) {
+  add_lingbot_memory(budget, nn::lingbot_weights(WeightFile::open(files.file)), {nn::kLingbotSize, nn::kLingbotSize}, options);
+}
+std::unique_ptr<SemanticTeacher> load_lingbot(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan&,
+                                              int mask2former_heads) {
+  return std::make_unique<LingbotTeacher>(compute, files.file);
+}
+
+/// The largest image that a plan makes of the photos.
+NetworkInput largest_image(const nn::SegmentationPlan& plan, const std::vector<NetworkInput>& photos) {
+  NetworkInput image;
+  for (const NetworkInput& photo : photos) {
+    const NetworkInput planned = largest_planned_image(plan, int(photo.width), int(photo.height));
+    if (planned.width * planned.height > image.width * image.height) image = planned;
+  }
+  return image;
+}
+
+void add_mask2former(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan& plan,
+                     const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  const NetworkInput image = largest_image(plan, photos);
+  const nn::Weights head = nn::Weights::open(files.file);
+  add_mask2former_memory(budget, head, planned_window(plan, image), options);
+  add_sliding_memory(budget, plan, image, head.dimension("decode_head.cls_embed.weight", 0) - 1);
+}
+std::unique_ptr<SemanticTeacher> load_mask2former(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan& plan,
+                                                  int mask2former_heads) {
+  nn::Mask2FormerOptions options;
+  options.heads = mask2former_heads;
+  return std::make_unique<WindowedTeacher>(
+      std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(files.file), options), plan, SemanticKind::kScores);
+}
+
+void add_head(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan& plan,
+              const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  const NetworkInput image = largest_image(plan, photos);
+  const nn::Weights head = nn::Weights::open(files.file), backbone = nn::Weights::open(files.backbone.value());
+  add_bn_head_memory(budget, backbone, head, planned_window(plan, image), options);
+  add_sliding_memory(budget, plan, image, head.dimension("decode_head.conv_seg.weight", 0));
+}
+std::unique_ptr<SemanticTeacher> load_head(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan& plan,
+                                           int mask2former_heads) {
+  return std::make_unique<WindowedTeacher>(
+      std::make_unique<nn::BnHeadNetwork>(compute, nn::Weights::open(files.backbone.value()), nn::Weights::open(files.file)), plan,
+      SemanticKind::kLogits);
+}
+
+constexpr TeacherFamily kTeacherFamilies[] = {{"eomt-", linear_plan, add_eomt, load_eomt},
+                                              {"lingbot-", linear_plan, add_lingbot, load_lingbot},
+                                              {"ade20k-m2f", mask2former_plan, add_mask2former, load_mask2former},
+                                              {"ade20k-ms", nn::multi_scale_plan, add_head, load_head},
+                                              {"ade20k-linear", linear_plan, add_head, load_head}};
+
+const TeacherFamily& teacher_family(const PublishedModel& model) {
+  for (const TeacherFamily& family : kTeacherFamilies) {
+    if (model.name.rfind(family.begins, 0) == 0) return family;
+  }
+  throw_usage(model.name + " is no network for classes", "see `aligngs priors --help` for the names");
+}
+
+TeacherFiles files_of(const ModelStore& store, const PublishedModel& model) {
+  TeacherFiles files{store.require(model).at(0), {}};
+  if (!model.needs.empty()) files.backbone = store.require(published_model(model.needs.at(0))).at(0);
+  return files;
+}
+
 }  // namespace
 
 TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) const {
@@ -104,63 +204,20 @@ TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) cons
   return {side(photo_width), side(photo_height)};
 }
 
-nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) {
-  if (is_mask2former(model)) return nn::mask2former_plan();
-  return begins(model.name, "ade20k-ms") ? nn::multi_scale_plan(augment) : nn::linear_plan();
-}
+nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) { return teacher_family(model).plan(augment); }
 
 void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
                          bool augment, const std::vector<NetworkInput>& photos,
                          const NetworkMemoryOptions& options) {
-  const std::filesystem::path file = store.require(model).at(0);
-  if (is_eomt(model)) {
-    double longest = 1;  // long side per short side
-    for (const NetworkInput& photo : photos) {
-      longest = std::max(longest, double(std::max(photo.width, photo.height)) /
-                                      double(std::max<int64_t>(std::min(photo.width, photo.height), 1)));
-    }
-    return add_eomt_memory(budget, nn::eomt_weights(WeightFile::open(file)), longest, options);
-  }
-  if (is_lingbot(model)) {
-    return add_lingbot_memory(budget, nn::lingbot_weights(WeightFile::open(file)),
-                              {nn::kLingbotSize, nn::kLingbotSize}, options);
-  }
-  const nn::SegmentationPlan plan = semantic_plan(model, augment);
-  NetworkInput image;
-  for (const NetworkInput& photo : photos) {
-    const NetworkInput planned = largest_planned_image(plan, int(photo.width), int(photo.height));
-    if (planned.width * planned.height > image.width * image.height) image = planned;
-  }
-  const nn::Weights head = nn::Weights::open(file);
-  const NetworkInput window = planned_window(plan, image);
-  if (is_mask2former(model)) {
-    add_mask2former_memory(budget, head, window, options);
-    add_sliding_memory(budget, plan, image, head.dimension("decode_head.cls_embed.weight", 0) - 1);
-    return;
-  }
-  const nn::Weights backbone =
-      nn::Weights::open(store.require(published_model(model.needs.at(0))).at(0));
-  add_bn_head_memory(budget, backbone, head, window, options);
-  add_sliding_memory(budget, plan, image, head.dimension("decode_head.conv_seg.weight", 0));
+  const TeacherFamily& family = teacher_family(model);
+  family.add_memory(budget, files_of(store, model), family.plan(augment), photos, options);
 }
 
 std::unique_ptr<SemanticTeacher> load_semantic_teacher(nn::Compute& compute, const ModelStore& store,
                                                        const PublishedModel& model, bool augment,
                                                        int mask2former_heads) {
-  const std::filesystem::path file = store.require(model).at(0);
-  if (is_eomt(model)) return std::make_unique<EomtTeacher>(compute, file);
-  if (is_lingbot(model)) return std::make_unique<LingbotTeacher>(compute, file);
-  const nn::SegmentationPlan plan = semantic_plan(model, augment);
-  if (is_mask2former(model)) {
-    nn::Mask2FormerOptions options;
-    options.heads = mask2former_heads;
-    return std::make_unique<WindowedTeacher>(
-        std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(file), options), plan, SemanticKind::kScores);
-  }
-  const std::filesystem::path backbone = store.require(published_model(model.needs.at(0))).at(0);
-  return std::make_unique<WindowedTeacher>(
-      std::make_unique<nn::BnHeadNetwork>(compute, nn::Weights::open(backbone), nn::Weights::open(file)), plan,
-      SemanticKind::kLogits);
+  const TeacherFamily& family = teacher_family(model);
+  return family.load(compute, files_of(store, model), family.plan(augment), mask2former_heads);
 }
 
 }  // namespace aligngs

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "io/toml_file.h"
 #include "train/config_keys.h"
+#include "train/loss_schedule.h"
 
 namespace aligngs {
 namespace {
@@ -66,8 +67,10 @@ void check_config(const TrainConfig& config) {
   require(o.aspect_max == 0 || o.aspect_max >= 1, "optimizer.aspect_max", "the largest scale cannot be below the middle one",
           "use 0 (off) or at least 1");
   const LossConfig& l = config.loss;
-  require(l.log_depth == 0 || l.log_depth_end > 0, "loss.log_depth_end", to_zero, remedy);
-  require(l.prior_normal == 0 || l.prior_normal_end > 0, "loss.prior_normal_end", to_zero, remedy);
+  for (const ScheduledLoss& row : scheduled_losses()) {
+    const bool reached = row.end == nullptr || row.start(config) == 0 || row.end(config) > 0;
+    require(reached, (std::string(row.key) + "_end").c_str(), to_zero, remedy);
+  }
   require(l.l1 + l.ssim > 0, "loss.l1", "there is no photometric loss", "make loss.l1 or loss.ssim positive");
 }
 

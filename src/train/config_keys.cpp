@@ -12,6 +12,18 @@
 namespace aligngs {
 namespace {
 
+void add_preset(Preset preset, const config_table::PresetChanges& changes, std::vector<ConfigKey>& keys) {
+  const auto value_of = [](ConfigKey& key, Preset p) -> ConfigValue& { return key.presets[static_cast<size_t>(p)]; };
+  for (ConfigKey& key : keys) value_of(key, preset) = value_of(key, changes.basis);
+  for (const auto& [name, value] : changes.values) {
+    const auto key = std::find_if(keys.begin(), keys.end(), [name = name](const ConfigKey& k) { return k.name == name; });
+    if (key == keys.end() || value_of(*key, preset) == value) {
+      throw Error({ErrorKind::kFailed, fmt::format("preset '{}' changes nothing by '{}'", preset_name(preset), name), {}, std::string(name), {}});
+    }
+    value_of(*key, preset) = value;
+  }
+}
+
 std::vector<ConfigKey> build_table() {
   using namespace config_table;
   std::vector<ConfigKey> keys;
@@ -19,6 +31,12 @@ std::vector<ConfigKey> build_table() {
     const std::vector<ConfigKey> rows = part();
     keys.insert(keys.end(), rows.begin(), rows.end());
   }
+  for (ConfigKey& key : keys) key.presets[static_cast<size_t>(Preset::kDefault)] = key.standard;
+  // A basis comes before what builds on it.
+  add_preset(Preset::kPreview, preview_changes(), keys);
+  add_preset(Preset::kPaper, paper_changes(), keys);
+  add_preset(Preset::kHigh, high_changes(), keys);
+  add_preset(Preset::kPgsr, pgsr_changes(), keys);
   return keys;
 }
 

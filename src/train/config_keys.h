@@ -1,4 +1,4 @@
-// The one table of all settings: name, field, range, value per preset, documentation. Command line,
+// The one table of all settings: name, field, range, value, documentation; presets.cpp has what the presets change. Command line,
 // config.toml, --print-config, error messages and the manual are all made from it.
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct ConfigKey {
   ConfigField (*field)(TrainConfig&);        ///< where it lives
   double low, high;                          ///< inclusive range of numbers
   std::string_view choices;                  ///< of strings: "a|b|c"; empty: any
-  std::array<ConfigValue, kPresets> presets;        ///< indexed by Preset
+  ConfigValue standard;                      ///< of preset `default`
   std::string_view doc;                      ///< one line
+  std::array<ConfigValue, kPresets> presets = {};  ///< indexed by Preset; made from `standard` and presets.cpp
 };
 
 /// In the order in which they are written to config.toml.
@@ -52,27 +54,15 @@ inline ConfigValue value(int v) { return static_cast<int64_t>(v); }
 inline ConfigValue value(bool v) { return v; }
 inline ConfigValue value(const char* v) { return std::string(v); }
 
-using PresetValues = std::array<ConfigValue, kPresets>;
-template <class T>
-PresetValues all(T v) {
-  return {value(v), value(v), value(v), value(v), value(v)};
-}
-/// `pgsr` is as `paper` where nothing else is said (with_pgsr): the paper builds on it.
-template <class T>
-PresetValues each(T preview, T standard, T paper, T high) {
-  return {value(preview), value(standard), value(paper), value(high), value(paper)};
-}
-/// Our value in preview, default and high; the paper's in paper.
-template <class T>
-PresetValues ours_paper(T ours, T paper) {
-  return each(ours, ours, paper, ours);
-}
-
-template <class T>
-PresetValues with_pgsr(PresetValues values, T pgsr) {
-  values[static_cast<size_t>(Preset::kPgsr)] = value(pgsr);
-  return values;
-}
+/// A preset as the values that differ from those of another preset.
+struct PresetChanges {
+  Preset basis;
+  std::vector<std::pair<std::string_view, ConfigValue>> values;  ///< by key
+};
+PresetChanges preview_changes();
+PresetChanges paper_changes();
+PresetChanges high_changes();
+PresetChanges pgsr_changes();
 
 inline constexpr double kAny = std::numeric_limits<double>::infinity();
 inline constexpr double kIterationsMax = 1e7;  ///< far beyond any use; guards sums against overflow

@@ -29,23 +29,10 @@ std::string kept_lines(const std::string& text, int64_t completed) {
   return kept;
 }
 
-Json losses_of(const LossTerms& l) {
-  return {{"total", l.total},
-          {"l1", l.l1},
-          {"ssim", l.ssim},
-          {"flatten", l.flatten},
-          {"semantic_soft", l.semantic_soft},
-          {"semantic_hard", l.semantic_hard},
-          {"pearson", l.pearson},
-          {"log_depth", l.log_depth},
-          {"normal_consistency", l.normal_consistency},
-          {"normal_boundary", l.normal_boundary},
-          {"crease", l.crease},
-          {"prior_normal", l.prior_normal},
-          {"opacity_l1", l.opacity_l1},
-          {"scale_l1", l.scale_l1},
-          {"multi_view_geometric", l.multi_view_geometric},
-          {"multi_view_photometric", l.multi_view_photometric}};
+Json losses_of(const LossTerms& losses) {
+  Json json = {{"total", losses.total}};
+  for (const LossRow& row : kLossCatalogue) json[std::string(row.name)] = losses[row.loss];
+  return json;
 }
 
 }  // namespace

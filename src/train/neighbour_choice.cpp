@@ -5,14 +5,9 @@
 #include <utility>
 
 #include "core/angles.h"
-#include "core/random.h"
+#include "train/random_purpose.h"
 
 namespace aligngs {
-namespace {
-
-constexpr uint64_t kRandomNeighbour = 5;  // purpose of this generator among those of a run (trainer.cpp)
-
-}  // namespace
 
 std::vector<std::vector<int>> choose_neighbours(const std::vector<Camera>& cameras, double extent,
                                                 const NeighbourRule& rule) {
@@ -35,7 +30,7 @@ std::vector<std::vector<int>> choose_neighbours(const std::vector<Camera>& camer
 
 DrawnNeighbour draw_neighbour(const std::vector<int>& neighbours, uint64_t run_seed, int64_t iteration) {
   if (neighbours.empty()) return {};
-  Random random = Random(run_seed).fork(kRandomNeighbour).fork(static_cast<uint64_t>(iteration));
+  Random random = random_of(run_seed, RandomPurpose::kNeighbour).fork(static_cast<uint64_t>(iteration));
   const int view = neighbours[static_cast<size_t>(random.below(static_cast<int>(neighbours.size())))];
   return {view, random.next()};
 }

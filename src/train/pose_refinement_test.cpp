@@ -53,9 +53,9 @@ TEST(PoseRefinement, FindsTheCameraThatTookThePhoto) {
   engine->load(make_model(o));
   StepRequest request = make_request();
   request.losses = {};
-  request.losses.flatten_weight = request.losses.semantic_soft_weight = request.losses.semantic_hard_weight = 0;
-  request.losses.l1_weight = 1;
-  request.losses.ssim_weight = 0;
+  request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kSemanticSoft] = request.losses.weight[Loss::kSemanticHard] = 0;
+  request.losses.weight[Loss::kL1] = 1;
+  request.losses.weight[Loss::kSsim] = 0;
   request.rates = {};
   request.limits = {};
   request.collect_density = false;

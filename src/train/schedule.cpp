@@ -19,11 +19,6 @@ double logit(double p) { return std::log(p / (1 - p)); }
 
 }  // namespace
 
-double log_linear(double start, double end, double t) {
-  if (start <= 0) return 0;
-  return std::exp((1 - t) * std::log(start) + t * std::log(end));
-}
-
 Schedule::Schedule(const TrainConfig& config, const ScheduleFacts& facts) : config_(config), facts_(facts) {
   length_ = config.train.schedule_iterations > 0 ? config.train.schedule_iterations : config.train.iterations;
 }
@@ -69,16 +64,19 @@ StepRequest Schedule::request(int64_t iteration) const {
 LossSettings Schedule::losses(int64_t iteration) const {
   const LossConfig& c = config_.loss;
   const SemanticConfig& s = config_.semantic;
-  const double t = share(iteration);
+  const bool metric = facts_.prior_depth == PriorDepthKind::kMetric;
+  const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;
+  const bool normals = iteration > scaled(c.normal_start);
+  // Without normals at the start the plane depth is noise until the Gaussians have turned.
+  const bool turned = facts_.normals_at_start || normals;
+  const auto gate = [](bool open, LossGate bit) { return open ? unsigned(bit) : 0u; };
+  const unsigned open =
+      gate(facts_.semantics, kGateSemantics) | gate(metric, kGateMetric) |
+      gate(relative || (metric && c.log_depth == 0), kGateCorrelated) |
+      gate(iteration > scaled(c.depth_start) && turned, kGateDepth) | gate(normals, kGateNormals) |
+      gate(iteration > scaled(c.multi_view_from) && iteration % c.multi_view_every == 0 && turned, kGateTwoViews);
   LossSettings l;
-  l.l1_weight = to_float(c.l1);
-  l.ssim_weight = to_float(c.ssim);
-  l.flatten_weight = to_float(c.flatten);  // the engine divides the scales by the extent
-  l.opacity_l1_weight = to_float(c.opacity_l1);
-  l.scale_l1_weight = to_float(c.scale_l1);
-
-  l.semantic_soft_weight = facts_.semantics ? to_float(s.soft) : 0;
-  l.semantic_hard_weight = facts_.semantics ? to_float(s.hard) : 0;
+  l.weight = scheduled_weights(config_, open, share(iteration));
   const int visit = static_cast<int>((iteration - 1) / std::max(1, facts_.training_views));
   l.semantic_sample = make_semantic_sample(s.pixel_share, visit, facts_.image_side);
   l.semantic_blend = semantic_blend_named(s.blend);
@@ -88,22 +86,6 @@ LossSettings Schedule::losses(int64_t iteration) const {
 
   l.log_depth_huber = to_float(c.log_depth_huber);
   l.paper_normals = c.paper_normals;
-  const bool normal_terms = iteration > scaled(c.normal_start);
-  // Without normals at the start the plane depth is noise until the Gaussians have turned.
-  const bool depth_terms = iteration > scaled(c.depth_start) && (facts_.normals_at_start || normal_terms);
-  const bool metric = facts_.prior_depth == PriorDepthKind::kMetric;
-  const bool relative = facts_.prior_depth == PriorDepthKind::kRelative;
-  l.log_depth_weight = depth_terms && metric ? to_float(log_linear(c.log_depth, c.log_depth_end, t)) : 0;
-  l.pearson_weight = depth_terms && (relative || (metric && c.log_depth == 0)) ? to_float(c.pearson) : 0;
-  l.prior_normal_weight = metric ? to_float(log_linear(c.prior_normal, c.prior_normal_end, t)) : 0;
-  l.normal_consistency_weight = normal_terms ? to_float(c.normal_consistency) : 0;
-  l.normal_boundary_weight = normal_terms && facts_.semantics ? to_float(c.normal_boundary) : 0;
-  l.crease_weight = normal_terms && facts_.semantics && metric ? to_float(c.crease) : 0;
-  // The same argument holds for depth that is compared with another view's.
-  const bool multi_view = iteration > scaled(c.multi_view_from) && iteration % c.multi_view_every == 0 &&
-                          (facts_.normals_at_start || normal_terms);
-  l.multi_view_geometric_weight = multi_view ? to_float(c.multi_view_geometric) : 0;
-  l.multi_view_photometric_weight = multi_view ? to_float(c.multi_view_photometric) : 0;
   return l;
 }
 

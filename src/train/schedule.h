@@ -7,6 +7,7 @@
 #include "gaussians/density_control.h"
 #include "gaussians/mcmc_growth.h"
 #include "train/config.h"
+#include "train/loss_schedule.h"
 #include "train/pose_refinement.h"
 
 namespace aligngs {
@@ -93,8 +94,5 @@ class Schedule {
 
 /// Opacity that a reset leaves at most (3DGS).
 inline constexpr float kResetOpacity = 0.01f;
-
-/// start^(1 - t) * end^t; 0 when start is 0.
-double log_linear(double start, double end, double t);
 
 }  // namespace aligngs

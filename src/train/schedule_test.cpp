@@ -63,13 +63,13 @@ TEST(Schedule, RatesOfTheSpec) {
 TEST(Schedule, PaperTurnsGuidanceOnAt1501) {
   const Schedule s(paper(), room());
   const LossSettings before = s.request(1500).losses, after = s.request(1501).losses;
-  EXPECT_EQ(before.pearson_weight + before.normal_consistency_weight + before.normal_boundary_weight, 0);
-  EXPECT_FLOAT_EQ(after.pearson_weight, 0.5f);
-  EXPECT_FLOAT_EQ(after.normal_consistency_weight, 0.05f);
-  EXPECT_FLOAT_EQ(after.normal_boundary_weight, 0.01f);
+  EXPECT_EQ(before.weight[Loss::kPearson] + before.weight[Loss::kNormalConsistency] + before.weight[Loss::kNormalBoundary], 0);
+  EXPECT_FLOAT_EQ(after.weight[Loss::kPearson], 0.5f);
+  EXPECT_FLOAT_EQ(after.weight[Loss::kNormalConsistency], 0.05f);
+  EXPECT_FLOAT_EQ(after.weight[Loss::kNormalBoundary], 0.01f);
   EXPECT_TRUE(after.paper_normals);
-  EXPECT_EQ(after.log_depth_weight + after.crease_weight + after.prior_normal_weight, 0);
-  EXPECT_FLOAT_EQ(after.flatten_weight, 100);
+  EXPECT_EQ(after.weight[Loss::kLogDepth] + after.weight[Loss::kCrease] + after.weight[Loss::kPriorNormal], 0);
+  EXPECT_FLOAT_EQ(after.weight[Loss::kFlatten], 100);
 }
 
 TEST(Schedule, MultiViewTermsActFromTheirShareOfTheRun) {
@@ -78,22 +78,22 @@ TEST(Schedule, MultiViewTermsActFromTheirShareOfTheRun) {
   ScheduleFacts cloud = room();
   cloud.normals_at_start = false;
   const Schedule s(c, cloud);
-  EXPECT_EQ(s.request(700).losses.multi_view_geometric_weight, 0);
-  EXPECT_EQ(s.request(700).losses.multi_view_photometric_weight, 0);
-  EXPECT_FLOAT_EQ(s.request(701).losses.multi_view_geometric_weight, 0.03f);
-  EXPECT_FLOAT_EQ(s.request(701).losses.multi_view_photometric_weight, 0.15f);
-  EXPECT_FLOAT_EQ(s.request(701).losses.normal_consistency_weight, 0.015f);
+  EXPECT_EQ(s.request(700).losses.weight[Loss::kMultiViewGeometric], 0);
+  EXPECT_EQ(s.request(700).losses.weight[Loss::kMultiViewPhotometric], 0);
+  EXPECT_FLOAT_EQ(s.request(701).losses.weight[Loss::kMultiViewGeometric], 0.03f);
+  EXPECT_FLOAT_EQ(s.request(701).losses.weight[Loss::kMultiViewPhotometric], 0.15f);
+  EXPECT_FLOAT_EQ(s.request(701).losses.weight[Loss::kNormalConsistency], 0.015f);
 }
 
 TEST(Schedule, MultiViewTermsWaitForNormals) {
   TrainConfig c = standard();
   c.loss.multi_view_photometric = 0.15;
   c.loss.multi_view_from = 0;
-  EXPECT_GT(Schedule(c, room()).request(1).losses.multi_view_photometric_weight, 0);
+  EXPECT_GT(Schedule(c, room()).request(1).losses.weight[Loss::kMultiViewPhotometric], 0);
   ScheduleFacts cloud = room();
   cloud.normals_at_start = false;
-  EXPECT_EQ(Schedule(c, cloud).request(500).losses.multi_view_photometric_weight, 0);  // loss.normal_start
-  EXPECT_GT(Schedule(c, cloud).request(501).losses.multi_view_photometric_weight, 0);
+  EXPECT_EQ(Schedule(c, cloud).request(500).losses.weight[Loss::kMultiViewPhotometric], 0);  // loss.normal_start
+  EXPECT_GT(Schedule(c, cloud).request(501).losses.weight[Loss::kMultiViewPhotometric], 0);
 }
 
 TEST(Schedule, MultiViewTermsMayRestBetweenIterations) {
@@ -101,7 +101,7 @@ TEST(Schedule, MultiViewTermsMayRestBetweenIterations) {
   c.loss.multi_view_every = 5;
   const Schedule s(c, room());
   int active = 0;
-  for (int64_t i = 4000; i < 4100; ++i) active += s.request(i).losses.multi_view_geometric_weight > 0 ? 1 : 0;
+  for (int64_t i = 4000; i < 4100; ++i) active += s.request(i).losses.weight[Loss::kMultiViewGeometric] > 0 ? 1 : 0;
   EXPECT_EQ(active, 20);
 }
 
@@ -225,26 +225,26 @@ TEST(Schedule, OnlyADenseStartRestrictsGrowth) {
 
 TEST(Schedule, DepthWeightDecaysLogLinearly) {
   const Schedule s(standard(), room());
-  EXPECT_NEAR(s.request(1).losses.log_depth_weight, 0.5, 1e-3);
-  EXPECT_NEAR(s.request(3500).losses.log_depth_weight, 0.1, 1e-6);  // sqrt(0.5 * 0.02)
-  EXPECT_NEAR(s.request(7000).losses.log_depth_weight, 0.02, 1e-7);
-  EXPECT_EQ(s.request(1).losses.pearson_weight, 0);
+  EXPECT_NEAR(s.request(1).losses.weight[Loss::kLogDepth], 0.5, 1e-3);
+  EXPECT_NEAR(s.request(3500).losses.weight[Loss::kLogDepth], 0.1, 1e-6);  // sqrt(0.5 * 0.02)
+  EXPECT_NEAR(s.request(7000).losses.weight[Loss::kLogDepth], 0.02, 1e-7);
+  EXPECT_EQ(s.request(1).losses.weight[Loss::kPearson], 0);
 }
 
 TEST(Schedule, DepthTermsWaitForNormalsThatTheStartLacks) {
   ScheduleFacts f = room();
   f.normals_at_start = false;
   const Schedule s(standard(), f);
-  EXPECT_EQ(s.request(500).losses.log_depth_weight, 0);
-  EXPECT_GT(s.request(501).losses.log_depth_weight, 0);
+  EXPECT_EQ(s.request(500).losses.weight[Loss::kLogDepth], 0);
+  EXPECT_GT(s.request(501).losses.weight[Loss::kLogDepth], 0);
 }
 
 TEST(Schedule, RelativePriorDepthGivesOnlyItsCorrelation) {
   ScheduleFacts f = room();
   f.prior_depth = PriorDepthKind::kRelative;
   const LossSettings l = Schedule(standard(), f).request(1000).losses;
-  EXPECT_GT(l.pearson_weight, 0);
-  EXPECT_EQ(l.log_depth_weight + l.prior_normal_weight + l.crease_weight, 0);
+  EXPECT_GT(l.weight[Loss::kPearson], 0);
+  EXPECT_EQ(l.weight[Loss::kLogDepth] + l.weight[Loss::kPriorNormal] + l.weight[Loss::kCrease], 0);
   EXPECT_FALSE(Schedule(standard(), f).aligns_prior_depth(500));
 }
 
@@ -253,7 +253,7 @@ TEST(Schedule, WithoutPriorsTheirTermsAreOff) {
   f.prior_depth = PriorDepthKind::kNone;
   f.semantics = false;
   const LossSettings l = Schedule(paper(), f).request(5000).losses;
-  EXPECT_EQ(l.pearson_weight + l.semantic_soft_weight + l.semantic_hard_weight + l.normal_boundary_weight, 0);
+  EXPECT_EQ(l.weight[Loss::kPearson] + l.weight[Loss::kSemanticSoft] + l.weight[Loss::kSemanticHard] + l.weight[Loss::kNormalBoundary], 0);
   EXPECT_FALSE(Schedule(standard(), f).lifts_semantics(1));
 }
 
@@ -275,8 +275,8 @@ TEST(Schedule, IterationKeysScaleWithTheRunsLength) {
   TrainConfig c = paper();
   c.train.iterations = 700;
   const Schedule s(c, room());
-  EXPECT_EQ(s.request(150).losses.pearson_weight, 0);
-  EXPECT_GT(s.request(151).losses.pearson_weight, 0);
+  EXPECT_EQ(s.request(150).losses.weight[Loss::kPearson], 0);
+  EXPECT_GT(s.request(151).losses.weight[Loss::kPearson], 0);
   EXPECT_TRUE(s.densifies(60));
   EXPECT_TRUE(s.resets_opacity(300));
   EXPECT_EQ(s.request(100).sh_degree, 1);
@@ -374,7 +374,7 @@ TEST(Schedule, LengthsFollowTheExtent) {
   const StepRequest a = Schedule(standard(), room()).request(10), b = Schedule(standard(), f).request(10);
   EXPECT_NEAR(b.rates.position / a.rates.position, 0.37, 1e-5);
   EXPECT_NEAR(b.raster.near_plane / a.raster.near_plane, 0.37, 1e-5);
-  EXPECT_EQ(a.losses.flatten_weight, b.losses.flatten_weight) << "the engine divides by the extent";
+  EXPECT_EQ(a.losses.weight[Loss::kFlatten], b.losses.weight[Loss::kFlatten]) << "the engine divides by the extent";
 }
 
 TEST(ViewOrder, EveryViewOncePerEpoch) {

@@ -19,6 +19,7 @@
 #include "train/live_snapshot.h"
 #include "train/memory_fit.h"
 #include "train/neighbour_choice.h"
+#include "train/random_purpose.h"
 #include "train/run_control.h"
 #include "train/run_outputs.h"
 #include "train/start_model.h"
@@ -27,8 +28,6 @@
 
 namespace aligngs {
 namespace {
-
-constexpr uint64_t kRandomStart = 3;                // purposes 1 and 2: trainer.cpp
 
 RunMode mode_of(const TrainOptions& options) {
   return options.overwrite ? RunMode::kOverwrite : options.resume ? RunMode::kResume : RunMode::kNew;
@@ -183,7 +182,7 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   }
   const int64_t limit = start_limit(config_, pixels);
   const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
-  StartModel begun = make_start_model(start_inputs, Random(static_cast<uint64_t>(config_.train.seed)).fork(kRandomStart));
+  StartModel begun = make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
   if (config_.densify.morton_order) sort_by_morton(begun.model);
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;

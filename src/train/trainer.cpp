@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <thread>
 
 #include "core/error.h"
@@ -16,6 +17,7 @@
 #include "train/live_snapshot.h"
 #include "train/neighbour_choice.h"
 #include "train/photo_labels.h"
+#include "train/random_purpose.h"
 #include "train/upkeep.h"
 
 namespace aligngs {
@@ -25,27 +27,24 @@ constexpr double kAverageKeep = 0.98;    // running mean over about 50 steps: a 
 constexpr double kLookEvery = 0.1;       // seconds between looks for flags: four file names that mostly do not exist
 constexpr double kSnapshotEvery = 2;     // seconds; a picture that changes more often is not seen any better
 constexpr double kSnapshotShare = 0.05;  // of the time, at most, goes into snapshots
-// Purposes of the run's random generators; the start model uses kRandomStart in train_run.cpp,
-// neighbours use kRandomNeighbour in neighbour_choice.cpp.
-constexpr uint64_t kRandomOrder = 1, kRandomDensity = 2, kRandomBackground = 4, kRandomDropout = 6, kRandomNoise = 7;
 
 double now_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Random generator(const TrainConfig& config, uint64_t purpose) {
-  return Random(static_cast<uint64_t>(config.train.seed)).fork(purpose);
+Random generator(const TrainConfig& config, RandomPurpose purpose) {
+  return random_of(static_cast<uint64_t>(config.train.seed), purpose);
 }
 
 /// A function of seed and iteration alone, so that a resumed run sees the colours of the whole one.
 void set_random_background(const TrainConfig& config, int64_t iteration, RasterSettings& raster) {
-  Random random = generator(config, kRandomBackground).fork(static_cast<uint64_t>(iteration));
+  Random random = generator(config, RandomPurpose::kBackground).fork(static_cast<uint64_t>(iteration));
   for (float& channel : raster.background) channel = static_cast<float>(random.uniform());
 }
 
 /// The same holds for the Gaussians that a step leaves out.
 OpacityDropout draw_dropout(const TrainConfig& config, int64_t iteration, double rate) {
-  return {static_cast<float>(rate), generator(config, kRandomDropout).fork(static_cast<uint64_t>(iteration)).next()};
+  return {static_cast<float>(rate), generator(config, RandomPurpose::kDropout).fork(static_cast<uint64_t>(iteration)).next()};
 }
 
 }  // namespace
@@ -57,8 +56,8 @@ Trainer::Trainer(TrainerInputs inputs, Engine& engine, const RunFolder& folder, 
       record_(record),
       pool_(pool),
       schedule_(in_.config, in_.facts),
-      order_(static_cast<int>(in_.guides.size()), generator(in_.config, kRandomOrder).next()),
-      density_random_(generator(in_.config, kRandomDensity)),
+      order_(static_cast<int>(in_.guides.size()), generator(in_.config, RandomPurpose::kViewOrder).next()),
+      density_random_(generator(in_.config, RandomPurpose::kDensity)),
       control_(folder.path()) {
   for (const GuideView& guide : in_.guides) poses_.push_back(guide.camera.world_to_camera);
 }
@@ -153,7 +152,7 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   state_.iteration = iteration;
   if (request.pose_gradient && !report_.non_finite.found) move_camera(static_cast<size_t>(request.view), pose_rates);
   if (const double noise = schedule_.position_noise(iteration); noise > 0) {
-    engine_.add_position_noise({static_cast<float>(noise), generator(in_.config, kRandomNoise).fork(static_cast<uint64_t>(iteration)).next()});
+    engine_.add_position_noise({static_cast<float>(noise), generator(in_.config, RandomPurpose::kNoise).fork(static_cast<uint64_t>(iteration)).next()});
   }
   if (report_.non_finite.found) {
     handle_non_finite(report_, request.view, events);
@@ -355,15 +354,15 @@ void Trainer::update_progress(const StepReport& report, Progress& progress) cons
     progress.update(static_cast<uint64_t>(state_.iteration));
     return;
   }
-  const LossTerms& l = report.losses;
-  std::string text = fmt::format("PSNR {:.2f} dB  loss {:.4f} (L1 {:.4f}, 1-SSIM {:.3f}", state_.psnr_average, l.total, l.l1, l.ssim);
-  if (in_.facts.semantics) text += fmt::format(", semantic {:.3f}", l.semantic_soft);
-  if (l.log_depth > 0) text += fmt::format(", depth {:.4f}", l.log_depth);
-  if (l.pearson > 0) text += fmt::format(", 1-rho {:.3f}", l.pearson);
-  if (l.normal_consistency > 0) text += fmt::format(", normal {:.3f}", l.normal_consistency);
-  if (l.multi_view_geometric > 0) text += fmt::format(", views {:.3f} px", l.multi_view_geometric);
-  if (l.multi_view_photometric > 0) text += fmt::format(", 1-NCC2 {:.3f}", l.multi_view_photometric);
-  progress.update(static_cast<uint64_t>(state_.iteration), fmt::format("{})  {} Gaussians ", text, engine_.size()));
+  std::string text = fmt::format("PSNR {:.2f} dB  loss {:.4f}", state_.psnr_average, report.losses.total);
+  const char* separator = " (";
+  for (const LossRow& row : kLossCatalogue) {
+    if (row.progress.empty() || !(report.losses[row.loss] > 0)) continue;
+    text += fmt::format("{}{} {:.3g}", separator, row.progress, report.losses[row.loss]);
+    separator = ", ";
+  }
+  if (separator == std::string_view(", ")) text += ")";
+  progress.update(static_cast<uint64_t>(state_.iteration), fmt::format("{}  {} Gaussians ", text, engine_.size()));
 }
 
 double Trainer::seconds_since_start() const { return now_seconds() - begun_; }

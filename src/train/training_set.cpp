@@ -8,6 +8,7 @@
 #include "io/resample.h"
 #include "scene/prior_maps.h"
 #include "scene/view_data.h"
+#include "train/loss_schedule.h"
 
 namespace aligngs {
 namespace {
@@ -130,8 +131,7 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   std::vector<TrainingView> views(scene.train.size());
   PrepareOptions prepare;
   prepare.paper = config.loss.paper_normals;
-  const LossConfig& loss = config.loss;
-  prepare.prior_normals = use.depth == PriorDepthKind::kMetric && loss.prior_normal + loss.crease > 0;
+  prepare.prior_normals = use.depth == PriorDepthKind::kMetric && settings_need(config, kNeedsPriorNormal);
   // The control of the bounded coupling pushes as much and where it does, so it has the same omega.
   prepare.semantic_weights = is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "cli/report/json_field.h"
 #include "cli/report/overview.h"
@@ -13,6 +14,7 @@
 #include "cli/report/svg_chart.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
+#include "engine/loss_catalogue.h"
 #include "metrics/semantic_metrics.h"
 
 namespace aligngs {
@@ -100,6 +102,30 @@ ChartSeries smoothed(ChartSeries series) {
   return series;
 }
 
+bool acts(const ChartSeries& series) {
+  return std::any_of(series.points.begin(), series.points.end(), [](const auto& point) { return point.second != 0; });
+}
+
+/// One chart per stage of the catalogue with a loss that acted in some step.
+std::string loss_charts(const std::vector<Json>& events) {
+  const std::pair<LossStage, const char*> stages[] = {{LossStage::kColor, "colour"},
+                                                      {LossStage::kGeometry, "depth and normals"},
+                                                      {LossStage::kTwoViews, "two views"},
+                                                      {LossStage::kSemantics, "classes"},
+                                                      {LossStage::kShape, "shape of the Gaussians"}};
+  std::string html;
+  for (const auto& [stage, title] : stages) {
+    std::vector<std::string> names;
+    for (const Loss loss : losses_of(stage)) names.emplace_back(row_of(loss).name);
+    std::vector<ChartSeries> series;
+    for (ChartSeries& one : series_of(events, names)) {
+      if (acts(one)) series.push_back(smoothed(std::move(one)));
+    }
+    if (!series.empty()) html += svg_line_chart({fmt::format("losses on {} (unweighted, running mean)", title), "iteration", "", true}, series);
+  }
+  return html;
+}
+
 std::string charts(const fs::path& run) {
   const fs::path file = run / "events.ndjson";
   if (!fs::exists(file)) return "";
@@ -109,11 +135,11 @@ std::string charts(const fs::path& run) {
     Json event = parse_json(line);
     if (event.is_object()) events.push_back(std::move(event));
   }
-  std::vector<ChartSeries> losses = series_of(events, {"total", "l1", "ssim", "semantic_soft", "log_depth", "pearson", "normal_consistency", "prior_normal"});
-  for (ChartSeries& s : losses) s = smoothed(std::move(s));
+  std::vector<ChartSeries> total = series_of(events, {"total"});
+  for (ChartSeries& s : total) s = smoothed(std::move(s));
   std::vector<ChartSeries> quality = series_of(events, {"psnr"});
   for (ChartSeries& s : quality) s = smoothed(std::move(s));
-  return "<h2>Training</h2>" + svg_line_chart({"loss terms (unweighted, running mean)", "iteration", "", true}, losses) +
+  return "<h2>Training</h2>" + svg_line_chart({"total loss (weighted, running mean)", "iteration", "", true}, total) + loss_charts(events) +
          svg_line_chart({"PSNR of training views (dB, running mean)", "iteration", "", false}, quality) +
          svg_line_chart({"Gaussians", "iteration", "", false}, series_of(events, {"gaussians"}));
 }

@@ -216,14 +216,7 @@ StepRequest benchmark_request() {
   r.sh_degree = kMaxShDegree;
   r.extent = 3;
   r.rates = {1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f, 1e-7f};
-  r.losses.pearson_weight = 0.05f;
-  r.losses.log_depth_weight = 0.5f;
-  r.losses.normal_consistency_weight = 0.05f;
-  r.losses.normal_boundary_weight = 0.01f;
-  r.losses.crease_weight = 0.05f;
-  r.losses.prior_normal_weight = 0.05f;
-  r.losses.opacity_l1_weight = 0.01f;
-  r.losses.scale_l1_weight = 0.01f;
+  r.losses.weight = weights_of_catalogue(&LossRow::benchmark_weight);
   return r;
 }
 

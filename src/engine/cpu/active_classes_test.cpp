@@ -146,7 +146,7 @@ TEST(ActiveClasses, ViewsMayComeBeforeOrAfterTheModel) {
   SceneOptions other = o;
   other.channels = kActive + 1;
   before.load(make_model(other));
-  EXPECT_EQ(before.step(make_request()).losses.semantic_soft, 0.0);
+  EXPECT_EQ(before.step(make_request()).losses[Loss::kSemanticSoft], 0.0);
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ TEST(ActiveClasses, MatrixTilesWithARemainderGiveTheGradientsOfFloat32) {
       prepare(exact, 2, model_with_remainder(o), view, SemanticProducts::kFloat32);
       prepare(rounded, 2, model_with_remainder(o), view, SemanticProducts::kBfloat16);
       const StepReport want = exact.step(r), got = rounded.step(r);
-      EXPECT_NEAR(got.losses.semantic_soft, want.losses.semantic_soft, 2e-3);
-      EXPECT_NEAR(got.losses.semantic_hard, want.losses.semantic_hard, 2e-3);
+      EXPECT_NEAR(got.losses[Loss::kSemanticSoft], want.losses[Loss::kSemanticSoft], 2e-3);
+      EXPECT_NEAR(got.losses[Loss::kSemanticHard], want.losses[Loss::kSemanticHard], 2e-3);
       const GaussianModel a = rounded.last_gradients(), b = exact.last_gradients();
       ASSERT_EQ(a.semantic_channels, kActive + 1);
       EXPECT_LE(difference(a.semantics, b.semantics).worst, 1e-2);
@@ -60,8 +60,8 @@ TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
         prepare(all, 0, model, view);
         prepare(few, 2, model, view);
         const StepReport a = all.step(r), b = few.step(r);
-        EXPECT_NEAR(b.losses.semantic_soft, a.losses.semantic_soft, 2.5e-4);  // float16 holds the sum of the rest, of targets that sum to one
-        EXPECT_NEAR(b.losses.semantic_hard, a.losses.semantic_hard, 1e-5);
+        EXPECT_NEAR(b.losses[Loss::kSemanticSoft], a.losses[Loss::kSemanticSoft], 2.5e-4);  // float16 holds the sum of the rest, of targets that sum to one
+        EXPECT_NEAR(b.losses[Loss::kSemanticHard], a.losses[Loss::kSemanticHard], 1e-5);
         const GaussianModel ga = all.last_gradients(), gb = few.last_gradients();
         ASSERT_EQ(gb.semantic_channels, kActive + 1);
         EXPECT_LE(difference(gb.opacity_logits, ga.opacity_logits).worst, 1e-3);
@@ -133,8 +133,8 @@ TEST(ActiveClasses, TheRemainderIsNoLabelHoweverMuchItHolds) {
     r.losses.semantic_blend = blend;
     const LabelCounts labels = compare_labels(all, few, view, blend);
     EXPECT_EQ(labels.same, labels.labelled);
-    const double hard = all.step(r).losses.semantic_hard;
-    EXPECT_NEAR(few.step(r).losses.semantic_hard, hard, 1e-5);
+    const double hard = all.step(r).losses[Loss::kSemanticHard];
+    EXPECT_NEAR(few.step(r).losses[Loss::kSemanticHard], hard, 1e-5);
     EXPECT_GT(hard, 2.0);  // nats; were the remainder the label, it would be a few tenths
   }
 }
@@ -195,10 +195,10 @@ TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
       b = few.step(r);
     }
     const std::string name = blend == SemanticBlend::kProbabilities ? "probabilities" : "logits";
-    RecordProperty(name + "_soft", std::to_string(a.losses.semantic_soft - b.losses.semantic_soft - unevenness));
-    RecordProperty(name + "_hard", std::to_string(a.losses.semantic_hard - b.losses.semantic_hard));
-    EXPECT_NEAR(a.losses.semantic_soft - b.losses.semantic_soft, unevenness, kSoftAgreement);
-    EXPECT_NEAR(a.losses.semantic_hard, b.losses.semantic_hard, kHardAgreement);
+    RecordProperty(name + "_soft", std::to_string(a.losses[Loss::kSemanticSoft] - b.losses[Loss::kSemanticSoft] - unevenness));
+    RecordProperty(name + "_hard", std::to_string(a.losses[Loss::kSemanticHard] - b.losses[Loss::kSemanticHard]));
+    EXPECT_NEAR(a.losses[Loss::kSemanticSoft] - b.losses[Loss::kSemanticSoft], unevenness, kSoftAgreement);
+    EXPECT_NEAR(a.losses[Loss::kSemanticHard], b.losses[Loss::kSemanticHard], kHardAgreement);
     const LabelCounts labels = compare_labels(all, few, view, blend);
     const double same = static_cast<double>(labels.same) / static_cast<double>(labels.labelled);
     RecordProperty(name + "_labels", std::to_string(same));

@@ -125,7 +125,7 @@ bool CpuEngine::semantics_active(const StepRequest& request) {
   if (model_.semantic_channels == 0 || view.data.semantics.empty()) return false;
   if (view.data.semantics.channels != model_.semantic_channels) return false;
   if (map_.remainder() != active_.remainder()) return false;  // a model of another number of classes
-  if (request.losses.semantic_soft_weight == 0 && request.losses.semantic_hard_weight == 0) return false;
+  if (!request.losses.has(LossStage::kSemantics)) return false;
   SemanticView& cache = semantic_views_[static_cast<size_t>(request.view)];
   if (!cache.ready) prepare_semantic_view(view, counts_.classes(), *pool_, cache);
   return cache.valid > 0;
@@ -233,10 +233,8 @@ StepReport CpuEngine::step(const StepRequest& request) {
     seconds /= static_cast<double>(scratch_.size());
     report.seconds["semantics"] = seconds;
     report.seconds["backward"] -= seconds;
-    report.losses.semantic_soft = pass.soft;
-    report.losses.semantic_hard = pass.hard;
-    report.losses.total +=
-        request.losses.semantic_soft_weight * pass.soft + request.losses.semantic_hard_weight * pass.hard;
+    report.losses.add(Loss::kSemanticSoft, request.losses.weight[Loss::kSemanticSoft], pass.soft);
+    report.losses.add(Loss::kSemanticHard, request.losses.weight[Loss::kSemanticHard], pass.hard);
   }
   last_semantics_ = semantics;
   last_probabilities_ = probabilities;

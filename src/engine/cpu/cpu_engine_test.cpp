@@ -60,11 +60,11 @@ TEST(CpuEngine, NothingVisibleLeavesTheModelAsItIs) {
   engine.load(before);
   engine.set_training_views({make_view(o)});
   StepRequest r = make_geometry_request();
-  r.losses.opacity_l1_weight = r.losses.scale_l1_weight = 0;
+  r.losses.weight[Loss::kOpacityL1] = r.losses.weight[Loss::kScaleL1] = 0;
   const StepReport report = engine.step(r);
   EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
   EXPECT_EQ(report.visible, 0u);
-  EXPECT_GT(report.losses.l1, 0);
+  EXPECT_GT(report.losses[Loss::kL1], 0);
   GaussianModel after;
   engine.store(after);
   EXPECT_TRUE(same_bits(before.positions, after.positions));
@@ -270,7 +270,7 @@ TEST(CpuEngine, OverflowingGradientIsNamedAndNothingChanges) {
   engine.step(r);
   const EngineState before = state_of(engine);
   r.step = 2;
-  r.losses.l1_weight = 1e30f;
+  r.losses.weight[Loss::kL1] = 1e30f;
   const StepReport report = engine.step(r);
   EXPECT_TRUE(report.non_finite.found);
   EXPECT_GE(report.non_finite.gaussian, 0);

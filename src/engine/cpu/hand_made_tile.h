@@ -219,8 +219,8 @@ class HandMadeTile {
     }
     const bool probabilities = options.blend == SemanticBlend::kProbabilities;
     const double valid = static_cast<double>(cache.valid), alpha = 1.0 - static_cast<double>(block.transmittance[i]);
-    const SemanticWeights<double> weights{static_cast<double>(losses.semantic_soft_weight) / valid,
-                                          static_cast<double>(losses.semantic_hard_weight) / valid};
+    const SemanticWeights<double> weights{static_cast<double>(losses.weight[Loss::kSemanticSoft]) / valid,
+                                          static_cast<double>(losses.weight[Loss::kSemanticHard]) / valid};
     const SemanticTerms<double> terms =
         probabilities
             ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), c_count, weights, g.data())

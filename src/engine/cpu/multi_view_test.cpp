@@ -28,16 +28,16 @@ TEST(CpuMultiView, GradientsAreThoseOfTheReference) {
   const ImageF depth = engine.render(pair[1].data.camera, options).depth_plane;
   const StepReport report = engine.step(r);
   ASSERT_FALSE(report.non_finite.found);
-  EXPECT_GT(report.losses.multi_view_geometric, 0);
-  EXPECT_GT(report.losses.multi_view_photometric, 0);
+  EXPECT_GT(report.losses[Loss::kMultiViewGeometric], 0);
+  EXPECT_GT(report.losses[Loss::kMultiViewPhotometric], 0);
   EXPECT_GT(report.seconds.count("neighbour"), 0u);
 
   const auto want = pair_gradients(engine.last_maps(), depth, r, true);
   const auto without = pair_gradients(engine.last_maps(), depth, r, false);
   const GaussianModel got = engine.last_gradients();
   EXPECT_NEAR(report.losses.total, want.losses.total, 2e-5 * want.losses.total);
-  EXPECT_EQ(report.losses.multi_view_geometric, want.losses.multi_view_geometric);
-  EXPECT_EQ(report.losses.multi_view_photometric, want.losses.multi_view_photometric);
+  EXPECT_EQ(report.losses[Loss::kMultiViewGeometric], want.losses[Loss::kMultiViewGeometric]);
+  EXPECT_EQ(report.losses[Loss::kMultiViewPhotometric], want.losses[Loss::kMultiViewPhotometric]);
   expect_close(got.positions, want.gradient.positions, "d positions");
   expect_close(got.log_scales, want.gradient.log_scales, "d log_scales");
   expect_close(got.rotations, want.gradient.rotations, "d rotations");
@@ -57,14 +57,14 @@ TEST(CpuMultiView, TheReferenceTakesItsNeighbourToo) {
   engine.load(make_wall());
   engine.set_training_views(pair);
   const StepReport report = engine.step(r);
-  EXPECT_NEAR(report.losses.multi_view_geometric, with.losses.multi_view_geometric, 0.02 * with.losses.multi_view_geometric);
-  EXPECT_NEAR(report.losses.multi_view_photometric, with.losses.multi_view_photometric,
-              0.02 * with.losses.multi_view_photometric);
+  EXPECT_NEAR(report.losses[Loss::kMultiViewGeometric], with.losses[Loss::kMultiViewGeometric], 0.02 * with.losses[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(report.losses[Loss::kMultiViewPhotometric], with.losses[Loss::kMultiViewPhotometric],
+              0.02 * with.losses[Loss::kMultiViewPhotometric]);
 }
 
 TEST(CpuMultiView, WithoutWeightTheNeighbourChangesNothing) {
   StepRequest r = make_pair_request();
-  r.losses.multi_view_geometric_weight = r.losses.multi_view_photometric_weight = 0;
+  r.losses.weight[Loss::kMultiViewGeometric] = r.losses.weight[Loss::kMultiViewPhotometric] = 0;
   const auto after = [&](int neighbour) {
     CpuEngine engine(1);
     engine.load(make_wall());

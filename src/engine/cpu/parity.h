@@ -68,7 +68,7 @@ inline void compare_products(SemanticProducts products, const GaussianModel& mod
   expect_close(engine.last_maps().color, maps.color, tolerance.map, "colour");
   expect_close(engine.last_maps().alpha, maps.alpha, tolerance.map, "alpha");
   const LossSettings& set = request.losses;
-  if (set.log_depth_weight != 0) {
+  if (set.weight[Loss::kLogDepth] != 0) {
     expect_close(engine.last_maps().normal, maps.normal, tolerance.map, "normal");
     expect_close(engine.last_maps().distance, maps.distance, tolerance.map, "distance");
     expect_close(engine.last_maps().expected, maps.expected, 10 * tolerance.map, "expected depth");
@@ -90,11 +90,11 @@ inline void compare_products(SemanticProducts products, const GaussianModel& mod
   EXPECT_EQ(report.visible, want.visible);
   EXPECT_NEAR(report.losses.total, want.losses.total,
               tolerance.loss * std::abs(want.losses.total) + 2 * tolerance.semantic_loss);
-  EXPECT_NEAR(report.losses.semantic_soft, want.losses.semantic_soft, tolerance.semantic_loss);
-  EXPECT_NEAR(report.losses.semantic_hard, want.losses.semantic_hard, tolerance.semantic_loss);
-  EXPECT_NEAR(report.losses.flatten, want.losses.flatten, tolerance.loss);
-  EXPECT_NEAR(report.losses.opacity_l1, want.losses.opacity_l1, tolerance.loss);
-  EXPECT_NEAR(report.losses.scale_l1, want.losses.scale_l1, tolerance.loss);
+  EXPECT_NEAR(report.losses[Loss::kSemanticSoft], want.losses[Loss::kSemanticSoft], tolerance.semantic_loss);
+  EXPECT_NEAR(report.losses[Loss::kSemanticHard], want.losses[Loss::kSemanticHard], tolerance.semantic_loss);
+  EXPECT_NEAR(report.losses[Loss::kFlatten], want.losses[Loss::kFlatten], tolerance.loss);
+  EXPECT_NEAR(report.losses[Loss::kOpacityL1], want.losses[Loss::kOpacityL1], tolerance.loss);
+  EXPECT_NEAR(report.losses[Loss::kScaleL1], want.losses[Loss::kScaleL1], tolerance.loss);
 
   const GaussianModel got = engine.last_gradients();
   const double shape = tolerance.gradient + (set.coupling_strength != 0 ? tolerance.coupling : 0.0);

@@ -26,6 +26,30 @@ constexpr size_t kSplatNormal = offsetof(Splat, normal) / sizeof(float);
 constexpr size_t kSplatFields = 16;  ///< a multiple of 4 that holds those above
 static_assert(kSplatNormal + 3 <= kSplatFields);
 
+/// Places in SplatGradient, as numbers.
+#define ALIGNGS_PLACE_OF_SUM(name, field) constexpr size_t name = offsetof(SplatGradient, field) / sizeof(float)
+ALIGNGS_PLACE_OF_SUM(kSumColor, color);
+ALIGNGS_PLACE_OF_SUM(kSumNormal, normal);
+ALIGNGS_PLACE_OF_SUM(kSumDistance, distance);
+ALIGNGS_PLACE_OF_SUM(kSumP, p);
+ALIGNGS_PLACE_OF_SUM(kSumR, r);
+ALIGNGS_PLACE_OF_SUM(kSumOne, one);
+ALIGNGS_PLACE_OF_SUM(kSumPp, pp);
+ALIGNGS_PLACE_OF_SUM(kSumPr, pr);
+ALIGNGS_PLACE_OF_SUM(kSumRr, rr);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingP, coupling_p);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingR, coupling_r);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingOne, coupling_one);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingPp, coupling_pp);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingPr, coupling_pr);
+ALIGNGS_PLACE_OF_SUM(kSumCouplingRr, coupling_rr);
+#undef ALIGNGS_PLACE_OF_SUM
+/// Places in RowGradient, as numbers.
+constexpr size_t kRowPosition = offsetof(RowGradient, position) / sizeof(float);
+constexpr size_t kRowLogScale = offsetof(RowGradient, log_scale) / sizeof(float);
+constexpr size_t kRowRotation = offsetof(RowGradient, rotation) / sizeof(float);
+constexpr size_t kRowOpacityLogit = offsetof(RowGradient, opacity_logit) / sizeof(float);
+
 /// Inputs of a batch, one row per lane.
 struct LaneInputs {
   HWY_ALIGN float position[3][kLanes], log_scale[3][kLanes], rotation[4][kLanes];
@@ -90,17 +114,17 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   LaneFrame f;
   lane_frame(g, c, camera, centre, f);
 
-  // Moments: those of the map losses, plus the factor times those of the coupling. Places as in SplatGradient.
-  FloatVec p = load(l.sums[8]), r = load(l.sums[9]), sum = load(l.sums[10]), pp = load(l.sums[11]),
-           pr = load(l.sums[12]), rr = load(l.sums[13]);
+  // Moments: those of the map losses, plus the factor times those of the coupling.
+  FloatVec p = load(l.sums[kSumP]), r = load(l.sums[kSumR]), sum = load(l.sums[kSumOne]), pp = load(l.sums[kSumPp]),
+           pr = load(l.sums[kSumPr]), rr = load(l.sums[kSumRr]);
   if (in.coupling_scale != 0) {
     const FloatVec s = constant(in.coupling_scale);
-    p = hn::MulAdd(s, load(l.sums[20]), p);
-    r = hn::MulAdd(s, load(l.sums[21]), r);
-    sum = hn::MulAdd(s, load(l.sums[22]), sum);
-    pp = hn::MulAdd(s, load(l.sums[23]), pp);
-    pr = hn::MulAdd(s, load(l.sums[24]), pr);
-    rr = hn::MulAdd(s, load(l.sums[25]), rr);
+    p = hn::MulAdd(s, load(l.sums[kSumCouplingP]), p);
+    r = hn::MulAdd(s, load(l.sums[kSumCouplingR]), r);
+    sum = hn::MulAdd(s, load(l.sums[kSumCouplingOne]), sum);
+    pp = hn::MulAdd(s, load(l.sums[kSumCouplingPp]), pp);
+    pr = hn::MulAdd(s, load(l.sums[kSumCouplingPr]), pr);
+    rr = hn::MulAdd(s, load(l.sums[kSumCouplingRr]), rr);
   }
   const FloatVec fxx = load(l.splat[kSplatFactor]), fxy = load(l.splat[kSplatFactor + 1]),
                  fyy = load(l.splat[kSplatFactor + 2]), k2 = constant(kTwoLn2);
@@ -111,7 +135,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   const FloatVec dxy = hn::Mul(hn::Mul(two, half), hn::Mul(fxx, row_p));
   const FloatVec dyy = hn::Mul(half, hn::MulAdd(fxy, row_p, hn::Mul(fyy, row_r)));
   const FloatVec sigmoid = hn::Mul(constant(1 / in.opacity_factor), load(l.splat[kSplatOpacity]));
-  hn::Store(hn::Mul(sum, hn::Sub(one, sigmoid)), d, out.row[10]);  // dL/dopacity = sum / opacity
+  hn::Store(hn::Mul(sum, hn::Sub(one, sigmoid)), d, out.row[kRowOpacityLogit]);  // dL/dopacity = sum / opacity
 
   const FloatVec zero = hn::Zero(d), zoom_x = hn::Mul(c.fx, f.inverse_z), zoom_y = hn::Mul(c.fy, f.inverse_z);
   FloatVec daxes[9];
@@ -120,7 +144,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
     const FloatVec du = hn::MulAdd(hn::Mul(two, dxx), f.u[k], hn::Mul(dxy, f.v[k]));
     const FloatVec dv = hn::MulAdd(hn::Mul(two, dyy), f.v[k], hn::Mul(dxy, f.u[k]));
     const FloatVec dscale = hn::MulAdd(du, f.u[k], hn::Mul(dv, f.v[k]));
-    hn::Store(dscale, d, out.row[3 + k]);
+    hn::Store(dscale, d, out.row[kRowLogScale + k]);
     dz = hn::NegMulAdd(dscale, f.inverse_z, dz);
     const FloatVec gu = hn::Mul(hn::Mul(du, f.scale[k]), zoom_x), gv = hn::Mul(hn::Mul(dv, f.scale[k]), zoom_y);
     daxes[k] = gu;
@@ -136,10 +160,10 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
 
   // Plane: d = -n . p_c, n = +-V(:, axis).
   const Lanes3 normal{load(l.splat[kSplatNormal]), load(l.splat[kSplatNormal + 1]), load(l.splat[kSplatNormal + 2])};
-  const FloatVec ddistance = load(l.sums[7]);
-  const Lanes3 dnormal{hn::NegMulAdd(ddistance, centre.x, load(l.sums[4])),
-                       hn::NegMulAdd(ddistance, centre.y, load(l.sums[5])),
-                       hn::NegMulAdd(ddistance, centre.z, load(l.sums[6]))};
+  const FloatVec ddistance = load(l.sums[kSumDistance]);
+  const Lanes3 dnormal{hn::NegMulAdd(ddistance, centre.x, load(l.sums[kSumNormal])),
+                       hn::NegMulAdd(ddistance, centre.y, load(l.sums[kSumNormal + 1])),
+                       hn::NegMulAdd(ddistance, centre.z, load(l.sums[kSumNormal + 2]))};
   dcentre = {hn::NegMulAdd(ddistance, normal.x, dcentre.x), hn::NegMulAdd(ddistance, normal.y, dcentre.y),
              hn::NegMulAdd(ddistance, normal.z, dcentre.z)};
   const auto is_1 = hn::Lt(g.log_scale.y, g.log_scale.x);
@@ -160,7 +184,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
     }
   }
   rotation_lanes(f, drotation, quaternion);
-  for (int k = 0; k < 4; ++k) hn::Store(quaternion[k], d, out.row[6 + k]);
+  for (int k = 0; k < 4; ++k) hn::Store(quaternion[k], d, out.row[kRowRotation + k]);
 
   // Colour: dL/dsh and, through the direction, dL/dposition.
   Lanes3 ray{hn::Sub(g.position.x, c.centre[0]), hn::Sub(g.position.y, c.centre[1]),
@@ -172,7 +196,7 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   lane_sh_basis(in.sh_degree, ray, basis);
   for (int ch = 0; ch < 3; ++ch) {
     const FloatVec color = load(l.splat[kSplatColor + static_cast<size_t>(ch)]);
-    dcolor[ch] = hn::IfThenElseZero(hn::Gt(color, zero), load(l.sums[ch]));
+    dcolor[ch] = hn::IfThenElseZero(hn::Gt(color, zero), load(l.sums[kSumColor + ch]));
   }
   for (int k = 0; k < sh_coefficient_count(in.sh_degree); ++k) {
     weight[k] = zero;
@@ -187,9 +211,9 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
     const FloatVec world = dot3(c.r[row], dcentre.x, c.r[3 + row], dcentre.y, c.r[6 + row], dcentre.z);
     return hn::MulAdd(hn::NegMulAdd(along, axis, direction), inverse, world);
   };
-  hn::Store(position(0, ddirection.x, ray.x), d, out.row[0]);
-  hn::Store(position(1, ddirection.y, ray.y), d, out.row[1]);
-  hn::Store(position(2, ddirection.z, ray.z), d, out.row[2]);
+  hn::Store(position(0, ddirection.x, ray.x), d, out.row[kRowPosition]);
+  hn::Store(position(1, ddirection.y, ray.y), d, out.row[kRowPosition + 1]);
+  hn::Store(position(2, ddirection.z, ray.z), d, out.row[kRowPosition + 2]);
 }
 
 void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,

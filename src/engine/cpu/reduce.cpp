@@ -37,11 +37,11 @@ void shape_values(const ReduceInputs& in, size_t begin, size_t end, ShapeValues&
   const LossSettings& set = in.request.losses;
   const size_t n = end - begin;
   out.first = begin;
-  if (set.flatten_weight != 0 || set.scale_l1_weight != 0) {
+  if (set.weight[Loss::kFlatten] != 0 || set.weight[Loss::kScaleL1] != 0) {
     out.scales.resize(3 * n);
     exp_range(&in.model.log_scales[3 * begin], 3 * n, out.scales.data());
   }
-  if (set.opacity_l1_weight != 0) {
+  if (set.weight[Loss::kOpacityL1] != 0) {
     out.opacities.resize(n);
     sigmoid_range(&in.model.opacity_logits[begin], n, out.opacities.data());
   }
@@ -53,24 +53,24 @@ void add_shape_terms(const ReduceInputs& in, const ShapeValues& values, size_t i
   const LossSettings& set = in.request.losses;
   const float inverse_extent = 1.0f / in.request.extent, rows = static_cast<float>(in.model.size());
   const float* s = values.scales.empty() ? nullptr : values.scales.data() + 3 * (i - values.first);
-  if (set.flatten_weight != 0 && touched) {
+  if (set.weight[Loss::kFlatten] != 0 && touched) {
     const float* log_scale = &in.model.log_scales[3 * i];
     const int axis = smallest_axis(Vec3<float>{log_scale[0], log_scale[1], log_scale[2]});
     const float value = s[axis] * inverse_extent;
     sums.flatten += static_cast<double>(value);
-    g.log_scale[axis] += set.flatten_weight * value / static_cast<float>(in.visible);
+    g.log_scale[axis] += set.weight[Loss::kFlatten] * value / static_cast<float>(in.visible);
   }
-  if (set.opacity_l1_weight != 0) {
+  if (set.weight[Loss::kOpacityL1] != 0) {
     const float o = values.opacities[i - values.first];
     sums.opacity += static_cast<double>(o);
-    g.opacity_logit += set.opacity_l1_weight * o * (1.0f - o) / rows;
+    g.opacity_logit += set.weight[Loss::kOpacityL1] * o * (1.0f - o) / rows;
   }
-  if (set.scale_l1_weight != 0) {
+  if (set.weight[Loss::kScaleL1] != 0) {
     for (int k = 0; k < 3; ++k) {
       const float value = s[k] * inverse_extent;
       if (!is_finite(value)) continue;  // a row so large that projection culls it
       sums.scale += static_cast<double>(value);
-      g.log_scale[k] += set.scale_l1_weight * value / (3 * rows);
+      g.log_scale[k] += set.weight[Loss::kScaleL1] * value / (3 * rows);
     }
   }
 }
@@ -213,11 +213,9 @@ BadGradient parameter_gradients(const ReduceInputs& in, ThreadPool& pool, LossTe
   }
   if (n > 0) total.opacity /= static_cast<double>(n);
   if (n > 0) total.scale /= static_cast<double>(3 * n);
-  terms.flatten += total.flatten;
-  terms.opacity_l1 += total.opacity;
-  terms.scale_l1 += total.scale;
-  terms.total +=
-      set.flatten_weight * total.flatten + set.opacity_l1_weight * total.opacity + set.scale_l1_weight * total.scale;
+  terms.add(Loss::kFlatten, set.weight[Loss::kFlatten], total.flatten);
+  terms.add(Loss::kOpacityL1, set.weight[Loss::kOpacityL1], total.opacity);
+  terms.add(Loss::kScaleL1, set.weight[Loss::kScaleL1], total.scale);
   for (const BadGradient& b : bad) {
     if (b.row >= 0) return b;
   }

@@ -207,8 +207,8 @@ void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, Sema
   const bool bounded = step.couple && is_balanced(step.losses->coupling);
   const bool opacity = step.couple && step.losses->coupling == SemanticCoupling::kOpacity;
   const float pixel_weight = step.pixel_weight();
-  const SemanticWeights<float> weights{step.losses->semantic_soft_weight * pixel_weight,
-                                       step.losses->semantic_hard_weight * pixel_weight};
+  const SemanticWeights<float> weights{step.losses->weight[Loss::kSemanticSoft] * pixel_weight,
+                                       step.losses->weight[Loss::kSemanticHard] * pixel_weight};
   const ImageF& omega = step.view->semantic_weight;
   const TeacherWindow window = teacher_window(target, block.x, block.y, width, height);
   scratch.direction.resize(bounded ? kBlockPixels * step.padded : 0);

@@ -166,8 +166,8 @@ void half_block(const SemanticStep& step, const BlockWeights& block, size_t firs
   const ClassCounts& classes = *step.counts;
   const int width = step.view->data.camera.width, height = step.view->data.camera.height;
   const float pixel_weight = step.pixel_weight();
-  const float soft_weight = step.losses->semantic_soft_weight * pixel_weight;
-  const float hard_weight = step.losses->semantic_hard_weight * pixel_weight;
+  const float soft_weight = step.losses->weight[Loss::kSemanticSoft] * pixel_weight;
+  const float hard_weight = step.losses->weight[Loss::kSemanticHard] * pixel_weight;
   const float inverse_classes = 1.0f / static_cast<float>(classes.all_classes());
   const bool opacity = step.losses->coupling == SemanticCoupling::kOpacity;
   const ImageF& omega_map = step.view->semantic_weight;

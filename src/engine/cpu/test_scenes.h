@@ -110,9 +110,9 @@ inline StepRequest make_request() {
   r.raster.background[0] = 0.3f;
   r.raster.background[1] = 0.1f;
   r.raster.background[2] = 0.6f;
-  r.losses.flatten_weight = 10;
-  r.losses.opacity_l1_weight = 0.01f;
-  r.losses.scale_l1_weight = 0.01f;
+  r.losses.weight[Loss::kFlatten] = 10;
+  r.losses.weight[Loss::kOpacityL1] = 0.01f;
+  r.losses.weight[Loss::kScaleL1] = 0.01f;
   r.rates = {1e-3f, 2.5e-3f, 1e-4f, 2e-2f, 5e-3f, 1e-3f, 5e-3f};
   return r;
 }
@@ -120,9 +120,9 @@ inline StepRequest make_request() {
 /// The same with every geometry loss.
 inline StepRequest make_geometry_request() {
   StepRequest r = make_request();
-  r.losses.log_depth_weight = 0.5f;
-  r.losses.normal_consistency_weight = 0.05f;
-  r.losses.prior_normal_weight = 0.05f;
+  r.losses.weight[Loss::kLogDepth] = 0.5f;
+  r.losses.weight[Loss::kNormalConsistency] = 0.05f;
+  r.losses.weight[Loss::kPriorNormal] = 0.05f;
   return r;
 }
 

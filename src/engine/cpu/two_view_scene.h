@@ -39,9 +39,9 @@ inline std::vector<TrainingView> make_view_pair() {
 /// A step of the first view with the second as its neighbour and both multi-view terms.
 inline StepRequest make_pair_request() {
   StepRequest r = make_request();
-  r.losses.semantic_soft_weight = r.losses.semantic_hard_weight = 0;
-  r.losses.multi_view_geometric_weight = 3;
-  r.losses.multi_view_photometric_weight = 15;
+  r.losses.weight[Loss::kSemanticSoft] = r.losses.weight[Loss::kSemanticHard] = 0;
+  r.losses.weight[Loss::kMultiViewGeometric] = 3;
+  r.losses.weight[Loss::kMultiViewPhotometric] = 15;
   r.neighbour = {1, r.raster.near_plane, 9};
   return r;
 }

@@ -1,6 +1,8 @@
 // From gradients of the maps to sums per (Gaussian, tile).
 #pragma once
 
+#include <cstddef>
+
 #include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
@@ -23,6 +25,29 @@ struct alignas(16) SplatGradient {
 };
 inline constexpr int kSplatGradientFloats = sizeof(SplatGradient) / sizeof(float);
 static_assert(kSplatGradientFloats == 20, "five vectors of four");
+
+/// Places in SplatGradient, as numbers.
+enum SplatSum : int {
+  kSumColor = 0,
+  kSumWeight = 3,
+  kSumNormal = 4,
+  kSumDistance = 7,
+  kSumP = 8,
+  kSumR,
+  kSumOne,
+  kSumPp,
+  kSumPr,
+  kSumRr,
+  kSumResidual,
+  kSumUnsupported,
+  kSumPhotometricP,
+  kSumPhotometricR,
+  kSumPhotometricAbsP,
+  kSumPhotometricAbsY
+};
+static_assert(kSumPhotometricAbsY + 1 == kSplatGradientFloats);
+static_assert(offsetof(SplatGradient, p) == kSumP * sizeof(float) && offsetof(SplatGradient, rr) == kSumRr * sizeof(float));
+static_assert(offsetof(SplatGradient, photometric_p) == kSumPhotometricP * sizeof(float));
 
 /// Two kernels for the same sums. The faster one depends on the device and on the number of Gaussians per tile.
 enum class BlendBackwardMethod {

@@ -103,33 +103,33 @@ __device__ __forceinline__ void add_backward_sums(const BackwardMaps& maps, int 
                                                   float signed_weight, float all, float by_color, float (&v)[kCount],
                                                   WhitenedMoments<float>& moments) {
   const float w = signed_weight < 0 ? -signed_weight : signed_weight;
-  for (int k = 0; k < 3; ++k) v[k] += w * maps.color[k][i];
-  v[3] += w;
+  for (int k = 0; k < 3; ++k) v[kSumColor + k] += w * maps.color[k][i];
+  v[kSumWeight] += w;
   if (kGeometry) {
-    for (int k = 0; k < 3; ++k) v[4 + k] += w * maps.normal[k][i];
-    v[7] += w * maps.distance[i];
+    for (int k = 0; k < 3; ++k) v[kSumNormal + k] += w * maps.normal[k][i];
+    v[kSumDistance] += w * maps.distance[i];
   }
   const float p = g.fxx * dx + g.fxy * dy, r = g.fyy * dy;
   add_moment(all, p, r, moments);
-  v[16] += by_color * p;
-  v[17] += by_color * r;
+  v[kSumPhotometricP] += by_color * p;
+  v[kSumPhotometricR] += by_color * r;
   if (kDensity) {
-    v[14] += w * maps.residual[i];
-    v[15] += signed_weight < 0 ? w : 0.0f;
-    v[18] += std::abs(by_color * p);
-    v[19] += std::abs(by_color * (g.fxy * p + g.fyy * r));
+    v[kSumResidual] += w * maps.residual[i];
+    v[kSumUnsupported] += signed_weight < 0 ? w : 0.0f;
+    v[kSumPhotometricAbsP] += std::abs(by_color * p);
+    v[kSumPhotometricAbsY] += std::abs(by_color * (g.fxy * p + g.fyy * r));
   }
 }
 
 template <int kCount>
 __device__ __forceinline__ void finish_backward_sums(const WhitenedMoments<float>& moments, float (&v)[kCount]) {
   static_assert(kCount >= kSplatGradientFloats);
-  v[8] = moments.p;
-  v[9] = moments.r;
-  v[10] = moments.one;
-  v[11] = moments.pp;
-  v[12] = moments.pr;
-  v[13] = moments.rr;
+  v[kSumP] = moments.p;
+  v[kSumR] = moments.r;
+  v[kSumOne] = moments.one;
+  v[kSumPp] = moments.pp;
+  v[kSumPr] = moments.pr;
+  v[kSumRr] = moments.rr;
 }
 
 }  // namespace aligngs::cuda

@@ -84,7 +84,7 @@ NeighbourSpans CudaEngine::render_neighbour(const StepRequest& request, const Vi
 bool CudaEngine::semantics_active(const StepRequest& request, const ViewOnDevice& view) const {
   if (model_.channels() == 0 || view.teacher_channels != model_.channels()) return false;
   if (map_.remainder() != active_.remainder()) return false;  // a model of another number of classes
-  if (request.losses.semantic_soft_weight == 0 && request.losses.semantic_hard_weight == 0) return false;
+  if (!request.losses.has(LossStage::kSemantics)) return false;
   return view.teacher.spans().valid > 0;
 }
 
@@ -113,8 +113,8 @@ CudaEngine::SemanticStep CudaEngine::visit_semantics(const StepRequest& request,
   in.blend = request.losses.semantic_blend;
   in.coupling = request.losses.coupling;
   in.couple = couple;
-  in.soft_weight = request.losses.semantic_soft_weight;
-  in.hard_weight = request.losses.semantic_hard_weight;
+  in.soft_weight = request.losses.weight[Loss::kSemanticSoft];
+  in.hard_weight = request.losses.weight[Loss::kSemanticHard];
   in.remainder = map_.remainder();
   in.sample = request.losses.semantic_sample;
   in.method = options_.semantic_visit;
@@ -201,8 +201,8 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   judged.bad = frame.bad;
   if (!neighbour.empty()) judged.neighbour_bad = neighbour_bad_.span();
   judged.visible = visible;
-  judged.soft_weight = losses.semantic_soft_weight;
-  judged.hard_weight = losses.semantic_hard_weight;
+  judged.soft_weight = losses.weight[Loss::kSemanticSoft];
+  judged.hard_weight = losses.weight[Loss::kSemanticHard];
   judge_step(*context_, judged, last_.outcome);
   const DeviceSpan<const uint32_t> blocked = blocked_of(last_.outcome);
   optimise(*context_, request,

@@ -95,17 +95,17 @@ class CudaStep : public DeviceTest {
     const bool coupled = model.semantic_channels > 0 && request.losses.coupling_strength != 0;
     EXPECT_EQ(a.visible, b.visible);
     EXPECT_EQ(a.coupling_scale, b.coupling_scale);
-    EXPECT_NEAR(a.losses.l1, b.losses.l1, t.loss);
-    EXPECT_NEAR(a.losses.ssim, b.losses.ssim, t.loss);
+    EXPECT_NEAR(a.losses[Loss::kL1], b.losses[Loss::kL1], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kSsim], b.losses[Loss::kSsim], t.loss);
     EXPECT_NEAR(a.losses.psnr, b.losses.psnr, t.psnr);
-    EXPECT_NEAR(a.losses.log_depth, b.losses.log_depth, t.loss);
-    EXPECT_NEAR(a.losses.normal_consistency, b.losses.normal_consistency, t.normal_consistency);
-    EXPECT_NEAR(a.losses.prior_normal, b.losses.prior_normal, t.loss);
-    EXPECT_NEAR(a.losses.flatten, b.losses.flatten, t.loss);
-    EXPECT_NEAR(a.losses.opacity_l1, b.losses.opacity_l1, t.loss);
-    EXPECT_NEAR(a.losses.scale_l1, b.losses.scale_l1, t.loss);
-    EXPECT_NEAR(a.losses.semantic_soft, b.losses.semantic_soft, t.semantic_loss);
-    EXPECT_NEAR(a.losses.semantic_hard, b.losses.semantic_hard, t.semantic_loss);
+    EXPECT_NEAR(a.losses[Loss::kLogDepth], b.losses[Loss::kLogDepth], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kNormalConsistency], b.losses[Loss::kNormalConsistency], t.normal_consistency);
+    EXPECT_NEAR(a.losses[Loss::kPriorNormal], b.losses[Loss::kPriorNormal], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kFlatten], b.losses[Loss::kFlatten], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kOpacityL1], b.losses[Loss::kOpacityL1], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kScaleL1], b.losses[Loss::kScaleL1], t.loss);
+    EXPECT_NEAR(a.losses[Loss::kSemanticSoft], b.losses[Loss::kSemanticSoft], t.semantic_loss);
+    EXPECT_NEAR(a.losses[Loss::kSemanticHard], b.losses[Loss::kSemanticHard], t.semantic_loss);
     EXPECT_NEAR(a.losses.total, b.losses.total,
                 t.total_loss * std::abs(b.losses.total) + 2 * t.semantic_loss);
     expect_close(got->last_maps().color, want.last_maps().color, t.map, "colour");
@@ -219,7 +219,7 @@ TEST_F(CudaStep, NothingVisibleLeavesTheModelAsItIs) {
   engine->load(before);
   engine->set_training_views({make_view(o)});
   StepRequest r = make_request();
-  r.losses.opacity_l1_weight = r.losses.scale_l1_weight = 0;
+  r.losses.weight[Loss::kOpacityL1] = r.losses.weight[Loss::kScaleL1] = 0;
   const StepReport report = engine->step(r);
   EXPECT_FALSE(report.non_finite.found) << report.non_finite.term;
   EXPECT_EQ(report.visible, 0u);

@@ -101,14 +101,8 @@ __global__ void __launch_bounds__(kPixelThreads)
     g = c.consistency_step * gather_consistency(in, scratch, x, y, i);
     d_normal = vector_at(out.normal, i, pixels) * c.consistency_step;
   }
-  if (m.log_depth_step != 0) {
-    const float weight = log_depth_weight_at(in, validity, i);
-    if (weight > 0) {
-      g += log_depth_term(depth, in.view.prior_depth[i], weight, in.settings.prior_depth_scale,
-                          huber_delta(in.settings), m.log_depth_step)
-               .gradient;
-    }
-  }
+  Vec3<float> by_normal;  // of the pixel terms
+  add_pixel_gradients(PixelTerms{}, in, m, depth, validity, i, g, by_normal);
   if (m.pearson && in_pearson(in, validity, i)) {
     g += static_cast<float>(c.pearson.along_rendered * (static_cast<double>(depth) - m.mean_rendered) -
                             c.pearson.along_prior * (static_cast<double>(in.view.prior_depth[i]) - m.mean_prior));
@@ -129,21 +123,11 @@ __global__ void __launch_bounds__(kPixelThreads)
     d_normal += d.dz_dnormal * g;
   }
 
-  const bool pairs = c.boundary_step != 0 || c.crease_step != 0;
-  if (pairs || m.prior_normal_step != 0) {
+  if (c.boundary_step != 0 || c.crease_step != 0) {
     const UnitNormal<float> unit = unit_normal_at(in, i);
-    if (unit.valid()) {
-      if (pairs) d_normal += normal_gradient(unit, gather_pairs(in, scratch, c, unit, x, y, i));
-      if (m.prior_normal_step != 0) {
-        const Vec3<float> prior = vector_at(in.view.prior_normal, i, pixels);
-        const float weight = prior_normal_term(unit.direction, unit.inverse_length, prior.x, prior.y, prior.z,
-                                               depth_weight_at(in.view, i))
-                                 .weight;
-        d_normal += prior_normal_gradient(unit.direction, unit.inverse_length, prior.x, prior.y, prior.z, weight,
-                                          m.prior_normal_step);
-      }
-    }
+    if (unit.valid()) d_normal += normal_gradient(unit, gather_pairs(in, scratch, c, unit, x, y, i));
   }
+  d_normal += by_normal;
   if (!views.plane.empty()) {
     const float step = views.steps[0].photometric;
     d_normal += vector_at(views.plane, i, pixels) * step;

@@ -16,9 +16,9 @@ void photometric_losses(DeviceArena& arena, const MapLossInputs& in, const MapLo
   p.maps = in.maps;
   p.view = in.view;
   p.window = gaussian_window<float>();
-  p.ssim = in.settings.ssim_weight != 0;
-  p.l1_step = static_cast<float>(in.settings.l1_weight * scale);
-  p.ssim_factor = static_cast<float>(-in.settings.ssim_weight * scale);
+  p.ssim = in.settings.weight[Loss::kSsim] != 0;
+  p.l1_step = static_cast<float>(in.settings.weight[Loss::kL1] * scale);
+  p.ssim_factor = static_cast<float>(-in.settings.weight[Loss::kSsim] * scale);
   const dim3 tiles(static_cast<unsigned>((in.maps.width + kSsimTile - 1) / kSsimTile),
                    static_cast<unsigned>((in.maps.height + kSsimTile - 1) / kSsimTile), 3);
   const size_t blocks = size_t(tiles.x) * tiles.y * tiles.z;
@@ -49,7 +49,7 @@ void geometry_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossO
   launch(context, "compare", compare_kernel, shape, terms, scratch, out.gradients.normal, compared);
   launch(context, "finish_compare", finish_compare_kernel, one, terms, compared, scratch, out.terms);
   MultiViewGradients views;
-  if (!in.neighbour.empty() && in.settings.has_multi_view_weight()) {
+  if (!in.neighbour.empty() && in.settings.has(LossStage::kTwoViews)) {
     views = multi_view_losses(
         arena, {in.maps, in.view, in.settings, in.neighbour, scratch.depth, scratch.validity}, out.terms);
   }
@@ -66,7 +66,7 @@ void map_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossOutput
 uint64_t map_loss_scratch_bytes(const LossSettings& settings, size_t pixels) {
   // Blocks of kSsimThreads and kPixelThreads leave one sum each per term; the rest of a tile at the border is small.
   uint64_t bytes = uint64_t(3 * kPhotometricSums) * (pixels / kSsimThreads + 1) * sizeof(double);
-  if (settings.ssim_weight != 0) bytes += uint64_t(3 * kSsimGradients) * pixels * sizeof(float);
+  if (settings.weight[Loss::kSsim] != 0) bytes += uint64_t(3 * kSsimGradients) * pixels * sizeof(float);
   if (settings.has_geometry_terms(true)) {
     bytes += multi_view_bytes(settings, pixels);
     bytes += uint64_t(pixels) * (sizeof(float) + 2 * sizeof(uint8_t) + sizeof(float4));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,30 +26,31 @@ using Result = MapLossResult;
 
 const CudaTolerance kTolerance;
 
+constexpr auto kOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
+
+/// One loss, or all that look at one view, in one of the two forms of normals.
 struct Case {
-  const char* name;
-  float LossSettings::*weight;  ///< nullptr: all
+  std::optional<Loss> loss;  ///< none: all
   bool paper = false;
+
+  std::string name() const {
+    return std::string(paper ? "paper_" : "") + (loss ? std::string(row_of(*loss).name) : "all");
+  }
 };
-const Case kCases[] = {{"l1", &LossSettings::l1_weight},
-                       {"ssim", &LossSettings::ssim_weight},
-                       {"pearson", &LossSettings::pearson_weight},
-                       {"log_depth", &LossSettings::log_depth_weight},
-                       {"normal_consistency", &LossSettings::normal_consistency_weight},
-                       {"normal_boundary", &LossSettings::normal_boundary_weight},
-                       {"crease", &LossSettings::crease_weight},
-                       {"prior_normal", &LossSettings::prior_normal_weight},
-                       {"all", nullptr},
-                       {"paper_pearson", &LossSettings::pearson_weight, true},
-                       {"paper_normal_consistency", &LossSettings::normal_consistency_weight, true},
-                       {"paper_normal_boundary", &LossSettings::normal_boundary_weight, true},
-                       {"paper_all", nullptr, true}};
+const Case kAll{};
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases = {kAll, {{}, true}};
+  for (const Loss loss : kOneView) {
+    for (const bool paper : {false, true}) cases.push_back({loss, paper});
+  }
+  return cases;
+}
 
 void set_weights(const Case& c, LossSettings& s) {
   s.paper_normals = c.paper;
-  for (const Case& each : kCases) {
-    if (each.weight == nullptr || each.paper) continue;
-    if (c.weight == nullptr || c.weight == each.weight) s.*each.weight = 0.7f;
+  for (const Loss loss : kOneView) {
+    if (!c.loss || *c.loss == loss) s.weight[loss] = 0.7f;
   }
 }
 
@@ -83,8 +85,8 @@ class CudaMapLosses : public DeviceTest {
 };
 
 class CudaMapLossTerms : public CudaMapLosses, public testing::WithParamInterface<Case> {};
-INSTANTIATE_TEST_SUITE_P(Each, CudaMapLossTerms, testing::ValuesIn(kCases),
-                         [](const auto& each) { return std::string(each.param.name); });
+INSTANTIATE_TEST_SUITE_P(Each, CudaMapLossTerms, testing::ValuesIn(all_cases()),
+                         [](const auto& each) { return each.param.name(); });
 
 TEST_P(CudaMapLossTerms, AgreesWithTheCpu) {
   LossFixture f = rough_fixture();
@@ -96,7 +98,7 @@ TEST_P(CudaMapLossTerms, AgreesWithTheCpu) {
 
 TEST_F(CudaMapLosses, MaskedPixelsHaveNoPart) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 1.0f);
   for (int y = 0; y < 12; ++y) {
     for (int x = 20; x < 33; ++x) f.view.data.mask.at(x, y) = 0.3f;
@@ -106,7 +108,7 @@ TEST_F(CudaMapLosses, MaskedPixelsHaveNoPart) {
 
 TEST_F(CudaMapLosses, NothingCounts) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   f.view.data.mask = ImageF(f.maps.width, f.maps.height, 1, 0.0f);
   const Result r = run_device(f);
   EXPECT_EQ(r.terms.total, 0);
@@ -116,7 +118,7 @@ TEST_F(CudaMapLosses, NothingCounts) {
 
 TEST_F(CudaMapLosses, PhotosOfEightBitsLoseNothing) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   for (float& v : f.view.data.color.data) v = static_cast<float>(static_cast<int>(v * 255.0f)) / 255.0f;
   const TrainingMaps view(context(), f.view);
   EXPECT_FALSE(view.spans().color_bytes.empty());
@@ -126,22 +128,22 @@ TEST_F(CudaMapLosses, PhotosOfEightBitsLoseNothing) {
 
 TEST_F(CudaMapLosses, AnExactCopyHasNoLoss) {
   LossFixture f = rough_fixture();
-  f.settings.l1_weight = 0.8f;
-  f.settings.ssim_weight = 0.2f;
+  f.settings.weight[Loss::kL1] = 0.8f;
+  f.settings.weight[Loss::kSsim] = 0.2f;
   const size_t n = f.pixels();
   for (size_t i = 0; i < n; ++i) {
     for (size_t c = 0; c < 3; ++c) f.maps.color[c * n + i] = f.view.data.color.data[3 * i + c];
   }
   const Result r = run_device(f);
-  EXPECT_EQ(r.terms.l1, 0);
-  EXPECT_NEAR(r.terms.ssim, 0, kTolerance.nothing);
+  EXPECT_EQ(r.terms[Loss::kL1], 0);
+  EXPECT_NEAR(r.terms[Loss::kSsim], 0, kTolerance.nothing);
   EXPECT_EQ(r.terms.psnr, kPsnrMaximum);
   EXPECT_LT(largest(r.gradients.color), kTolerance.nothing);
 }
 
 TEST_F(CudaMapLosses, AViewWithoutPriors) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   f.view.data.prior_depth = f.view.prior_normal = f.view.depth_weight = {};
   f.view.data.labels = {};
   f.view.label_edge = {};
@@ -150,48 +152,48 @@ TEST_F(CudaMapLosses, AViewWithoutPriors) {
 
 TEST_F(CudaMapLosses, WeightsOfThePriorMayBeAbsent) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   f.view.depth_weight = {};
   compare(f);
 }
 
 TEST_F(CudaMapLosses, AFrontalPlaneHasNoCorrelation) {
   LossFixture f = testing_maps::plane_fixture({0, 0, -1}, 2, 40, 30);
-  f.settings.pearson_weight = 1;
+  f.settings.weight[Loss::kPearson] = 1;
   const Result r = run_device(f);
-  EXPECT_EQ(r.terms.pearson, 0);
+  EXPECT_EQ(r.terms[Loss::kPearson], 0);
   EXPECT_EQ(largest(r.gradients.distance), 0);
   expect_same_losses(r, run_cpu(f));
 }
 
 TEST_F(CudaMapLosses, TooFewPixelsSwitchATermOff) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
-  f.settings.l1_weight = f.settings.ssim_weight = 0;
+  set_weights(kAll, f.settings);
+  f.settings.weight[Loss::kL1] = f.settings.weight[Loss::kSsim] = 0;
   for (size_t i = 0; i < f.pixels(); ++i) {
     if (i != 700 && i != 701) f.maps.alpha[i] = 0;
   }
   const Result r = run_device(f);
-  EXPECT_EQ(r.terms.log_depth + r.terms.normal_consistency + r.terms.pearson + r.terms.prior_normal, 0);
+  EXPECT_EQ(r.terms[Loss::kLogDepth] + r.terms[Loss::kNormalConsistency] + r.terms[Loss::kPearson] + r.terms[Loss::kPriorNormal], 0);
   expect_same_losses(r, run_cpu(f));
 }
 
 TEST_F(CudaMapLosses, OnePixelAndOneRow) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{37, 1}, std::pair{1, 29}}) {
     LossFixture f(width, height);
-    set_weights(kCases[8], f.settings);
+    set_weights(kAll, f.settings);
     compare(f);
   }
 }
 
 TEST_F(CudaMapLosses, WhatIsNotANumberShowsInItsTerm) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   f.maps.color[77] = std::numeric_limits<double>::quiet_NaN();
   const Result r = run_device(f);
-  EXPECT_TRUE(std::isnan(r.terms.l1));
+  EXPECT_TRUE(std::isnan(r.terms[Loss::kL1]));
   EXPECT_TRUE(std::isnan(r.terms.total));
-  EXPECT_TRUE(std::isfinite(r.terms.pearson));
+  EXPECT_TRUE(std::isfinite(r.terms[Loss::kPearson]));
 }
 
 TEST_F(CudaMapLosses, MapsOfAnotherSizeAreRefused) {
@@ -212,7 +214,7 @@ TEST_F(CudaMapLosses, ViewsTakeTheBytesThatWereForecast) {
 #ifdef ALIGNGS_CUDA_EMULATED
 TEST_F(CudaMapLosses, TheOrderOfThreadsDoesNotMatter) {
   LossFixture f = rough_fixture();
-  set_weights(kCases[8], f.settings);
+  set_weights(kAll, f.settings);
   const Result forward = run_device(f);
   for (const ThreadOrder order : {ThreadOrder::kReverse, ThreadOrder::kShuffled}) {
     const ScopedThreadOrder scope(order, 3);

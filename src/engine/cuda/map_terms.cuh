@@ -4,97 +4,9 @@
 // order.
 #pragma once
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/map_losses.h"
-#include "engine/cuda/partial_sums.cuh"
-#include "engine/cuda/runtime/device_language.h"
-#include "engine/cuda/training_pixels.cuh"
-#include "engine/formulas/depth_terms.h"
-#include "engine/formulas/label_edges.h"
-#include "engine/formulas/normal_terms.h"
+#include "engine/cuda/pixel_terms.cuh"
 
 namespace aligngs::cuda {
-
-/// Known after the first pass.
-struct MeasuredTerms {
-  bool pearson = false;  ///< enough pixels take part
-  double pearson_count = 0, mean_rendered = 0, mean_prior = 0;
-  double log_depth = 0, prior_normal = 0;           ///< values
-  float log_depth_step = 0, prior_normal_step = 0;  ///< factors of the gradients; 0: none
-};
-/// Known after the second.
-struct ComparedTerms {
-  PearsonResult pearson;
-  double consistency = 0, boundary = 0, crease = 0;  ///< values
-  float consistency_step = 0;                        ///< factors of the gradients; 0: none
-  double boundary_step = 0, crease_step = 0;
-};
-
-struct MapTermInputs {
-  RenderMapSpans maps;
-  TrainingMapSpans view;
-  LossSettings settings;
-};
-/// [H W] each.
-struct MapTermScratch {
-  DeviceSpan<float> depth;
-  DeviceSpan<uint8_t> validity, stencil;
-  DeviceSpan<float4> neighbours;  ///< dL_ng/dz of the stencil's right, left, top, bottom neighbour; where stencil != 0
-  DeviceSpan<MeasuredTerms> measured;  ///< [1]
-  DeviceSpan<ComparedTerms> compared;  ///< [1]
-};
-
-enum MeasuredSum {
-  kPearsonCount,
-  kPearsonRendered,
-  kPearsonPrior,
-  kLogCount,
-  kLogWeight,
-  kLogValue,
-  kPriorNormalCount,
-  kPriorNormalWeight,
-  kPriorNormalValue,
-  kMeasuredSums
-};
-enum ComparedSum {
-  kPearsonRenderedSquares,
-  kPearsonPriorSquares,
-  kPearsonProducts,
-  kConsistencyCount,
-  kConsistencyValue,
-  kBoundaryCount,
-  kBoundaryValue,
-  kCreaseWeight,
-  kCreaseValue,
-  kComparedSums
-};
-
-__device__ __forceinline__ size_t pixels_of(const MapTermInputs& in) { return in.view.flags.size; }
-
-__device__ __forceinline__ UnitNormal<float> unit_normal_at(const MapTermInputs& in, size_t pixel) {
-  return unit_normal_of(vector_at(in.maps.normal, pixel, pixels_of(in)), in.maps.alpha[pixel],
-                        pixel_counts(in.view, pixel));
-}
-__device__ __forceinline__ float depth_weight_at(const TrainingMapSpans& view, size_t pixel) {
-  return view.depth_weight.empty() ? 1.0f : view.depth_weight[pixel];
-}
-__device__ __forceinline__ float prior_depth_at(const TrainingMapSpans& view, size_t pixel) {
-  return view.prior_depth.empty() ? 0.0f : view.prior_depth[pixel];
-}
-/// Pixels that L_d correlates.
-__device__ __forceinline__ bool in_pearson(const MapTermInputs& in, uint8_t validity, size_t pixel) {
-  return validity != kDepthInvalid && (in.view.flags[pixel] & kPixelLabelEdge) == 0 &&
-         prior_depth_at(in.view, pixel) > 0;
-}
-__device__ __forceinline__ float huber_delta(const LossSettings& s) {
-  const double delta = s.log_depth_huber;
-  return static_cast<float>(delta > kHuberMinimum ? delta : kHuberMinimum);
-}
-__device__ __forceinline__ float log_depth_weight_at(const MapTermInputs& in, uint8_t validity, size_t pixel) {
-  return in.settings.prior_depth_scale > 0
-             ? log_depth_weight(validity, prior_depth_at(in.view, pixel), depth_weight_at(in.view, pixel))
-             : 0.0f;
-}
 
 // ---- pass 1: depth, and the terms of single pixels ----
 
@@ -107,30 +19,12 @@ __global__ void __launch_bounds__(kPixelThreads)
     const uint8_t validity = static_cast<uint8_t>(sample.level);
     scratch.depth[i] = sample.z;
     scratch.validity[i] = validity;
-    if (in.settings.pearson_weight != 0 && in_pearson(in, validity, i)) {
+    if (in.settings.weight[Loss::kPearson] != 0 && in_pearson(in, validity, i)) {
       sums[kPearsonCount] = 1;
       sums[kPearsonRendered] = sample.z;
       sums[kPearsonPrior] = in.view.prior_depth[i];
     }
-    if (in.settings.log_depth_weight != 0) {
-      const float weight = log_depth_weight_at(in, validity, i);
-      if (weight > 0) {
-        sums[kLogCount] = 1;
-        sums[kLogWeight] = weight;
-        sums[kLogValue] = log_depth_term(sample.z, in.view.prior_depth[i], weight, in.settings.prior_depth_scale,
-                                         huber_delta(in.settings), 0.0f)
-                              .value;
-      }
-    }
-    if (in.settings.prior_normal_weight != 0 && !in.view.prior_normal.empty()) {
-      const UnitNormal<float> unit = unit_normal_at(in, i);
-      const Vec3<float> prior = vector_at(in.view.prior_normal, i, pixels);
-      const PriorNormalTerm<float> term = prior_normal_term(unit.direction, unit.inverse_length, prior.x, prior.y,
-                                                            prior.z, depth_weight_at(in.view, i));
-      sums[kPriorNormalCount] = term.weight > 0 ? 1 : 0;
-      sums[kPriorNormalWeight] = term.weight;
-      sums[kPriorNormalValue] = term.value;
-    }
+    measure_pixel_terms(PixelTerms{}, in, sample.z, validity, i, sums + kPixelSums);
   }
   store_partial_sums(sums, partial);
 }
@@ -148,14 +42,7 @@ __global__ void __launch_bounds__(kSumThreads)
     m.mean_rendered = s[kPearsonRendered] / s[kPearsonCount];
     m.mean_prior = s[kPearsonPrior] / s[kPearsonCount];
   }
-  if (enough_valid(s[kLogCount], pixels)) {
-    m.log_depth = s[kLogValue] / s[kLogWeight];
-    m.log_depth_step = static_cast<float>(in.settings.log_depth_weight / s[kLogWeight]);
-  }
-  if (enough_valid(s[kPriorNormalCount], pixels)) {
-    m.prior_normal = s[kPriorNormalValue] / s[kPriorNormalWeight];
-    m.prior_normal_step = static_cast<float>(-in.settings.prior_normal_weight / s[kPriorNormalWeight]);
-  }
+  finish_pixel_terms(PixelTerms{}, in.settings, pixels, s + kPixelSums, m);
   out[0] = m;
 }
 
@@ -238,14 +125,14 @@ __device__ __forceinline__ void compare_pairs(const MapTermInputs& in, const Map
   for (int dx = 0; dx < 2; ++dx) {
     if (!edge.pair(dx)) continue;
     const size_t step = dx != 0 ? 1 : static_cast<size_t>(in.maps.width), v = i + step;
-    if (in.settings.normal_boundary_weight != 0 && in_boundary(in, scratch, i, v)) {
+    if (in.settings.weight[Loss::kNormalBoundary] != 0 && in_boundary(in, scratch, i, v)) {
       const UnitNormal<float> a = unit_normal_at(in, i), b = unit_normal_at(in, v);
       if (a.valid() && b.valid()) {
         sums[kBoundaryCount] += 1;
         sums[kBoundaryValue] += static_cast<float>(boundary_penalty(dot(a.direction, b.direction)));
       }
     }
-    if (in.settings.crease_weight == 0) continue;
+    if (in.settings.weight[Loss::kCrease] == 0) continue;
     if (edge.crease(dx)) {
       const float weight = crease_weight(in, i, step);
       const UnitNormal<float> a = unit_normal_at(in, i - kRenderOut * step),
@@ -282,8 +169,8 @@ __global__ void __launch_bounds__(kPixelThreads)
       sums[kPearsonPriorSquares] = static_cast<float>(b * b);
       sums[kPearsonProducts] = static_cast<float>(a * b);
     }
-    if (in.settings.normal_consistency_weight != 0) compare_depth_normal(in, scratch, x, y, i, d_normal, sums);
-    if (in.settings.normal_boundary_weight != 0 || in.settings.crease_weight != 0) {
+    if (in.settings.weight[Loss::kNormalConsistency] != 0) compare_depth_normal(in, scratch, x, y, i, d_normal, sums);
+    if (in.settings.weight[Loss::kNormalBoundary] != 0 || in.settings.weight[Loss::kCrease] != 0) {
       compare_pairs(in, scratch, x, y, i, sums);
     }
   }
@@ -303,32 +190,28 @@ __global__ void __launch_bounds__(kSumThreads)
   if (m.pearson) {
     c.pearson = pearson_result({m.pearson_count, m.mean_rendered, m.mean_prior, s[kPearsonRenderedSquares],
                                 s[kPearsonPriorSquares], s[kPearsonProducts]},
-                               set.pearson_weight);
+                               set.weight[Loss::kPearson]);
   }
   if (enough_valid(s[kConsistencyCount], pixels)) {
     c.consistency = s[kConsistencyValue] / s[kConsistencyCount];
-    c.consistency_step = static_cast<float>(set.normal_consistency_weight / s[kConsistencyCount]);
+    c.consistency_step = static_cast<float>(set.weight[Loss::kNormalConsistency] / s[kConsistencyCount]);
   }
   if (s[kBoundaryCount] > 0) {
     c.boundary = s[kBoundaryValue] / s[kBoundaryCount];
-    c.boundary_step = set.normal_boundary_weight / s[kBoundaryCount];
+    c.boundary_step = set.weight[Loss::kNormalBoundary] / s[kBoundaryCount];
   }
   if (s[kCreaseWeight] > 0) {
     const double least = kCreaseMinimumShare * pixels, divisor = s[kCreaseWeight] > least ? s[kCreaseWeight] : least;
     c.crease = s[kCreaseValue] / divisor;
-    c.crease_step = -set.crease_weight / divisor;
+    c.crease_step = -set.weight[Loss::kCrease] / divisor;
   }
   scratch.compared[0] = c;
   LossTerms& t = terms[0];
-  t.pearson = c.pearson.loss;
-  t.log_depth = m.log_depth;
-  t.normal_consistency = c.consistency;
-  t.normal_boundary = c.boundary;
-  t.crease = c.crease;
-  t.prior_normal = m.prior_normal;
-  t.total += set.pearson_weight * t.pearson + set.log_depth_weight * t.log_depth +
-             set.normal_consistency_weight * t.normal_consistency + set.normal_boundary_weight * t.normal_boundary +
-             set.crease_weight * t.crease + set.prior_normal_weight * t.prior_normal;
+  t.add(Loss::kPearson, set.weight[Loss::kPearson], c.pearson.loss);
+  add_pixel_values(PixelTerms{}, set, m, t);
+  t.add(Loss::kNormalConsistency, set.weight[Loss::kNormalConsistency], c.consistency);
+  t.add(Loss::kNormalBoundary, set.weight[Loss::kNormalBoundary], c.boundary);
+  t.add(Loss::kCrease, set.weight[Loss::kCrease], c.crease);
 }
 
 }  // namespace aligngs::cuda

@@ -53,8 +53,8 @@ uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
 /// Bytes of the current view's pixels: maps, their gradients, residual, blend record, scratch of the losses.
 uint64_t pixel_bytes(uint64_t pixels) {
   LossSettings all;
-  all.pearson_weight = 1;  // any loss on depth or normals: scratch is the same for all of them
-  all.multi_view_geometric_weight = all.multi_view_photometric_weight = 1;  // and those between views take a quarter more
+  all.weight[Loss::kPearson] = 1;  // any loss on depth or normals: scratch is the same for all of them
+  all.weight[Loss::kMultiViewGeometric] = all.weight[Loss::kMultiViewPhotometric] = 1;  // and those between views take a quarter more
   const uint64_t neighbour = 1;  // its depth, which stays while the step's own maps are made
   return pixels * (10 + 8 + 1 + 2 + neighbour) * kFloat + map_loss_scratch_bytes(all, pixels);
 }

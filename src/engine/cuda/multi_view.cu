@@ -33,8 +33,8 @@ MultiViewGradients multi_view_losses(DeviceArena& arena, const MultiViewInputs& 
   launch(context, "finish_agreement", finish_agreement_kernel, one, in.settings, pixels, agreement_sums, steps, terms);
   MultiViewGradients out;
   out.steps = steps;
-  if (in.settings.multi_view_geometric_weight != 0) out.depth = slope;
-  if (in.settings.multi_view_photometric_weight == 0) return out;
+  if (in.settings.weight[Loss::kMultiViewGeometric] != 0) out.depth = slope;
+  if (in.settings.weight[Loss::kMultiViewPhotometric] == 0) return out;
 
   const GreyImages<float> images{make_grey(arena, in.view).data, make_grey(arena, in.neighbour.view).data};
   const DeviceSpan<float> plane = arena.take<float>(4 * pixels, "gradients of patches");
@@ -46,10 +46,10 @@ MultiViewGradients multi_view_losses(DeviceArena& arena, const MultiViewInputs& 
 }
 
 uint64_t multi_view_bytes(const LossSettings& settings, size_t pixels) {
-  if (settings.multi_view_geometric_weight == 0 && settings.multi_view_photometric_weight == 0) return 0;
+  if (!settings.has(LossStage::kTwoViews)) return 0;
   const uint64_t blocks = pixels / kPixelThreads + 1;
   uint64_t bytes = 2 * uint64_t(pixels) * sizeof(float) + blocks * kAgreementSums * sizeof(double);
-  if (settings.multi_view_photometric_weight != 0) {
+  if (settings.weight[Loss::kMultiViewPhotometric] != 0) {
     bytes += 6 * uint64_t(pixels) * sizeof(float) + blocks * kPatchSums * sizeof(double);  // two photos, four gradients
   }
   return bytes;

@@ -59,10 +59,9 @@ __global__ void __launch_bounds__(kSumThreads)
   const double count = s[kAgreementCount];
   if (enough_valid(count, static_cast<double>(pixels))) {
     out.share = patch_share(count, static_cast<double>(pixels));
-    if (settings.multi_view_geometric_weight != 0) {
-      out.geometric = static_cast<float>(settings.multi_view_geometric_weight / count);
-      terms[0].multi_view_geometric = s[kAgreementDistance] / count;
-      terms[0].total += settings.multi_view_geometric_weight * terms[0].multi_view_geometric;
+    if (settings.weight[Loss::kMultiViewGeometric] != 0) {
+      out.geometric = static_cast<float>(settings.weight[Loss::kMultiViewGeometric] / count);
+      terms[0].add(Loss::kMultiViewGeometric, settings.weight[Loss::kMultiViewGeometric], s[kAgreementDistance] / count);
     }
   }
   steps[0] = out;
@@ -97,9 +96,8 @@ __global__ void __launch_bounds__(kSumThreads)
   double s[kPatchSums];
   load_partial_sums(partial, s);
   if (threadIdx.x != 0 || s[kPatchCount] == 0) return;
-  steps[0].photometric = static_cast<float>(settings.multi_view_photometric_weight / s[kPatchCount]);
-  terms[0].multi_view_photometric = s[kPatchValue] / s[kPatchCount];
-  terms[0].total += settings.multi_view_photometric_weight * terms[0].multi_view_photometric;
+  steps[0].photometric = static_cast<float>(settings.weight[Loss::kMultiViewPhotometric] / s[kPatchCount]);
+  terms[0].add(Loss::kMultiViewPhotometric, settings.weight[Loss::kMultiViewPhotometric], s[kPatchValue] / s[kPatchCount]);
 }
 
 }  // namespace aligngs::cuda

@@ -23,8 +23,8 @@ class CudaMultiView : public DeviceTest {
  protected:
   static TwoViewFixture fixture(float geometric = 0.7f, float photometric = 0.4f) {
     TwoViewFixture f(60, 46);
-    f.settings.multi_view_geometric_weight = geometric;
-    f.settings.multi_view_photometric_weight = photometric;
+    f.settings.weight[Loss::kMultiViewGeometric] = geometric;
+    f.settings.weight[Loss::kMultiViewPhotometric] = photometric;
     return f;
   }
   static TestNeighbour neighbour(const TwoViewFixture& f) {
@@ -44,18 +44,18 @@ TEST_F(CudaMultiView, EachTermAgreesWithTheCpu) {
   for (const auto& [geometric, photometric] : {std::pair{0.7f, 0.0f}, std::pair{0.0f, 0.4f}, std::pair{0.7f, 0.4f}}) {
     const TwoViewFixture f = fixture(geometric, photometric);
     const MapLossResult cpu = losses_on_cpu(f, neighbour(f));
-    EXPECT_EQ(cpu.terms.multi_view_geometric > 0, geometric > 0) << "the fixture must give the term something to do";
-    EXPECT_EQ(cpu.terms.multi_view_photometric > 0, photometric > 0);
+    EXPECT_EQ(cpu.terms[Loss::kMultiViewGeometric] > 0, geometric > 0) << "the fixture must give the term something to do";
+    EXPECT_EQ(cpu.terms[Loss::kMultiViewPhotometric] > 0, photometric > 0);
     expect_same_losses(on_device(f), cpu, CudaTolerance().two_view_flips);
   }
 }
 
 TEST_F(CudaMultiView, BesideEveryOtherTerm) {
   TwoViewFixture f = fixture();
-  f.settings.l1_weight = 0.8f;
-  f.settings.ssim_weight = 0.2f;
-  f.settings.log_depth_weight = f.settings.pearson_weight = 0.5f;
-  f.settings.normal_consistency_weight = f.settings.crease_weight = f.settings.prior_normal_weight = 0.3f;
+  f.settings.weight[Loss::kL1] = 0.8f;
+  f.settings.weight[Loss::kSsim] = 0.2f;
+  f.settings.weight[Loss::kLogDepth] = f.settings.weight[Loss::kPearson] = 0.5f;
+  f.settings.weight[Loss::kNormalConsistency] = f.settings.weight[Loss::kCrease] = f.settings.weight[Loss::kPriorNormal] = 0.3f;
   compare(f);
   f.settings.paper_normals = true;
   compare(f);
@@ -105,7 +105,7 @@ TEST_F(CudaMultiView, FlatPhotosAreNoPatches) {
 
 TEST_F(CudaMultiView, PhotosOfOnePixel) {
   TwoViewFixture f(1, 1);
-  f.settings.multi_view_geometric_weight = f.settings.multi_view_photometric_weight = 1;
+  f.settings.weight[Loss::kMultiViewGeometric] = f.settings.weight[Loss::kMultiViewPhotometric] = 1;
   compare(f);
 }
 
@@ -178,8 +178,8 @@ TEST_F(CudaMultiViewStep, GradientsAreThoseOfTheReference) {
   const ImageF depth = engine->render(make_view_pair()[1].data.camera, options).depth_plane;
   const StepReport report = engine->step(r);
   ASSERT_FALSE(report.non_finite.found) << report.non_finite.term;
-  EXPECT_GT(report.losses.multi_view_geometric, 0);
-  EXPECT_GT(report.losses.multi_view_photometric, 0);
+  EXPECT_GT(report.losses[Loss::kMultiViewGeometric], 0);
+  EXPECT_GT(report.losses[Loss::kMultiViewPhotometric], 0);
   const auto want = pair_gradients(engine->last_maps(), depth, r, true);
   const GaussianModel got = engine->last_gradients();
   const CudaTolerance t;
@@ -196,9 +196,9 @@ TEST_F(CudaMultiViewStep, LossesAreThoseOfTheCpuEngine) {
   want.set_training_views(make_view_pair());
   const StepReport a = make_engine()->step(make_pair_request()), b = want.step(make_pair_request());
   const CudaTolerance t;
-  EXPECT_NEAR(a.losses.multi_view_geometric, b.losses.multi_view_geometric, t.two_views * b.losses.multi_view_geometric);
-  EXPECT_NEAR(a.losses.multi_view_photometric, b.losses.multi_view_photometric,
-              t.two_views * b.losses.multi_view_photometric);
+  EXPECT_NEAR(a.losses[Loss::kMultiViewGeometric], b.losses[Loss::kMultiViewGeometric], t.two_views * b.losses[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(a.losses[Loss::kMultiViewPhotometric], b.losses[Loss::kMultiViewPhotometric],
+              t.two_views * b.losses[Loss::kMultiViewPhotometric]);
 }
 
 TEST_F(CudaMultiViewStep, AWarmStepWaitsOnceAndAllocatesNothing) {

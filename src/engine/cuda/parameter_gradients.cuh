@@ -101,7 +101,7 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   for (int k = 0; k < 3; ++k) g.log_scale[k] = m.log_scales[3 * i + k];
   g.rotation = {m.rotations[4 * i], m.rotations[4 * i + 1], m.rotations[4 * i + 2], m.rotations[4 * i + 3]};
 
-  float p = v[8], r = v[9], one = v[10], pp = v[11], pr = v[12], rr = v[13];
+  float p = v[kSumP], r = v[kSumR], one = v[kSumOne], pp = v[kSumPp], pr = v[kSumPr], rr = v[kSumRr];
   if (!in.coupling.empty() && in.coupling_scale != 0) {
     const float s = in.coupling_scale;
     p += s * coupling[0];
@@ -116,8 +116,8 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   d.mean = whitened_mean_gradient(factor, p, r);
   d.covariance = whitened_covariance_gradient(factor, pp, pr, rr);
   d.opacity = one / splat.opacity;
-  d.normal = {v[4], v[5], v[6]};
-  d.distance = v[7];
+  d.normal = {v[kSumNormal], v[kSumNormal + 1], v[kSumNormal + 2]};
+  d.distance = v[kSumDistance];
   Projection<float> projected;
   projected.opacity = splat.opacity;
   projected.opacity_factor = in.opacity_factor;
@@ -126,7 +126,7 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   ShapeGradient<float> shape = project_backward(g, in.view.camera, projected, d);
 
   float sh[3 * kShCoefficients] = {};
-  const Vec3<float> color{splat.color[0], splat.color[1], splat.color[2]}, dcolor{v[0], v[1], v[2]};
+  const Vec3<float> color{splat.color[0], splat.color[1], splat.color[2]}, dcolor{v[kSumColor], v[kSumColor + 1], v[kSumColor + 2]};
   shape.position += sh_color_backward(in.sh_degree, g.position, in.view.camera.centre, &m.sh[3 * kShCoefficients * i],
                                       color, dcolor, sh);
 
@@ -136,7 +136,10 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   for (int k = 0; k < 4; ++k) to.rotations[4 * i + k] = shape.rotation[k];
   to.opacity_logits[i] = shape.opacity_logit;
   for (int k = 0; k < 3 * kShCoefficients; ++k) to.sh[3 * kShCoefficients * i + k] = sh[k];
-  if (!out.density.empty()) out.density[i] = {v[16], v[17], v[18], v[19], v[3], v[14], v[15]};
+  if (!out.density.empty()) {
+    out.density[i] = {v[kSumPhotometricP],    v[kSumPhotometricR], v[kSumPhotometricAbsP], v[kSumPhotometricAbsY],
+                      v[kSumWeight],          v[kSumResidual],     v[kSumUnsupported]};
+  }
 
   GradientClass bad = GradientClass::kSemantics;  // the one that is not looked at here
   if (!within_limit(sh)) bad = GradientClass::kSh;
@@ -161,7 +164,7 @@ __global__ void __launch_bounds__(kGradientThreads)
   double photometric = 0, coupling = 0;
   if (touched) {
     row_gradients(in, out, i, sums);
-    photometric = square_of_mean(in.view.splats[i], sums.v[16], sums.v[17]);
+    photometric = square_of_mean(in.view.splats[i], sums.v[kSumPhotometricP], sums.v[kSumPhotometricR]);
     coupling = square_of_mean(in.view.splats[i], sums.v[kCouplingFirst], sums.v[kCouplingFirst + 1]);
   } else if (row) {
     for (int k = 0; k < 3; ++k) out.gradients.positions[3 * i + k] = 0;

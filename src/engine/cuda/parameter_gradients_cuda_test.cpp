@@ -32,7 +32,7 @@ class CudaParameterGradients : public DeviceTest {
   void prepare(const GaussianModel& gaussians) {
     model = gaussians;
     request = make_request();
-    request.losses.flatten_weight = request.losses.opacity_l1_weight = request.losses.scale_l1_weight = 0;
+    request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kOpacityL1] = request.losses.weight[Loss::kScaleL1] = 0;
     view = std::make_unique<TestView>(context(), model, make_camera(options.width, options.height), request.raster);
     Random random(9);
     const size_t n = view->lists.instances();

@@ -8,6 +8,7 @@
 #include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/photometric.h"
+#include "engine/losses/terms/l1.h"
 
 namespace aligngs::cuda {
 
@@ -165,9 +166,8 @@ __global__ void __launch_bounds__(kSumThreads)
   if (counted > 0) {
     const double scale = 1.0 / (3.0 * counted);
     t.psnr = psnr_of(sums[kSumSquared] * scale);
-    if (settings.l1_weight != 0) t.l1 = sums[kSumAbsolute] * scale;
-    if (settings.ssim_weight != 0) t.ssim = 1 - sums[kSumSsim] * scale;
-    t.total = settings.l1_weight * t.l1 + settings.ssim_weight * t.ssim;
+    if (settings.weight[Loss::kL1] != 0) t.add(Loss::kL1, settings.weight[Loss::kL1], sums[kSumAbsolute] * scale);
+    if (settings.weight[Loss::kSsim] != 0) t.add(Loss::kSsim, settings.weight[Loss::kSsim], 1 - sums[kSumSsim] * scale);
   }
   terms[0] = t;
 }

@@ -70,7 +70,7 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
     training = make_view(o.scene);
     losses.semantic_blend = o.blend;
     losses.coupling = o.coupling;
-    losses.semantic_hard_weight = 0.3f;
+    losses.weight[Loss::kSemanticHard] = 0.3f;
     losses.semantic_sample = o.sample;
     view = std::make_unique<TestView>(context(), model, camera, RasterSettings{});
     channels = static_cast<size_t>(o.scene.channels);
@@ -178,8 +178,8 @@ class CudaSemanticVisit : public DeviceTest, public testing::WithParamInterface<
     in.blend = options.blend;
     in.coupling = options.coupling;
     in.couple = options.couple;
-    in.soft_weight = losses.semantic_soft_weight;
-    in.hard_weight = losses.semantic_hard_weight;
+    in.soft_weight = losses.weight[Loss::kSemanticSoft];
+    in.hard_weight = losses.weight[Loss::kSemanticHard];
     in.remainder = options.remainder;
     in.sample = losses.semantic_sample;
     in.method = GetParam();

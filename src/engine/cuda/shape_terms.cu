@@ -8,7 +8,7 @@ namespace aligngs::cuda {
 
 void add_shape_terms(DeviceArena& arena, const ShapeTermInputs& in, const ShapeTermOutputs& out) {
   const LossSettings& s = in.settings;
-  if (s.flatten_weight == 0 && s.opacity_l1_weight == 0 && s.scale_l1_weight == 0) return;
+  if (!s.has(LossStage::kShape)) return;
   const LaunchShape shape = one_per_item(in.model.gaussians, kRowThreads);
   const DeviceSpan<double> partial = arena.take<double>(shape.grid.x * size_t(kShapeSums), "sums of the shape terms");
   launch(arena.context(), "shape_terms", shape_terms_kernel, shape, in, out, partial);

@@ -23,22 +23,22 @@ __global__ void __launch_bounds__(kRowThreads)
     const float* log_scales = &in.model.log_scales[3 * i];
     float* d_scale = &out.gradients.log_scales[3 * i];
     const Vec3<float> log_scale{log_scales[0], log_scales[1], log_scales[2]};
-    if (in.settings.flatten_weight != 0 && in.touched[i] != 0) {
+    if (in.settings.weight[Loss::kFlatten] != 0 && in.touched[i] != 0) {
       const float value = flatten_value(log_scale, in.extent);
       sums[kFlatten] = value;
-      d_scale[smallest_axis(log_scale)] += in.settings.flatten_weight * value / static_cast<float>(in.visible[0]);
+      d_scale[smallest_axis(log_scale)] += in.settings.weight[Loss::kFlatten] * value / static_cast<float>(in.visible[0]);
     }
-    if (in.settings.opacity_l1_weight != 0) {
+    if (in.settings.weight[Loss::kOpacityL1] != 0) {
       float derivative = 0;
       sums[kOpacity] = opacity_of_logit(in.model.opacity_logits[i], derivative);
-      out.gradients.opacity_logits[i] += in.settings.opacity_l1_weight * derivative / rows;
+      out.gradients.opacity_logits[i] += in.settings.weight[Loss::kOpacityL1] * derivative / rows;
     }
-    if (in.settings.scale_l1_weight != 0) {
+    if (in.settings.weight[Loss::kScaleL1] != 0) {
       for (int k = 0; k < 3; ++k) {
         const float value = scale_value(log_scale[k], in.extent);
         if (value - value != 0) continue;  // a row so large that projection culls it
         sums[kScale] += value;
-        d_scale[k] += in.settings.scale_l1_weight * value / (3 * rows);
+        d_scale[k] += in.settings.weight[Loss::kScaleL1] * value / (3 * rows);
       }
     }
     if (!usable(d_scale[0]) || !usable(d_scale[1]) || !usable(d_scale[2])) {
@@ -60,11 +60,9 @@ __global__ void __launch_bounds__(kSumThreads)
   const double opacity = rows > 0 ? sums[kOpacity] / rows : 0.0;
   const double scale = rows > 0 ? sums[kScale] / (3 * rows) : 0.0;
   LossTerms& t = terms[0];
-  t.flatten += flatten;
-  t.opacity_l1 += opacity;
-  t.scale_l1 += scale;
-  t.total += in.settings.flatten_weight * flatten + in.settings.opacity_l1_weight * opacity +
-             in.settings.scale_l1_weight * scale;
+  t.add(Loss::kFlatten, in.settings.weight[Loss::kFlatten], flatten);
+  t.add(Loss::kOpacityL1, in.settings.weight[Loss::kOpacityL1], opacity);
+  t.add(Loss::kScaleL1, in.settings.weight[Loss::kScaleL1], scale);
 }
 
 }  // namespace aligngs::cuda

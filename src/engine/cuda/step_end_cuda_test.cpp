@@ -63,9 +63,9 @@ class CudaStepEnd : public DeviceTest {
     add_shape_terms(arena, {device.spans(), touched.span(), visible.span(), request.losses, request.extent},
                     {gradients.spans(), terms.span(), bad.span()});
     const LossTerms got = terms.to_host()[0];
-    EXPECT_NEAR(got.flatten, want.flatten, kTolerance.relative_loss * want.flatten);
-    EXPECT_NEAR(got.opacity_l1, want.opacity_l1, kTolerance.relative_loss * want.opacity_l1);
-    EXPECT_NEAR(got.scale_l1, want.scale_l1, kTolerance.relative_loss * want.scale_l1);
+    EXPECT_NEAR(got[Loss::kFlatten], want[Loss::kFlatten], kTolerance.relative_loss * want[Loss::kFlatten]);
+    EXPECT_NEAR(got[Loss::kOpacityL1], want[Loss::kOpacityL1], kTolerance.relative_loss * want[Loss::kOpacityL1]);
+    EXPECT_NEAR(got[Loss::kScaleL1], want[Loss::kScaleL1], kTolerance.relative_loss * want[Loss::kScaleL1]);
     EXPECT_NEAR(got.total, want.total, kTolerance.relative_loss * want.total);
     const auto to_vector = [](const auto& a) { return std::vector<float>(a.data(), a.data() + a.size()); };
     EXPECT_LT(difference(gradients.log_scales.to_host(), to_vector(view->cpu_gradients.log_scales)).worst,
@@ -93,10 +93,8 @@ TEST_F(CudaStepEnd, ShapeTermsAgreeWithTheCpu) {
 
 TEST_F(CudaStepEnd, EachShapeTermAlone) {
   prepare();
-  for (const auto weight :
-       {&LossSettings::flatten_weight, &LossSettings::opacity_l1_weight, &LossSettings::scale_l1_weight}) {
-    request.losses.flatten_weight = request.losses.opacity_l1_weight = request.losses.scale_l1_weight = 0;
-    request.losses.*weight = 3;
+  for (const Loss loss : losses_of(LossStage::kShape)) {
+    for (const Loss other : losses_of(LossStage::kShape)) request.losses.weight[other] = loss == other ? 3 : 0;
     compare_shape_terms();
   }
 }
@@ -114,7 +112,7 @@ TEST_F(CudaStepEnd, AShapeGradientBeyondTheLimitIsReported) {
   large.log_scales[3 * 7 + 2] = 80;  // exp = 5e34 is finite
   large.log_scales[3 * 9] = 80;
   prepare(large);
-  request.losses.scale_l1_weight = 1;
+  request.losses.weight[Loss::kScaleL1] = 1;
   DeviceModel device(context(), model), gradients(context(), model);
   DeviceArray<LossTerms> terms;
   terms.assign(context(), {LossTerms()}, "test");
@@ -189,8 +187,8 @@ class CudaStepOutcome : public DeviceTest {
   static LossTerms some_losses() {
     LossTerms t;
     t.total = 1;
-    t.l1 = 0.25;
-    t.crease = 0.125;
+    t[Loss::kL1] = 0.25;
+    t[Loss::kCrease] = 0.125;
     return t;
   }
   std::vector<double> semantic_terms = {3.0, 4.0};
@@ -202,8 +200,8 @@ TEST_F(CudaStepOutcome, GathersTheParts) {
   EXPECT_EQ(o.blocked, 0u);
   EXPECT_FALSE(symptom_of(o).found);
   EXPECT_DOUBLE_EQ(o.terms.total, 1 + 0.5 * 3 + 2 * 4);
-  EXPECT_DOUBLE_EQ(o.terms.semantic_soft, 3);
-  EXPECT_DOUBLE_EQ(o.terms.l1, 0.25);
+  EXPECT_DOUBLE_EQ(o.terms[Loss::kSemanticSoft], 3);
+  EXPECT_DOUBLE_EQ(o.terms[Loss::kL1], 0.25);
   EXPECT_DOUBLE_EQ(gradient_scale(o).photometric_rms, 2);
   EXPECT_DOUBLE_EQ(gradient_scale(o).coupling_rms, 1);
 }
@@ -215,7 +213,7 @@ TEST_F(CudaStepOutcome, WithoutSemantics) {
 
 TEST_F(CudaStepOutcome, ALossThatIsNotANumberBlocks) {
   LossTerms t = some_losses();
-  t.crease = kNan;
+  t[Loss::kCrease] = kNan;
   const StepOutcome o = judge(t);
   EXPECT_EQ(o.blocked, 1u);
   EXPECT_EQ(symptom_of(o).term, "crease");

@@ -12,9 +12,8 @@ __global__ void judge_step_kernel(StepOutcomeInputs in, DeviceSpan<StepOutcome> 
   StepOutcome o{};
   o.terms = in.terms[0];
   if (!in.semantic_terms.empty()) {
-    o.terms.semantic_soft = in.semantic_terms[0];
-    o.terms.semantic_hard = in.semantic_terms[1];
-    o.terms.total += in.soft_weight * o.terms.semantic_soft + in.hard_weight * o.terms.semantic_hard;
+    o.terms.add(Loss::kSemanticSoft, in.soft_weight, in.semantic_terms[0]);
+    o.terms.add(Loss::kSemanticHard, in.hard_weight, in.semantic_terms[1]);
   }
   o.squares[0] = in.squares[0];
   o.squares[1] = in.squares[1];
@@ -23,11 +22,9 @@ __global__ void judge_step_kernel(StepOutcomeInputs in, DeviceSpan<StepOutcome> 
   o.visible = in.visible[0];
   // Without its factor a loss of weight 0 would not show in the total, but such a term is not computed. The sum of what
   // is finite can still overflow, so the total is looked at as well.
-  const LossTerms& t = o.terms;
-  const double all = t.l1 + t.ssim + t.flatten + t.semantic_soft + t.semantic_hard + t.pearson + t.log_depth +
-                     t.normal_consistency + t.normal_boundary + t.crease + t.prior_normal + t.opacity_l1 + t.scale_l1 +
-                     t.multi_view_geometric + t.multi_view_photometric;
-  const bool finite = all - all == 0 && t.total - t.total == 0;
+  double all = 0;
+  for (size_t k = 0; k < kLosses; ++k) all += o.terms.values.values[k];
+  const bool finite = all - all == 0 && o.terms.total - o.terms.total == 0;
   o.blocked = o.bad != kNoBadGradient || !finite ? 1 : 0;
   out[0] = o;
 }

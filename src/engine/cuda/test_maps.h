@@ -104,23 +104,11 @@ inline void expect_same_losses(const MapLossResult& device, const MapLossResult&
   // Terms are 1 - cosine, of one pixel in the smallest maps. The cosine's sum of three products, contracted or not, is
   // off by two ulps of 1.
   constexpr double kOneMinusCosine = 2.4e-7;
-  const std::pair<const char*, double LossTerms::*> terms[] = {
-      {"l1", &LossTerms::l1},
-      {"ssim", &LossTerms::ssim},
-      {"pearson", &LossTerms::pearson},
-      {"log_depth", &LossTerms::log_depth},
-      {"normal_consistency", &LossTerms::normal_consistency},
-      {"normal_boundary", &LossTerms::normal_boundary},
-      {"crease", &LossTerms::crease},
-      {"prior_normal", &LossTerms::prior_normal},
-      {"multi_view_geometric", &LossTerms::multi_view_geometric},
-      {"multi_view_photometric", &LossTerms::multi_view_photometric},
-      {"total", &LossTerms::total}};
-  for (const auto& [name, term] : terms) {
-    EXPECT_NEAR(device.terms.*term, cpu.terms.*term,
-                tolerance.relative_loss * std::abs(cpu.terms.*term) + kOneMinusCosine)
-        << name;
-  }
+  const auto near = [&](double value, double wanted, std::string_view name) {
+    EXPECT_NEAR(value, wanted, tolerance.relative_loss * std::abs(wanted) + kOneMinusCosine) << name;
+  };
+  for (const LossRow& row : kLossCatalogue) near(device.terms[row.loss], cpu.terms[row.loss], row.name);
+  near(device.terms.total, cpu.terms.total, "total");
   EXPECT_NEAR(device.terms.psnr, cpu.terms.psnr, tolerance.psnr);
   expect_close_maps(device.gradients.color, cpu.gradients.color, tolerance.gradient, "color");
   expect_close_maps(device.gradients.normal, cpu.gradients.normal, tolerance.gradient, "normal", flips);

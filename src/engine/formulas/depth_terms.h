@@ -1,10 +1,8 @@
-// Losses on the plane depth at one pixel: the validity of a depth, and dL/dz carried back to the maps. Terms: the Huber
-// norm of its log ratio to the prior (our default), the Pearson correlation with it (AlignGS, Gao et al. 2025).
+// The plane depth at one pixel as losses take it: its validity, and dL/dz carried back to the maps.
 #pragma once
 
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "core/always_inline.h"
 #include "engine/formulas/plane_depth.h"
@@ -83,93 +81,6 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE DepthGradient<T> plane_depth_gradient(T g, cons
   // Not finite where the maps are not; such pixels have no gradient.
   const T by_ray = ((g != T(0)) & !slope.clamped) ? along : T(0);
   return {g != T(0) ? by_distance : T(0), by_ray};
-}
-
-// ---- log depth ----
-
-inline constexpr double kHuberMinimum = 1e-9;  ///< log units: a delta of 0 means the absolute value
-
-/// log(x) for normal positive x in a form that loops over pixels can vectorise. Within 2 ulp for float (the polynomial
-/// of Cephes' logf), the library's for double.
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE float log_of_positive(float x) {
-  int32_t bits;
-  std::memcpy(&bits, &x, sizeof bits);
-  const int32_t e = (bits - 0x3f3504f3) >> 23;  // x = m 2^e with m in [sqrt(1/2), sqrt(2))
-  bits -= e * (1 << 23);
-  float m;
-  std::memcpy(&m, &bits, sizeof m);
-  m -= 1.0f;
-  float p = 7.0376836292e-2f;
-  p = p * m - 1.1514610310e-1f;
-  p = p * m + 1.1676998740e-1f;
-  p = p * m - 1.2420140846e-1f;
-  p = p * m + 1.4249322787e-1f;
-  p = p * m - 1.6668057665e-1f;
-  p = p * m + 2.0000714765e-1f;
-  p = p * m - 2.4999993993e-1f;
-  p = p * m + 3.3333331174e-1f;
-  const float z = m * m, n = static_cast<float>(e);
-  const float y = p * m * z + n * -2.12194440e-4f - 0.5f * z;
-  return n * 0.693359375f + (m + y);
-}
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE double log_of_positive(double x) { return std::log(x); }
-
-/// Weight of a pixel in the log-depth loss, 0 where it does not take part.
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE float log_depth_weight(uint8_t validity, float prior, float weight) {
-  const bool known = prior > 0 && prior<1e30f, counts = weight> 0 && weight <= 1;  // as usable_prior_depth, _weight
-  return validity == kDepthTight && known && counts ? weight : 0.0f;
-}
-
-template <class T>
-struct LogDepthTerm {
-  T value{};     ///< w h(e), e = log(z / (a prior))
-  T gradient{};  ///< step w h'(e) / z
-};
-/// h(e) = e^2 / (2 delta) for |e| <= delta, else |e| - delta / 2. Zero without a weight.
-template <class T>
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE LogDepthTerm<T> log_depth_term(T depth, float prior, float weight, T scale, T delta,
-                                                                T step) {
-  const T inverse_delta = T(1) / delta;
-  const bool used = weight > 0.0f;
-  const T z = used ? depth : T(1), target = used ? scale * static_cast<T>(prior) : T(1);
-  const T w = static_cast<T>(weight), e = log_of_positive(z / target);
-  const T low = e < -delta ? -delta : e, near = low > delta ? delta : low;  // h = near (e - near / 2) / delta
-  return {w * near * (e - near / T(2)) * inverse_delta, step * w * near * inverse_delta / z};
-}
-
-// ---- Pearson ----
-
-inline constexpr double kPearsonMinimumShare = 0.05;    ///< of the pixels must be valid: fewer say little
-inline constexpr double kPearsonMinimumSpread = 0.05;   ///< standard deviation / mean of the prior: a flat one correlates with noise
-inline constexpr double kPearsonRenderedSpread = 0.01;  ///< of the rendered depth: the gradient grows as 1 / spread
-inline constexpr double kPearsonEpsilon = 1e-6;         ///< added to both standard deviations, as released
-
-ALIGNGS_HD inline bool enough_for_pearson(double valid, double pixels) {
-  return !(valid < 3) && !(valid < kPearsonMinimumShare * pixels);
-}
-
-/// Means over the valid pixels, and sums of the squares and products of the deviations from them.
-struct PearsonMoments {
-  double count = 0, mean_rendered = 0, mean_prior = 0;
-  double rendered = 0, prior = 0, product = 0;
-};
-
-/// 1 - rho, and its gradient dL/dz = along_rendered (z - mean) - along_prior (prior - mean), weight included. All zero
-/// when the prior or the rendering is (nearly) one frontal plane.
-struct PearsonResult {
-  double loss = 0, along_rendered = 0, along_prior = 0;
-};
-/// d rho / d a_k = b_k / (n t_a t_b) - rho a_k / ((n - 1) s_a t_a); both parts sum to zero over k, so the dependence of
-/// a on the mean adds nothing.
-ALIGNGS_HD inline PearsonResult pearson_result(const PearsonMoments& m, double weight) {
-  const double n = m.count;
-  const double deviation_rendered = std::sqrt(m.rendered / (n - 1));
-  const double deviation_prior = std::sqrt(m.prior / (n - 1));
-  if (deviation_prior < kPearsonMinimumSpread * m.mean_prior) return {};
-  if (deviation_rendered < kPearsonRenderedSpread * m.mean_rendered) return {};
-  const double t_rendered = deviation_rendered + kPearsonEpsilon, t_prior = deviation_prior + kPearsonEpsilon;
-  const double rho = m.product / (n * t_rendered * t_prior);
-  return {1 - rho, weight * rho / ((n - 1) * deviation_rendered * t_rendered), weight / (n * t_rendered * t_prior)};
 }
 
 }  // namespace aligngs

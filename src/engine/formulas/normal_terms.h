@@ -149,40 +149,6 @@ ALIGNGS_HD ALIGNGS_ALWAYS_INLINE NormalComparison<T> compare_normals(const Depth
   return out;
 }
 
-// ---- the prior's normal ----
-
-template <class T>
-struct PriorNormalTerm {
-  T weight{};  ///< 0 where the pixel takes no part
-  T value{};   ///< weight (1 - n . n_prior)
-};
-/// `prior` is the prior's normal, anything but a unit vector meaning none; `confidence` its weight.
-template <class T>
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE PriorNormalTerm<T> prior_normal_term(const Vec3<T>& direction, T inverse_length,
-                                                                      float prior_x, float prior_y, float prior_z,
-                                                                      float confidence) {
-  const float square = prior_x * prior_x + prior_y * prior_y + prior_z * prior_z;
-  const bool unit = (square > 0.9f) & (square < 1.1f), trusted = (confidence > 0) & (confidence <= 1);
-  const bool used = unit & trusted & (inverse_length > T(0));
-  const T cosine = direction.x * static_cast<T>(prior_x) + direction.y * static_cast<T>(prior_y) +
-                   direction.z * static_cast<T>(prior_z);
-  return {used ? static_cast<T>(confidence) : T(0), used ? static_cast<T>(confidence) * (T(1) - cosine) : T(0)};
-}
-
-/// step * weight * d(n . n_prior)/dN, zero without a weight.
-template <class T>
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE Vec3<T> prior_normal_gradient(const Vec3<T>& direction, T inverse_length,
-                                                               float prior_x, float prior_y, float prior_z, T weight,
-                                                               T step) {
-  const bool used = weight > T(0);
-  const T factor = used ? step * weight * inverse_length : T(0);
-  const T p_x = used ? static_cast<T>(prior_x) : T(0), p_y = used ? static_cast<T>(prior_y) : T(0),
-          p_z = used ? static_cast<T>(prior_z) : T(0);
-  const T along = direction.x * p_x + direction.y * p_y + direction.z * p_z;
-  return {(p_x - direction.x * along) * factor, (p_y - direction.y * along) * factor,
-          (p_z - direction.z * along) * factor};
-}
-
 // ---- the penalty at label edges ----
 
 inline constexpr double kBoundarySharpness = 100;  ///< alpha of the paper

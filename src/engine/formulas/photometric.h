@@ -1,4 +1,4 @@
-// Photometric losses at one pixel of one channel: absolute difference, and structural similarity (Wang et al. 2004).
+// Structural similarity at one pixel of one channel (Wang et al. 2004), and the PSNR.
 // SSIM is as splatting papers use it: 11 x 11 Gaussian window with sigma 1.5, zero padding, population moments.
 #pragma once
 
@@ -21,21 +21,6 @@ ALIGNGS_HD inline double psnr_of(double mean_squared_error) {
   if (!(mean_squared_error > 0)) return kPsnrMaximum;
   const double psnr = -10 * std::log10(mean_squared_error);
   return psnr < kPsnrMaximum ? psnr : kPsnrMaximum;
-}
-
-template <class T>
-struct ColorDifference {
-  T absolute{};  ///< |render - truth|
-  T squared{};   ///< squared difference as shown, i.e. of the render clamped to [0, 1]
-  T gradient{};  ///< step times the sign of render - truth
-};
-template <class T>
-ALIGNGS_HD ALIGNGS_ALWAYS_INLINE ColorDifference<T> color_difference(T render, T truth, T step) {
-  using std::abs;
-  const T d = render - truth;
-  const T low = render < T(0) ? T(0) : render;
-  const T shown = (low > T(1) ? T(1) : low) - truth;
-  return {abs(d), shown * shown, d > T(0) ? step : (d < T(0) ? -step : T(0))};
 }
 
 /// One dimension of the separable window.

@@ -5,7 +5,6 @@
 
 #include "core/angles.h"
 #include "engine/losses/label_pairs.h"
-#include "engine/losses/prior_normal.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/unit_normal.h"
 

@@ -1,7 +1,6 @@
 // The two depth losses and the depth map under them.
 #include <gtest/gtest.h>
 
-#include "engine/losses/depth_log.h"
 #include "engine/losses/depth_map.h"
 #include "engine/losses/depth_pearson.h"
 #include "engine/losses/test_maps.h"
@@ -16,12 +15,12 @@ using testing_maps::plane_fixture;
 const Vec3d kSlanted = normalized(Vec3d{0.6, 0.2, -1});
 
 LossFixture with_pearson(LossFixture f) {
-  f.settings.pearson_weight = 1;
+  f.settings.weight[Loss::kPearson] = 1;
   return f;
 }
 
 LossFixture with_log_depth(LossFixture f) {
-  f.settings.log_depth_weight = 1;
+  f.settings.weight[Loss::kLogDepth] = 1;
   return f;
 }
 
@@ -91,23 +90,23 @@ TEST(Pearson, IgnoresScaleAndShiftOfThePrior) {
   LossFixture f = with_pearson(plane_fixture(kSlanted, 2));
   for (float& z : f.view.data.prior_depth.data) z = 0.5f + 3 * z;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).pearson, 1.0 / f.pixels(), 1e-4);  // mean over n of products scaled with n - 1
+  EXPECT_NEAR(f.run(g)[Loss::kPearson], 1.0 / f.pixels(), 1e-4);  // mean over n of products scaled with n - 1
 }
 
 TEST(Pearson, IsTwoForAPriorThatIsUpsideDown) {
   LossFixture f = with_pearson(plane_fixture(kSlanted, 2));
   for (float& z : f.view.data.prior_depth.data) z = 20 - 4 * z;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).pearson, 2, 0.01);
+  EXPECT_NEAR(f.run(g)[Loss::kPearson], 2, 0.01);
 }
 
 TEST(Pearson, LooksOnlyOutsideTheLabelEdge) {
   LossFixture f = with_pearson(plane_fixture(kSlanted, 2));
   MapGradients<double> g;
-  const double before = f.run(g).pearson;
+  const double before = f.run(g)[Loss::kPearson];
   f.view.label_edge.at(3, 3) = 1;
   f.view.data.prior_depth.at(3, 3) = 50;
-  EXPECT_NEAR(f.run(g).pearson, before, 1e-3);
+  EXPECT_NEAR(f.run(g)[Loss::kPearson], before, 1e-3);
   EXPECT_EQ(g.distance[size_t(3) * f.maps.width + 3], 0);
 }
 
@@ -139,14 +138,14 @@ TEST(LogDepth, IsLinearBeyondTheHuberWidth) {
   LossFixture f = with_log_depth(plane_fixture(kSlanted, 2));
   for (float& z : f.view.data.prior_depth.data) z *= std::exp(-0.1f);
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).log_depth, 0.1 - 0.01, 1e-6);
+  EXPECT_NEAR(f.run(g)[Loss::kLogDepth], 0.1 - 0.01, 1e-6);
 }
 
 TEST(LogDepth, IsQuadraticWithinTheHuberWidth) {
   LossFixture f = with_log_depth(plane_fixture(kSlanted, 2));
   for (float& z : f.view.data.prior_depth.data) z *= std::exp(0.01f);
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).log_depth, 0.01 * 0.01 / (2 * 0.02), 1e-6);
+  EXPECT_NEAR(f.run(g)[Loss::kLogDepth], 0.01 * 0.01 / (2 * 0.02), 1e-6);
 }
 
 TEST(LogDepth, AppliesTheScaleOfTheView) {
@@ -154,7 +153,7 @@ TEST(LogDepth, AppliesTheScaleOfTheView) {
   for (float& z : f.view.data.prior_depth.data) z /= 1.3f;
   f.settings.prior_depth_scale = 1.3f;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).log_depth, 0, 1e-10);
+  EXPECT_NEAR(f.run(g)[Loss::kLogDepth], 0, 1e-10);
 }
 
 TEST(LogDepth, IsAMeanByWeight) {
@@ -165,7 +164,7 @@ TEST(LogDepth, IsAMeanByWeight) {
     f.view.depth_weight.data[i] = 0.5f;
   }
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).log_depth, (0.49 * 0.5 + 0.09 * 1) / 1.5, 1e-6);
+  EXPECT_NEAR(f.run(g)[Loss::kLogDepth], (0.49 * 0.5 + 0.09 * 1) / 1.5, 1e-6);
 }
 
 TEST(LogDepth, IsZeroWithFewerThanOnePercentValidPixels) {

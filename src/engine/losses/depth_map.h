@@ -24,6 +24,15 @@ inline float depth_weight_at(const TrainingView& view, size_t pixel) {
   return view.depth_weight.empty() ? 1.0f : usable_weight(view.depth_weight.data[pixel]);
 }
 
+/// A prior normal, or the zero vector where there is none or it is not a finite unit vector.
+template <class T>
+Vec3<T> prior_normal_at(const TrainingView& view, size_t pixel) {
+  const float* n = view.prior_normal.data.data() + 3 * pixel;
+  const float square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  if (!(square > 0.9f && square < 1.1f)) return {};
+  return {static_cast<T>(n[0]), static_cast<T>(n[1]), static_cast<T>(n[2])};
+}
+
 /// Fills workspace.depth, .validity and clears .depth_gradient. settings.paper_normals chooses the formula
 /// (engine/formulas/plane_depth.h): as printed, or guarded at grazing angles.
 template <class T>

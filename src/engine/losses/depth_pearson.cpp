@@ -6,6 +6,7 @@
 #include "engine/losses/depth_map.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
+#include "engine/losses/terms/pearson.h"
 
 namespace aligngs {
 namespace {

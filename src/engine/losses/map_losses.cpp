@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "engine/losses/crease.h"
-#include "engine/losses/depth_log.h"
 #include "engine/losses/depth_map.h"
 #include "engine/losses/depth_pearson.h"
 #include "engine/losses/multi_view_geometric.h"
@@ -12,7 +11,7 @@
 #include "engine/losses/normal_boundary.h"
 #include "engine/losses/normal_consistency.h"
 #include "engine/losses/photometric.h"
-#include "engine/losses/prior_normal.h"
+#include "engine/losses/pixel_terms.h"
 #include "engine/losses/unit_normal.h"
 
 namespace aligngs {
@@ -30,6 +29,53 @@ void require_size(const Size& map, const Size& wanted, const std::string& view, 
                {},
                field,
                "bring every map of a view to the size of its camera (prepare_view)"});
+}
+
+/// One loss of the maps: what it may read and where its gradients go.
+template <class T>
+struct MapLossCall {
+  const MapLossInputs<T>& in;
+  MapLossWorkspace<T>& workspace;
+  MapGradients<T>& gradients;
+  ViewAgreement agreement;  ///< with a neighbour
+};
+
+/// Returns the unweighted value and adds `weight` times the gradient.
+template <class T>
+using MapLoss = double (*)(const MapLossCall<T>& call, double weight);
+
+template <class T>
+struct MapLossRow {
+  Loss loss;
+  MapLoss<T> compute;
+};
+
+/// Losses that compare pixels, or that need sums over all of them first, with loops of their own.
+template <class T>
+constexpr MapLossRow<T> kLoopsOfTheirOwn[] = {
+    {Loss::kPearson, [](const MapLossCall<T>& c, double w) { return pearson_depth_loss(c.in, w, c.workspace); }},
+    {Loss::kNormalConsistency,
+     [](const MapLossCall<T>& c, double w) { return normal_consistency_loss(c.in, w, c.workspace, c.gradients); }},
+    {Loss::kNormalBoundary,
+     [](const MapLossCall<T>& c, double w) { return normal_boundary_loss(c.in, w, c.workspace, c.gradients); }},
+    {Loss::kCrease, [](const MapLossCall<T>& c, double w) { return crease_loss(c.in, w, c.workspace, c.gradients); }},
+    {Loss::kMultiViewGeometric,
+     [](const MapLossCall<T>& c, double w) { return multi_view_geometric_loss(c.in, w, c.agreement, c.workspace); }},
+    {Loss::kMultiViewPhotometric,
+     [](const MapLossCall<T>& c, double w) {
+       return multi_view_photometric_loss(c.in, w, c.agreement, c.workspace, c.gradients);
+     }},
+};
+
+template <class T>
+double compute_loss(Loss loss, const MapLossCall<T>& call, double weight) {
+  if (const PixelTermLoss<T> term = pixel_term_loss<T>(loss)) {
+    return term(call.in, weight, call.workspace, call.gradients);
+  }
+  for (const MapLossRow<T>& row : kLoopsOfTheirOwn<T>) {
+    if (row.loss == loss) return row.compute(call, weight);
+  }
+  throw Error({ErrorKind::kFailed, "no code computes the loss " + std::string(row_of(loss).name), {}, {}, {}});
 }
 
 }  // namespace
@@ -59,36 +105,16 @@ void map_losses(const MapLossInputs<T>& in, LossTerms& terms, MapGradients<T>& g
 
   photometric_losses(in, workspace, terms, gradients);
 
-  const bool multi_view = in.neighbour && s.has_multi_view_weight();
-  const bool depth_terms =
-      s.pearson_weight != 0 || s.log_depth_weight != 0 || s.normal_consistency_weight != 0 || multi_view;
-  if (depth_terms || (s.normal_boundary_weight != 0 && !s.paper_normals)) compute_depth_map(in, workspace);
-  if (s.normal_consistency_weight != 0 || s.normal_boundary_weight != 0 || s.crease_weight != 0 ||
-      s.prior_normal_weight != 0) {
-    compute_unit_normals(in, workspace);
-  }
-  // loss() returns the unweighted value and adds weighted gradients.
-  const auto add = [&](float weight, double& term, const auto& loss) {
-    if (weight == 0) return;
-    const double value = loss(static_cast<double>(weight));
-    term += value;
-    terms.total += weight * value;
-  };
-  add(s.pearson_weight, terms.pearson, [&](double w) { return pearson_depth_loss(in, w, workspace); });
-  add(s.log_depth_weight, terms.log_depth, [&](double w) { return log_depth_loss(in, w, workspace); });
-  add(s.normal_consistency_weight, terms.normal_consistency,
-      [&](double w) { return normal_consistency_loss(in, w, workspace, gradients); });
-  add(s.normal_boundary_weight, terms.normal_boundary,
-      [&](double w) { return normal_boundary_loss(in, w, workspace, gradients); });
-  add(s.crease_weight, terms.crease, [&](double w) { return crease_loss(in, w, workspace, gradients); });
-  add(s.prior_normal_weight, terms.prior_normal,
-      [&](double w) { return prior_normal_loss(in, w, workspace, gradients); });
-  if (multi_view) {
-    const ViewAgreement agreement = compare_with_neighbour(in, workspace);
-    add(s.multi_view_geometric_weight, terms.multi_view_geometric,
-        [&](double w) { return multi_view_geometric_loss(in, w, agreement, workspace); });
-    add(s.multi_view_photometric_weight, terms.multi_view_photometric,
-        [&](double w) { return multi_view_photometric_loss(in, w, agreement, workspace, gradients); });
+  const bool neighbour = in.neighbour != nullptr;
+  const bool depth_terms = s.needs(kNeedsDepth, neighbour);
+  if (depth_terms || (s.needs(kNeedsGuardedDepth, neighbour) && !s.paper_normals)) compute_depth_map(in, workspace);
+  if (s.needs(kNeedsUnitNormal, neighbour)) compute_unit_normals(in, workspace);
+  MapLossCall<T> call{in, workspace, gradients, {}};
+  if (neighbour && s.has(LossStage::kTwoViews)) call.agreement = compare_with_neighbour(in, workspace);
+  for (const LossRow& row : kLossCatalogue) {
+    const bool acts = row.stage == LossStage::kGeometry || (row.stage == LossStage::kTwoViews && neighbour);
+    const float weight = s.weight[row.loss];
+    if (acts && weight != 0) terms.add(row.loss, weight, compute_loss(row.loss, call, static_cast<double>(weight)));
   }
   if (depth_terms) chain_depth_map(in, workspace, gradients);
 }

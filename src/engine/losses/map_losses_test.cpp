@@ -15,36 +15,22 @@ using testing_maps::largest;
 using testing_maps::LossFixture;
 using testing_maps::narrow;
 
-// One weighted term at a time, then all of them.
-struct Term {
-  const char* name;
-  float LossSettings::*weight;
-  double LossTerms::*value;
-};
-const Term kTerms[] = {
-    {"l1", &LossSettings::l1_weight, &LossTerms::l1},
-    {"ssim", &LossSettings::ssim_weight, &LossTerms::ssim},
-    {"pearson", &LossSettings::pearson_weight, &LossTerms::pearson},
-    {"log_depth", &LossSettings::log_depth_weight, &LossTerms::log_depth},
-    {"normal_consistency", &LossSettings::normal_consistency_weight, &LossTerms::normal_consistency},
-    {"normal_boundary", &LossSettings::normal_boundary_weight, &LossTerms::normal_boundary},
-    {"crease", &LossSettings::crease_weight, &LossTerms::crease},
-    {"prior_normal", &LossSettings::prior_normal_weight, &LossTerms::prior_normal},
-};
+// One weighted loss at a time, then all of them.
+constexpr auto kOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
 
-class EachTerm : public testing::TestWithParam<std::tuple<int, bool>> {
+class EachTerm : public testing::TestWithParam<std::tuple<Loss, bool>> {
  protected:
-  const Term& term() const { return kTerms[std::get<0>(GetParam())]; }
+  static Loss loss() { return std::get<0>(GetParam()); }
   LossFixture fixture() const {
     LossFixture f;
-    f.settings.*term().weight = 0.7f;
+    f.settings.weight[loss()] = 0.7f;
     f.settings.paper_normals = std::get<1>(GetParam());
     return f;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Losses, EachTerm, testing::Combine(testing::Range(0, 8), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Losses, EachTerm, testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
                          [](const auto& each) {
-                           return std::string(kTerms[std::get<0>(each.param)].name) +
+                           return std::string(row_of(std::get<0>(each.param)).name) +
                                   (std::get<1>(each.param) ? "_paper" : "_default");
                          });
 
@@ -56,8 +42,8 @@ TEST_P(EachTerm, GradientAgreesWithFiniteDifferences) {
 TEST_P(EachTerm, IsActiveOnTheFixture) {
   MapGradients<double> g;
   const LossTerms terms = fixture().run(g);
-  EXPECT_GT(terms.*term().value, 0);
-  EXPECT_NEAR(terms.total, double(0.7f) * (terms.*term().value), 1e-12);
+  EXPECT_GT(terms[loss()], 0);
+  EXPECT_NEAR(terms.total, double(0.7f) * (terms[loss()]), 1e-12);
   EXPECT_GT(largest(g), 0);
 }
 
@@ -69,7 +55,7 @@ TEST_P(EachTerm, IsZeroWhereNothingIsVisible) {
   MapGradients<double> g;
   const LossTerms terms = f.run(g);
   EXPECT_TRUE(std::isfinite(terms.total));
-  if (term().weight == &LossSettings::l1_weight || term().weight == &LossSettings::ssim_weight) return;
+  if (row_of(loss()).stage == LossStage::kColor) return;
   EXPECT_EQ(terms.total, 0);
   EXPECT_EQ(largest(g), 0);
 }
@@ -147,7 +133,7 @@ TEST_P(EachTerm, FloatAgreesWithDouble) {
 
 LossSettings every_term(bool paper) {
   LossSettings s;
-  for (const Term& t : kTerms) s.*t.weight = 0.3f;
+  for (const Loss loss : kOneView) s.weight[loss] = 0.3f;
   s.paper_normals = paper;
   return s;
 }

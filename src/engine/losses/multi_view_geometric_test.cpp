@@ -20,7 +20,7 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 TwoViewFixture fixture() {
   TwoViewFixture f;
-  f.settings.multi_view_geometric_weight = 0.7f;
+  f.settings.weight[Loss::kMultiViewGeometric] = 0.7f;
   return f;
 }
 
@@ -100,7 +100,7 @@ TEST(MultiViewGeometric, GradientAgreesWithDifferencesOfTheWeightedDistance) {
   };
   for (size_t i = 0; i < f.pixels(); ++i) sum += value(i);
   EXPECT_NEAR(terms.total, sum, 1e-12);
-  EXPECT_GT(terms.multi_view_geometric, 0);
+  EXPECT_GT(terms[Loss::kMultiViewGeometric], 0);
   EXPECT_LT(pixelwise_gradient_error(f, g, value), 1e-5);
 }
 

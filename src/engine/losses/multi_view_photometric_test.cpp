@@ -18,7 +18,7 @@ using testing_maps::TwoViewFixture;
 
 TwoViewFixture fixture(int width = 28, int height = 22) {
   TwoViewFixture f(width, height);
-  f.settings.multi_view_photometric_weight = 0.7f;
+  f.settings.weight[Loss::kMultiViewPhotometric] = 0.7f;
   return f;
 }
 
@@ -108,7 +108,7 @@ TEST(MultiViewPhotometric, GradientAgreesWithDifferencesOfTheWeightedScores) {
   };
   for (size_t i = 0; i < f.pixels(); ++i) sum += value(i);
   EXPECT_NEAR(terms.total, sum, 1e-6);  // grey is summed in single precision
-  EXPECT_GT(terms.multi_view_photometric, 0);
+  EXPECT_GT(terms[Loss::kMultiViewPhotometric], 0);
   EXPECT_LT(pixelwise_gradient_error(f, g, value), 1e-5);
 }
 
@@ -171,7 +171,7 @@ TEST(MultiViewPhotometric, DrawsTheShareOfPixelsThatTheSeedSays) {
 
 TEST(MultiViewTerms, AreTheSameForAnyNumberOfThreads) {
   TwoViewFixture f = fixture(61, 53);
-  f.settings.multi_view_geometric_weight = 0.3f;
+  f.settings.weight[Loss::kMultiViewGeometric] = 0.3f;
   MapGradients<double> one, many;
   const LossTerms first = f.run(one);
   for (const int threads : {1, 2, 5}) {
@@ -184,7 +184,7 @@ TEST(MultiViewTerms, AreTheSameForAnyNumberOfThreads) {
 
 TEST(MultiViewTerms, FloatAgreesWithDouble) {
   TwoViewFixture f = fixture(84, 66);
-  f.settings.multi_view_geometric_weight = 0.3f;
+  f.settings.weight[Loss::kMultiViewGeometric] = 0.3f;
   MapGradients<double> exact;
   const LossTerms expected = f.run(exact);
   const std::vector<float> depth(f.other_depth.begin(), f.other_depth.end());
@@ -193,8 +193,8 @@ TEST(MultiViewTerms, FloatAgreesWithDouble) {
   g.reset(f.pixels());
   LossTerms terms;
   map_losses<float>({narrow(f.maps), f.view, f.settings, nullptr, nullptr, &neighbour}, terms, g);
-  EXPECT_NEAR(terms.multi_view_geometric, expected.multi_view_geometric, 1e-3 * expected.multi_view_geometric);
-  EXPECT_NEAR(terms.multi_view_photometric, expected.multi_view_photometric, 1e-3 * expected.multi_view_photometric);
+  EXPECT_NEAR(terms[Loss::kMultiViewGeometric], expected[Loss::kMultiViewGeometric], 1e-3 * expected[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(terms[Loss::kMultiViewPhotometric], expected[Loss::kMultiViewPhotometric], 1e-3 * expected[Loss::kMultiViewPhotometric]);
   double difference = 0;
   for (size_t i = 0; i < f.pixels(); ++i) difference += std::abs(double(g.distance[i]) - exact.distance[i]);
   double size = 0;

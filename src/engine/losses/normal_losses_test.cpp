@@ -51,10 +51,10 @@ void expect_zero(const LossFixture& f) {
 TEST(NormalConsistency, IsZeroOnAPlane) {
   for (const bool paper : {false, true}) {
     LossFixture f = plane_fixture(kSlanted, 2);
-    f.settings.normal_consistency_weight = 1;
+    f.settings.weight[Loss::kNormalConsistency] = 1;
     f.settings.paper_normals = paper;
     MapGradients<double> g;
-    EXPECT_NEAR(f.run(g).normal_consistency, 0, 1e-12);
+    EXPECT_NEAR(f.run(g)[Loss::kNormalConsistency], 0, 1e-12);
     EXPECT_LT(largest(g), 1e-5);
   }
 }
@@ -71,42 +71,42 @@ TEST(NormalConsistency, IsOneMinusTheCosineOfTheAngle) {
         f.maps.distance[size_t(y) * 40 + x] = 2 * -dot(n, f.view.data.camera.ray(x + 0.5, y + 0.5));
       }
     }
-    f.settings.normal_consistency_weight = 1;
+    f.settings.weight[Loss::kNormalConsistency] = 1;
     f.settings.paper_normals = paper;
     MapGradients<double> g;
-    EXPECT_NEAR(f.run(g).normal_consistency, 0.5, 1e-6);
+    EXPECT_NEAR(f.run(g)[Loss::kNormalConsistency], 0.5, 1e-6);
   }
 }
 
 TEST(NormalConsistency, DoesNotDifferentiateAcrossADepthJump) {
   LossFixture f = folded(kFrontal, 2, kFrontal, 3);
-  f.settings.normal_consistency_weight = 1;
+  f.settings.weight[Loss::kNormalConsistency] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).normal_consistency, 0, 1e-12);
+  EXPECT_NEAR(f.run(g)[Loss::kNormalConsistency], 0, 1e-12);
   f.settings.paper_normals = true;
-  EXPECT_GT(f.run(g).normal_consistency, 0.05);  // as printed it does
+  EXPECT_GT(f.run(g)[Loss::kNormalConsistency], 0.05);  // as printed it does
 }
 
 TEST(NormalConsistency, DoesNotDifferentiateAcrossAHole) {
   LossFixture f = plane_fixture(kSlanted, 2);
   f.maps.alpha[size_t(5) * f.maps.width + 6] = 0.2;
-  f.settings.normal_consistency_weight = 1;
+  f.settings.weight[Loss::kNormalConsistency] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).normal_consistency, 0, 1e-12);
+  EXPECT_NEAR(f.run(g)[Loss::kNormalConsistency], 0, 1e-12);
   EXPECT_EQ(g.distance[size_t(5) * f.maps.width + 6], 0);
 }
 
 TEST(NormalConsistency, IsZeroWithFewerThanOnePercentValidPixels) {
   LossFixture f(14, 11);
   for (size_t i = 0; i < f.pixels(); ++i) f.maps.alpha[i] = i < 3 ? 0.9 : 0.3;  // no pixel has two neighbours
-  f.settings.normal_consistency_weight = 1;
+  f.settings.weight[Loss::kNormalConsistency] = 1;
   expect_zero(f);
 }
 
 TEST(NormalConsistency, CancelledNormalsHaveNoDirection) {
   LossFixture f(14, 11);
   for (double& v : f.maps.normal) v *= 0.05;
-  f.settings.prior_normal_weight = 1;
+  f.settings.weight[Loss::kPriorNormal] = 1;
   expect_zero(f);
 }
 
@@ -115,18 +115,18 @@ TEST(PriorNormal, IsOneMinusTheCosineOfTheAngle) {
   for (size_t i = 0; i < f.pixels(); ++i) {
     for (int c = 0; c < 3; ++c) f.view.prior_normal.data[3 * i + c] = static_cast<float>(kFrontal[c]);
   }
-  f.settings.prior_normal_weight = 1;
+  f.settings.weight[Loss::kPriorNormal] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).prior_normal, 0.5, 1e-12);
+  EXPECT_NEAR(f.run(g)[Loss::kPriorNormal], 0.5, 1e-12);
 }
 
 TEST(PriorNormal, IsZeroWithoutOne) {
   LossFixture f;
-  f.settings.prior_normal_weight = 1;
+  f.settings.weight[Loss::kPriorNormal] = 1;
   f.view.prior_normal = {};
   expect_zero(f);
   LossFixture empty;
-  empty.settings.prior_normal_weight = 1;
+  empty.settings.weight[Loss::kPriorNormal] = 1;
   std::fill(empty.view.prior_normal.data.begin(), empty.view.prior_normal.data.end(), 0.0f);
   expect_zero(empty);
 }
@@ -142,25 +142,25 @@ TEST(NormalBoundary, IsTheMeanPenaltyOverPairs) {
   for (const bool paper : {false, true}) {
     LossFixture f = plane_fixture(kFrontal, 2);
     f = folded(kFrontal, 2, turned(10), distance_through_seam(f, turned(10)));
-    f.settings.normal_boundary_weight = 1;
+    f.settings.weight[Loss::kNormalBoundary] = 1;
     f.settings.paper_normals = paper;
     MapGradients<double> g;
-    EXPECT_NEAR(f.run(g).normal_boundary, boundary_penalty(std::cos(10 * kRadian)), 1e-9);
+    EXPECT_NEAR(f.run(g)[Loss::kNormalBoundary], boundary_penalty(std::cos(10 * kRadian)), 1e-9);
   }
 }
 
 TEST(NormalBoundary, LeavesOutDepthJumpsUnlessAsPrinted) {
   LossFixture f = folded(kFrontal, 2, kFrontal, 3);
-  f.settings.normal_boundary_weight = 1;
+  f.settings.weight[Loss::kNormalBoundary] = 1;
   expect_zero(f);
   f.settings.paper_normals = true;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).normal_boundary, 0.5, 1e-9);
+  EXPECT_NEAR(f.run(g)[Loss::kNormalBoundary], 0.5, 1e-9);
 }
 
 TEST(NormalBoundary, IsZeroForOneLabel) {
   LossFixture f;
-  f.settings.normal_boundary_weight = 1;
+  f.settings.weight[Loss::kNormalBoundary] = 1;
   f.settings.paper_normals = true;
   std::fill(f.view.data.labels.data.begin(), f.view.data.labels.data.end(), uint16_t(7));
   expect_zero(f);
@@ -197,21 +197,21 @@ TEST(ClassifyEdge, MissingNormalsAreNothing) {
 TEST(Crease, SupervisesEachSideByItsOwnPrior) {
   LossFixture f = plane_fixture(kFrontal, 2);
   f = folded(kFrontal, 2, turned(50), distance_through_seam(f, turned(50)));
-  f.settings.crease_weight = 1;
+  f.settings.weight[Loss::kCrease] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).crease, 0, 1e-7);  // rendered as the prior says
+  EXPECT_NEAR(f.run(g)[Loss::kCrease], 0, 1e-7);  // rendered as the prior says
   for (int y = 0; y < f.maps.height; ++y) {
     set_normal(f, 5, y, turned(60));  // 2 px left of the edge; the prior there is frontal
   }
-  EXPECT_NEAR(f.run(g).crease, 0.5 / 2, 1e-7);  // half of the terms
+  EXPECT_NEAR(f.run(g)[Loss::kCrease], 0.5 / 2, 1e-7);  // half of the terms
 }
 
 TEST(Crease, SmoothsAcrossACoplanarEdge) {
   LossFixture f = folded(kFrontal, 2, kFrontal, 2);
   for (int y = 0; y < f.maps.height; ++y) set_normal(f, 7, y, turned(60));
-  f.settings.crease_weight = 1;
+  f.settings.weight[Loss::kCrease] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).crease, 0.5, 1e-9);
+  EXPECT_NEAR(f.run(g)[Loss::kCrease], 0.5, 1e-9);
 }
 
 TEST(Crease, ALoneEdgePixelCarriesLittle) {
@@ -220,21 +220,21 @@ TEST(Crease, ALoneEdgePixelCarriesLittle) {
     for (int x = 0; x < f.maps.width; ++x) f.view.data.labels.at(x, y) = kNoLabel;
   }
   set_normal(f, 7, 0, turned(60));
-  f.settings.crease_weight = 1;
+  f.settings.weight[Loss::kCrease] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(f.run(g).crease, 0.5 / (kCreaseMinimumShare * f.pixels()), 1e-9);
+  EXPECT_NEAR(f.run(g)[Loss::kCrease], 0.5 / (kCreaseMinimumShare * f.pixels()), 1e-9);
 }
 
 TEST(Crease, IsZeroForOneLabelOrWithoutPriors) {
   LossFixture f = plane_fixture(turned(60), 2);
-  f.settings.crease_weight = 1;
+  f.settings.weight[Loss::kCrease] = 1;
   expect_zero(f);
   LossFixture unknown = LossFixture();
-  unknown.settings.crease_weight = 1;
+  unknown.settings.weight[Loss::kCrease] = 1;
   unknown.view.data.labels = {};
   expect_zero(unknown);
   LossFixture no_prior;
-  no_prior.settings.crease_weight = 1;
+  no_prior.settings.weight[Loss::kCrease] = 1;
   no_prior.view.prior_normal = {};
   expect_zero(no_prior);
 }

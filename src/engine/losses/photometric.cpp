@@ -7,6 +7,7 @@
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/ssim.h"
+#include "engine/losses/terms/l1.h"
 
 namespace aligngs {
 namespace {
@@ -71,7 +72,7 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
   const T* render = mask.empty() ? in.maps.color.data() : workspace.masked_render.data();
 
   const double scale = 1.0 / (3.0 * static_cast<double>(counted));
-  const T step = static_cast<T>(static_cast<double>(in.settings.l1_weight) * scale);
+  const T step = static_cast<T>(static_cast<double>(in.settings.weight[Loss::kL1]) * scale);
   // L1 row by row while the row laid out for SSIM is in the cache. It is not part of SSIM's own rounds, which go by
   // channel. Its sum would have another order there, and a setting without SSIM would need this one as well.
   const std::array<double, 2> sums = sum_rows<2>(in.pool, height, workspace.row_sums, [&](int y) {
@@ -90,17 +91,15 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
     return row_sum;
   });
   terms.psnr = psnr_of(sums[1] * scale);
-  if (in.settings.l1_weight != 0) {
-    terms.l1 += sums[0] * scale;
-    terms.total += in.settings.l1_weight * sums[0] * scale;
+  if (in.settings.weight[Loss::kL1] != 0) {
+    terms.add(Loss::kL1, in.settings.weight[Loss::kL1], sums[0] * scale);
   }
-  if (in.settings.ssim_weight != 0) {
+  if (in.settings.weight[Loss::kSsim] != 0) {
     const SsimInputs<T> similarity{render, workspace.truth.data(), mask.empty() ? nullptr : &mask, width, height,
                                    in.pool};
-    const double loss = 1 - ssim(similarity, counted, static_cast<T>(in.settings.ssim_weight), workspace,
+    const double loss = 1 - ssim(similarity, counted, static_cast<T>(in.settings.weight[Loss::kSsim]), workspace,
                                  gradients.color.data());
-    terms.ssim += loss;
-    terms.total += in.settings.ssim_weight * loss;
+    terms.add(Loss::kSsim, in.settings.weight[Loss::kSsim], loss);
   }
 }
 

@@ -54,21 +54,21 @@ double plain_ssim(const LossFixture& f) {
 
 TEST(Photometric, AnOffsetOfATenthIsAnL1OfATenthAndTwentyDecibels) {
   LossFixture f = offset_fixture(0.1);
-  f.settings.l1_weight = 1;
+  f.settings.weight[Loss::kL1] = 1;
   MapGradients<double> g;
   const LossTerms terms = f.run(g);
-  EXPECT_NEAR(terms.l1, 0.1, 1e-12);
+  EXPECT_NEAR(terms[Loss::kL1], 0.1, 1e-12);
   EXPECT_NEAR(terms.psnr, 20, 1e-9);
   EXPECT_NEAR(g.color[0], 1 / (3.0 * f.pixels()), 1e-15);
 }
 
 TEST(Photometric, AnExactCopyHasNoLossNoGradientAndTheHighestPsnr) {
   LossFixture f = offset_fixture(0);
-  f.settings.l1_weight = f.settings.ssim_weight = 1;
+  f.settings.weight[Loss::kL1] = f.settings.weight[Loss::kSsim] = 1;
   MapGradients<double> g;
   const LossTerms terms = f.run(g);
-  EXPECT_EQ(terms.l1, 0);
-  EXPECT_NEAR(terms.ssim, 0, 1e-14);
+  EXPECT_EQ(terms[Loss::kL1], 0);
+  EXPECT_NEAR(terms[Loss::kSsim], 0, 1e-14);
   EXPECT_EQ(terms.psnr, kPsnrMaximum);
   EXPECT_LT(largest(g), 1e-14);
 }
@@ -77,7 +77,7 @@ TEST(Photometric, PsnrIsThatOfTheImageAsShown) {
   LossFixture f = offset_fixture(0);
   f.view.data.color.data[0] = 1;
   f.maps.color[0] = 1.7;  // shown as 1
-  f.settings.l1_weight = 1;
+  f.settings.weight[Loss::kL1] = 1;
   MapGradients<double> g;
   EXPECT_EQ(f.run(g).psnr, kPsnrMaximum);
 }
@@ -86,30 +86,30 @@ TEST(Ssim, AgreesWithItsDefinition) {
   for (const double offset : {0.0, 0.07}) {
     LossFixture f(24, 18, 5);
     for (double& v : f.maps.color) v += offset;
-    f.settings.ssim_weight = 1;
+    f.settings.weight[Loss::kSsim] = 1;
     MapGradients<double> g;
-    EXPECT_NEAR(1 - f.run(g).ssim, plain_ssim(f), 1e-12);
+    EXPECT_NEAR(1 - f.run(g)[Loss::kSsim], plain_ssim(f), 1e-12);
   }
 }
 
 TEST(Ssim, WorksOnImagesSmallerThanItsWindow) {
   LossFixture f(3, 2, 6);
-  f.settings.ssim_weight = 1;
+  f.settings.weight[Loss::kSsim] = 1;
   MapGradients<double> g;
-  EXPECT_NEAR(1 - f.run(g).ssim, plain_ssim(f), 1e-12);
+  EXPECT_NEAR(1 - f.run(g)[Loss::kSsim], plain_ssim(f), 1e-12);
 }
 
 TEST(Photometric, MaskedPixelsCountForNothing) {
   LossFixture f = offset_fixture(0.1);
-  f.settings.l1_weight = f.settings.ssim_weight = 1;
+  f.settings.weight[Loss::kL1] = f.settings.weight[Loss::kSsim] = 1;
   f.view.data.mask = ImageF(24, 18, 1, 1.0f);
   for (int y = 4; y < 9; ++y) f.view.data.mask.at(7, y) = 0;
   MapGradients<double> g;
   const LossTerms before = f.run(g);
   for (int y = 4; y < 9; ++y) f.maps.color[size_t(y) * 24 + 7] = 40;
   const LossTerms after = f.run(g);
-  EXPECT_NEAR(after.l1, 0.1, 1e-12);
-  EXPECT_EQ(after.ssim, before.ssim);
+  EXPECT_NEAR(after[Loss::kL1], 0.1, 1e-12);
+  EXPECT_EQ(after[Loss::kSsim], before[Loss::kSsim]);
   EXPECT_NEAR(after.psnr, 20, 1e-9);
 }
 

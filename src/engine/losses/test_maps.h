@@ -67,7 +67,7 @@ struct LossFixture {
       }
     }
     settings = LossSettings{};
-    settings.l1_weight = settings.ssim_weight = 0;
+    settings.weight[Loss::kL1] = settings.weight[Loss::kSsim] = 0;
   }
 
   size_t pixels() const { return maps.pixels(); }

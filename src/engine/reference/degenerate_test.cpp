@@ -14,11 +14,11 @@ template <class T>
 StepRequest full_request() {
   StepRequest r = make_request();
   r.raster.smooth_cutoff = false;
-  r.losses.flatten_weight = 100;
-  r.losses.opacity_l1_weight = 0.01f;
-  r.losses.scale_l1_weight = 0.01f;
-  r.losses.semantic_soft_weight = 1;
-  r.losses.semantic_hard_weight = 0.1f;
+  r.losses.weight[Loss::kFlatten] = 100;
+  r.losses.weight[Loss::kOpacityL1] = 0.01f;
+  r.losses.weight[Loss::kScaleL1] = 0.01f;
+  r.losses.weight[Loss::kSemanticSoft] = 1;
+  r.losses.weight[Loss::kSemanticHard] = 0.1f;
   return r;
 }
 
@@ -78,7 +78,7 @@ TYPED_TEST(Degenerate, NothingVisibleHasNoGradient) {
   GaussianModelT<TypeParam> model = make_model<TypeParam>();
   for (size_t i = 0; i < model.size(); ++i) model.positions[3 * i + 2] -= 100;
   StepRequest request = full_request<TypeParam>();
-  request.losses.opacity_l1_weight = request.losses.scale_l1_weight = 0;
+  request.losses.weight[Loss::kOpacityL1] = request.losses.weight[Loss::kScaleL1] = 0;
   const Gradients<TypeParam> g = gradients<TypeParam>(model, make_view(), request, 1.0, all_maps<TypeParam>());
   EXPECT_EQ(g.visible, 0u);
   expect_finite(g);
@@ -103,7 +103,7 @@ TYPED_TEST(Degenerate, HugeAndTinyScales) {
     for (int k = 0; k < 3; ++k) model.log_scales[3 * 1 + k] = TypeParam(log_scale);
     // Regularisers of an infinite scale would be infinite, and rightly so: they are looked at elsewhere.
     StepRequest request = full_request<TypeParam>();
-    request.losses.scale_l1_weight = 0;
+    request.losses.weight[Loss::kScaleL1] = 0;
     const Gradients<TypeParam> g = gradients<TypeParam>(model, make_view(), request, 1.0, all_maps<TypeParam>());
     SCOPED_TRACE(log_scale);
     expect_finite(g);
@@ -197,7 +197,7 @@ TYPED_TEST(Degenerate, NonFiniteRowIsReportedAndSpreadsNowhere) {
   GaussianModelT<T> without = base;
   without.opacity_logits[3] = T(-500);
   StepRequest request = full_request<T>();
-  request.losses.opacity_l1_weight = request.losses.scale_l1_weight = 0;
+  request.losses.weight[Loss::kOpacityL1] = request.losses.weight[Loss::kScaleL1] = 0;
   const auto run_it = [&](const GaussianModelT<T>& m) {
     return gradients<T>(m, make_view(), request, 1.0, all_maps<T>());
   };

@@ -104,9 +104,9 @@ inline StepRequest make_request() {
   r.raster.background[0] = 0.3f;
   r.raster.background[1] = 0.1f;
   r.raster.background[2] = 0.6f;
-  r.losses.flatten_weight = 0;
-  r.losses.semantic_soft_weight = 0;
-  r.losses.semantic_hard_weight = 0;
+  r.losses.weight[Loss::kFlatten] = 0;
+  r.losses.weight[Loss::kSemanticSoft] = 0;
+  r.losses.weight[Loss::kSemanticHard] = 0;
   return r;
 }
 

@@ -8,22 +8,7 @@ namespace {
 
 using namespace testing_scene;
 
-struct Term {
-  const char* name;
-  float LossSettings::*weight;
-  double LossTerms::*value;
-  bool geometry;  ///< does not depend on colour
-};
-const Term kTerms[] = {
-    {"l1", &LossSettings::l1_weight, &LossTerms::l1, false},
-    {"ssim", &LossSettings::ssim_weight, &LossTerms::ssim, false},
-    {"pearson", &LossSettings::pearson_weight, &LossTerms::pearson, true},
-    {"log_depth", &LossSettings::log_depth_weight, &LossTerms::log_depth, true},
-    {"normal_consistency", &LossSettings::normal_consistency_weight, &LossTerms::normal_consistency, true},
-    {"normal_boundary", &LossSettings::normal_boundary_weight, &LossTerms::normal_boundary, true},
-    {"crease", &LossSettings::crease_weight, &LossTerms::crease, true},
-    {"prior_normal", &LossSettings::prior_normal_weight, &LossTerms::prior_normal, true},
-};
+constexpr auto kOneView = losses_of(LossStage::kColor, LossStage::kGeometry);
 
 /// Flat Gaussians that face the camera and fill the image: two overlapping sheets that meet in a fold. Plane depth is
 /// valid everywhere and no guard is active.
@@ -72,25 +57,25 @@ TrainingView make_loss_view() {
   return v;
 }
 
-class ThroughLoss : public testing::TestWithParam<std::tuple<int, bool>> {};
+class ThroughLoss : public testing::TestWithParam<std::tuple<Loss, bool>> {};
 
 TEST_P(ThroughLoss, EveryParameterMatchesDifferences) {
-  const Term& term = kTerms[std::get<0>(GetParam())];
+  const Loss loss = std::get<0>(GetParam());
   const TrainingView view = make_loss_view();
   const Model model = sheets(view.data.camera);
   StepRequest request = make_request();
-  request.losses.l1_weight = request.losses.ssim_weight = 0;
-  request.losses.*term.weight = 0.7f;
+  request.losses.weight[Loss::kL1] = request.losses.weight[Loss::kSsim] = 0;
+  request.losses.weight[loss] = 0.7f;
   request.losses.paper_normals = std::get<1>(GetParam());
   const Gradients<double> g = gradients(model, view, request, 0.0);
-  EXPECT_GT(g.losses.*term.value, 0.0);
+  EXPECT_GT(g.losses[loss], 0.0);
   for (const ParameterClass& c : parameter_classes()) {
     if (c.values == &Model::semantics) continue;
     const Comparison found = compare(
         c, model, g.gradient, [&](const Model& m) { return gradients(m, view, request, 0.0).losses.total; }, 1e-6);
     if (c.values != &Model::sh) {
       EXPECT_GT(found.largest, 1e-6) << c.name;
-    } else if (term.geometry) {
+    } else if (row_of(loss).stage == LossStage::kGeometry) {
       EXPECT_EQ(found.largest, 0.0) << c.name;
     }
     EXPECT_LT(found.worst, 1e-5) << found.where;
@@ -114,9 +99,9 @@ TEST(ThroughDropout, EveryParameterMatchesDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Gradients, ThroughLoss, testing::Combine(testing::Range(0, 8), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Gradients, ThroughLoss, testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
                          [](const auto& each) {
-                           return std::string(kTerms[std::get<0>(each.param)].name) +
+                           return std::string(row_of(std::get<0>(each.param)).name) +
                                   (std::get<1>(each.param) ? "_paper" : "_default");
                          });
 

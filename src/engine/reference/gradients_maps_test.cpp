@@ -114,7 +114,7 @@ TEST(Gradients, StatisticsTakePhotometricGradientsOnly) {
   StepRequest request = make_request();
   const Gradients<double> geometry = gradients(model, view, request, 0.0, map_probe("normal"));
   for (float value : geometry.statistics.gradient) EXPECT_EQ(value, 0.0f);
-  request.losses.semantic_soft_weight = 1;
+  request.losses.weight[Loss::kSemanticSoft] = 1;
   request.losses.coupling = SemanticCoupling::kPlain;
   request.losses.coupling_strength = 1;
   const Gradients<double> color = gradients(model, view, request, 0.0, map_probe("color"));

@@ -24,8 +24,8 @@ const Mode kModes[] = {{"LogitsPlain", SemanticBlend::kLogits, SemanticCoupling:
 
 StepRequest semantic_request(const Mode& mode) {
   StepRequest r = make_request();
-  r.losses.semantic_soft_weight = 1.0f;
-  r.losses.semantic_hard_weight = 0.25f;
+  r.losses.weight[Loss::kSemanticSoft] = 1.0f;
+  r.losses.weight[Loss::kSemanticHard] = 0.25f;
   r.losses.semantic_blend = mode.blend;
   r.losses.coupling = mode.coupling;
   r.losses.coupling_strength = 0.5f;

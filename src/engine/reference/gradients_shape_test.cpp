@@ -18,7 +18,7 @@ void expect_matches(const Model& model, const Gradients<double>& g, const std::f
 TEST(ShapeTerms, FlatteningMatchesDifferences) {
   const Model model = make_model<double>();
   StepRequest request = make_request();
-  request.losses.flatten_weight = 100;
+  request.losses.weight[Loss::kFlatten] = 100;
   const auto loss = [&](const Model& m) {
     return gradients(m, make_view(), request, 0.0, no_map_loss()).losses.total;
   };
@@ -27,7 +27,7 @@ TEST(ShapeTerms, FlatteningMatchesDifferences) {
   for (size_t i = 0; i < model.size(); ++i) {
     mean += std::exp(*std::min_element(&model.log_scales[3 * i], &model.log_scales[3 * i] + 3)) / 8;
   }
-  EXPECT_NEAR(g.losses.flatten, mean / request.extent, 1e-12);
+  EXPECT_NEAR(g.losses[Loss::kFlatten], mean / request.extent, 1e-12);
   expect_matches(model, g, loss);
 }
 
@@ -35,7 +35,7 @@ TEST(ShapeTerms, FlatteningAveragesOverVisibleGaussiansOnly) {
   Model model = make_model<double>();
   for (int k = 0; k < 3; ++k) model.positions[k] += 100;  // far outside the image
   StepRequest request = make_request();
-  request.losses.flatten_weight = 100;
+  request.losses.weight[Loss::kFlatten] = 100;
   const Gradients<double> g = gradients(model, make_view(), request, 0.0, no_map_loss());
   EXPECT_EQ(g.visible, 7u);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(g.gradient.log_scales[k], 0.0);
@@ -44,11 +44,11 @@ TEST(ShapeTerms, FlatteningAveragesOverVisibleGaussiansOnly) {
 TEST(ShapeTerms, OpacityAndScaleRegularisersMatchDifferences) {
   const Model model = make_model<double>();
   StepRequest request = make_request();
-  request.losses.opacity_l1_weight = 0.7f;
-  request.losses.scale_l1_weight = 1.3f;
+  request.losses.weight[Loss::kOpacityL1] = 0.7f;
+  request.losses.weight[Loss::kScaleL1] = 1.3f;
   const Gradients<double> g = gradients(model, make_view(), request, 0.0, no_map_loss());
-  EXPECT_GT(g.losses.opacity_l1, 0);
-  EXPECT_GT(g.losses.scale_l1, 0);
+  EXPECT_GT(g.losses[Loss::kOpacityL1], 0);
+  EXPECT_GT(g.losses[Loss::kScaleL1], 0);
   expect_matches(model, g,
                  [&](const Model& m) { return gradients(m, make_view(), request, 0.0, no_map_loss()).losses.total; });
 }
@@ -58,11 +58,11 @@ TEST(ShapeTerms, OpacityAndScaleRegularisersMatchDifferences) {
 TEST(ShapeTerms, TheWholeGradientIsThatOfTheTotal) {
   const Model model = make_model<double>();
   StepRequest request = make_request();
-  request.losses.flatten_weight = 100;
-  request.losses.opacity_l1_weight = 0.01f;
-  request.losses.scale_l1_weight = 0.01f;
-  request.losses.semantic_soft_weight = 1;
-  request.losses.semantic_hard_weight = 0.1f;
+  request.losses.weight[Loss::kFlatten] = 100;
+  request.losses.weight[Loss::kOpacityL1] = 0.01f;
+  request.losses.weight[Loss::kScaleL1] = 0.01f;
+  request.losses.weight[Loss::kSemanticSoft] = 1;
+  request.losses.weight[Loss::kSemanticHard] = 0.1f;
   request.losses.coupling = SemanticCoupling::kPlain;
   request.losses.coupling_strength = 1;
   const MapLossFunction<double> color = [](const RenderMaps<double>& m, LossTerms& terms, MapGradients<double>& d) {

@@ -64,28 +64,27 @@ void shape_terms(const Splats<T>& s, const std::vector<uint8_t>& touched, size_t
   for (size_t i = 0; i < n; ++i) {
     const GaussianShape<T>& g = s.shapes[i];
     if (s.projections[i].status == ProjectionStatus::kNonFinite) continue;
-    if (set.flatten_weight != 0 && touched[i]) {
+    if (set.weight[Loss::kFlatten] != 0 && touched[i]) {
       const T value = flatten_value(g.log_scale, extent);
       flatten += static_cast<double>(value) / visible;
-      gradient.log_scales[3 * i + smallest_axis(g.log_scale)] += T(set.flatten_weight) * value / T(visible);
+      gradient.log_scales[3 * i + smallest_axis(g.log_scale)] += T(set.weight[Loss::kFlatten]) * value / T(visible);
     }
-    if (set.opacity_l1_weight != 0) {
+    if (set.weight[Loss::kOpacityL1] != 0) {
       T derivative;
       opacity += static_cast<double>(opacity_of_logit(g.opacity_logit, derivative)) / n;
-      gradient.opacity_logits[i] += T(set.opacity_l1_weight) * derivative / T(n);
+      gradient.opacity_logits[i] += T(set.weight[Loss::kOpacityL1]) * derivative / T(n);
     }
-    if (set.scale_l1_weight != 0) {
+    if (set.weight[Loss::kScaleL1] != 0) {
       for (int k = 0; k < 3; ++k) {
         const T value = scale_value(g.log_scale[k], extent);
         scale += static_cast<double>(value) / (3 * n);
-        gradient.log_scales[3 * i + k] += T(set.scale_l1_weight) * value / T(3 * n);
+        gradient.log_scales[3 * i + k] += T(set.weight[Loss::kScaleL1]) * value / T(3 * n);
       }
     }
   }
-  terms.flatten += flatten;
-  terms.opacity_l1 += opacity;
-  terms.scale_l1 += scale;
-  terms.total += set.flatten_weight * flatten + set.opacity_l1_weight * opacity + set.scale_l1_weight * scale;
+  terms.add(Loss::kFlatten, set.weight[Loss::kFlatten], flatten);
+  terms.add(Loss::kOpacityL1, set.weight[Loss::kOpacityL1], opacity);
+  terms.add(Loss::kScaleL1, set.weight[Loss::kScaleL1], scale);
 }
 
 inline double rms_over(size_t visible, double sum_of_squares) {
@@ -269,9 +268,8 @@ Gradients<T> gradients(const GaussianModelT<T>& model, const TrainingView& view,
   out.photometric_mean_abs = sums.mean_abs;
   out.statistics = detail::density_contribution(s, sums);
 
-  out.losses.semantic_soft += semantics.soft;
-  out.losses.semantic_hard += semantics.hard;
-  out.losses.total += set.semantic_soft_weight * semantics.soft + set.semantic_hard_weight * semantics.hard;
+  out.losses.add(Loss::kSemanticSoft, set.weight[Loss::kSemanticSoft], semantics.soft);
+  out.losses.add(Loss::kSemanticHard, set.weight[Loss::kSemanticHard], semantics.hard);
   out.coupling_value = semantics.surrogate;
   detail::shape_terms(s, sums.touched, out.visible, request, out.losses, out.gradient);
   return out;

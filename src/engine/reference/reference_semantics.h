@@ -34,7 +34,7 @@ struct SemanticPass {
   /// On with a teacher of the model's number of classes, a weight and at least one valid pixel.
   SemanticPass(const GaussianModelT<T>& model, const TrainingView& training_view, const LossSettings& loss)
       : view(training_view), settings(loss) {
-    const bool wanted = loss.semantic_soft_weight != 0 || loss.semantic_hard_weight != 0;
+    const bool wanted = loss.weight[Loss::kSemanticSoft] != 0 || loss.weight[Loss::kSemanticHard] != 0;
     if (!wanted || model.semantic_channels == 0 || view.data.semantics.channels != model.semantic_channels) return;
     channels = model.semantic_channels;
     valid = count_semantic_pixels(view.data);
@@ -69,8 +69,8 @@ struct SemanticPass {
     }
 
     const bool probabilities = settings.semantic_blend == SemanticBlend::kProbabilities;
-    const SemanticWeights<T> weights{T(settings.semantic_soft_weight) * pixel_weight,
-                                     T(settings.semantic_hard_weight) * pixel_weight};
+    const SemanticWeights<T> weights{T(settings.weight[Loss::kSemanticSoft]) * pixel_weight,
+                                     T(settings.weight[Loss::kSemanticHard]) * pixel_weight};
     out.row_gradient.resize(channels);
     const SemanticTerms<T> terms =
         probabilities ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), channels, weights,

@@ -37,8 +37,8 @@ void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTab
   map_losses(arena, in, {{d_color.span(), d_normal.span(), d_distance.span(), {}}, residual.span(), terms.span()});
   const LossTerms got = terms.to_host()[0];
   const CudaTolerance t;
-  for (const NamedTerm& term : map_terms()) {
-    table.compare_number("map_losses", term.name, got.*term.term, step.map_terms.*term.term, absolute(tight(t.loss)));
+  for (const Loss loss : losses_of(LossStage::kColor, LossStage::kGeometry)) {
+    table.compare_number("map_losses", row_of(loss).name.data(), got[loss], step.map_terms[loss], absolute(tight(t.loss)));
   }
   table.compare_number("map_losses", "psnr", got.psnr, step.map_terms.psnr, absolute(tight(t.psnr)));
   table.compare("map_losses", "d colour", d_color.to_host(), step.gradients.color, tight(t.gradient));
@@ -169,24 +169,6 @@ void compare_parameter_gradients(cuda::DeviceContext& context, const CpuStep& st
 }
 
 }  // namespace
-
-const std::vector<NamedTerm>& map_terms() {
-  static const std::vector<NamedTerm> terms = {{"l1", &LossTerms::l1},
-                                               {"ssim", &LossTerms::ssim},
-                                               {"pearson", &LossTerms::pearson},
-                                               {"log depth", &LossTerms::log_depth},
-                                               {"normal consistency", &LossTerms::normal_consistency},
-                                               {"normal boundary", &LossTerms::normal_boundary},
-                                               {"crease", &LossTerms::crease},
-                                               {"prior normal", &LossTerms::prior_normal}};
-  return terms;
-}
-
-const std::vector<NamedTerm>& shape_terms() {
-  static const std::vector<NamedTerm> terms = {
-      {"flatten", &LossTerms::flatten}, {"opacity", &LossTerms::opacity_l1}, {"scale", &LossTerms::scale_l1}};
-  return terms;
-}
 
 void compare_backward(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
   compare_map_losses(context, step, table);

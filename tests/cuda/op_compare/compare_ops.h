@@ -22,14 +22,6 @@ void compare_engines(int device, const CompareScene& scene, OpTable& table);
 void compare_fusion(int device, OpTable& table);
 void compare_networks(int device, OpTable& table);
 
-/// Names, pointers to members of LossTerms.
-struct NamedTerm {
-  const char* name;
-  double LossTerms::*term;
-};
-const std::vector<NamedTerm>& map_terms();
-const std::vector<NamedTerm>& shape_terms();
-
 template <class T>
 std::vector<std::remove_const_t<T>> to_host(const cuda::DeviceContext& context, cuda::DeviceSpan<T> span) {
   std::vector<std::remove_const_t<T>> out(span.size);

@@ -82,7 +82,7 @@ cpu::ReduceInputs CpuStep::reduce_inputs(const StepRequest& request) const {
 
 void CpuStep::run_reduction() {
   StepRequest plain = scene.request;
-  plain.losses.flatten_weight = plain.losses.opacity_l1_weight = plain.losses.scale_l1_weight = 0;
+  plain.losses.weight[Loss::kFlatten] = plain.losses.weight[Loss::kOpacityL1] = plain.losses.weight[Loss::kScaleL1] = 0;
   LossTerms none;
   cpu::ReduceTotals same;
   parameters.touched = with_shape.touched = view.cpu_gradients.touched;

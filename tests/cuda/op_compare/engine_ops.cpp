@@ -66,16 +66,13 @@ void compare_step(Engines& engines, const CompareScene& scene, OpTable& table) {
   table.compare_number(op, "visible", static_cast<double>(got.visible), static_cast<double>(want.visible),
                        tight(t.flips));
   table.compare_number(op, "coupling scale", got.coupling_scale, want.coupling_scale, exact());
-  for (const auto* terms : {&map_terms(), &shape_terms()}) {
-    for (const NamedTerm& term : *terms) {
-      const bool of_normals = std::string(term.name) == "normal consistency";
-      table.compare_number(op, term.name, got.losses.*term.term, want.losses.*term.term,
-                           absolute(tight(of_normals ? t.normal_consistency : t.loss)));
-    }
+  for (const Loss loss : losses_of(LossStage::kColor, LossStage::kGeometry, LossStage::kShape)) {
+    table.compare_number(op, row_of(loss).name.data(), got.losses[loss], want.losses[loss],
+                         absolute(tight(loss == Loss::kNormalConsistency ? t.normal_consistency : t.loss)));
   }
-  table.compare_number(op, "soft loss", got.losses.semantic_soft, want.losses.semantic_soft,
+  table.compare_number(op, "soft loss", got.losses[Loss::kSemanticSoft], want.losses[Loss::kSemanticSoft],
                        absolute(loose(t.semantic_loss)));
-  table.compare_number(op, "hard loss", got.losses.semantic_hard, want.losses.semantic_hard,
+  table.compare_number(op, "hard loss", got.losses[Loss::kSemanticHard], want.losses[Loss::kSemanticHard],
                        absolute(loose(t.semantic_loss)));
   const bool semantics = scene.model.semantic_channels > 0;
   compare_models(op, "d ", engines.device.last_gradients(), engines.cpu.last_gradients(),

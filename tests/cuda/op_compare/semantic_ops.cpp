@@ -72,8 +72,8 @@ class SemanticOps {
     in.blend = losses.semantic_blend;
     in.coupling = losses.coupling;
     in.couple = true;
-    in.soft_weight = losses.semantic_soft_weight;
-    in.hard_weight = losses.semantic_hard_weight;
+    in.soft_weight = losses.weight[Loss::kSemanticSoft];
+    in.hard_weight = losses.weight[Loss::kSemanticHard];
     in.sample = losses.semantic_sample;
     in.method = method;
     semantic_visit(context_, in, {row_slots.span(), coupling.span(), seen.span(), tile_terms.span(), terms.span()});

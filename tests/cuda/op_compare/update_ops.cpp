@@ -52,9 +52,8 @@ void compare_shape_terms(cuda::DeviceContext& context, const CpuStep& step, OpTa
                   {gradients.spans(), terms.span(), bad.span()});
   const LossTerms got = terms.to_host()[0];
   const CudaTolerance t;
-  for (const NamedTerm& term : shape_terms()) {
-    table.compare_number("shape_terms", term.name, got.*term.term, step.shape_terms.*term.term,
-                         absolute(tight(t.loss)));
+  for (const Loss loss : losses_of(LossStage::kShape)) {
+    table.compare_number("shape_terms", row_of(loss).name.data(), got[loss], step.shape_terms[loss], absolute(tight(t.loss)));
   }
   table.compare("shape_terms", "d log scales", gradients.log_scales.to_host(), step.with_shape.log_scales,
                 tight(t.gradient));
