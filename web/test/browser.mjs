@@ -73,16 +73,7 @@ export async function open(browser, url, { width = 800, height = 480, shots = ''
   await page.waitForFunction(() => window.aligngs?.ready, null, { timeout: 60000 });
   await page.evaluate(() => window.aligngs.ready);
   // Waits until sorting and drawing have ended, then reads the canvas.
-  const settle = async () => {
-    let before = -1;
-    for (let i = 0; i < 100; ++i) {
-      await page.waitForTimeout(400);
-      const now = await page.evaluate(() => { const v = window.aligngs.viewer; return v.settled || v.showsMesh ? v.frames : -1; });
-      if (now === before && now >= 0) return;
-      before = now;
-    }
-    throw new Error('the picture does not settle');
-  };
+  const settle = () => page.waitForFunction(() => window.aligngs.viewer.resting, null, { polling: 30, timeout: 40000 });
   const picture = async (w = 160, h = 90) => {
     await settle();
     return page.evaluate(([w, h]) => {
