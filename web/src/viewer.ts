@@ -133,10 +133,10 @@ export class Viewer {
   /// The view at a size of its own, as a PNG file; what is on the screen stays.
   async picture(width: number, height: number): Promise<Blob> {
     const { app } = this;
-    app.setCanvasResolution(RESOLUTION_FIXED, width, height);
     try {
       this.setQuality(false);
       app.setCanvasResolution(RESOLUTION_FIXED, width, height);
+      app.graphicsDevice.setResolution(width, height); // whatever the pixels of the screen are
       for (const end = performance.now() + kPictureTime; ;) {
         this.draw();
         await new Promise(requestAnimationFrame);

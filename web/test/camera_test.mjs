@@ -8,7 +8,7 @@ const { program, run, shots, folder } = settings();
 if (!run || !existsSync(run)) skip('no run was given');
 const { server, url } = await serve(program, run);
 await withBrowser(async (browser) => {
-  const { page, complaints, picture, settle, shot, message } = await open(browser, url, { shots, prefix: 'camera_', width: 900, height: 520 });
+  const { page, complaints, picture, settle, shot, message } = await open(browser, url, { shots, prefix: 'camera_', density: 0.5, width: 900, height: 520 });
   const saved = async (button, name) => {
     const [file] = await Promise.all([page.waitForEvent('download', { timeout: 60000 }), page.locator(button).click()]);
     await file.saveAs(join(folder, name));
