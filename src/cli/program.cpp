@@ -140,7 +140,7 @@ int run_program(int argc, char** argv) {
   } catch (const Error& error) {
     return report_error(error, context.global.json);
   } catch (const std::bad_alloc&) {
-    return report_error(Error({ErrorKind::kResources, "out of memory", {}, {}, "use fewer Gaussians or smaller images (--set train.max_gaussians, --set data.scale)"}),
+    return report_error(Error({ErrorKind::kResources, "out of memory", {}, {}, "use fewer Gaussians or smaller images (--set densify.max_gaussians, --set data.scale)"}),
                         context.global.json);
   } catch (const std::filesystem::filesystem_error& error) {
     return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}), context.global.json);

@@ -51,6 +51,7 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
     run_.reset();
     require_plain_run(folder_);
     run_.emplace(open_run(folder_, options_));
+    run_->forget_model();
     opened_ = checkpoint;
   }
   const std::vector<View>& views = run_->scene.views;

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/look_at.h"
 #include "scene/triangle_mesh.h"
 #include "synth/mesh_builder.h"
 #include "synth/shading.h"
-#include "synth/trajectory.h"
 
 namespace aligngs {
 namespace {

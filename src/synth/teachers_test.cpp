@@ -3,13 +3,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "scene/look_at.h"
 #include "scene/triangle_mesh.h"
 #include "synth/image_degradation.h"
 #include "synth/noise.h"
 #include "synth/teacher_geometry.h"
 #include "synth/teacher_monodepth.h"
 #include "synth/teacher_semantic.h"
-#include "synth/trajectory.h"
 #include "synth/world_bend.h"
 
 namespace aligngs {

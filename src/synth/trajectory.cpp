@@ -5,6 +5,7 @@
 
 #include "core/angles.h"
 #include "core/error.h"
+#include "scene/look_at.h"
 #include "synth/free_space.h"
 
 namespace aligngs {
@@ -329,17 +330,6 @@ bool camera_sees(const RoomRays& scene, const Camera& camera, const Vec3d& point
   const Vec3d q = camera.world_to_camera * point;
   if (q.z <= 0.05 || !camera.contains(camera.project(q))) return false;
   return scene.visible(camera.centre(), point, slack);
-}
-
-Rigidd look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double roll_degrees) {
-  const Vec3d z = normalized(target - eye);
-  Vec3d x = normalized(cross(z, up));
-  Vec3d y = cross(z, x);
-  const double a = roll_degrees * kPi / 180;
-  const Vec3d xr = x * std::cos(a) + y * std::sin(a);
-  y = cross(z, xr);
-  const Mat3d r{{xr.x, xr.y, xr.z, y.x, y.y, y.z, z.x, z.y, z.z}};
-  return {r, -(r * eye)};
 }
 
 std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptions& options, ThreadPool& pool) {

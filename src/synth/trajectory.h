@@ -43,7 +43,4 @@ std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptio
 /// Whether `camera` sees the world point: in the image, in front, not hidden. `slack`: metres of tolerance.
 bool camera_sees(const RoomRays& scene, const Camera& camera, const Vec3d& point, double slack = 0.02);
 
-/// OpenCV camera at `eye` looking at `target`, turned about its axis by `roll_degrees`. `up` is a unit vector.
-Rigidd look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, double roll_degrees = 0);
-
 }  // namespace aligngs

@@ -43,6 +43,8 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_selection", "exclusion", "everything but wall, floor");
   seed("fuzz_room_list", "table", "# room\nkitchen\tphotos/kitchen\t--method colmap\ntrial\tdemo\t-n 50 --config 'a b.toml'\n");
   seed("fuzz_room_list", "tables", "options = [\"-n\", \"50\"]\n[[room]]\nname = \"a\"\nsource = \"demo\"\noptions = \"--strict\"\n");
+  seed("fuzz_camera_path", "keys.json", R"({"format": "aligngs camera path", "version": 1, "keys": [{"time": 0, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62},
+    {"time": 2.5, "eye": [1, 1.5, -1], "target": [0, 1, 0]}, {"time": 4, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62}]})");
   std::filesystem::remove_all(scratch);
 }
 

@@ -12,6 +12,7 @@ const kStroll = 0.22;          // of the room's diagonal a second: 1.4 m/s in a 
 const kLeastDistance = 0.15;   // scene units between eye and target
 const kMostDistance = 1.6;     // of the room's diagonal: farther off there is nothing to see
 const kClick = 6;              // pixels that a click may wander
+const kPause = 1000;           // milliseconds without a move, while a pointer is held, that count as rest
 const kFromWall = 0.25;        // scene units between the eye and a wall while walking
 
 /// Keys that move for as long as they are held: right, up, forward, turn to the left.
@@ -31,6 +32,7 @@ export class Navigation {
   private pitch = 0; // degrees, positive looks down
   private pointers = new Map<number, { x: number; y: number }>();
   private moved = 0;
+  private dragged = 0; // time of the last drag
   private held = new Set<string>();
   private last = 0; // time of the last step of held keys, 0: none is held
 
@@ -53,7 +55,8 @@ export class Navigation {
     window.addEventListener('blur', () => this.held.clear());
   }
 
-  get dragging(): boolean { return this.pointers.size > 0; }
+  /// A key, the stick or a pointer moves the camera now.
+  get moving(): boolean { return this.last > 0 || (this.pointers.size > 0 && this.moved >= kClick && performance.now() - this.dragged < kPause); }
   get pose(): Pose { return { eye: this.camera.getPosition().clone(), target: this.target.clone() }; }
 
   setMode(mode: Mode): void {
@@ -142,6 +145,7 @@ export class Navigation {
     if (!before) return;
     const dx = e.clientX - before.x, dy = e.clientY - before.y;
     this.moved += Math.abs(dx) + Math.abs(dy);
+    this.dragged = performance.now();
     const others = [...this.pointers].filter(([id]) => id !== e.pointerId).map(([, p]) => p);
     const gap = () => Math.hypot(before.x - others[0].x, before.y - others[0].y);
     if (others.length > 0) {

@@ -11,6 +11,8 @@ import { lookedAt } from './looked_at';
 import { Messages } from './messages';
 import { Navigation, type Mode, type Pose } from './navigation';
 import { ObjectList } from './object_list';
+import { PathPanel } from './path_panel';
+import { bindPicture } from './picture';
 import { Plan } from './plan';
 import { poseOf, SavedViews } from './saved_views';
 import { SceneLoader } from './scene_loader';
@@ -43,6 +45,7 @@ export class Page {
   readonly comparison: Comparison;
   readonly plan = new Plan((place) => this.goTo(place));
   readonly views: SavedViews;
+  readonly path: PathPanel;
 
   constructor(private viewer: Viewer) {
     this.navigation = new Navigation(viewer.camera, viewer.canvas, () => viewer.moved(), (x, y) => this.clicked(x, y));
@@ -53,6 +56,17 @@ export class Page {
     });
     this.selection = new Selection(viewer, this.objects);
     this.views = new SavedViews(() => this.navigation.pose, (pose) => this.look(pose.eye, pose.target), (text) => this.messages.show(text));
+    this.path = new PathPanel({
+      get: () => {
+        const { eye, target } = this.navigation.pose;
+        return { eye: viewer.fromWorld(eye, true), target: viewer.fromWorld(target, true), fov: viewer.camera.camera!.fov };
+      },
+      show: (key) => viewer.lookFrom(viewer.toWorld(key.eye), viewer.toWorld(key.target), key.fov),
+      begin: () => { this.comparison.end(); this.selection.clear(); this.navigation.enabled = false; },
+      end: (key) => { this.look(viewer.toWorld(key.eye), viewer.toWorld(key.target)); viewer.lookFrom(viewer.toWorld(key.eye), viewer.toWorld(key.target), key.fov); },
+    }, this.messages);
+    bindPicture(viewer, this.messages);
+    viewer.moving = () => this.navigation.moving;
     viewer.onPose = () => { this.selection.hover(null); this.markPlan(); };
     this.bindControls();
   }
@@ -99,6 +113,7 @@ export class Page {
       if (!s.edited) this.setOriginal(false);
       this.comparison.refresh(s);
       this.views.open(s.name);
+      this.path.restore(s.name);
       await this.plan.refresh(s.room, s.version).catch(() => {});
       await this.loadShown();
       element<HTMLButtonElement>('show-mesh').disabled = !s.mesh;
@@ -318,7 +333,8 @@ export class Page {
   }
 
   private escape(): void {
-    if (!element('plan').hidden) this.togglePlan();
+    if (this.path.playing) this.path.toggle();
+    else if (!element('plan').hidden) this.togglePlan();
     else if (this.ruler) this.toggleRuler();
     else if (this.comparison.camera) this.startPose();
     else if (this.navigation.mode === 'walk') this.setMode('orbit');
@@ -336,6 +352,7 @@ export class Page {
       action: () => this.overlay(Number(element<HTMLInputElement>('overlay').value) > 0 ? 0 : 70) },
     { keys: ['c'], shown: 'c', does: 'cameras', here: () => (this.state.cameras ?? []).length > 0, action: () => this.toggleFrusta() },
     { keys: ['m'], shown: 'm', does: 'measure', action: () => this.toggleRuler() },
+    { keys: ['k'], shown: 'k', does: 'add the view to the camera path', action: () => this.path.add() },
     { keys: ['n', 'p'], shown: 'n, p', does: 'next, previous photo', here: () => !kExported && (this.state.cameras ?? []).length > 0,
       action: (key) => this.comparison.next(key === 'n' ? 1 : -1) },
     { keys: ['/'], shown: '/', does: 'type an edit', here: () => this.state.editable, action: () => { this.openPanel(true); element('edit-text').focus(); } },

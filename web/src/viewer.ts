@@ -2,12 +2,13 @@
 // PlayCanvas.
 import {
   AppBase, AppOptions, CameraComponentSystem, Color, Entity, type EventHandler, FILLMODE_NONE, FILTER_NEAREST, GSplatComponentSystem,
-  GSplatHandler, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RenderComponentSystem, StandardMaterial, Texture,
+  GSplatHandler, Mesh, MeshInstance, PIXELFORMAT_RGBA8, Quat, RESOLUTION_AUTO, RESOLUTION_FIXED, RenderComponentSystem, StandardMaterial, Texture,
   TextureHandler, Vec3, createGraphicsDevice,
 } from 'playcanvas';
 import { request, type CameraInfo } from './api';
 import { type Columns } from './columns';
 import { parseMeshPly, type PlyMesh } from './mesh_ply';
+import { MovingQuality } from './moving_quality';
 import { kLeastAlpha, pickSplat, type Hit, type Splats } from './pick';
 import { RoomBox } from './room_box';
 import { kStyles, objectKey, SplatLayer } from './splat_layer';
@@ -17,11 +18,12 @@ export interface ClassStyle { color: [number, number, number]; visible: boolean;
 
 const kLinear = Uint8Array.from({ length: 256 }, (_, i) => Math.round(255 * (i / 255) ** 2.2)); // sRGB to linear
 const kMostPixelRatio = 1.5;     // device pixels a CSS pixel: more is not seen and costs time
-const kMovingResolution = 0.6;   // of the pixels in each direction while the camera moves
-const kSharpAfter = 200;         // milliseconds of rest
+const kMovingAlpha = 1 / 32;     // opacity below which a splat is not drawn then
+const kLeastSize = 2, kMovingSize = 3; // pixels below which a splat is not drawn, at rest and while the camera moves
 const kPoints = 8000;            // splats that the room's box is made of
 const kSolid = 0.3;              // opacity of a splat that is no haze
 const kWallShare = 0.03;         // of the room's diagonal: 0.2 m in a room of 4 m by 5 m
+const kPictureTime = 30000; // milliseconds that a picture of a chosen size may take
 const kSettle = 300; // milliseconds of drawing after a change, so that the sorting worker gets it
 
 export class Viewer {
@@ -30,12 +32,16 @@ export class Viewer {
   splats: Splats | null = null;
   mesh: PlyMesh | null = null;
   frames = 0;
-  settled = false; // the last picture has all splats in their final order
+  settled = false; // the last picture has all splats in their final order, and all pixels
   onPose: () => void = () => {};
+  moving: () => boolean = () => false; // a pointer or a key is held
   room: RoomBox | null = null;
   private cutSides = '';
   private hiddenObjects = new Set<string>();
-  private sharp = 0; // timer: the full resolution comes back
+  private sharp = 0; // timer: the full quality comes back
+  private quality = new MovingQuality();
+  private drawsMoving = false;
+  private framesBefore = 0; // frames when the camera moved last
   private layer: SplatLayer | null = null;
   private meshEntity: Entity | null = null;
   private styleTexture!: Texture;
@@ -68,14 +74,17 @@ export class Viewer {
     // The worker that sorts answers when it likes: then there is something new to draw.
     const splatSystem = (app.systems as unknown as { gsplat: EventHandler }).gsplat;
     splatSystem.on('frame:request', () => { app.renderNextFrame = true; });
-    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.settled = ready && loading === 0; });
+    splatSystem.on('frame:ready', (_camera: unknown, _layer: unknown, ready: boolean, loading: number) => { viewer.settled = ready && loading === 0 && !viewer.drawsMoving; });
     app.on('update', () => { if (performance.now() < viewer.drawUntil) app.renderNextFrame = true; });
-    app.on('prerender', () => { ++viewer.frames; for (const l of viewer.lines) app.drawLines(l.points, l.color); });
+    app.on('prerender', () => { ++viewer.frames; if (viewer.drawsMoving) viewer.quality.frame(performance.now()); for (const l of viewer.lines) app.drawLines(l.points, l.color); });
     app.start();
     // The canvas is given the size of its place in pixels, so that place is watched.
     new ResizeObserver(() => { viewer.resize(); viewer.draw(); }).observe(canvas.parentElement!);
     return viewer;
   }
+
+  /// The last picture is final: nothing moves, and nothing is left to sort or to draw.
+  get resting(): boolean { return !this.drawsMoving && (this.settled || this.showsMesh) && performance.now() >= this.drawUntil && !this.app.renderNextFrame; }
 
   /// Asks for new pictures, for as long as sorting may take.
   draw(): void {
@@ -84,18 +93,33 @@ export class Viewer {
     this.drawUntil = performance.now() + kSettle;
   }
 
-  /// The camera has moved: fewer pixels until it rests, and walls that are in the way go.
+  /// The camera has moved: fewer pixels and no faint splats until it rests, and walls that are in the way go.
   moved(): void {
-    this.setResolution(kMovingResolution);
-    window.clearTimeout(this.sharp);
-    this.sharp = window.setTimeout(() => { this.setResolution(1); this.draw(); }, kSharpAfter);
+    this.setQuality(true);
+    this.framesBefore = this.frames;
+    this.restAgain();
     this.cutWalls();
     this.draw();
     this.onPose();
   }
 
-  private setResolution(share: number): void {
-    const device = this.app.graphicsDevice, ratio = share * Math.min(window.devicePixelRatio, kMostPixelRatio);
+  /// The full quality comes back when the camera rests; a slow picture is no rest.
+  private restAgain(): void {
+    window.clearTimeout(this.sharp);
+    this.sharp = window.setTimeout(() => {
+      if (this.moving() || this.frames === this.framesBefore) { this.restAgain(); return; }
+      this.setQuality(false);
+      this.draw();
+    }, this.quality.patience);
+  }
+
+  private setQuality(moving: boolean): void {
+    const { gsplat } = this.app.scene, reduced = moving && this.quality.reduced;
+    gsplat.alphaClipForward = reduced ? kMovingAlpha : kLeastAlpha;
+    gsplat.minPixelSize = reduced ? kMovingSize : kLeastSize;
+    if (!moving) this.quality.rest();
+    this.drawsMoving = moving;
+    const device = this.app.graphicsDevice, ratio = (moving ? this.quality.share : 1) * Math.min(window.devicePixelRatio, kMostPixelRatio);
     if (device.maxPixelRatio === ratio) return;
     device.maxPixelRatio = ratio;
     this.resize();
@@ -104,6 +128,30 @@ export class Viewer {
   private resize(): void {
     const place = this.canvas.parentElement!;
     this.app.resizeCanvas(place.clientWidth, place.clientHeight);
+  }
+
+  /// The view at a size of its own, as a PNG file; what is on the screen stays.
+  async picture(width: number, height: number): Promise<Blob> {
+    const { app } = this;
+    try {
+      this.setQuality(false);
+      app.setCanvasResolution(RESOLUTION_FIXED, width, height);
+      app.graphicsDevice.setResolution(width, height); // whatever the pixels of the screen are
+      for (const end = performance.now() + kPictureTime; ;) {
+        this.draw();
+        await new Promise(requestAnimationFrame);
+        await new Promise(requestAnimationFrame);
+        if (this.showsMesh || this.settled) break;
+        if (performance.now() > end) throw new Error('The picture does not come to rest. Try again without moving the camera.');
+      }
+      const blob = await new Promise<Blob | null>((done) => this.canvas.toBlob(done, 'image/png'));
+      if (!blob || this.canvas.width !== width || this.canvas.height !== height) throw new Error(`This browser cannot draw ${width} × ${height} pixels.`);
+      return blob;
+    } finally {
+      app.setCanvasResolution(RESOLUTION_AUTO);
+      this.resize();
+      this.draw();
+    }
   }
 
   private cutWalls(): void {
@@ -233,6 +281,14 @@ export class Viewer {
     this.styleTexture.unlock();
     this.layer?.update();
     this.draw();
+  }
+
+  /// Looks from one place of the y-up world at another; `fov`: degrees, vertical.
+  lookFrom(eye: Vec3, target: Vec3, fov: number): void {
+    this.camera.setPosition(eye);
+    this.camera.lookAt(target);
+    this.camera.camera!.fov = fov;
+    this.moved();
   }
 
   /// Puts the camera where a photo was taken, with its field of view; `fit` is the part of the canvas the photo fills.

@@ -11,7 +11,9 @@ if (!browserPath) skip('chromium is not installed (scripts/setup.sh --browser)')
 const { chromium } = await import('playwright-core').catch(() => skip('playwright-core is not installed (npm ci in web/)'));
 
 let failed = 0;
-export const check = (ok, what) => { console.log(`${ok ? 'ok    ' : 'FAILED'} ${what}`); if (!ok) ++failed; };
+const begun = Date.now();
+const seconds = () => `${((Date.now() - begun) / 1000).toFixed(1)} s`.padStart(7);
+export const check = (ok, what) => { console.log(`${ok ? 'ok    ' : 'FAILED'} ${seconds()}  ${what}`); if (!ok) ++failed; };
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /// Arguments: PROGRAM RUN FOLDER_FOR_SCREENSHOTS; the run is skipped over by tests that make their own.
@@ -61,9 +63,10 @@ export async function withBrowser(body, { cleanup = () => {} } = {}) {
 }
 export const remove = (folder) => rmSync(folder, { recursive: true, force: true });
 
-/// A page on `url` that has shown its first picture, with ways to look at it.
-export async function open(browser, url, { width = 800, height = 480, shots = '', prefix = '' } = {}) {
-  const page = await browser.newPage({ viewport: { width, height } });
+/// A page on `url` that has shown its first picture, with ways to look at it. `density`: device pixels a CSS pixel; fewer are
+/// drawn sooner.
+export async function open(browser, url, { width = 800, height = 480, density = 1, shots = '', prefix = '' } = {}) {
+  const page = await browser.newPage({ viewport: { width, height }, deviceScaleFactor: density });
   const complaints = [];
   page.on('console', (m) => { if (m.type() === 'error') complaints.push(`${m.text()} ${m.location().url}`.trim()); });
   page.on('pageerror', (e) => complaints.push(e.stack ?? String(e)));
@@ -74,14 +77,9 @@ export async function open(browser, url, { width = 800, height = 480, shots = ''
   await page.evaluate(() => window.aligngs.ready);
   // Waits until sorting and drawing have ended, then reads the canvas.
   const settle = async () => {
-    let before = -1;
-    for (let i = 0; i < 100; ++i) {
-      await page.waitForTimeout(400);
-      const now = await page.evaluate(() => { const v = window.aligngs.viewer; return v.settled || v.showsMesh ? v.frames : -1; });
-      if (now === before && now >= 0) return;
-      before = now;
-    }
-    throw new Error('the picture does not settle');
+    await page.evaluate(() => window.aligngs.page.loading);
+    await page.waitForFunction(() => window.aligngs.viewer.resting && !document.getElementById('message').textContent.startsWith('loading'),
+      null, { polling: 30, timeout: 60000 });
   };
   const picture = async (w = 160, h = 90) => {
     await settle();

@@ -3,18 +3,15 @@
 import { open, serve, settings, withBrowser } from './browser.mjs';
 
 const { program, run } = settings();
-const kFrames = 40;
+const kFrames = 30;
 const { server, url } = await serve(program, run);
 await withBrowser(async (browser) => {
   const { page, settle } = await open(browser, url, { width: 1180, height: 700 });
   await settle();
-  const box = await page.locator('#canvas').boundingBox();
-  const before = await page.evaluate(() => window.aligngs.viewer.frames), begin = Date.now();
-  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-  await page.mouse.down();
-  let x = 0;
-  while (await page.evaluate(() => window.aligngs.viewer.frames) - before < kFrames) await page.mouse.move(box.x + box.width / 2 + 80 * Math.sin(++x / 10), box.y + box.height / 2);
-  await page.mouse.up();
-  const frames = await page.evaluate(() => window.aligngs.viewer.frames) - before;
-  console.log(`${((Date.now() - begin) / frames).toFixed(1)} ms a frame while the camera moves (${frames} frames)`);
+  const told = await page.evaluate(async (frames) => {
+    const { viewer, page } = window.aligngs, turned = page.navigation ?? page.orbit, from = viewer.frames, begin = performance.now();
+    while (viewer.frames - from < frames) { turned.turn(4, 0); await new Promise(requestAnimationFrame); }
+    return `${((performance.now() - begin) / frames).toFixed(1)} ms a frame while the camera moves, ${viewer.canvas.width}x${viewer.canvas.height} pixels at the end`;
+  }, kFrames);
+  console.log(told);
 }, { cleanup: () => server.kill('SIGTERM') });

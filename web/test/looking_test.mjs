@@ -11,7 +11,7 @@ cpSync(given, run, { recursive: true, filter: (path) => !path.includes('/control
 const { server, url } = await serve(program, run);
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 await withBrowser(async (browser) => {
-  const { page, complaints, picture, settle, shot, message } = await open(browser, url, { shots, prefix: 'looking_', width: 1000, height: 620 });
+  const { page, complaints, picture, settle, shot, message } = await open(browser, url, { shots, prefix: 'looking_', density: 0.5, width: 1000, height: 620 });
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
   const start = await picture();
   const pose = () => page.evaluate(() => { const { eye, target } = window.aligngs.page.navigation.pose; return { eye: [eye.x, eye.y, eye.z], target: [target.x, target.y, target.z] }; });

@@ -10,7 +10,7 @@ cpSync(given, run, { recursive: true, filter: (path) => !path.includes('/control
 let { server, url } = await serve(program, run);
 const end = () => new Promise((resolve) => { server.once('exit', resolve); server.kill('SIGTERM'); });
 await withBrowser(async (browser) => {
-  const { page, message, shot } = await open(browser, url, { shots, prefix: 'states_' });
+  const { page, message, shot } = await open(browser, url, { shots, prefix: 'states_', density: 0.5 });
   await page.waitForFunction(() => window.aligngs.page.edits.objects.length > 0, null, { timeout: 60000 });
 
   // The server ends and another one takes its place.

@@ -21,6 +21,13 @@ Camera OpenRun::working_camera(int view) const {
                         std::max(1, static_cast<int>(std::lround(camera.height * scale))));
 }
 
+void OpenRun::forget_model() {
+  GaussianModel shape;
+  shape.semantic_channels = model.semantic_channels;
+  shape.sh_degree = model.sh_degree;
+  model = std::move(shape);
+}
+
 LoadOptions OpenRun::load_options() const {
   LoadOptions options;
   options.scale = config.data.scale;

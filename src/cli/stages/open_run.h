@@ -29,6 +29,8 @@ struct OpenRun {
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
 
+  /// Frees the arrays of `model`: the engine has its own.
+  void forget_model();
   bool has_labels() const { return model.semantic_channels > 0; }
   /// Camera of a view at the resolution at which the run worked.
   Camera working_camera(int view) const;

@@ -273,7 +273,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   }
   if (!rounded) rounded_for_.reset();  // rows that this step changes are not rounded again
   model_.sh_degree = request.sh_degree;
-  optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_);
+  optimise(request, gradients_, semantic_gradients, frame_.view, *pool_, model_, moments_for_step());
   if (density) add_density_statistics(reduce, gradients_, *pool_, statistics_);
   if (semantics && bounded && strength != 0) {
     update_coupling_balance(totals.photometric_rms, totals.coupling_rms, balance_);

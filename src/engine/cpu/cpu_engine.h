@@ -87,6 +87,8 @@ class CpuEngine final : public Engine {
   void adopt(const GaussianModel& model, const AdamMoments* moments);
   GaussianModel expanded(const GaussianModel& rows) const;  ///< to all classes
   AdamMoments expanded_moments() const;
+  bool has_moments() const { return !moments_.m.opacity_logits.empty(); }
+  AdamMoments& moments_for_step();
   void settle_memory();                                     ///< large pages for parameters and moments
   bool semantics_active(const StepRequest& request);
   /// Renders the neighbour's plane depth into loss_workspace_. False when a Gaussian in its view is not finite.
@@ -97,7 +99,7 @@ class CpuEngine final : public Engine {
 
   std::unique_ptr<ThreadPool> pool_;
   GaussianModel model_;
-  AdamMoments moments_;
+  AdamMoments moments_;  ///< empty until the first step: zeros that an engine which only renders does not hold
   DensityStatistics statistics_;
   CouplingBalance balance_;  ///< rounded to float, so that a checkpoint holds it exactly
   std::vector<TrainingView> views_;

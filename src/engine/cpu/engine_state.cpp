@@ -35,7 +35,7 @@ void CpuEngine::adopt(const GaussianModel& model, const AdamMoments* moments) {
   rounded_for_.reset();
   counts_ = make_class_counts(model_.semantic_channels, map_.remainder());
   if (moments == nullptr) {
-    moments_.reset(model_);
+    moments_ = {};
   } else {
     take_in(moments->m, RowKind::kMoments, moments_.m);
     take_in(moments->v, RowKind::kMoments, moments_.v);
@@ -59,7 +59,20 @@ GaussianModel CpuEngine::expanded(const GaussianModel& rows) const {
   return out;
 }
 
+AdamMoments& CpuEngine::moments_for_step() {
+  if (!has_moments()) {
+    moments_.reset(model_);
+    settle_memory();
+  }
+  return moments_;
+}
+
 AdamMoments CpuEngine::expanded_moments() const {
+  if (!has_moments()) {
+    AdamMoments zeros;
+    zeros.reset(expanded(model_));
+    return zeros;
+  }
   return {expanded(moments_.m), expanded(moments_.v), moments_.semantic_updates, moments_.sh_used};
 }
 
@@ -100,6 +113,7 @@ void CpuEngine::set_training_views(std::vector<TrainingView> views) {
   for (TrainingView& view : views_) compress_target(active_, *pool_, view.data.semantics);
   if (!active_.has_remainder() && !map_.has_remainder()) return;
   const GaussianModel model = expanded(model_);
+  if (!has_moments()) return adopt(model, nullptr);
   const AdamMoments moments = expanded_moments();
   adopt(model, &moments);
 }
@@ -108,10 +122,12 @@ void CpuEngine::restructure(const RestructurePlan& plan) {
   check_plan(plan, model_.size());
   restructure_model(plan, model_);
   rounded_for_.reset();
-  for (GaussianModel* m : {&moments_.m, &moments_.v}) {
-    for (const NamedArray& a : arrays_of(*m)) restructure_rows(plan, a.width, *a.values);
+  if (has_moments()) {
+    for (GaussianModel* m : {&moments_.m, &moments_.v}) {
+      for (const NamedArray& a : arrays_of(*m)) restructure_rows(plan, a.width, *a.values);
+    }
+    restructure_rows(plan, 1, moments_.semantic_updates);
   }
-  restructure_rows(plan, 1, moments_.semantic_updates);
   for (const NamedArray& a : arrays_of(statistics_)) restructure_rows(plan, a.width, *a.values);
   settle_memory();
 }

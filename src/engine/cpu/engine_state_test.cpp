@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "engine/cpu/cpu_engine.h"
 #include "engine/cpu/engine_runs_for_tests.h"
+#include "engine/engine_arrays.h"
 #include "engine/formulas/shape_terms.h"
 
 namespace aligngs::cpu {
@@ -29,6 +30,23 @@ TEST(CpuEngine, NoiseMovesPositionsAloneAndAlikeOnAnyNumberOfThreads) {
   one.load(model);
   one.add_position_noise({});
   EXPECT_EQ(state_of(one).model.positions, model.positions);
+}
+
+TEST(CpuEngine, MomentsAreZerosBeforeTheFirstStepAlsoWhereNoneAreHeld) {
+  const SceneOptions o;
+  CpuEngine loaded(1), resumed(1);
+  loaded.load(make_model(o));
+  const EngineState state = state_of(loaded);
+  const EngineMemory memory = unpack_state(state);
+  EXPECT_EQ(memory.moments.m.size(), loaded.size());
+  for (const float m : memory.moments.v.sh) ASSERT_EQ(m, 0);
+  resumed.load_state(state);  // this one holds its zeros
+  for (CpuEngine* engine : {&loaded, &resumed}) {
+    engine->set_training_views(two_views(o));
+    engine->reset_opacity(0.5f);
+    run_steps(*engine, 1, 2);
+  }
+  expect_same_state(state_of(loaded), state_of(resumed));
 }
 
 TEST(CpuEngine, ScalesAreRaisedAndMomentsKept) {

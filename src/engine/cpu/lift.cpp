@@ -34,6 +34,7 @@ void CpuEngine::lift_semantics(const RasterSettings& raster) {
     }
   });
   rounded_for_.reset();
+  if (!has_moments()) return;
   moments_.m.semantics.assign(model_.semantics.size(), 0.0f);
   moments_.v.semantics.assign(model_.semantics.size(), 0.0f);
   moments_.semantic_updates.assign(model_.size(), 0.0f);
