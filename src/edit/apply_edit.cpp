@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "core/append.h"
 #include "core/error.h"
 #include "edit/contents.h"
 #include "edit/crumbs.h"
@@ -28,11 +29,6 @@ std::vector<T> kept(const std::vector<T>& values, const std::vector<uint8_t>& ke
                  values.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
   }
   return out;
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
 }
 
 std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {

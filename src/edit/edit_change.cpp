@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/append.h"
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 #include "edit/recolor.h"
@@ -53,11 +54,6 @@ void keep(std::vector<T>& values, const std::vector<uint8_t>& stays, size_t widt
     ++to;
   }
   values.resize(to * width);
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
 }
 
 template <class T>

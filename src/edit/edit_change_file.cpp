@@ -22,7 +22,7 @@ namespace {
 constexpr int kSchema = 1;
 constexpr int kGzipLevel = 1;  // 0.1 s for the largest edits of a room; higher levels save a tenth of the bytes
 constexpr uint64_t kLargest = uint64_t(8) << 30;  // bytes
-constexpr size_t kHarmonics = size_t(3) * kShCoefficients;
+constexpr size_t kColorNumbers = size_t(3) * kShCoefficients;
 constexpr const char* kEnding = ".edit";
 constexpr size_t kDigestDigits = 16;
 
@@ -110,12 +110,12 @@ void read_lists(ByteReader& reader, const Counts& n, EditChange& change) {
   change.label = take<uint16_t>(reader, n.relabelled, "relabelled");
   change.instance = take<uint16_t>(reader, n.relabelled, "relabelled");
   AddedGaussians& added = change.added;
-  reader.count_of(n.added, kHarmonics * sizeof(float), "added");
+  reader.count_of(n.added, kColorNumbers * sizeof(float), "added");
   added.model.positions = take<float>(reader, 3 * n.added, "added");
   added.model.log_scales = take<float>(reader, 3 * n.added, "added");
   added.model.rotations = take<float>(reader, 4 * n.added, "added");
   added.model.opacity_logits = take<float>(reader, n.added, "added");
-  added.model.sh = take<float>(reader, kHarmonics * n.added, "added");
+  added.model.sh = take<float>(reader, kColorNumbers * n.added, "added");
   added.label = take<uint16_t>(reader, n.added, "added");
   added.instance = take<uint16_t>(reader, n.added, "added");
   added.confidence = take<uint8_t>(reader, n.added, "added");

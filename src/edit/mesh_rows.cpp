@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "core/append.h"
 #include "edit/mesh_selection.h"
 
 namespace aligngs {
@@ -13,11 +14,6 @@ std::vector<RowId> chosen(const std::vector<RowId>& ids, const std::vector<uint3
   out.reserve(rows.size());
   for (const uint32_t row : rows) out.push_back(ids[row]);
   return out;
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "core/append.h"
 #include "core/error.h"
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
@@ -13,11 +14,6 @@ namespace aligngs {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
 
 /// Middle of the box around the selected Gaussians.
 Vec3d middle_of(const GaussianModel& model, const std::vector<uint8_t>& selected) {

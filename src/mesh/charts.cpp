@@ -8,7 +8,7 @@
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNone = 0xffffffffu;
+constexpr uint32_t kNoChart = 0xffffffffu;
 constexpr int kAngles = 18;  // turns of a chart that are tried: every 5 degrees of a quarter
 
 Vec3d area_normal(const TriangleMesh& mesh, size_t t) {
@@ -22,13 +22,13 @@ Vec3d unit_or(const Vec3d& v, const Vec3d& other) {
   return length > 0 ? v * (1 / length) : other;
 }
 
-/// Across its three edges the neighbour in the same part, or kNone. An edge of more than two triangles parts them.
+/// Across its three edges the neighbour in the same part, or kNoChart. An edge of more than two triangles parts them.
 std::vector<std::array<uint32_t, 3>> neighbours_of(const TriangleMesh& mesh, const std::vector<uint32_t>& part) {
   struct Side {
     uint32_t triangle, edge;
     int uses;
   };
-  std::vector<std::array<uint32_t, 3>> out(mesh.triangles.size(), {kNone, kNone, kNone});
+  std::vector<std::array<uint32_t, 3>> out(mesh.triangles.size(), {kNoChart, kNoChart, kNoChart});
   std::unordered_map<uint64_t, Side> open;
   open.reserve(2 * mesh.triangles.size());
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -56,7 +56,7 @@ class Grower {
       std::vector<Vec3d> sum = smooth_;
       for (size_t t = 0; t < sum.size(); ++t) {
         for (const uint32_t n : next_[t]) {
-          if (n != kNone) sum[t] += smooth_[n];
+          if (n != kNoChart) sum[t] += smooth_[n];
         }
       }
       smooth_ = std::move(sum);
@@ -89,7 +89,7 @@ class Grower {
     taken_[seed] = 1;
     for (size_t i = 0; i < found.size(); ++i) {
       for (const uint32_t n : next_[found[i]]) {
-        if (n == kNone || taken_[n] || !accept(n)) continue;
+        if (n == kNoChart || taken_[n] || !accept(n)) continue;
         taken_[n] = 1;
         found.push_back(n);
       }

@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kNone = 0xffffffffu;
+constexpr uint32_t kNoRow = 0xffffffffu;
 
 uint64_t key_of(uint32_t from, uint32_t to) { return uint64_t(from) << 32 | to; }
 
@@ -23,7 +23,7 @@ std::vector<uint32_t> border_steps(const TriangleMesh& mesh) {
   for (const auto& t : mesh.triangles) {
     for (int i = 0; i < 3; ++i) directed.insert(key_of(t[i], t[(i + 1) % 3]));
   }
-  std::vector<uint32_t> next(mesh.vertices.size(), kNone);
+  std::vector<uint32_t> next(mesh.vertices.size(), kNoRow);
   std::vector<uint8_t> out(mesh.vertices.size(), 0), in(mesh.vertices.size(), 0);
   for (const auto& t : mesh.triangles) {
     for (int i = 0; i < 3; ++i) {
@@ -35,7 +35,7 @@ std::vector<uint32_t> border_steps(const TriangleMesh& mesh) {
     }
   }
   for (size_t v = 0; v < next.size(); ++v) {
-    if (out[v] != 1 || in[v] != 1) next[v] = kNone;
+    if (out[v] != 1 || in[v] != 1) next[v] = kNoRow;
   }
   return next;
 }
@@ -137,10 +137,10 @@ HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>&
   for (size_t start = 0; start < vertices; ++start) {
     Border border;
     uint32_t at = static_cast<uint32_t>(start);
-    while (next[at] != kNone) {
+    while (next[at] != kNoRow) {
       border.vertices.push_back(at);
       const uint32_t following = next[at];
-      next[at] = kNone;  // each border is walked once
+      next[at] = kNoRow;  // each border is walked once
       at = following;
     }
     if (border.vertices.size() < 3 || at != start) continue;  // open: it runs into a vertex where borders meet

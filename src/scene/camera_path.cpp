@@ -10,8 +10,6 @@ namespace aligngs {
 namespace {
 
 constexpr double kSame = 1e-9;               // of two numbers that are one
-constexpr double kLeastView = 1e-6;          // scene units between eye and target
-constexpr double kNarrow = 5, kWide = 150;   // degrees: a curve between keys may leave what the keys have
 
 /// Eye, target and field of view as numbers that are interpolated alike.
 struct Values {
@@ -53,8 +51,8 @@ CameraKey key_at(const CameraPath& path, double time) {
   const Values a = values_of(path.keys[i]), b = values_of(path.keys[i + 1]);
   Values v{};
   for (size_t k = 0; k < 7; ++k) v.v[k] = h00 * a.v[k] + h10 * span * tangent(path, i, k) + h01 * b.v[k] + h11 * span * tangent(path, i + 1, k);
-  CameraKey out{time, {v.v[0], v.v[1], v.v[2]}, {v.v[3], v.v[4], v.v[5]}, std::clamp(v.v[6], kNarrow, kWide)};
-  if (norm(out.target - out.eye) < kLeastView) out.target = out.eye + normalized(path.keys[i].target - path.keys[i].eye);
+  CameraKey out{time, {v.v[0], v.v[1], v.v[2]}, {v.v[3], v.v[4], v.v[5]}, std::clamp(v.v[6], kNarrowestView, kWidestView)};
+  if (norm(out.target - out.eye) < kShortestSight) out.target = out.eye + normalized(path.keys[i].target - path.keys[i].eye);
   return out;
 }
 

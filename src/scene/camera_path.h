@@ -7,6 +7,9 @@
 
 namespace aligngs {
 
+inline constexpr double kNarrowestView = 5, kWidestView = 150;  ///< degrees between the edges of a picture
+inline constexpr double kShortestSight = 1e-6;                  ///< scene units between an eye and its target
+
 struct CameraKey {
   double time = 0;    ///< seconds
   Vec3d eye, target;  ///< scene units; apart from each other

@@ -18,8 +18,6 @@ constexpr uint64_t kLargest = uint64_t(1) << 20;  // bytes: a thousand keys have
 constexpr size_t kMostKeys = 1000;
 constexpr double kLongest = 3600;                 // seconds
 constexpr double kFarthest = 1e6;                 // scene units from the origin
-constexpr double kLeastView = 1e-6;               // scene units between eye and target
-constexpr double kNarrow = 5, kWide = 150;        // degrees
 
 /// A reader that names the field of what is wrong.
 class Reader {
@@ -58,8 +56,8 @@ CameraKey read_key(const Reader& reader, const Json& json, const std::string& wh
   key.time = reader.number(json["time"], where + ".time", 0, kLongest);
   key.eye = reader.place(json, "eye", where);
   key.target = reader.place(json, "target", where);
-  if (norm(key.target - key.eye) < kLeastView) reader.fail(where + ".target", "the same place as the eye");
-  if (json.contains("fov")) key.fov = reader.number(json["fov"], where + ".fov", kNarrow, kWide);
+  if (norm(key.target - key.eye) < kShortestSight) reader.fail(where + ".target", "the same place as the eye");
+  if (json.contains("fov")) key.fov = reader.number(json["fov"], where + ".fov", kNarrowestView, kWidestView);
   return key;
 }
 

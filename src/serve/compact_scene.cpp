@@ -17,15 +17,15 @@ namespace {
 
 using Rows = std::span<const uint32_t>;
 
-constexpr float kInvisible = 1.0f / 255;     // alpha_min of the rasteriser
+constexpr float kCompactInvisible = 1.0f / 255;     // alpha_min of the rasteriser
 constexpr size_t kCoarseShare = 4;           // one splat of four is in the first part
 constexpr size_t kSmallestCoarse = 20'000;   // splats; below that a second step saves no time
-constexpr float kColorStep = 1.0f / 64;      // of f_dc: one level of 255 is 1/72
-constexpr float kHarmonicStep = 1.0f / 64;
-constexpr float kOpacityStep = 1.0f / 16;    // of a logit: at most 0.016 in opacity
-constexpr float kScaleStep = 1.0f / 16;      // of a natural logarithm: 3 % in size
-constexpr float kRotationStep = 1.0f / 127;
-constexpr int kGzipLevel = 6;
+constexpr float kCompactColorStep = 1.0f / 64;      // of f_dc: one level of 255 is 1/72
+constexpr float kCompactHarmonicStep = 1.0f / 64;
+constexpr float kCompactOpacityStep = 1.0f / 16;    // of a logit: at most 0.016 in opacity
+constexpr float kCompactScaleStep = 1.0f / 16;      // of a natural logarithm: 3 % in size
+constexpr float kCompactRotationStep = 1.0f / 127;
+constexpr int kCompactGzipLevel = 6;
 
 float opacity_of_logit(float logit) { return 1 / (1 + std::exp(-logit)); }
 
@@ -82,7 +82,7 @@ class Part {
   }
   std::string compressed(size_t total, size_t shown) const {
     const nlohmann::json head = {{"total", total}, {"shown", shown}, {"columns", columns_}};
-    return gzip_compressed(json_line(head) + "\n" + data_, kGzipLevel);
+    return gzip_compressed(json_line(head) + "\n" + data_, kCompactGzipLevel);
   }
 
  private:
@@ -106,11 +106,11 @@ void add_splats(Part& part, const SplatTable& t, Rows rows, size_t first) {
   const char* axes[3] = {"x", "y", "z"};
   const auto number = [](const char* name, size_t k) { return name + std::to_string(k); };
   for (size_t k = 0; k < 3; ++k) part.add_coordinate(axes[k], t.position[k], rows, first);
-  for (size_t k = 0; k < 3; ++k) part.add<int8_t>(number("f_dc_", k), kColorStep, rows, first, [&](uint32_t i) { return t.color[k][i]; });
-  part.add<int8_t>("opacity", kOpacityStep, rows, first, [&](uint32_t i) { return t.opacity[i]; });
-  for (size_t k = 0; k < 3; ++k) part.add<int8_t>(number("scale_", k), kScaleStep, rows, first, [&](uint32_t i) { return t.log_scale[k][i]; });
+  for (size_t k = 0; k < 3; ++k) part.add<int8_t>(number("f_dc_", k), kCompactColorStep, rows, first, [&](uint32_t i) { return t.color[k][i]; });
+  part.add<int8_t>("opacity", kCompactOpacityStep, rows, first, [&](uint32_t i) { return t.opacity[i]; });
+  for (size_t k = 0; k < 3; ++k) part.add<int8_t>(number("scale_", k), kCompactScaleStep, rows, first, [&](uint32_t i) { return t.log_scale[k][i]; });
   for (size_t k = 0; k < 4; ++k) {
-    part.add<int8_t>(number("rot_", k), kRotationStep, rows, first, [&](uint32_t i) {
+    part.add<int8_t>(number("rot_", k), kCompactRotationStep, rows, first, [&](uint32_t i) {
       const float length = std::hypot(std::hypot(t.rotation[0][i], t.rotation[1][i]), std::hypot(t.rotation[2][i], t.rotation[3][i]));
       return length > 0 ? t.rotation[k][i] / length : static_cast<float>(k == 0);
     });
@@ -126,7 +126,7 @@ void add_splats(Part& part, const SplatTable& t, Rows rows, size_t first) {
 CompactScene compact_scene(const SplatTable& table) {
   std::vector<uint32_t> rows;
   for (uint32_t i = 0; i < table.size(); ++i) {
-    if (opacity_of_logit(table.opacity[i]) >= kInvisible) rows.push_back(i);
+    if (opacity_of_logit(table.opacity[i]) >= kCompactInvisible) rows.push_back(i);
   }
   const size_t shown = std::min(rows.size(), std::max(kSmallestCoarse, rows.size() / kCoarseShare));
   std::vector<float> seen(table.size());
@@ -139,7 +139,7 @@ CompactScene compact_scene(const SplatTable& table) {
   add_splats(coarse, table, Rows(rows).first(shown), 0);
   add_splats(rest, table, Rows(rows).subspan(shown), shown);
   for (size_t k = 0; k < table.harmonics.size(); ++k) {
-    rest.add<int8_t>("f_rest_" + std::to_string(k), kHarmonicStep, rows, 0, [&](uint32_t i) { return table.harmonics[k][i]; });
+    rest.add<int8_t>("f_rest_" + std::to_string(k), kCompactHarmonicStep, rows, 0, [&](uint32_t i) { return table.harmonics[k][i]; });
   }
   return {coarse.compressed(rows.size(), shown), rest.compressed(rows.size(), rows.size()), std::move(rows)};
 }

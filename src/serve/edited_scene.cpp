@@ -13,11 +13,11 @@
 namespace aligngs {
 namespace {
 
-constexpr float kInvisible = 1.0f / 255;  // alpha_min of the rasteriser
+constexpr float kChangeInvisible = 1.0f / 255;  // alpha_min of the rasteriser
 // Steps as in html_export.cpp: what changes must not look coarser than what stays.
-constexpr float kColorStep = 1.0f / 256, kHarmonicStep = 1.0f / 128, kOpacityStep = 1.0f / 16, kScaleStep = 1.0f / 256, kRotationStep = 1.0f / 127;
-constexpr int kGzipLevel = 1;  // made while somebody waits
-constexpr size_t kHarmonics = size_t(3) * kShCoefficients;
+constexpr float kChangeColorStep = 1.0f / 256, kChangeHarmonicStep = 1.0f / 128, kChangeOpacityStep = 1.0f / 16, kChangeScaleStep = 1.0f / 256, kChangeRotationStep = 1.0f / 127;
+constexpr int kChangeGzipLevel = 1;  // made while somebody waits
+constexpr size_t kChangeHarmonics = size_t(3) * kShCoefficients;
 constexpr uint32_t kGone = 0xffffffffu;
 
 /// Columns of some rows of a room behind each other, with their description.
@@ -27,11 +27,11 @@ class Columns {
 
   void add_colors(size_t harmonics) {
     const std::vector<float>& sh = room_.gaussians.model.sh;
-    for (size_t k = 0; k < 3; ++k) add<int16_t>("f_dc_" + std::to_string(k), "i16", kColorStep, [&](uint32_t i) { return sh[kHarmonics * i + k]; });
+    for (size_t k = 0; k < 3; ++k) add<int16_t>("f_dc_" + std::to_string(k), "i16", kChangeColorStep, [&](uint32_t i) { return sh[kChangeHarmonics * i + k]; });
     const size_t per_channel = harmonics / 3;
     for (size_t k = 0; k < harmonics; ++k) {
       const size_t at = 3 * (1 + k % per_channel) + k / per_channel;
-      add<int8_t>("f_rest_" + std::to_string(k), "i8", kHarmonicStep, [&](uint32_t i) { return sh[kHarmonics * i + at]; });
+      add<int8_t>("f_rest_" + std::to_string(k), "i8", kChangeHarmonicStep, [&](uint32_t i) { return sh[kChangeHarmonics * i + at]; });
     }
   }
   void add_labels() {
@@ -44,10 +44,10 @@ class Columns {
     const GaussianModel& m = room_.gaussians.model;
     const char* axes[3] = {"x", "y", "z"};
     for (size_t k = 0; k < 3; ++k) add<float>(axes[k], "f32", 1, [&](uint32_t i) { return m.positions[3 * size_t(i) + k]; });
-    add<int8_t>("opacity", "i8", kOpacityStep, [&](uint32_t i) { return m.opacity_logits[i]; });
-    for (size_t k = 0; k < 3; ++k) add<int16_t>("scale_" + std::to_string(k), "i16", kScaleStep, [&](uint32_t i) { return m.log_scales[3 * size_t(i) + k]; });
+    add<int8_t>("opacity", "i8", kChangeOpacityStep, [&](uint32_t i) { return m.opacity_logits[i]; });
+    for (size_t k = 0; k < 3; ++k) add<int16_t>("scale_" + std::to_string(k), "i16", kChangeScaleStep, [&](uint32_t i) { return m.log_scales[3 * size_t(i) + k]; });
     for (size_t k = 0; k < 4; ++k) {
-      add<int8_t>("rot_" + std::to_string(k), "i8", kRotationStep, [&](uint32_t i) {
+      add<int8_t>("rot_" + std::to_string(k), "i8", kChangeRotationStep, [&](uint32_t i) {
         const float* r = &m.rotations[4 * size_t(i)];
         const float length = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
         return length > 0 ? r[k] / length : static_cast<float>(k == 0);
@@ -82,7 +82,7 @@ class Columns {
 bool looks_the_same(const EditableRoom& trained, size_t before, const EditableRoom& room, size_t now) {
   const GaussianLabels &a = trained.gaussians.labels, &b = room.gaussians.labels;
   return a.label[before] == b.label[now] && a.instance[before] == b.instance[now] &&
-         std::memcmp(&trained.gaussians.model.sh[kHarmonics * before], &room.gaussians.model.sh[kHarmonics * now], kHarmonics * sizeof(float)) == 0;
+         std::memcmp(&trained.gaussians.model.sh[kChangeHarmonics * before], &room.gaussians.model.sh[kChangeHarmonics * now], kChangeHarmonics * sizeof(float)) == 0;
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, 
   std::vector<uint32_t> now(trained.origins.size(), kGone), added;
   for (uint32_t i = 0; i < room.origins.size(); ++i) {
     if (!room.origins[i].filled) now[room.origins[i].row] = i;
-    else if (opacity_of(room.gaussians.model, i) >= kInvisible) added.push_back(i);
+    else if (opacity_of(room.gaussians.model, i) >= kChangeInvisible) added.push_back(i);
   }
   std::string stays((shown.order.size() + 7) / 8, '\0');
   std::vector<uint32_t> places, changed;
@@ -115,7 +115,7 @@ std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, 
                                {"changed_columns", changes.description()}, {"added_columns", more.description()}};
   std::string out = json_line(head) + "\n" + stays;
   out.append(reinterpret_cast<const char*>(places.data()), places.size() * sizeof(uint32_t));
-  return gzip_compressed(out + changes.data() + more.data(), kGzipLevel);
+  return gzip_compressed(out + changes.data() + more.data(), kChangeGzipLevel);
 }
 
 }  // namespace aligngs

@@ -10,10 +10,10 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kHarmonics = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
+constexpr size_t kPatchColorNumbers = size_t(3) * kShCoefficients;  // numbers of a Gaussian's colour
 
 Vec3f constant_of(const GaussianModel& model, size_t i) {
-  const float* sh = &model.sh[kHarmonics * i];
+  const float* sh = &model.sh[kPatchColorNumbers * i];
   return {sh[0], sh[1], sh[2]};
 }
 
@@ -49,9 +49,9 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
 
 /// Harmonics of the carriers but for the constant one: how the surface shines, the same everywhere.
 std::vector<float> mean_shine(const GaussianModel& model, const std::vector<uint32_t>& carriers) {
-  std::vector<float> mean(kHarmonics, 0.f);
+  std::vector<float> mean(kPatchColorNumbers, 0.f);
   for (const uint32_t i : carriers) {
-    for (size_t k = 3; k < kHarmonics; ++k) mean[k] += model.sh[kHarmonics * i + k] / static_cast<float>(carriers.size());
+    for (size_t k = 3; k < kPatchColorNumbers; ++k) mean[k] += model.sh[kPatchColorNumbers * i + k] / static_cast<float>(carriers.size());
   }
   return mean;
 }
@@ -62,10 +62,10 @@ void add_gaussian(const LabelledGaussians& room, const PlaneGrid& grid, const Ve
   const size_t i = g.size();
   g.resize(i + 1);
   patch.sources.push_back(source);
-  std::copy(shine.begin(), shine.end(), g.sh.begin() + static_cast<std::ptrdiff_t>(kHarmonics * i));
+  std::copy(shine.begin(), shine.end(), g.sh.begin() + static_cast<std::ptrdiff_t>(kPatchColorNumbers * i));
   for (int a = 0; a < 3; ++a) {
     g.positions[3 * i + static_cast<size_t>(a)] = static_cast<float>(place[a]);
-    g.sh[kHarmonics * i + static_cast<size_t>(a)] = color[a];
+    g.sh[kPatchColorNumbers * i + static_cast<size_t>(a)] = color[a];
   }
   const float wide = static_cast<float>(std::log(0.75 * grid.cell)), flat = wide + std::log(0.1f);
   const float scales[3] = {wide, wide, flat};

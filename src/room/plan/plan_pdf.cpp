@@ -9,7 +9,7 @@ namespace aligngs {
 namespace {
 
 constexpr double kPoints = 72 / 25.4;  // per millimetre of paper
-constexpr double kLetterWidth = 0.52;  // of the font size, mean of Helvetica's digits and small letters: to centre a text
+constexpr double kHelveticaWidth = 0.52;  // of the font size, mean of Helvetica's digits and small letters: to centre a text
 
 double width_of(PlanLayer layer) { return layer == PlanLayer::kWalls ? 0.7 : layer == PlanLayer::kDimensions ? 0.13 : 0.25; }
 
@@ -50,7 +50,7 @@ std::string page_of(const PlanDrawing& drawing, const PlanSettings& settings) {
     const std::string bytes = latin(text.text, letters);
     const double size = text.height * scale * 1.4, c = std::cos(text.turn * kRadiansPerDegree), s = std::sin(text.turn * kRadiansPerDegree);
     Vec2d p = page(text.place);
-    const double back = text.anchor == PlanAnchor::kMiddle ? kLetterWidth * size * static_cast<double>(letters) / 2 : 0;
+    const double back = text.anchor == PlanAnchor::kMiddle ? kHelveticaWidth * size * static_cast<double>(letters) / 2 : 0;
     p = {p.x - back * c, p.y - back * s};
     out += fmt::format("BT /F1 {:.2f} Tf {:.5f} {:.5f} {:.5f} {:.5f} {:.3f} {:.3f} Tm ({}) Tj ET\n", size, c, s, -s, c, p.x, p.y, bytes);
   }
