@@ -144,7 +144,7 @@ TEST_F(PageRequests, PreviewDrawsAndWritesNothing) {
 TEST_F(PageRequests, ExportsEveryFormat) {
   posted("/api/edits/push", {{"edit", "delete bed"}});
   const json formats = list()["formats"];
-  EXPECT_EQ(formats.size(), 9u) << "plans are offered where the run has room.json";
+  EXPECT_EQ(formats.size(), 11u) << "plans are offered where the run has room.json";
   for (const auto& format : formats) {
     const json made = posted("/api/export", {{"format", format}});
     EXPECT_EQ(made["file"], "scene.edited." + format.get<std::string>());
