@@ -157,8 +157,6 @@ void remove_gaussians(EditableRoom& room, const std::vector<uint32_t>& gone) {
   keep(m.opacity_logits, stays, 1);
   keep(m.sh, stays, kHarmonics);
   keep(m.semantics, stays, static_cast<size_t>(m.semantic_channels));
-  keep(room.gaussians.soft.label, stays, SoftLabels::kTop);
-  keep(room.gaussians.soft.probability, stays, SoftLabels::kTop);
   keep(room.gaussians.labels.label, stays, 1);
   keep(room.gaussians.labels.instance, stays, 1);
   keep(room.gaussians.labels.confidence, stays, 1);
@@ -262,6 +260,8 @@ bool apply_change(EditableRoom& room, const EditChange& change) {
     if (change.colors->kind == EditKind::kRecolor) recolor_gaussians(room.gaussians.model, mask, change.colors->color, change.colors->mean);
     else highlight_gaussians(room.gaussians.model, mask, change.colors->color);
   }
+  // A change has no probabilities of what it adds. Whoever asks for them makes them for all Gaussians by their origins.
+  if (!gone.empty() || change.added.size() > 0) room.gaussians.soft = {};
   remove_gaussians(room, gone);
   append_gaussians(room, change);
   apply_to_mesh(room, change, triangles, vertices);

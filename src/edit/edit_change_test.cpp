@@ -36,6 +36,8 @@ class EditChangeTest : public testing::Test {
     const EditReport report = apply_edit(after, edit, pool_);
     const EditChange change = difference(room_, after, edit, report, number, 7);
     EXPECT_TRUE(apply_change(room_, change));
+    const size_t probable = room_.gaussians.soft.size();
+    EXPECT_TRUE(probable == 0 || probable == room_.gaussians.model.size()) << "a row for every Gaussian, or none";
     edited_ = std::move(after);
     return change;
   }
