@@ -6,6 +6,7 @@
 
 #include "core/append.h"
 #include "core/error.h"
+#include "core/kept_rows.h"
 #include "edit/contents.h"
 #include "edit/crumbs.h"
 #include "edit/export/moved_room.h"
@@ -19,17 +20,6 @@
 
 namespace aligngs {
 namespace {
-
-template <class T>
-std::vector<T> kept(const std::vector<T>& values, const std::vector<uint8_t>& keep, size_t width) {
-  std::vector<T> out;
-  for (size_t i = 0; i < keep.size(); ++i) {
-    if (keep[i])
-      out.insert(out.end(), values.begin() + static_cast<std::ptrdiff_t>(i * width),
-                 values.begin() + static_cast<std::ptrdiff_t>((i + 1) * width));
-  }
-  return out;
-}
 
 std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
   for (uint8_t& f : flags) f = !f;
@@ -60,8 +50,8 @@ void append_patch(EditableRoom& room, const SupportPatch& patch) {
 
 void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::vector<uint8_t>& vertices,
                uint8_t value) {
-  room.gaussians = keep_rows(room.gaussians, keep);
-  room.origins = kept(room.origins, keep, 1);
+  room.gaussians = keep_rows(std::move(room.gaussians), keep);
+  room.origins = kept_rows(room.origins, keep, 1);
   keep_mesh(room, vertices, value);
 }
 
@@ -107,7 +97,7 @@ void remove_objects(EditableRoom& room, const EditOperation& edit, const std::ve
   keep.resize(room.gaussians.model.size(), 1);
   rest.resize(room.gaussians.model.size(), 0);
   keep_part(room, keep, vertices, 0);
-  join_neighbours(room.gaussians, kept(rest, keep, 1), {}, pool);
+  join_neighbours(room.gaussians, kept_rows(rest, keep, 1), {}, pool);
   for (const SupportPatch& patch : patches) {
     if (!room.mesh.vertices.empty()) append_mesh(room, patch.mesh);
   }
@@ -146,21 +136,16 @@ void add_contents(const EditableRoom& room, bool take, GaussianSelection& select
 
 }  // namespace
 
-LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep) {
-  LabelledGaussians out;
-  out.extent = room.extent;
-  out.model = room.model;
-  restructure_model(plan_keep(keep), out.model);
-  out.named = room.named;
+LabelledGaussians keep_rows(LabelledGaussians room, const std::vector<uint8_t>& keep) {
+  restructure_model(plan_keep(keep), room.model);
   if (!room.soft.label.empty()) {
-    out.soft.label = kept(room.soft.label, keep, SoftLabels::kTop);
-    out.soft.probability = kept(room.soft.probability, keep, SoftLabels::kTop);
+    room.soft.label = kept_rows(room.soft.label, keep, SoftLabels::kTop);
+    room.soft.probability = kept_rows(room.soft.probability, keep, SoftLabels::kTop);
   }
-  out.labels.label_set = room.labels.label_set;
-  out.labels.label = kept(room.labels.label, keep, 1);
-  out.labels.instance = kept(room.labels.instance, keep, 1);
-  out.labels.confidence = kept(room.labels.confidence, keep, 1);
-  return out;
+  room.labels.label = kept_rows(room.labels.label, keep, 1);
+  room.labels.instance = kept_rows(room.labels.instance, keep, 1);
+  room.labels.confidence = kept_rows(room.labels.confidence, keep, 1);
+  return room;
 }
 
 Vocabulary vocabulary_of(const EditableRoom& room) {

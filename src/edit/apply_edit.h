@@ -61,6 +61,6 @@ SelectionQuery read_selection(const EditableRoom& room, const std::string& text)
 Vocabulary vocabulary_of(const EditableRoom& room);
 
 /// The row subset of all parts of a labelled scene.
-LabelledGaussians keep_rows(const LabelledGaussians& room, const std::vector<uint8_t>& keep);
+LabelledGaussians keep_rows(LabelledGaussians room, const std::vector<uint8_t>& keep);
 
 }  // namespace aligngs

@@ -11,13 +11,7 @@
 namespace aligngs {
 namespace {
 
-EditOperation edit_of(EditKind kind, const std::string& select, bool fill = false) {
-  EditOperation edit;
-  edit.kind = kind;
-  edit.select = select;
-  edit.fill = fill;
-  return edit;
-}
+using small_room::edit_of;
 
 class ApplyEdit : public testing::Test {
  protected:

@@ -4,6 +4,8 @@
 #include <cstring>
 
 #include "core/append.h"
+#include "core/kept_rows.h"
+#include "edit/apply_edit.h"
 #include "edit/mesh_rows.h"
 #include "edit/mesh_selection.h"
 #include "edit/recolor.h"
@@ -41,19 +43,6 @@ bool find_rows(const std::vector<RowId>& wanted, size_t count, const Id& id, std
     rows.push_back(static_cast<uint32_t>(i));
   }
   return true;
-}
-
-/// Moves the rows that stay to the front.
-template <class T>
-void keep(std::vector<T>& values, const std::vector<uint8_t>& stays, size_t width) {
-  if (values.empty() || width == 0) return;
-  size_t to = 0;
-  for (size_t i = 0; i < stays.size(); ++i) {
-    if (!stays[i]) continue;
-    if (to != i) std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * width), width, values.begin() + static_cast<std::ptrdiff_t>(to * width));
-    ++to;
-  }
-  values.resize(to * width);
 }
 
 template <class T>
@@ -150,17 +139,8 @@ void remove_gaussians(EditableRoom& room, const std::vector<uint32_t>& gone) {
   if (gone.empty()) return;
   std::vector<uint8_t> stays(room.origins.size(), 1);
   for (const uint32_t i : gone) stays[i] = 0;
-  GaussianModel& m = room.gaussians.model;
-  keep(m.positions, stays, 3);
-  keep(m.log_scales, stays, 3);
-  keep(m.rotations, stays, 4);
-  keep(m.opacity_logits, stays, 1);
-  keep(m.sh, stays, kHarmonics);
-  keep(m.semantics, stays, static_cast<size_t>(m.semantic_channels));
-  keep(room.gaussians.labels.label, stays, 1);
-  keep(room.gaussians.labels.instance, stays, 1);
-  keep(room.gaussians.labels.confidence, stays, 1);
-  keep(room.origins, stays, 1);
+  room.gaussians = keep_rows(std::move(room.gaussians), stays);
+  room.origins = kept_rows(room.origins, stays, 1);
 }
 
 void append_gaussians(EditableRoom& room, const EditChange& change) {

@@ -11,10 +11,7 @@ namespace aligngs {
 namespace {
 
 EditOperation edit_of(EditKind kind, const std::string& select, bool fill = false) {
-  EditOperation edit;
-  edit.kind = kind;
-  edit.select = select;
-  edit.fill = fill;
+  EditOperation edit = small_room::edit_of(kind, select, fill);
   edit.color = {46, 139, 87};
   edit.motion.shift = {0.3, 0, 0};
   return edit;

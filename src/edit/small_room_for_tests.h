@@ -12,6 +12,14 @@ inline constexpr int kFloor = 3, kBox = 41, kPillow = 57;  ///< ADE20K class num
 inline constexpr float kSpacing = 0.04f;                   ///< metres between Gaussians
 inline constexpr double kExtent = 3;                       ///< metres, as of a real room
 
+inline EditOperation edit_of(EditKind kind, const std::string& select, bool fill = false) {
+  EditOperation edit;
+  edit.kind = kind;
+  edit.select = select;
+  edit.fill = fill;
+  return edit;
+}
+
 /// Adds one flat Gaussian that faces `normal`.
 inline void add_gaussian(GaussianModel& model, const Vec3f& position, const Vec3f& normal, const Vec3f& color,
                          int label) {

@@ -1,4 +1,4 @@
-// Place and direction of one Gaussian of a model.
+// Place and direction of one Gaussian of a model, and when it is seen at all.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,9 @@
 #include "gaussians/gaussian_model.h"
 
 namespace aligngs {
+
+/// Gaussians below are never drawn: alpha_min of the rasteriser.
+inline constexpr float kInvisibleOpacity = 1.0f / 255;
 
 /// Centre of row i, world.
 inline Vec3d position_of(const GaussianModel& model, size_t i) { return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]}; }

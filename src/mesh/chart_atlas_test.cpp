@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "mesh/charts.h"
+#include "mesh/grid_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -20,13 +21,7 @@ TriangleMesh roll(uint32_t n) {
       mesh.vertices.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle)), float(2.0 * j / n)});
     }
   }
-  for (uint32_t j = 0; j < n; ++j) {
-    for (uint32_t i = 0; i < n; ++i) {
-      const uint32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1;
-      mesh.triangles.push_back({a, b, c});
-      mesh.triangles.push_back({b, c + 1, c});
-    }
-  }
+  add_grid_triangles(mesh, n);
   return mesh;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "mesh/close_mesh.h"
+#include "mesh/grid_for_tests.h"
 #include "metrics/visibility.h"
 
 namespace aligngs {
@@ -40,13 +41,7 @@ TriangleMesh square(uint32_t n) {
   for (uint32_t j = 0; j <= n; ++j) {
     for (uint32_t i = 0; i <= n; ++i) mesh.vertices.push_back({float(i) / float(n), float(j) / float(n), 0});
   }
-  for (uint32_t j = 0; j < n; ++j) {
-    for (uint32_t i = 0; i < n; ++i) {
-      const uint32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1;
-      mesh.triangles.push_back({a, b, c});
-      mesh.triangles.push_back({b, c + 1, c});
-    }
-  }
+  add_grid_triangles(mesh, n);
   return mesh;
 }
 

@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-constexpr double kSame = 1e-9;               // of two numbers that are one
+constexpr double kSame = 1e-9;  // of two numbers that are one
 
 /// Eye, target and field of view as numbers that are interpolated alike.
 struct Values {

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <span>
 
+#include "gaussians/gaussian_geometry.h"
 #include "gaussians/morton_order.h"
 #include "io/gzip.h"
 #include "io/json_text.h"
@@ -17,7 +18,6 @@ namespace {
 
 using Rows = std::span<const uint32_t>;
 
-constexpr float kCompactInvisible = 1.0f / 255;     // alpha_min of the rasteriser
 constexpr size_t kCoarseShare = 4;           // one splat of four is in the first part
 constexpr size_t kSmallestCoarse = 20'000;   // splats; below that a second step saves no time
 constexpr float kCompactColorStep = 1.0f / 64;      // of f_dc: one level of 255 is 1/72
@@ -126,7 +126,7 @@ void add_splats(Part& part, const SplatTable& t, Rows rows, size_t first) {
 CompactScene compact_scene(const SplatTable& table) {
   std::vector<uint32_t> rows;
   for (uint32_t i = 0; i < table.size(); ++i) {
-    if (opacity_of_logit(table.opacity[i]) >= kCompactInvisible) rows.push_back(i);
+    if (opacity_of_logit(table.opacity[i]) >= kInvisibleOpacity) rows.push_back(i);
   }
   const size_t shown = std::min(rows.size(), std::max(kSmallestCoarse, rows.size() / kCoarseShare));
   std::vector<float> seen(table.size());

@@ -6,6 +6,7 @@
 #include "edit/export/object_meshes.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
+#include "gaussians/gaussian_geometry.h"
 #include "io/image_file.h"
 
 namespace aligngs {
@@ -14,7 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Splats fainter than this are invisible and only cost space (alpha_min of the rasteriser).
-constexpr float kInvisible = 1.0f / 255;
 
 uint16_t linear16(float srgb) { return static_cast<uint16_t>(std::lround(65535 * srgb_to_linear(srgb))); }
 
@@ -56,7 +56,7 @@ int add_splats(GlbContainer& glb, const EditableRoom& room, const Mat3d& rotatio
   const GaussianModel model = rotated(room.gaussians.model, rotation);
   std::vector<uint32_t> rows;
   for (uint32_t i = 0; i < model.size(); ++i) {
-    if (opacity_of(model, i) >= kInvisible) rows.push_back(i);
+    if (opacity_of(model, i) >= kInvisibleOpacity) rows.push_back(i);
   }
   written = rows.size();
   if (rows.empty()) return -1;
