@@ -28,7 +28,7 @@ struct Waiting {
   RoomEntry room;
   uint64_t predicted_bytes = 0;   ///< 0: not asked yet
   Clock::time_point next_look{};  ///< not before this
-  std::optional<LeaseView> seen;  ///< the lease of somebody else when it was first seen
+  std::optional<LeaseView> seen{};  ///< the lease of somebody else when it was first seen
   bool alive_elsewhere = false;   ///< it was renewed since
 };
 
