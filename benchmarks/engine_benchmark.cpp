@@ -7,9 +7,9 @@
 // measured by this program, would allow. Operations that a scene's steps do not have are left out.
 #include <benchmark/benchmark.h>
 
+#include <functional>
 #include <map>
 #include <string>
-#include <functional>
 #include <thread>
 #include <tuple>
 #include <vector>
@@ -173,7 +173,8 @@ void register_all() {
         ->Unit(benchmark::kMillisecond);
     if (threads == all) break;
   }
-  // The scene of the targets, on one thread and on all; then along each of its three sizes; then what else semantics do.
+  // The scene of the targets, on one thread and on all; then along each of its three sizes; then what else semantics
+  // do.
   const auto scene = [&](int width, int gaussians, int channels) { return Scene{width, gaussians, channels, all}; };
   register_scene(scene(640, 200000, 150));
   if (all > 1) register_scene({640, 200000, 150, 1});

@@ -67,8 +67,7 @@ double peak_gigabytes() {
   return kilobytes / 1e6;
 }
 
-fs::path weights_at(const Arguments& arguments, const std::string& name,
-                    const nn::TensorList& tensors) {
+fs::path weights_at(const Arguments& arguments, const std::string& name, const nn::TensorList& tensors) {
   const fs::path path = arguments.weights / name;
   if (!fs::exists(path)) {
     constexpr uint64_t kSeed = 1;
@@ -86,15 +85,14 @@ nn::FeatureMap random_image(int64_t width, int64_t height, double low, double hi
 }
 
 void report(const char* name, double loading, const Elapsed& running) {
-  std::printf("%s: loading %.1f s, running %.1f s (%.1f s of processors), peak memory %.2f GB\n",
-              name, loading, running.wall, running.processor, peak_gigabytes());
+  std::printf("%s: loading %.1f s, running %.1f s (%.1f s of processors), peak memory %.2f GB\n", name, loading,
+              running.wall, running.processor, peak_gigabytes());
 }
 
 void run_vggt(nn::Compute& compute, const Arguments& a) {
   const fs::path path = weights_at(a, "vggt_1b.safetensors", nn::vggt_tensors({}));
   std::unique_ptr<nn::Vggt> network;
-  const double loading =
-      seconds_of([&] { network = std::make_unique<nn::Vggt>(compute, nn::Weights::open(path)); });
+  const double loading = seconds_of([&] { network = std::make_unique<nn::Vggt>(compute, nn::Weights::open(path)); });
   const int64_t width = a.width > 0 ? a.width : 518, height = a.height > 0 ? a.height : 392;
   std::vector<nn::FeatureMap> images(size_t(a.frames), random_image(width, height, 0, 1));
   double first = 0;
@@ -105,33 +103,28 @@ void run_vggt(nn::Compute& compute, const Arguments& a) {
       first = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     });
   });
-  std::printf("first frame done after %.1f s, the others' dense heads %.1f s\n", first,
-              running.wall - first);
+  std::printf("first frame done after %.1f s, the others' dense heads %.1f s\n", first, running.wall - first);
   report("VGGT-1B", loading, running);
 }
 
 void run_mask2former(nn::Compute& compute, const Arguments& a) {
   const fs::path path = weights_at(a, "vitg_m2f.safetensors", nn::mask2former_tensors({}));
   std::unique_ptr<nn::Mask2Former> network;
-  const double loading = seconds_of(
-      [&] { network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(path)); });
+  const double loading =
+      seconds_of([&] { network = std::make_unique<nn::Mask2Former>(compute, nn::Weights::open(path)); });
   const int64_t width = a.width > 0 ? a.width : 896, height = a.height > 0 ? a.height : 896;
   const nn::FeatureMap image = random_image(width, height, -2, 2);
-  report("ViT-g Mask2Former, one window", loading,
-         time_of([&] { network->predict(compute, image); }));
+  report("ViT-g Mask2Former, one window", loading, time_of([&] { network->predict(compute, image); }));
 }
 
 void run_dpt(nn::Compute& compute, const Arguments& a) {
   const nn::VitSize size = nn::vit_size('l');
-  const nn::Weights backbone =
-      nn::Weights::open(weights_at(a, "dinov2_vitl14.safetensors", nn::dinov2_tensors(size)));
+  const nn::Weights backbone = nn::Weights::open(weights_at(a, "dinov2_vitl14.safetensors", nn::dinov2_tensors(size)));
   const nn::Weights head =
       nn::Weights::open(weights_at(a, "dinov2_vitl14_dpt.safetensors", nn::dpt_head_tensors(size)));
   std::unique_ptr<nn::DepthNetwork> network;
-  const double loading =
-      seconds_of([&] { network = nn::make_depth_network(compute, backbone, head); });
-  const nn::FeatureMap image =
-      random_image(a.width > 0 ? a.width : 640, a.height > 0 ? a.height : 480, -2, 2);
+  const double loading = seconds_of([&] { network = nn::make_depth_network(compute, backbone, head); });
+  const nn::FeatureMap image = random_image(a.width > 0 ? a.width : 640, a.height > 0 ? a.height : 480, -2, 2);
   (*network)(compute, image);
   report("ViT-L DPT, one image", loading, time_of([&] { (*network)(compute, image); }));
 }
@@ -157,8 +150,8 @@ void run_da3(nn::Compute& compute, const Arguments& a) {
 void run_eomt(nn::Compute& compute, const Arguments& a) {
   const fs::path path = weights_at(a, "eomt_large_512.safetensors", nn::eomt_tensors());
   std::unique_ptr<nn::Eomt> network;
-  const double loading = seconds_of(
-      [&] { network = std::make_unique<nn::Eomt>(compute, nn::eomt_weights(WeightFile::open(path))); });
+  const double loading =
+      seconds_of([&] { network = std::make_unique<nn::Eomt>(compute, nn::eomt_weights(WeightFile::open(path))); });
   const int width = a.width > 0 ? int(a.width) : 640, height = a.height > 0 ? int(a.height) : 480;
   const Image<uint8_t> photo(width, height, 3, 128);
   report("EoMT-L, one photo", loading,
@@ -174,8 +167,8 @@ void rate(const char* name, double flop, const std::function<void()>& work) {
     best.wall = std::min(best.wall, run.wall);
     best.processor = std::min(best.processor, run.processor);
   }
-  std::printf("%-44s %8.0f GFLOP/s, %6.0f GFLOP per second of a processor\n", name,
-              flop / best.wall / 1e9, flop / best.processor / 1e9);
+  std::printf("%-44s %8.0f GFLOP/s, %6.0f GFLOP per second of a processor\n", name, flop / best.wall / 1e9,
+              flop / best.processor / 1e9);
 }
 
 std::vector<float> random_values(size_t count) {
@@ -186,8 +179,7 @@ std::vector<float> random_values(size_t count) {
 }
 
 void run_layers(nn::Compute& compute) {
-  std::printf("backend %s, matrix unit %s\n", compute.matrices()->name().c_str(),
-              compute.amx() ? "yes" : "no");
+  std::printf("backend %s, matrix unit %s\n", compute.matrices()->name().c_str(), compute.amx() ? "yes" : "no");
   const int64_t rows = 10412;  // tokens of ten frames of 392 x 518
   nn::Matrix x(rows, 1024);
   x.data = random_values(x.data.size());
@@ -227,8 +219,7 @@ void run_layers(nn::Compute& compute) {
   nn::FeatureMap map(148, 148, 256);
   map.data = random_values(map.data.size());
   const nn::Convolution conv(compute, {256, 256, 3, 1, 1}, random_values(256 * 256 * 9), {});
-  rate("convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9,
-       [&] { conv(compute, map); });
+  rate("convolution 3x3, 256 -> 256, 148 x 148", 2.0 * 148 * 148 * 256 * 256 * 9, [&] { conv(compute, map); });
 }
 
 Arguments parse(int count, char** values) {

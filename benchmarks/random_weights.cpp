@@ -37,8 +37,7 @@ void write_model(const ModelStore& store, const PublishedModel& model) {
     const std::filesystem::path path = store.own_path(model, model.files[i]);
     constexpr uint64_t kSeed = 1;
     nn::write_random_weights(path, tensors_of(model, i), kSeed);
-    std::printf("%s: %.2f GB in %.1f s\n", path.c_str(),
-                double(std::filesystem::file_size(path)) / 1e9,
+    std::printf("%s: %.2f GB in %.1f s\n", path.c_str(), double(std::filesystem::file_size(path)) / 1e9,
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
 }
@@ -56,8 +55,7 @@ int main(int argc, char** argv) {
     options.folder = argv[1];
     const aligngs::ModelStore store(options);
     for (int i = 2; i < argc; ++i) {
-      for (const aligngs::PublishedModel* model :
-           aligngs::with_needs(aligngs::published_model(argv[i])))
+      for (const aligngs::PublishedModel* model : aligngs::with_needs(aligngs::published_model(argv[i])))
         aligngs::write_model(store, *model);
     }
     return 0;

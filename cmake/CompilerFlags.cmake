@@ -10,7 +10,6 @@ endif()
 
 add_library(aligngs_flags INTERFACE)
 target_include_directories(aligngs_flags INTERFACE ${CMAKE_SOURCE_DIR}/src)
-target_compile_definitions(aligngs_flags INTERFACE ALIGNGS_VERSION="${PROJECT_VERSION}")
 # Baseline x86-64-v2; wider instruction sets are chosen at run time. No contraction: two passes that
 # compile the same expression must get the same bits. errno and trapping are not used by the maths.
 target_compile_options(aligngs_flags INTERFACE "$<$<NOT:$<COMPILE_LANGUAGE:CUDA>>:-Wall;-Wextra;-Wshadow;-Wno-unused-parameter;-ffp-contract=off;-fno-math-errno;-fno-trapping-math>")

@@ -78,11 +78,11 @@ else()
   endif()
 endif()
 
-# The CUDA sources are in cuda/ folders of the modules and form a library of their own; without CUDA, cuda/absent
-# takes its place. tests/cuda compiles the same sources once more as plain C++, on an emulation of the device.
+# The CUDA sources are in src/device and in cuda/ folders of the modules. They form a library of their own; without CUDA,
+# cuda/absent takes its place. tests/cuda compiles the same sources once more as plain C++, on an emulation of the device.
 function(aligngs_cuda_files folder result)
   file(GLOB_RECURSE files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/*.cu ${CMAKE_SOURCE_DIR}/src/*.cpp)
-  list(FILTER files INCLUDE REGEX "/src/[a-z]+/cuda/${folder}")
+  list(FILTER files INCLUDE REGEX "/src/([a-z]+/cuda|device)/${folder}")
   set(${result} ${files} PARENT_SCOPE)
 endfunction()
 
@@ -98,7 +98,7 @@ function(aligngs_cuda_library)
     set_source_files_properties(src/mesh/cuda/tsdf_fusion.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
   else()
     aligngs_cuda_files("absent/" absent)
-    add_library(aligngs_cuda STATIC ${absent} src/engine/cuda/runtime/device_choice.cpp)
+    add_library(aligngs_cuda STATIC ${absent} src/device/device_choice.cpp)
   endif()
   target_link_libraries(aligngs_cuda PUBLIC aligngs_flags aligngs_engine aligngs_mesh aligngs_nn)
 endfunction()

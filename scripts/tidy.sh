@@ -13,7 +13,7 @@ if [ $# -gt 0 ]; then
 else
   mapfile -t files < <(git diff --name-only --diff-filter=d main -- 'src/*.cpp')
   if [ ${#files[@]} -eq 0 ]; then
-    mapfile -t files < <(git ls-files 'src/*.cpp' | grep -v -e '_test\.cpp$' -e '/cuda/')
+    mapfile -t files < <(git ls-files 'src/*.cpp' | grep -v -e '_test\.cpp$' -e '/cuda/' -e '^src/device/')
   fi
 fi
 # A folder of its own: clang does not read the precompiled headers of GCC.

@@ -30,7 +30,8 @@ class BadInput : public testing::Test {
   static void TearDownTestSuite() { fs::remove_all(pristine_); }
 
   void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / ("bad_input_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    base_ = fs::path(testing::TempDir()) /
+            ("bad_input_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(base_);
     fs::create_directories(base_);
     scene_ = base_ / "scene";
@@ -49,11 +50,14 @@ class BadInput : public testing::Test {
   static void truncate(const fs::path& file, double share = 0.6) {
     fs::resize_file(file, static_cast<uintmax_t>(static_cast<double>(fs::file_size(file)) * share));
   }
-  static void overwrite(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+  static void overwrite(const fs::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+  }
 
   /// Trains on the damaged scene and expects status 3 with the words, and no result.
   void expect_refused(const std::vector<std::string>& words, const std::string& options = "") {
-    const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q " + options, base_);
+    const ProcessResult result =
+        run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q " + options, base_);
     EXPECT_EQ(result.status, 3) << result.err;
     for (const std::string& word : words) EXPECT_THAT(result.err, HasSubstr(word));
     EXPECT_THAT(result.err, HasSubstr("remedy"));
@@ -64,7 +68,8 @@ class BadInput : public testing::Test {
   /// A problem of one view leaves it out with a line; with --strict it is refused.
   void expect_left_out(const std::vector<std::string>& words) {
     expect_refused(words, "--strict");
-    const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "lenient").string() + "' -n 2", base_);
+    const ProcessResult result =
+        run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "lenient").string() + "' -n 2", base_);
     EXPECT_EQ(result.status, 0) << result.err;
     for (const std::string& word : words) EXPECT_THAT(result.err, HasSubstr(word));
     EXPECT_THAT(result.err, HasSubstr("views; left out: "));
@@ -78,7 +83,8 @@ class BadInput : public testing::Test {
 fs::path BadInput::pristine_;
 
 TEST_F(BadInput, ThePristineSceneTrains) {
-  const ProcessResult result = run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q", base_);
+  const ProcessResult result =
+      run_aligngs("train '" + scene_.string() + "' -o '" + (base_ / "run").string() + "' -n 2 -q", base_);
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_TRUE(fs::exists(base_ / "run" / "scene.ply"));
 }
@@ -103,7 +109,8 @@ TEST_F(BadInput, TruncatedImage) {
 
 TEST_F(BadInput, ImageOfAnotherSizeThanItsCamera) {
   const fs::path image = file_in("images");
-  image.extension() == ".png" ? write_png(image, Image<uint8_t>(40, 40, 3, 9)) : write_jpeg(image, Image<uint8_t>(40, 40, 3, 9));
+  image.extension() == ".png" ? write_png(image, Image<uint8_t>(40, 40, 3, 9))
+                              : write_jpeg(image, Image<uint8_t>(40, 40, 3, 9));
   expect_left_out({image.filename().string(), "40"});
 }
 
@@ -204,7 +211,9 @@ TEST_F(BadInput, ANerfstudioFolderIsToldFromAScene) {
   overwrite(folder / "transforms.json", R"({"frames": []})");
   fs::copy(scene_ / "images", folder / "images", fs::copy_options::overwrite_existing);
   for (const std::string command : {"train ", "run "}) {
-    const ProcessResult result = run_aligngs(command + "'" + folder.string() + "' -o '" + (folder.parent_path() / "nerfstudio_run").string() + "'", folder.parent_path());
+    const ProcessResult result = run_aligngs(
+        command + "'" + folder.string() + "' -o '" + (folder.parent_path() / "nerfstudio_run").string() + "'",
+        folder.parent_path());
     EXPECT_EQ(result.status, 3) << command << result.err;
     EXPECT_THAT(result.err, HasSubstr("nerfstudio")) << command;
     EXPECT_THAT(result.err, HasSubstr("aligngs import")) << command;

@@ -32,13 +32,16 @@ class BatchCommand : public testing::Test {
     fs::remove_all(scene_ / "truth");
   }
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "batch_command" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    root_ =
+        fs::path(testing::TempDir()) / "batch_command" / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(root_);
     fs::create_directories(root_);
   }
   std::string path(const std::string& name) const { return (root_ / name).string(); }
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, root_ / "scratch"); }
-  std::string ply(const std::string& batch, const std::string& room) const { return read_file(BatchFolder(root_ / batch).run(room) / "scene.ply"); }
+  std::string ply(const std::string& batch, const std::string& room) const {
+    return read_file(BatchFolder(root_ / batch).run(room) / "scene.ply");
+  }
 
   /// A line of a list.
   static std::string room(const std::string& name, const std::string& source, const std::string& options) {
@@ -50,7 +53,8 @@ class BatchCommand : public testing::Test {
 };
 
 TEST_F(BatchCommand, ABrokenRoomDoesNotKeepTheOthersFromTheEnd) {
-  write_file_atomically(root_ / "rooms.tsv", room("one", scene_, "-n 10") + room("broken", "nowhere", "-n 10") + room("two", scene_, "-n 10 --seed 2"));
+  write_file_atomically(root_ / "rooms.tsv", room("one", scene_, "-n 10") + room("broken", "nowhere", "-n 10") +
+                                                 room("two", scene_, "-n 10 --seed 2"));
   const ProcessResult first = run("batch '" + path("rooms.tsv") + "' -o '" + path("out") + "' --jobs 2");
   EXPECT_EQ(first.status, 1);
   EXPECT_THAT(first.err, HasSubstr("1 of 3 rooms failed: broken"));
@@ -64,7 +68,8 @@ TEST_F(BatchCommand, ABrokenRoomDoesNotKeepTheOthersFromTheEnd) {
   EXPECT_THAT(std::string(status["rooms"][1]["message"]), HasSubstr("no such folder"));
 
   EXPECT_EQ(run("batch collect '" + path("out") + "'").status, 0);
-  for (const char* file : {"results.csv", "results.json", "results.html"}) EXPECT_TRUE(fs::exists(root_ / "out" / file)) << file;
+  for (const char* file : {"results.csv", "results.json", "results.html"})
+    EXPECT_TRUE(fs::exists(root_ / "out" / file)) << file;
   EXPECT_THAT(read_file(root_ / "out" / "results.html"), HasSubstr("data:image/jpeg"));
 
   fs::copy(scene_, root_ / "nowhere", fs::copy_options::recursive);  // what was missing
@@ -114,7 +119,8 @@ TEST_F(BatchCommand, MistakesOfTheCommandLine) {
 
 TEST_F(BatchCommand, PrintingWritesAScriptAndNothingElse) {
   write_file_atomically(root_ / "rooms.tsv", "one\tdemo\ntwo\tdemo\n");
-  const ProcessResult printed = run("batch '" + path("rooms.tsv") + "' -o '" + path("out") + "' --print slurm --jobs 1");
+  const ProcessResult printed =
+      run("batch '" + path("rooms.tsv") + "' -o '" + path("out") + "' --print slurm --jobs 1");
   EXPECT_EQ(printed.status, 0);
   EXPECT_THAT(printed.out, HasSubstr("#SBATCH --array=0-1%1\n"));
   EXPECT_FALSE(fs::exists(root_ / "out"));

@@ -34,7 +34,8 @@ class CameraPathCommand : public testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(root());
     testing_support::write_small_scene(root() / "scene");
-    const ProcessResult trained = aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "run") + " -n 40 -q");
+    const ProcessResult trained =
+        aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "run") + " -n 40 -q");
     ASSERT_EQ(trained.status, 0) << trained.err;
     write_file_atomically(root() / "keys.json", kKeys);
   }
@@ -42,18 +43,22 @@ class CameraPathCommand : public testing::Test {
     fs::remove_all(root() / "out");
     fs::create_directories(root() / "out");
   }
-  static ProcessResult render(const std::string& arguments) { return aligngs("render " + quoted(root() / "run") + " -q --size 64x48 " + arguments); }
+  static ProcessResult render(const std::string& arguments) {
+    return aligngs("render " + quoted(root() / "run") + " -q --size 64x48 " + arguments);
+  }
   static size_t files(const fs::path& folder) {
     return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
   }
 };
 
 TEST_F(CameraPathCommand, PicturesOfKeyFramesAreCountedByTimeAndRate) {
-  const ProcessResult made = render("--path " + quoted(root() / "keys.json") + " --fps 5 --json -o " + quoted(root() / "out" / "frames"));
+  const ProcessResult made =
+      render("--path " + quoted(root() / "keys.json") + " --fps 5 --json -o " + quoted(root() / "out" / "frames"));
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_EQ(parse_json(made.out)["pictures"], 11);
   EXPECT_EQ(files(root() / "out" / "frames"), 11u);
-  const Image<uint8_t> first = read_image(root() / "out" / "frames" / "frame_00001.png"), last = read_image(root() / "out" / "frames" / "frame_00011.png");
+  const Image<uint8_t> first = read_image(root() / "out" / "frames" / "frame_00001.png"),
+                       last = read_image(root() / "out" / "frames" / "frame_00011.png");
   EXPECT_EQ(first.width, 64);
   EXPECT_EQ(first.height, 48);
   EXPECT_NE(first.data, last.data);
@@ -71,8 +76,10 @@ TEST_F(CameraPathCommand, ToursGiveAVideoOrWithoutFfmpegItsPictures) {
   const char* path = std::getenv("PATH");
   const std::string kept = path != nullptr ? path : "";
   setenv("PATH", "/nowhere", 1);
-  const ProcessResult bare = run_aligngs("render " + quoted(root() / "run") + " --size 64x48 --path walk --seconds 1 --fps 4 -o " + quoted(root() / "out" / "walk.mp4"),
-                                         root() / "scratch");
+  const ProcessResult bare =
+      run_aligngs("render " + quoted(root() / "run") + " --size 64x48 --path walk --seconds 1 --fps 4 -o " +
+                      quoted(root() / "out" / "walk.mp4"),
+                  root() / "scratch");
   setenv("PATH", kept.c_str(), 1);
   ASSERT_EQ(bare.status, 0) << bare.err;
   EXPECT_THAT(bare.err, HasSubstr("ffmpeg is not installed"));
@@ -126,7 +133,8 @@ TEST_F(CameraPathCommand, CtrlCLeavesNothingHalfWritten) {
     return false;
   };
   for (const char* output : {"old.mp4", "frames"}) {
-    StartedProcess process({"render", (root() / "run").string(), "--path", "orbit", "--seconds", "3000", "--size", "640x480", "-o", (root() / "out" / output).string()},
+    StartedProcess process({"render", (root() / "run").string(), "--path", "orbit", "--seconds", "3000", "--size",
+                            "640x480", "-o", (root() / "out" / output).string()},
                            root() / "scratch");
     ASSERT_TRUE(wait_until(begun, kPatience)) << process.err();
     process.send(SIGINT);

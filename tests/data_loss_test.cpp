@@ -39,13 +39,17 @@ class DataLoss : public testing::Test {
     fs::create_directories(root_);
     fs::copy(original(), root_ / "made", fs::copy_options::recursive);
     fs::create_directories(data());
-    for (const char* part : {"images", "sparse"}) fs::copy(root_ / "made" / part, data() / part, fs::copy_options::recursive);
-    for (const char* file : {"database.db", "notes.txt", "config.toml", "run.json"}) write_file_atomically(data() / file, "{}");
+    for (const char* part : {"images", "sparse"})
+      fs::copy(root_ / "made" / part, data() / part, fs::copy_options::recursive);
+    for (const char* file : {"database.db", "notes.txt", "config.toml", "run.json"})
+      write_file_atomically(data() / file, "{}");
     fs::create_directory_symlink(data(), root_ / "link");
     before_ = contents(data());
   }
   fs::path data() const { return root_ / "data"; }
-  ProcessResult aligngs(const std::string& arguments) const { return run_aligngs(arguments + " -q", root_ / "scratch"); }
+  ProcessResult aligngs(const std::string& arguments) const {
+    return run_aligngs(arguments + " -q", root_ / "scratch");
+  }
   /// The command ends with a usage error, and the data set is what it was.
   void expect_refused(const std::string& arguments, const char* words = "source") const {
     const ProcessResult result = aligngs(arguments);
@@ -83,7 +87,8 @@ TEST_F(DataLoss, NoCommandWritesIntoItsSource) {
 TEST_F(DataLoss, NoCommandReplacesAFolderThatIsNotItsOwn) {
   for (const fs::path& output : {data(), root_ / "link"}) {
     expect_refused("import " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
-    expect_refused("poses " + quoted(root_ / "made" / "images") + " --method given --overwrite -o " + quoted(output), "never replaced");
+    expect_refused("poses " + quoted(root_ / "made" / "images") + " --method given --overwrite -o " + quoted(output),
+                   "never replaced");
     expect_refused("refine " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
     expect_refused("data simulate " + quoted(root_ / "made") + " --overwrite -o " + quoted(output), "never replaced");
     expect_refused("synth --size 32x24 --views 4 --test-views 1 --overwrite " + quoted(output), "never replaced");
@@ -98,7 +103,8 @@ TEST_F(DataLoss, APhotoThatALinkBringsIsPartOfTheSource) {
   fs::copy(data() / "sparse", root_ / "linked" / "sparse", fs::copy_options::recursive);
   fs::create_directory_symlink(root_ / "made" / "images", root_ / "linked" / "images");
   const auto made = contents(root_ / "made");
-  const ProcessResult result = aligngs("import " + quoted(root_ / "linked") + " --overwrite -o " + quoted(root_ / "made"));
+  const ProcessResult result =
+      aligngs("import " + quoted(root_ / "linked") + " --overwrite -o " + quoted(root_ / "made"));
   EXPECT_EQ(result.status, 2) << result.err;
   EXPECT_TRUE(contents(root_ / "made") == made);
 }
@@ -116,8 +122,9 @@ TEST_F(DataLoss, ExportsNeverReplaceAFileOfTheRunOrOfItsScene) {
   ASSERT_EQ(aligngs("train " + quoted(root_ / "made") + " -n 2 -o " + quoted(run)).status, 0);
   fs::create_directory_symlink(run, root_ / "run_link");
   const auto trained = contents(run), made = contents(root_ / "made");
-  for (const fs::path& file : {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", root_ / "run_link" / "scene.ply",
-                               root_ / "data" / ".." / "run" / "scene.labels.ply", root_ / "made" / "sparse" / "points3D.ply"}) {
+  for (const fs::path& file :
+       {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", root_ / "run_link" / "scene.ply",
+        root_ / "data" / ".." / "run" / "scene.labels.ply", root_ / "made" / "sparse" / "points3D.ply"}) {
     for (const std::string command : {"export " + quoted(run) + " -f ply -o ", "mesh " + quoted(run) + " -o "}) {
       const ProcessResult result = aligngs(command + quoted(file));
       EXPECT_EQ(result.status, 2) << command << file << result.err;

@@ -76,7 +76,8 @@ TEST_F(EditCommand, AnEditGoesOnTheStackAndUndoTakesItBack) {
             report["gaussians_before"].get<int>() - report["selected_gaussians"].get<int>());
   EXPECT_EQ(exported("ply").size(), report["gaussians_after"].get<size_t>());
   ASSERT_EQ(read_edits(run_ / "edits.json").size(), 1u);
-  EXPECT_LT(fs::file_size(run_ / "edits" / read_edits(run_ / "edits.json")[0].change), fs::file_size(run_ / "scene.ply") / 10);
+  EXPECT_LT(fs::file_size(run_ / "edits" / read_edits(run_ / "edits.json")[0].change),
+            fs::file_size(run_ / "scene.ply") / 10);
   edit_json("--select wall --recolor '#add8e6'");
   EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"delete bed, hole left open", "recolor wall to #add8e6"}));
   EXPECT_EQ(read_file(run_ / "scene.ply"), before) << "what was trained is never touched";
@@ -98,7 +99,9 @@ TEST_F(EditCommand, AnEditInWordsIsTheSameEdit) {
 TEST_F(EditCommand, AnObjectMovesAndComesBack) {
   const std::string before = read_file(run_ / "scene.ply");
   const nlohmann::json moved = edit_json("--select bed --move -0.3,0,0.1 --turn 20");
-  EXPECT_EQ(moved["gaussians_after"].get<int>(), moved["gaussians_before"].get<int>() + moved["filled_gaussians"].get<int>() - moved["cleared_gaussians"].get<int>());
+  EXPECT_EQ(moved["gaussians_after"].get<int>(), moved["gaussians_before"].get<int>() +
+                                                     moved["filled_gaussians"].get<int>() -
+                                                     moved["cleared_gaussians"].get<int>());
   EXPECT_EQ(edit_json("--list")["edits"], (nlohmann::json{"move bed by -0.3,0,0.1 and turn by 20"}));
   edit_json("--say 'duplicate the largest bed'");
   edit_json("--undo");
@@ -113,7 +116,8 @@ TEST_F(EditCommand, AnObjectMovesAndComesBack) {
 TEST_F(EditCommand, TwoEditsAtOnceAreBothKept) {
   const auto start = [&](const char* select, const char* color, const char* scratch) {
     return std::make_unique<testing_support::StartedProcess>(
-        std::vector<std::string>{"edit", run_.string(), "-q", "--select", select, "--highlight", color}, root() / scratch);
+        std::vector<std::string>{"edit", run_.string(), "-q", "--select", select, "--highlight", color},
+        root() / scratch);
   };
   const auto first = start("wall", "#ff0000", "first"), second = start("bed", "#00ff00", "second");
   EXPECT_EQ(first->wait(60), 0) << first->err();
@@ -204,14 +208,17 @@ TEST_F(EditCommand, ARunWithoutCheckpointsIsEditedAndExported) {
 TEST_F(EditCommand, ARunThatAnEarlierProgramEditedKeepsItsEdits) {
   fs::create_directories(run_ / "edits");
   write_file_atomically(run_ / "edits" / "scene.ply", "a copy of the room");
-  write_file_atomically(run_ / "edits.json", R"({"schema": 1, "edits": [{"operation": "delete", "select": "bed", "threshold": "argmax", "fill": false}]})");
+  write_file_atomically(
+      run_ / "edits.json",
+      R"({"schema": 1, "edits": [{"operation": "delete", "select": "bed", "threshold": "argmax", "fill": false}]})");
   EXPECT_EQ(edit_json("--list")["edits"], nlohmann::json{"delete bed, hole left open"});
   const size_t rest = exported("ply").size();
   EXPECT_LT(rest, read_gaussian_ply(run_ / "scene.ply").size());
   edit_json("--select wall --recolor red");
   EXPECT_EQ(exported("ply").size(), rest);
   EXPECT_FALSE(fs::exists(run_ / "edits" / "scene.ply")) << "the copy would be of another room now";
-  for (const EditOperation& e : read_edits(run_ / "edits.json")) EXPECT_TRUE(fs::exists(run_ / "edits" / e.change)) << describe(e);
+  for (const EditOperation& e : read_edits(run_ / "edits.json"))
+    EXPECT_TRUE(fs::exists(run_ / "edits" / e.change)) << describe(e);
 }
 
 TEST_F(EditCommand, ADamagedChangeIsMadeAgainFromItsWords) {
@@ -228,7 +235,8 @@ TEST_F(EditCommand, AKilledEditLeavesTheOldStateOrTheNewOne) {
   edit_json("--select wall --recolor red");
   const std::string before = read_file(run_ / "edits.json");
   for (const int milliseconds : {5, 40, 80, 120, 160, 240}) {
-    testing_support::StartedProcess process({"edit", run_.string(), "-q", "--select", "bed", "--delete"}, root() / "killed");
+    testing_support::StartedProcess process({"edit", run_.string(), "-q", "--select", "bed", "--delete"},
+                                            root() / "killed");
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
     process.send(SIGKILL);
     process.wait(60);
@@ -280,15 +288,18 @@ TEST_F(EditCommand, ExportWritesEveryFormatWithTheEdits) {
     EXPECT_GT(fs::file_size(file), 100u) << format;
   }
   EXPECT_LT(read_gaussian_ply(root() / "export.ply").size(), read_gaussian_ply(run_ / "scene.ply").size());
-  for (const char* wrong : {" -f gbl", " -f glb -o '/tmp/room.spz'", " -f spz --only mesh", " -f glb --only doors", " -f glb --mesh-only --splats-only", " -f ply --triangles 100",
-                            " -f glb --splats-only --textured", " -f collision.glb --textured", " -f glb --triangles 0", " -f glb --object spoonbill"}) {
+  for (const char* wrong :
+       {" -f gbl", " -f glb -o '/tmp/room.spz'", " -f spz --only mesh", " -f glb --only doors",
+        " -f glb --mesh-only --splats-only", " -f ply --triangles 100", " -f glb --splats-only --textured",
+        " -f collision.glb --textured", " -f glb --triangles 0", " -f glb --object spoonbill"}) {
     EXPECT_EQ(aligngs("export " + quoted(run_) + wrong).status, 2) << wrong;
   }
 }
 
 TEST_F(EditCommand, ExportShapesTheMesh) {
   const auto exported = [&](const std::string& options, const std::string& name) {
-    const ProcessResult result = aligngs("export " + quoted(run_) + " -q --json " + options + " -o " + quoted(root() / name));
+    const ProcessResult result =
+        aligngs("export " + quoted(run_) + " -q --json " + options + " -o " + quoted(root() / name));
     EXPECT_EQ(result.status, 0) << options << result.err;
     return parse_json(result.out);
   };
@@ -300,7 +311,8 @@ TEST_F(EditCommand, ExportShapesTheMesh) {
   const nlohmann::json textured = exported("-f obj --textured --error 20", "textured.obj");
   EXPECT_EQ(textured["files"].size(), 3u);
   EXPECT_TRUE(fs::exists(root() / "textured.jpg"));
-  EXPECT_EQ(exported("-f glb --object bed", "bed.glb")["objects"], exported("-f glb --object bed --mesh-only", "bed_mesh.glb")["objects"]);
+  EXPECT_EQ(exported("-f glb --object bed", "bed.glb")["objects"],
+            exported("-f glb --object bed --mesh-only", "bed_mesh.glb")["objects"]);
 }
 
 }  // namespace

@@ -136,7 +136,8 @@ TEST_F(ExportReaders, TinyusdzReadsMeshesAndTextureOfTheUsdz) {
     EXPECT_GT(mesh["image"]["bytes"], 1000);
   }
   const std::string layer = report["text"];
-  for (const char* part : {"texCoord2f[] primvars:st", "semantics:labels:class = [\"pillow\"]", "rel material:binding = </room/photos>"}) {
+  for (const char* part :
+       {"texCoord2f[] primvars:st", "semantics:labels:class = [\"pillow\"]", "rel material:binding = </room/photos>"}) {
     EXPECT_NE(layer.find(part), std::string::npos) << part;
   }
 }
@@ -171,7 +172,8 @@ TEST_F(ExportReaders, SplatTransformReadsTheLabelledPly) {
 TEST_F(ExportReaders, TinyusdzReadsThePrimsOfTheUsd) {
   needs_node("tinyusdz");
   if (IsSkipped()) return;
-  const std::string text = output_of("node '" + (kNodeFolder / "read_usd.mjs").string() + "' '" + exported("usda") + "'");
+  const std::string text =
+      output_of("node '" + (kNodeFolder / "read_usd.mjs").string() + "' '" + exported("usda") + "'");
   const nlohmann::json report = parse_json(text);
   ASSERT_FALSE(report.is_discarded()) << text;
   EXPECT_TRUE(report["parsed"].get<bool>() && report["loaded"].get<bool>()) << report["error"];
@@ -180,8 +182,9 @@ TEST_F(ExportReaders, TinyusdzReadsThePrimsOfTheUsd) {
   EXPECT_EQ(report["meshes"].size(), 8u) << "a surface and a collider per object";
   EXPECT_GE(points, room_.mesh.vertices.size());
   const std::string layer = report["text"];
-  for (const char* part : {"metersPerUnit = 1", "upAxis = \"Y\"", "def Xform \"pillow_002\"", "semantics:labels:class = [\"pillow\"]",
-                           "def ParticleField3DGaussianSplat \"splats\"", "radiance:sphericalHarmonicsDegree = 1", "physics:approximation"}) {
+  for (const char* part : {"metersPerUnit = 1", "upAxis = \"Y\"", "def Xform \"pillow_002\"",
+                           "semantics:labels:class = [\"pillow\"]", "def ParticleField3DGaussianSplat \"splats\"",
+                           "radiance:sphericalHarmonicsDegree = 1", "physics:approximation"}) {
     EXPECT_THAT(layer, HasSubstr(part));
   }
 }

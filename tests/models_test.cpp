@@ -25,11 +25,13 @@ using testing_support::run_aligngs;
 class ModelsProgram : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("models_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("models_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder / "photos");
     no_weights.emplace(folder);
-    for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) write_jpeg(folder / "photos" / name, Image<uint8_t>(64, 48, 3, 80));
+    for (const char* name : {"a.jpg", "b.jpg", "c.jpg"})
+      write_jpeg(folder / "photos" / name, Image<uint8_t>(64, 48, 3, 80));
   }
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, folder / "scratch"); }
   std::string photos() const { return "'" + (folder / "photos").string() + "'"; }
@@ -49,15 +51,17 @@ class ModelsProgram : public testing::Test {
 TEST_F(ModelsProgram, ListNamesSizeLicenceSourceAndDigest) {
   const ProcessResult result = run("models list");
   EXPECT_EQ(result.status, 0);
-  EXPECT_THAT(result.out, AllOf(HasSubstr("vggt-1b"), HasSubstr("5.0 GB"), HasSubstr("CC-BY-NC-4.0"), HasSubstr("non-commercial"),
-                                HasSubstr("https://huggingface.co/facebook/VGGT-1B"), HasSubstr("sha256"), HasSubstr("Apache-2.0")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("vggt-1b"), HasSubstr("5.0 GB"), HasSubstr("CC-BY-NC-4.0"),
+                                HasSubstr("non-commercial"), HasSubstr("https://huggingface.co/facebook/VGGT-1B"),
+                                HasSubstr("sha256"), HasSubstr("Apache-2.0")));
   EXPECT_THAT(run("models list --json").out, HasSubstr("\"sha256_published\""));
 }
 
 TEST_F(ModelsProgram, AMissingModelIsStatusFour) {
   const ProcessResult result = run("models path vggt-1b");
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download vggt-1b"), HasSubstr("5.0 GB"), HasSubstr((folder / "models").string())));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download vggt-1b"), HasSubstr("5.0 GB"),
+                                HasSubstr((folder / "models").string())));
   EXPECT_EQ(run("models verify vggt-1b").status, 4);
 }
 
@@ -86,7 +90,8 @@ TEST_F(ModelsProgram, DownloadVerifyAndPathWorkTogether) {
   });
   const ProcessResult got = run("models download ade20k-linear-s --accept-licence --from " + server.url());
   EXPECT_EQ(got.status, 0) << got.err;
-  EXPECT_THAT(got.out, AllOf(HasSubstr("dinov2_vits14_pretrain.pth"), HasSubstr("dinov2_vits14_ade20k_linear_head.pth")));
+  EXPECT_THAT(got.out,
+              AllOf(HasSubstr("dinov2_vits14_pretrain.pth"), HasSubstr("dinov2_vits14_ade20k_linear_head.pth")));
   EXPECT_EQ(run("models verify").status, 0);
   EXPECT_THAT(run("models path ade20k-linear-s").out, HasSubstr("dinov2_vits14_ade20k_linear_head.pth"));
   const size_t before = server.requests().size();
@@ -114,18 +119,22 @@ TEST_F(ModelsProgram, TheCacheOfHuggingFaceIsUsedBeforeAnImportedFile) {
 
 TEST_F(ModelsProgram, DoctorSaysWhichWeightsAreWhere) {
   const ProcessResult none = run("doctor");
-  EXPECT_THAT(none.out, AllOf(HasSubstr("0 of "), HasSubstr((folder / "models").string()), HasSubstr((folder / "hub").string())));
-  write_file_atomically(folder / "models" / "ade20k-linear-s" / "dinov2_vits14_ade20k_linear_head.pth", file_with("decode_head.conv_seg.weight"));
+  EXPECT_THAT(none.out,
+              AllOf(HasSubstr("0 of "), HasSubstr((folder / "models").string()), HasSubstr((folder / "hub").string())));
+  write_file_atomically(folder / "models" / "ade20k-linear-s" / "dinov2_vits14_ade20k_linear_head.pth",
+                        file_with("decode_head.conv_seg.weight"));
   const ProcessResult head = run("doctor");
   EXPECT_THAT(head.out, AllOf(HasSubstr("0 of "), HasSubstr("of no use yet without dinov2-s")));
-  write_file_atomically(folder / "torch" / "hub" / "checkpoints" / "dinov2_vits14_pretrain.pth", file_with("blocks.0.attn.qkv.weight"));
+  write_file_atomically(folder / "torch" / "hub" / "checkpoints" / "dinov2_vits14_pretrain.pth",
+                        file_with("blocks.0.attn.qkv.weight"));
   const ProcessResult both = run("doctor");
   EXPECT_THAT(both.out, AllOf(HasSubstr("2 of "), HasSubstr((folder / "torch" / "hub").string())));
 }
 
 TEST_F(ModelsProgram, InfoListsTheTensorsOfAWeightFileWhateverItsName) {
   write_file_atomically(folder / "head.pth", file_with("decode_head.conv_seg.weight"));
-  EXPECT_THAT(run("info " + out("head.pth")).out, AllOf(HasSubstr("decode_head.conv_seg.weight"), HasSubstr("ade20k-linear-s")));
+  EXPECT_THAT(run("info " + out("head.pth")).out,
+              AllOf(HasSubstr("decode_head.conv_seg.weight"), HasSubstr("ade20k-linear-s")));
 }
 
 TEST_F(ModelsProgram, CamerasAreForTheMethodGivenOnly) {
@@ -138,7 +147,8 @@ TEST_F(ModelsProgram, CamerasAreForTheMethodGivenOnly) {
 TEST_F(ModelsProgram, PosesWithoutWeightsOffersColmap) {
   const ProcessResult result = run("poses " + photos() + " -o " + out("scene"));
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"), HasSubstr("light"), HasSubstr("--method colmap")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"),
+                                HasSubstr("light"), HasSubstr("--method colmap")));
   EXPECT_FALSE(fs::exists(folder / "scene"));
 }
 
@@ -146,10 +156,12 @@ TEST_F(ModelsProgram, PosesByDepthAnything3NameItsOwnWeightsAndLicence) {
   const std::string command = "poses " + photos() + " -o " + out("scene");
   const ProcessResult base = run(command + " --method da3");
   EXPECT_EQ(base.status, 4);
-  EXPECT_THAT(base.err, AllOf(HasSubstr("aligngs models download da3-base"), HasSubstr("Apache-2.0"), HasSubstr("--method colmap")));
+  EXPECT_THAT(base.err, AllOf(HasSubstr("aligngs models download da3-base"), HasSubstr("Apache-2.0"),
+                              HasSubstr("--method colmap")));
   EXPECT_THAT(run(command + " --method da3 --poses-model da3-large").err, HasSubstr("non-commercial"));
   EXPECT_EQ(run(command + " --method da3 --poses-model vggt-1b").status, 2);
-  EXPECT_THAT(run(command + " --poses-model da3-small").err, HasSubstr("aligngs models download da3-small"));  // its method follows
+  // its method follows
+  EXPECT_THAT(run(command + " --poses-model da3-small").err, HasSubstr("aligngs models download da3-small"));
   EXPECT_EQ(run(command + " --method colmap --camera-from-rays").status, 2);
   EXPECT_EQ(run(command + " --method colmap --metres da3metric-large").status, 2);
   EXPECT_FALSE(fs::exists(folder / "scene"));
@@ -158,19 +170,20 @@ TEST_F(ModelsProgram, PosesByDepthAnything3NameItsOwnWeightsAndLicence) {
 TEST_F(ModelsProgram, ASetIsShownWithSizesLicencesAndTimesBeforeAnythingIsFetched) {
   const ProcessResult result = run("models download recommended </dev/null");
   EXPECT_EQ(result.status, 2) << "nobody accepted the licence";
-  EXPECT_THAT(result.err, AllOf(HasSubstr("da3-base"), HasSubstr("da3metric-large"), HasSubstr("eomt-l"), HasSubstr("Apache-2.0"), HasSubstr("about "),
-                                HasSubstr("to fetch: 3.1 GB")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("da3-base"), HasSubstr("da3metric-large"), HasSubstr("eomt-l"),
+                                HasSubstr("Apache-2.0"), HasSubstr("about "), HasSubstr("to fetch: 3.1 GB")));
   EXPECT_FALSE(fs::exists(folder / "models"));
 }
 
 TEST_F(ModelsProgram, AnOpenQuestionAboutWeightsIsShownBeforeTheDownload) {
-  EXPECT_THAT(run("models download lingbot-map </dev/null").err, HasSubstr("open question: whether these weights started from VGGT-1B"));
+  EXPECT_THAT(run("models download lingbot-map </dev/null").err,
+              HasSubstr("open question: whether these weights started from VGGT-1B"));
 }
 
 TEST_F(ModelsProgram, DoctorListsTheOrderOfNetworksWithReasons) {
   const ProcessResult result = run("doctor");
-  EXPECT_THAT(result.out, AllOf(HasSubstr("1. vggt-1b-commercial"), HasSubstr("2. da3-base: free to use"), HasSubstr("non-commercial use only"),
-                                HasSubstr("by accuracy on ADE20K: m2f, eomt-l")));
+  EXPECT_THAT(result.out, AllOf(HasSubstr("1. vggt-1b-commercial"), HasSubstr("2. da3-base: free to use"),
+                                HasSubstr("non-commercial use only"), HasSubstr("by accuracy on ADE20K: m2f, eomt-l")));
 }
 
 TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {
@@ -186,7 +199,8 @@ TEST_F(ModelsProgram, AFileOfEitherLayoutOfEomtIsTakenIn) {
 TEST_F(ModelsProgram, RunOnPhotosWithoutWeightsSaysWhichCommandGetsThem) {
   const ProcessResult result = run("run " + photos() + " -o " + out("run"));
   EXPECT_EQ(result.status, 4);
-  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"), HasSubstr("--method colmap --semantics none")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("aligngs models download recommended"), HasSubstr("3.1 GB"),
+                                HasSubstr("--method colmap --semantics none")));
 }
 
 TEST_F(ModelsProgram, RunWithNamedSemanticsNeedsTheirWeightsFirst) {

@@ -1,4 +1,5 @@
-// Requests of the page to a run: edits, undo, redo, exports, pictures, control; the same as the command line, and closed
+// Requests of the page to a run: edits, undo, redo, exports, pictures, control; the same as the command line, and
+// closed
 // to everybody else.
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -37,7 +38,10 @@ class PageRequests : public testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(root());
     testing_support::write_small_scene(root() / "scene");
-    ASSERT_EQ(run_aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q", root()).status, 0);
+    ASSERT_EQ(
+        run_aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q", root())
+            .status,
+        0);
     ASSERT_EQ(run_aligngs("mesh " + quoted(root() / "trained") + " --set mesh.voxel=0.05 -q", root()).status, 0);
   }
   void SetUp() override {
@@ -62,7 +66,9 @@ class PageRequests : public testing::Test {
     EXPECT_EQ(test_http::status(answer), 200) << answer;
     return parse_json(test_http::body(answer));
   }
-  json list() const { return parse_json(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience))); }
+  json list() const {
+    return parse_json(test_http::body(test_http::get(server_->port(), "/api/edits", "localhost", kPatience)));
+  }
 
   fs::path run_;
   std::unique_ptr<PageServer> server_;
@@ -101,8 +107,11 @@ TEST_F(PageRequests, UndoAndRedoGoThroughTheStack) {
 }
 
 TEST_F(PageRequests, AnEditIsSentAsWhatItChanges) {
-  const auto got = [&](const std::string& path) { return test_http::body(test_http::get(server_->port(), path, "localhost", kPatience)); };
-  const std::string path = "/api/edits/scene/scene.labels.ply", whole = got("/api/scene/coarse/scene.labels.ply"), before = got("/api/edits/mesh.ply");
+  const auto got = [&](const std::string& path) {
+    return test_http::body(test_http::get(server_->port(), path, "localhost", kPatience));
+  };
+  const std::string path = "/api/edits/scene/scene.labels.ply", whole = got("/api/scene/coarse/scene.labels.ply"),
+                    before = got("/api/edits/mesh.ply");
   EXPECT_THAT(before, testing::StartsWith("ply"));
   posted("/api/edits/push", {{"edit", "delete bed"}});
   const std::string part = got(path);
@@ -113,7 +122,8 @@ TEST_F(PageRequests, AnEditIsSentAsWhatItChanges) {
   EXPECT_FALSE(got("/api/edits/mesh.ply") == before);
   posted("/api/edits/undo", json::object());
   EXPECT_TRUE(got("/api/edits/mesh.ply") == before);
-  EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/edits/scene/nothing.ply", "localhost", kPatience)), 404);
+  EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/edits/scene/nothing.ply", "localhost", kPatience)),
+            404);
 }
 
 TEST_F(PageRequests, UndoCanBeTyped) {
@@ -148,7 +158,8 @@ TEST_F(PageRequests, ExportsEveryFormat) {
   for (const auto& format : formats) {
     const json made = posted("/api/export", {{"format", format}});
     EXPECT_EQ(made["file"], "scene.edited." + format.get<std::string>());
-    const std::string sent = test_http::body(test_http::get(server_->port(), "/files/" + made["file"].get<std::string>()));
+    const std::string sent =
+        test_http::body(test_http::get(server_->port(), "/files/" + made["file"].get<std::string>()));
     EXPECT_EQ(sent.size(), made["bytes"].get<size_t>()) << format;
   }
   EXPECT_TRUE(read_file(run_ / "scene.ply") == read_file(root() / "trained" / "scene.ply"));
@@ -158,12 +169,15 @@ TEST_F(PageRequests, DrawsAnyViewOnDemand) {
   const json cameras = parse_json(read_file(run_ / "cameras.json"));
   const std::string view = cameras[0]["img_name"];
   for (const char* kind : {"rgb", "depth", "normal", "label"}) {
-    const std::string answer = test_http::get(server_->port(), "/api/render/" + view + "/" + kind + ".png", "localhost", kPatience);
+    const std::string answer =
+        test_http::get(server_->port(), "/api/render/" + view + "/" + kind + ".png", "localhost", kPatience);
     ASSERT_EQ(test_http::status(answer), 200) << answer.substr(0, 300);
     EXPECT_EQ(decode_image(test_http::body(answer), kind).width, 64);
   }
-  for (const std::string& name : {view + "/other.png", view + "/rgb", std::string("nowhere/rgb.png"), std::string(".png"), std::string("/.png")}) {
-    EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/render/" + name, "localhost", kPatience)), 404) << name;
+  for (const std::string& name : {view + "/other.png", view + "/rgb", std::string("nowhere/rgb.png"),
+                                  std::string(".png"), std::string("/.png")}) {
+    EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/render/" + name, "localhost", kPatience)), 404)
+        << name;
   }
 }
 
@@ -181,7 +195,8 @@ TEST_F(PageRequests, ControlReachesATrainingAndNothingElse) {
   EXPECT_TRUE(control.asked(RunControl::Flag::kCheckpoint));
   EXPECT_TRUE(control.asked(RunControl::Flag::kStop));
   EXPECT_EQ(test_http::status(post("/api/control", {{"action", "../../stop"}})), 400);
-  EXPECT_EQ(test_http::status(post("/api/edits/push", {{"edit", "delete bed"}})), 400) << "a run in progress is not edited";
+  EXPECT_EQ(test_http::status(post("/api/edits/push", {{"edit", "delete bed"}})), 400)
+      << "a run in progress is not edited";
   EXPECT_EQ(test_http::status(test_http::get(server_->port(), "/api/render/x/rgb.png")), 400);
 }
 
@@ -222,16 +237,27 @@ TEST_F(PageRequests, EveryEndpointIsClosedToOthers) {
   for (const auto& [path, body] : endpoints) {
     const uint16_t port = server_->port();
     EXPECT_EQ(test_http::status(test_http::post(port, path, type, body)), 403) << path << ": no token";
-    EXPECT_EQ(test_http::status(test_http::post(port, path, type + "X-AlignGS-Token: " + std::string(32, '0') + "\r\n", body)), 403) << path;
-    EXPECT_EQ(test_http::status(test_http::post(port, path, type + "Cookie: aligngs_9000=" + token_ + "\r\n", body)), 403)
+    EXPECT_EQ(test_http::status(
+                  test_http::post(port, path, type + "X-AlignGS-Token: " + std::string(32, '0') + "\r\n", body)),
+              403)
+        << path;
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + "Cookie: aligngs_9000=" + token_ + "\r\n", body)),
+              403)
         << path << ": a browser sends the cookie by itself; it is no proof";
-    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Origin: http://evil.example\r\n", body)), 403) << path;
+    EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Origin: http://evil.example\r\n", body)),
+              403)
+        << path;
     EXPECT_EQ(test_http::status(test_http::post(port, path, type + token + "Origin: null\r\n", body)), 403) << path;
-    EXPECT_EQ(test_http::status(test_http::post(port, path, token + "Content-Type: text/plain\r\n", body)), 403) << path << ": a form";
-    EXPECT_EQ(test_http::status(test_http::raw(port, std::string("POST ") + path + " HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n" +
-                                                         type + token + "Content-Length: 2\r\n\r\n{}")), 403) << path << ": rebound name";
+    EXPECT_EQ(test_http::status(test_http::post(port, path, token + "Content-Type: text/plain\r\n", body)), 403)
+        << path << ": a form";
+    EXPECT_EQ(test_http::status(test_http::raw(port, std::string("POST ") + path +
+                                                         " HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n" +
+                                                         type + token + "Content-Length: 2\r\n\r\n{}")),
+              403)
+        << path << ": rebound name";
     EXPECT_EQ(test_http::status(test_http::get(port, path)), 404) << path << ": no GET changes anything";
-    EXPECT_NE(test_http::status(test_http::post(port, path, type + token, std::string(100000, 'x'))), 200) << path << ": too large";
+    EXPECT_NE(test_http::status(test_http::post(port, path, type + token, std::string(100000, 'x'))), 200)
+        << path << ": too large";
     EXPECT_EQ(test_http::status(test_http::post(port, path, type + token, "{")), 400) << path;
   }
   EXPECT_FALSE(fs::exists(run_ / "edits.json"));
@@ -244,27 +270,33 @@ TEST(PageOption, TrainWithViewServesWhileItTrainsAndAfterAStop) {
   testing_support::write_small_scene(folder / "scene");
   const fs::path run = folder / "run";
   const uint16_t port = static_cast<uint16_t>(20000 + getpid() % 20000);
-  testing_support::StartedProcess training({"train", (folder / "scene").string(), "-o", run.string(), "-n", "100000", "--view", "--view-port",
-                                            std::to_string(port)}, folder);
+  testing_support::StartedProcess training({"train", (folder / "scene").string(), "-o", run.string(), "-n", "100000",
+                                            "--view", "--view-port", std::to_string(port)},
+                                           folder);
   json state;
   const auto state_is = [&](const std::function<bool()>& wanted) {
-    return testing_support::wait_until([&] {
-      const std::string answer = test_http::get(port, "/api/state");
-      if (test_http::status(answer) != 200) return false;
-      state = parse_json(test_http::body(answer));
-      if (wanted()) return true;
-      test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");  // somebody looks on
-      return false;
-    }, 30);
+    return testing_support::wait_until(
+        [&] {
+          const std::string answer = test_http::get(port, "/api/state");
+          if (test_http::status(answer) != 200) return false;
+          state = parse_json(test_http::body(answer));
+          if (wanted()) return true;
+          test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n",
+                         "event: state");  // somebody looks on
+          return false;
+        },
+        30);
   };
   EXPECT_TRUE(state_is([&] { return state["splats"] == "live/scene.ply"; })) << state;
   EXPECT_EQ(state["active"], true);
   EXPECT_FALSE(state["cameras"].is_null());
   const std::string page = test_http::get(port, "/");
   const size_t at = page.find("aligngs_9000=") + 13;
-  const std::string headers = "Content-Type: application/json\r\nX-AlignGS-Token: " + page.substr(at, page.find(';', at) - at) + "\r\n";
+  const std::string headers =
+      "Content-Type: application/json\r\nX-AlignGS-Token: " + page.substr(at, page.find(';', at) - at) + "\r\n";
   EXPECT_EQ(test_http::status(test_http::post(port, "/api/control", headers, R"({"action":"stop"})")), 200);
-  EXPECT_TRUE(state_is([&] { return state["active"] == false && state["status"] == "stopped"; })) << "the page can be used after a stop";
+  EXPECT_TRUE(state_is([&] { return state["active"] == false && state["status"] == "stopped"; }))
+      << "the page can be used after a stop";
   EXPECT_THAT(state["not_editable"].get<std::string>(), HasSubstr("--resume"));
   training.send(SIGINT);
   EXPECT_EQ(training.wait(10), 75) << training.err();

@@ -26,7 +26,8 @@ using testing_support::run_aligngs;
 class PhotosProgram : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("photos_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("photos_program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
     no_weights.emplace(folder);
@@ -34,7 +35,9 @@ class PhotosProgram : public testing::Test {
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, folder / "scratch"); }
   std::string out(const char* name) const { return "'" + (folder / name).string() + "'"; }
   /// The sample captures that come with the sources on some machines.
-  static fs::path sample(const char* name) { return fs::path(ALIGNGS_SOURCE_DIR) / "../shared/data/photos_room" / name / "images"; }
+  static fs::path sample(const char* name) {
+    return fs::path(ALIGNGS_SOURCE_DIR) / "../shared/data/photos_room" / name / "images";
+  }
   static std::string why_not(const char* name) {
     if (!fs::exists(sample(name))) return "the sample photos are not here";
     if (find_program("colmap").empty()) return "colmap is not installed";
@@ -61,7 +64,8 @@ TEST_F(PhotosProgram, ColmapPlacesOverlappingPhotosAndTheRunTrains) {
 TEST_F(PhotosProgram, PhotosWithoutOverlapAreExplainedOneByOne) {
   const std::string why = why_not("bedroom_no_overlap");
   if (!why.empty()) GTEST_SKIP() << why;
-  const ProcessResult result = run("poses '" + sample("bedroom_no_overlap").string() + "' -o " + out("scene") + " --method colmap");
+  const ProcessResult result =
+      run("poses '" + sample("bedroom_no_overlap").string() + "' -o " + out("scene") + " --method colmap");
   EXPECT_EQ(result.status, 3);
   for (const auto& entry : fs::directory_iterator(sample("bedroom_no_overlap")))
     EXPECT_THAT(result.err, HasSubstr(entry.path().stem().string() + ": "));
@@ -71,7 +75,8 @@ TEST_F(PhotosProgram, PhotosWithoutOverlapAreExplainedOneByOne) {
 
 TEST_F(PhotosProgram, EvalMeasuresLpipsWhereItsWeightsAre) {
   testing_support::write_small_scene(folder / "scene");
-  ASSERT_EQ(run("train " + out("scene") + " -o " + out("run") + " --preset preview -n 20 --set data.scale=1").status, 0);
+  ASSERT_EQ(run("train " + out("scene") + " -o " + out("run") + " --preset preview -n 20 --set data.scale=1").status,
+            0);
   ASSERT_EQ(run("eval " + out("run")).status, 0);
   const auto nvs = [&] { return parse_json(read_file(folder / "run" / "metrics.json"))["nvs"]; };
   EXPECT_TRUE(nvs()["lpips"].is_null());

@@ -48,8 +48,9 @@ class Pipeline : public testing::Test {
   static std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
   static nlohmann::json run_and_measure(const std::string& name, int iterations, const std::string& more = "") {
-    const ProcessResult result = run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / name) + " -q --json -n " +
-                                             std::to_string(iterations) + " " + more, base_);
+    const ProcessResult result = run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / name) +
+                                                 " -q --json -n " + std::to_string(iterations) + " " + more,
+                                             base_);
     EXPECT_EQ(result.status, 0) << result.err;
     return parse_json(result.out);
   }
@@ -69,28 +70,38 @@ TEST_F(Pipeline, ThreeHundredIterationsImproveOnTheStart) {
   const nlohmann::json& iou = trained["semantics"]["iou"];  // by class, of those that count in the mean
   EXPECT_EQ(iou.size(), trained["semantics"]["classes"].get<size_t>());
   EXPECT_GT(iou["wall"].get<double>(), 0.5);
-  const double start_f = start["geometry"].is_null() || !start["geometry"]["fscore"].is_number() ? 0 : start["geometry"]["fscore"].get<double>();
+  const double start_f = start["geometry"].is_null() || !start["geometry"]["fscore"].is_number()
+                             ? 0
+                             : start["geometry"]["fscore"].get<double>();
   EXPECT_GT(trained["geometry"]["fscore"].get<double>(), start_f + 0.3);
   EXPECT_LT(trained["geometry"]["accuracy"].get<double>(), 0.12);  // metres
-  for (const char* file : {"scene.ply", "scene.labels.ply", "mesh/mesh.ply", "report.html", "overview.jpg", "metrics.json", "cameras.json", "classes.json"}) {
+  for (const char* file : {"scene.ply", "scene.labels.ply", "mesh/mesh.ply", "report.html", "overview.jpg",
+                           "metrics.json", "cameras.json", "classes.json"}) {
     EXPECT_TRUE(fs::exists(base_ / "trained" / file)) << file;
   }
 }
 
 TEST_F(Pipeline, AKilledRunEndsWithTheSameBytes) {
   const std::string settings = " -q -n 60 --seed 5 ";
-  ASSERT_EQ(run_aligngs("train " + quoted(scene()) + " -o " + quoted(base_ / "whole") + settings + "--threads 1 --set checkpoint.every=60", base_).status, 0);
+  ASSERT_EQ(run_aligngs("train " + quoted(scene()) + " -o " + quoted(base_ / "whole") + settings +
+                            "--threads 1 --set checkpoint.every=60",
+                        base_)
+                .status,
+            0);
   // Killed with signal 9 at a few arbitrary moments, with other checkpoint intervals and thread counts.
   const fs::path run = base_ / "killed";
   std::string resume;
   for (const char* seconds : {"1.3", "2.1", "1.7"}) {
-    // In the foreground: else timeout(1) kills itself with its group and returns while the training still holds its run.
-    const std::string command = "timeout --foreground -s KILL " + std::string(seconds) + " '" ALIGNGS_PROGRAM "' train " + quoted(scene()) + " -o " +
-                                quoted(run) + settings + "--set checkpoint.every=7 " + resume + " >/dev/null 2>&1";
+    // In the foreground: else timeout(1) kills itself with its group and returns while the training still holds its
+    // run.
+    const std::string command = "timeout --foreground -s KILL " + std::string(seconds) +
+                                " '" ALIGNGS_PROGRAM "' train " + quoted(scene()) + " -o " + quoted(run) + settings +
+                                "--set checkpoint.every=7 " + resume + " >/dev/null 2>&1";
     [[maybe_unused]] const int status = std::system(command.c_str());
     resume = "--resume";
   }
-  const ProcessResult end = run_aligngs("train " + quoted(scene()) + " -o " + quoted(run) + settings + "--set checkpoint.every=7 --resume", base_);
+  const ProcessResult end = run_aligngs(
+      "train " + quoted(scene()) + " -o " + quoted(run) + settings + "--set checkpoint.every=7 --resume", base_);
   ASSERT_EQ(end.status, 0) << end.err;
   EXPECT_TRUE(bytes_of(run / "scene.ply") == bytes_of(base_ / "whole" / "scene.ply"));
 
@@ -134,7 +145,8 @@ TEST_F(Pipeline, AnExistingRunIsNotOverwrittenUnasked) {
 }
 
 TEST_F(Pipeline, FailUnderIsStatusSix) {
-  const ProcessResult result = run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / "under") + " -q -n 5 --fail-under psnr=99", base_);
+  const ProcessResult result =
+      run_aligngs("run " + quoted(scene()) + " -o " + quoted(base_ / "under") + " -q -n 5 --fail-under psnr=99", base_);
   EXPECT_EQ(result.status, 6) << result.err;
 }
 

@@ -17,14 +17,16 @@ using testing::HasSubstr;
 using testing_support::ProcessResult;
 using testing_support::run_aligngs;
 
-constexpr std::array<const char*, 26> kCommands = {"run", "demo", "batch", "import", "data", "synth", "poses", "priors", "refine", "train", "render", "mesh",
-                                                   "eval", "room", "scale", "compare", "report", "edit", "export", "view", "models", "info", "doctor", "bench",
-                                                   "completion", "manual"};
+constexpr std::array<const char*, 26> kCommands = {
+    "run",    "demo",   "batch",  "import", "data",   "synth", "poses",      "priors", "refine",
+    "train",  "render", "mesh",   "eval",   "room",   "scale", "compare",    "report", "edit",
+    "export", "view",   "models", "info",   "doctor", "bench", "completion", "manual"};
 
 class Program : public testing::Test {
  protected:
   fs::path scratch() const {
-    return fs::path(testing::TempDir()) / ("program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    return fs::path(testing::TempDir()) /
+           ("program_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
   }
   ProcessResult run(const std::string& arguments) const { return run_aligngs(arguments, scratch()); }
 };
@@ -32,13 +34,16 @@ class Program : public testing::Test {
 TEST_F(Program, HelpListsTheCommandsAndAnExample) {
   const ProcessResult result = run("--help");
   EXPECT_EQ(result.status, 0);
-  for (const char* command : kCommands) EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " ")) << command;
+  for (const char* command : kCommands)
+    EXPECT_THAT(result.out, HasSubstr(std::string("\n  ") + command + " ")) << command;
   EXPECT_THAT(result.out, HasSubstr("Example: aligngs demo"));
 }
 
 TEST_F(Program, EveryCommandHasHelpWithWhatItReadsAndWritesAndTwoExamples) {
   std::vector<std::string> commands(kCommands.begin(), kCommands.end());
-  for (const char* nested : {"data check", "models list", "models download", "models verify", "models path", "models import", "batch status", "batch collect", "batch retry"}) commands.push_back(nested);
+  for (const char* nested : {"data check", "models list", "models download", "models verify", "models path",
+                             "models import", "batch status", "batch collect", "batch retry"})
+    commands.push_back(nested);
   for (const std::string& command : commands) {
     const ProcessResult result = run(command + " --help");
     EXPECT_EQ(result.status, 0) << command;
@@ -71,8 +76,8 @@ TEST_F(Program, AnUnknownOptionNamesTheHelp) {
 }
 
 TEST_F(Program, ADeviceThatIsNotThereIsStatus5) {
-  for (const char* command : {"train scene -o run", "run scene -o run", "render run", "mesh run", "poses photos -o scene", "priors scene",
-                              "bench"}) {
+  for (const char* command : {"train scene -o run", "run scene -o run", "render run", "mesh run",
+                              "poses photos -o scene", "priors scene", "bench"}) {
     const ProcessResult result = run(std::string(command) + " --device cuda:99");
     EXPECT_EQ(result.status, 5) << command << ": " << result.err;
     EXPECT_THAT(result.err, HasSubstr("--device cpu")) << command;
@@ -88,7 +93,8 @@ TEST_F(Program, BenchHasATableForPeopleAndADocumentForPrograms) {
   }
   const ProcessResult document = run(tiny + " --json");
   EXPECT_EQ(document.status, 0) << document.err;
-  for (const char* key : {"\"fma_gflops\"", "\"floor_seconds\"", "\"instructions\""}) EXPECT_THAT(document.out, HasSubstr(key));
+  for (const char* key : {"\"fma_gflops\"", "\"floor_seconds\"", "\"instructions\""})
+    EXPECT_THAT(document.out, HasSubstr(key));
 }
 
 TEST_F(Program, OptionsOfBenchThatBelongToAnotherDeviceAreUsageErrors) {
@@ -118,7 +124,8 @@ TEST_F(Program, InfoOnSomethingMissingIsBadInput) {
 
 TEST_F(Program, TrainOnAFolderThatIsNoSceneIsBadInput) {
   fs::create_directories(scratch() / "empty");
-  const ProcessResult result = run("train '" + (scratch() / "empty").string() + "' -o '" + (scratch() / "run").string() + "'");
+  const ProcessResult result =
+      run("train '" + (scratch() / "empty").string() + "' -o '" + (scratch() / "run").string() + "'");
   EXPECT_EQ(result.status, 3);
   EXPECT_FALSE(fs::exists(scratch() / "run" / "scene.ply"));
 }
@@ -138,7 +145,8 @@ TEST_F(Program, PrintConfigShowsEveryKeyOfAPreset) {
 
 TEST_F(Program, BenchTellsEveryStageFromItsFloor) {
   const ProcessResult result =
-      run("bench --json --threads 1 --width 64 --height 48 --gaussians 500 --channels 5 --steps 2 --pixel-share 1 --blend logits");
+      run("bench --json --threads 1 --width 64 --height 48 --gaussians 500 --channels 5 --steps 2 --pixel-share 1 "
+          "--blend logits");
   ASSERT_EQ(result.status, 0) << result.err;
   const nlohmann::json document = parse_json(result.out);
   EXPECT_EQ(document["scene"]["gaussians"], 500);

@@ -34,8 +34,9 @@ class RefineCommand : public testing::Test {
     fs::copy(original(), root() / "scene", fs::copy_options::recursive);
   }
   static ProcessResult refine(const std::string& arguments) {
-    return run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' -q " + arguments,
-                       root() / "scratch");
+    return run_aligngs(
+        "refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' -q " + arguments,
+        root() / "scratch");
   }
 };
 
@@ -74,7 +75,9 @@ TEST_F(RefineCommand, APhotoDamagedInItsMiddleIsLeftOutByName) {
   std::string bytes = read_file(damaged.image);
   for (size_t i = bytes.size() / 2; i < bytes.size() / 2 + 16; ++i) bytes[i] = static_cast<char>(~bytes[i]);
   write_file_atomically(damaged.image, bytes);
-  const ProcessResult result = run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' --json", root() / "scratch");
+  const ProcessResult result =
+      run_aligngs("refine '" + (root() / "scene").string() + "' -o '" + (root() / "refined").string() + "' --json",
+                  root() / "scratch");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr(damaged.name));
   const Scene refined = open_scene(root() / "refined");
@@ -140,8 +143,9 @@ TEST_F(RefineCommand, RunRefinesIntoItsOwnSceneFolderAndResumesWithoutDoingItAga
 }
 
 TEST_F(RefineCommand, RunWithNoRefineTrainsOnTheSceneAsItIs) {
-  const ProcessResult result = run_aligngs(
-      "run '" + (root() / "scene").string() + "' -o '" + (root() / "run").string() + "' --no-refine --set train.seed=3 -n 2 -q", root() / "scratch");
+  const ProcessResult result = run_aligngs("run '" + (root() / "scene").string() + "' -o '" +
+                                               (root() / "run").string() + "' --no-refine --set train.seed=3 -n 2 -q",
+                                           root() / "scratch");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_FALSE(fs::exists(root() / "run" / "scene"));
 }

@@ -27,7 +27,8 @@ class RoomCommand : public testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(root());
     testing_support::write_small_scene(root() / "scene");
-    const ProcessResult trained = aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q");
+    const ProcessResult trained =
+        aligngs("train " + quoted(root() / "scene") + " -o " + quoted(root() / "trained") + " -n 40 -q");
     ASSERT_EQ(trained.status, 0) << trained.err;
     const ProcessResult room = aligngs("room " + quoted(root() / "trained") + " -q");
     ASSERT_EQ(room.status, 0) << room.err;
@@ -70,8 +71,9 @@ TEST_F(RoomCommand, TheScaleFromTwoPoints) {
 
 TEST_F(RoomCommand, WrongScalesAreErrorsAndChangeNothing) {
   const std::string before = read_file(run_ / "room.json");
-  for (const char* wrong : {"", "--object ceiling", "--object piano --height 1", "--object ceiling --height -1", "--height 2", "--between 0,0,0 0,0,0 1",
-                            "--between 0,0 1,1,1 1", "--between 0,0,0 1,1,1 x", "--reset", "--object ceiling --height nan"}) {
+  for (const char* wrong : {"", "--object ceiling", "--object piano --height 1", "--object ceiling --height -1",
+                            "--height 2", "--between 0,0,0 0,0,0 1", "--between 0,0 1,1,1 1", "--between 0,0,0 1,1,1 x",
+                            "--reset", "--object ceiling --height nan"}) {
     EXPECT_EQ(on_run("scale", wrong).status, 2) << wrong;
   }
   EXPECT_EQ(read_file(run_ / "room.json"), before);
@@ -82,7 +84,8 @@ TEST_F(RoomCommand, PlansAreWrittenBesideTheRun) {
     ASSERT_EQ(on_run("export", std::string("-f ") + format).status, 0) << format;
     EXPECT_GT(fs::file_size(run_ / format), 1000u) << format;
   }
-  EXPECT_EQ(on_run("export", "-f plan.svg -o '" + (root() / "plan.dxf").string() + "'").status, 2) << "the name says another format";
+  EXPECT_EQ(on_run("export", "-f plan.svg -o '" + (root() / "plan.dxf").string() + "'").status, 2)
+      << "the name says another format";
 }
 
 TEST_F(RoomCommand, WithoutRoomJsonThereIsNoPlanAndNoScale) {
@@ -105,7 +108,8 @@ TEST_F(RoomCommand, ADamagedRoomJsonIsBadInput) {
 TEST_F(RoomCommand, ExportsAreInTheFrameOfTheRoomUnlessToldOtherwise) {
   ASSERT_EQ(on_run("export", "-f ply --keep-frame -o '" + (root() / "kept.ply").string() + "'").status, 0);
   ASSERT_EQ(on_run("export", "-f ply -o '" + (root() / "moved.ply").string() + "'").status, 0);
-  const GaussianModel own = read_gaussian_ply(run_ / "scene.ply"), kept = read_gaussian_ply(root() / "kept.ply"), moved = read_gaussian_ply(root() / "moved.ply");
+  const GaussianModel own = read_gaussian_ply(run_ / "scene.ply"), kept = read_gaussian_ply(root() / "kept.ply"),
+                      moved = read_gaussian_ply(root() / "moved.ply");
   ASSERT_EQ(own.size(), moved.size());
   EXPECT_EQ(own.positions, kept.positions);
   const Vec3d p = read_room(run_ / "room.json").to_room * Vec3d{own.positions[0], own.positions[1], own.positions[2]};

@@ -22,7 +22,8 @@ using testing_support::run_aligngs;
 void transform_scene(const fs::path& folder, const Similarity& similarity) {
   ColmapModel model = read_colmap_model(folder / "sparse");
   for (ColmapImage& image : model.images) {
-    const Rigidd moved = similarity.transform_world_to_camera({rotation_matrix(normalized(image.rotation)), image.translation});
+    const Rigidd moved =
+        similarity.transform_world_to_camera({rotation_matrix(normalized(image.rotation)), image.translation});
     image.rotation = quaternion_of(moved.rotation);
     image.translation = moved.translation;
   }
@@ -36,7 +37,9 @@ void transform_scene(const fs::path& folder, const Similarity& similarity) {
   }
 }
 
-void forget_units(const fs::path& scene) { std::ofstream(scene / "scene.json") << R"({"units": "arbitrary", "up": null, "source": "test"})"; }
+void forget_units(const fs::path& scene) {
+  std::ofstream(scene / "scene.json") << R"({"units": "arbitrary", "up": null, "source": "test"})";
+}
 
 TEST(SimilarityInvariance, ScaledAndTurnedSceneGivesTheSameScores) {
   const fs::path base = fs::path(testing::TempDir()) / "similarity_test";
@@ -59,7 +62,8 @@ TEST(SimilarityInvariance, ScaledAndTurnedSceneGivesTheSameScores) {
   nlohmann::json metrics[2];
   const char* names[2] = {"scene", "moved"};
   for (int i = 0; i < 2; ++i) {
-    const ProcessResult result = run_aligngs("run '" + (base / names[i]).string() + "' -o '" + (base / names[i]).string() + "_run' -q --json -n 250", base);
+    const ProcessResult result = run_aligngs(
+        "run '" + (base / names[i]).string() + "' -o '" + (base / names[i]).string() + "_run' -q --json -n 250", base);
     ASSERT_EQ(result.status, 0) << result.err;
     metrics[i] = parse_json(result.out);
   }

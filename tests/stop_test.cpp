@@ -53,10 +53,13 @@ class Stop : public testing::Test {
   /// Starts a command that would take much longer, sends it a signal when `begun` holds, and looks at how it ends.
   void expect_stopped(const Words& command, int signal, const std::function<bool()>& begun) {
     StartedProcess process(command, root_ / "scratch");
-    ASSERT_TRUE(wait_until([&] { return process.catches(signal) && begun(); }, kPatience)) << command[0] << process.err();
+    ASSERT_TRUE(wait_until([&] { return process.catches(signal) && begun(); }, kPatience))
+        << command[0] << process.err();
     process.send(signal);
     EXPECT_EQ(process.wait(kPatience), kStopped) << command[0] << process.err();
-    EXPECT_THAT(process.err(), HasSubstr(signal == SIGINT ? "Ctrl-C was heard" : signal == SIGTERM ? "SIGTERM was heard" : "SIGHUP was heard"));
+    EXPECT_THAT(process.err(), HasSubstr(signal == SIGINT    ? "Ctrl-C was heard"
+                                         : signal == SIGTERM ? "SIGTERM was heard"
+                                                             : "SIGHUP was heard"));
     expect_as_before();
   }
   static bool at_once() { return true; }
@@ -93,7 +96,8 @@ void write_distorted_capture(const fs::path& folder) {
 }
 
 TEST_F(Stop, Synth) {
-  expect_stopped({"synth", path("work/out"), "--size", "1280x960", "--views", "200", "--test-views", "20"}, SIGTERM, at_once);
+  expect_stopped({"synth", path("work/out"), "--size", "1280x960", "--views", "200", "--test-views", "20"}, SIGTERM,
+                 at_once);
 }
 
 TEST_F(Stop, ImportKeepsTheOldScene) {
@@ -101,7 +105,9 @@ TEST_F(Stop, ImportKeepsTheOldScene) {
   testing_support::write_small_scene(root_ / "work" / "out");
   remember();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    expect_stopped({"import", path("capture"), "-o", path("work/out"), "--overwrite", "--stride", "1", "--test-views", "0"}, signal, writing());
+    expect_stopped(
+        {"import", path("capture"), "-o", path("work/out"), "--overwrite", "--stride", "1", "--test-views", "0"},
+        signal, writing());
   }
 }
 
@@ -109,7 +115,9 @@ TEST_F(Stop, PosesGivenKeepsTheOldScene) {
   write_distorted_capture(root_ / "capture");
   testing_support::write_small_scene(root_ / "work" / "out");
   remember();
-  const Words command = {"poses", path("capture/images"), "-o", path("work/out"), "--overwrite", "--method", "given", "--cameras", path("capture/sparse")};
+  const Words command = {
+      "poses",     path("capture/images"), "-o", path("work/out"), "--overwrite", "--method", "given",
+      "--cameras", path("capture/sparse")};
   expect_stopped(command, SIGHUP, writing());
 }
 
@@ -119,7 +127,8 @@ TEST_F(Stop, RefineSimulateAndTheRefinementInsideARun) {
   expect_stopped({"refine", scene, "-o", path("work/out"), "--passes", "5"}, SIGINT, at_once);
   expect_stopped({"data", "simulate", scene, "-o", path("work/out")}, SIGTERM, at_once);
   StartedProcess run({"run", scene, "-o", path("work/run"), "-n", "100000"}, root_ / "scratch");
-  ASSERT_TRUE(wait_until([&] { return run.catches(SIGTERM) && fs::exists(root_ / "work" / "run"); }, kPatience)) << run.err();
+  ASSERT_TRUE(wait_until([&] { return run.catches(SIGTERM) && fs::exists(root_ / "work" / "run"); }, kPatience))
+      << run.err();
   run.send(SIGTERM);
   EXPECT_EQ(run.wait(kPatience), kStopped) << run.err();
   EXPECT_THAT(run.err(), HasSubstr("SIGTERM was heard"));
@@ -131,12 +140,17 @@ TEST_F(Stop, RefineSimulateAndTheRefinementInsideARun) {
 /// A command that waits for a file hears signals, too: here for run.json, which is a pipe that nobody writes to.
 TEST_F(Stop, CommandsOnARunEvenWhereTheyWait) {
   fs::create_directories(root_ / "work" / "run");
-  for (const char* file : {"scene.ply", "edits.json", "metrics.json"}) write_file_atomically(root_ / "work" / "run" / file, "old");
+  for (const char* file : {"scene.ply", "edits.json", "metrics.json"})
+    write_file_atomically(root_ / "work" / "run" / file, "old");
   remember();
   ASSERT_EQ(mkfifo((root_ / "work" / "run" / "run.json").c_str(), 0600), 0);
   const std::string run = path("work/run");
-  const std::vector<Words> commands = {{"mesh", run}, {"eval", run}, {"render", run}, {"export", run, "-f", "spz"},
-                                       {"edit", run, "--select", "bed", "--delete"}, {"export", run, "-f", "glb", "-o", path("work/out.glb")}};
+  const std::vector<Words> commands = {{"mesh", run},
+                                       {"eval", run},
+                                       {"render", run},
+                                       {"export", run, "-f", "spz"},
+                                       {"edit", run, "--select", "bed", "--delete"},
+                                       {"export", run, "-f", "glb", "-o", path("work/out.glb")}};
   const int signals[] = {SIGINT, SIGTERM, SIGHUP};
   for (size_t i = 0; i < commands.size(); ++i) {
     int reader = -1;  // opening a pipe to write without waiting succeeds once somebody waits to read
@@ -159,7 +173,8 @@ TEST_F(Stop, ATrainingStopsWithACheckpoint) {
 }
 
 TEST_F(Stop, NohupIsRespected) {
-  StartedProcess process({"synth", path("work/out"), "--size", "1280x960", "--views", "200", "--test-views", "20"}, root_ / "scratch", SIGHUP);
+  StartedProcess process({"synth", path("work/out"), "--size", "1280x960", "--views", "200", "--test-views", "20"},
+                         root_ / "scratch", SIGHUP);
   ASSERT_TRUE(wait_until([&] { return process.catches(SIGTERM); }, kPatience));
   EXPECT_TRUE(process.ignores(SIGHUP));
   process.send(SIGTERM);

@@ -20,7 +20,9 @@ class Unlabelled : public testing::Test {
  protected:
   static fs::path root() { return fs::path(testing::TempDir()) / "unlabelled"; }
   static std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
-  static ProcessResult aligngs(const std::string& arguments) { return run_aligngs(arguments + " -q", root() / "scratch"); }
+  static ProcessResult aligngs(const std::string& arguments) {
+    return run_aligngs(arguments + " -q", root() / "scratch");
+  }
   static fs::path trained() { return root() / "run"; }
 
   static void SetUpTestSuite() {
@@ -35,7 +37,8 @@ class Unlabelled : public testing::Test {
 TEST_F(Unlabelled, EveryFormatIsExported) {
   for (const char* format : {"ply", "glb", "obj", "sog", "spz", "splat", "html"}) {
     const fs::path file = root() / (std::string("room.") + format);
-    const ProcessResult result = aligngs("export " + quoted(trained()) + " --json -f " + format + " -o " + quoted(file));
+    const ProcessResult result =
+        aligngs("export " + quoted(trained()) + " --json -f " + format + " -o " + quoted(file));
     ASSERT_EQ(result.status, 0) << format << result.err;
     EXPECT_GT(fs::file_size(file), 1000u) << format;
     const size_t objects = std::string(format) == "glb" || std::string(format) == "obj" ? 1 : 0;
@@ -68,7 +71,9 @@ TEST_F(Unlabelled, TheWholeRoomIsListedAndEdited) {
 
 TEST_F(Unlabelled, ARunTooSmallForASurfaceEndsWithItsReport) {
   const fs::path run = root() / "tiny";
-  const ProcessResult result = run_aligngs("run " + quoted(root() / "scene") + " -o " + quoted(run) + " -n 1 --no-refine --set mesh.max_depth=0.01", root() / "scratch");
+  const ProcessResult result = run_aligngs(
+      "run " + quoted(root() / "scene") + " -o " + quoted(run) + " -n 1 --no-refine --set mesh.max_depth=0.01",
+      root() / "scratch");
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("no surface"));
   EXPECT_TRUE(fs::exists(run / "report.html"));

@@ -18,4 +18,4 @@ __all__ = [
     "Labels", "Mesh", "Points", "ProgramMissingError", "ResourcesError", "Run", "Scene", "StoppedError", "UsageError",
     "WeightsError", "demo", "find_program", "follow_events", "run",
 ]
-__version__ = "0.1.0"
+__version__ = "0.2.0"

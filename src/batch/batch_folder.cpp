@@ -42,7 +42,8 @@ const RoomEntry& Batch::room(const std::string& name) const {
       near = &room;
     }
   }
-  throw_usage("the batch has no room " + name, near ? "did you mean " + near->name + "?" : "`aligngs batch status DIR` lists the rooms");
+  throw_usage("the batch has no room " + name,
+              near ? "did you mean " + near->name + "?" : "`aligngs batch status DIR` lists the rooms");
 }
 
 BatchFolder::BatchFolder(const fs::path& folder) : folder_(fs::absolute(folder).lexically_normal()) {}
@@ -56,16 +57,20 @@ void BatchFolder::prepare(const Batch& batch) const {
     for (const auto& entry : fs::directory_iterator(folder_)) {
       const std::string name = entry.path().filename().string();
       // Another worker may be creating the same batch.
-      if (name == "rooms" || name == "records" || name == "leases" || name == "logs" || name.rfind("list.json", 0) == 0) continue;
-      throw Error({ErrorKind::kUsage, "the folder is not empty and holds no batch", folder_ / name, "-o", "name a new or empty folder"});
+      if (name == "rooms" || name == "records" || name == "leases" || name == "logs" || name.rfind("list.json", 0) == 0)
+        continue;
+      throw Error({ErrorKind::kUsage, "the folder is not empty and holds no batch", folder_ / name, "-o",
+                   "name a new or empty folder"});
     }
   }
   for (const RoomEntry& room : batch.rooms) {
-    if (!room.synthetic() && fs::is_directory(batch.source_of(room), error)) require_apart(run(room.name), {batch.source_of(room)});
+    if (!room.synthetic() && fs::is_directory(batch.source_of(room), error))
+      require_apart(run(room.name), {batch.source_of(room)});
   }
   for (const char* part : {"rooms", "records", "leases", "logs"}) {
     fs::create_directories(folder_ / part, error);
-    if (error) throw_resources(folder_ / part, "cannot be created: " + error.message(), "choose a place you may write to");
+    if (error)
+      throw_resources(folder_ / part, "cannot be created: " + error.message(), "choose a place you may write to");
   }
   const std::string text = json_document(to_json(batch));
   if (!fs::exists(list(), error) || read_file(list(), kLargestList) != text) write_file_atomically(list(), text);
@@ -73,7 +78,8 @@ void BatchFolder::prepare(const Batch& batch) const {
 
 Batch BatchFolder::read() const {
   if (!fs::exists(list())) {
-    throw Error({ErrorKind::kUsage, "there is no batch in this folder", folder_, "", "begin one: aligngs batch LIST -o " + folder_.string()});
+    throw Error({ErrorKind::kUsage, "there is no batch in this folder", folder_, "",
+                 "begin one: aligngs batch LIST -o " + folder_.string()});
   }
   const Json json = parse_ordered_json(read_file(list(), kLargestList));
   const auto damaged = [&](const std::string& field) {
@@ -84,8 +90,8 @@ Batch BatchFolder::read() const {
   Batch batch;
   batch.list = json["list"].get<std::string>();
   for (const Json& item : json["rooms"]) {
-    if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("source") || !item["source"].is_string() ||
-        !item.contains("options") || !item["options"].is_array()) {
+    if (!item.is_object() || !item.contains("name") || !item["name"].is_string() || !item.contains("source") ||
+        !item["source"].is_string() || !item.contains("options") || !item["options"].is_array()) {
       damaged("rooms");
     }
     RoomEntry room;

@@ -39,7 +39,8 @@ class BatchFolder {
   /// Standard output of the last attempt: one JSON document.
   std::filesystem::path output(const std::string& room) const { return folder_ / "logs" / (room + ".json"); }
 
-  /// Creates the folders and writes list.json where it differs. Error{kUsage} when the folder holds anything else than a batch.
+  /// Creates the folders and writes list.json where it differs. Error{kUsage} when the folder holds anything else than
+  /// a batch.
   void prepare(const Batch& batch) const;
   /// Error{kUsage} when the folder holds no batch, Error{kBadInput} when list.json is damaged.
   Batch read() const;

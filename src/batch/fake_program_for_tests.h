@@ -1,4 +1,5 @@
-// For tests: a program that replaces aligngs in a batch, and a batch that uses it. The source's name says how it behaves.
+// For tests: a program that replaces aligngs in a batch, and a batch that uses it. The source's name says how it
+// behaves.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,9 +18,11 @@ namespace aligngs::test_batch {
 
 namespace fs = std::filesystem;
 
-/// "good": done at once. "broken": status 3 with an error as --json prints it. "slow": waits for SIGTERM, then status 75; done when it is
+/// "good": done at once. "broken": status 3 with an error as --json prints it. "slow": waits for SIGTERM, then status
+/// 75; done when it is
 /// resumed. "killed", "early": end by SIGKILL or by SIGTERM. "meets":
-/// leaves a file met.txt where another of its kind works at the same time. Each start is a line of starts.txt: the room and --resume or --overwrite.
+/// leaves a file met.txt where another of its kind works at the same time. Each start is a line of starts.txt: the room
+/// and --resume or --overwrite.
 inline constexpr const char* kFakeProgram = R"(#!/bin/sh
 source=$(basename "$2")
 while [ $# -gt 0 ]; do

@@ -17,14 +17,15 @@ std::vector<fs::path> input_files(const Batch& batch, const RoomEntry& room) {
   std::error_code error;
   const fs::path source = batch.source_of(room);
   if (!room.synthetic() && fs::is_directory(source, error)) {
-    for (fs::recursive_directory_iterator entry(source, fs::directory_options::skip_permission_denied, error), end; entry != end;
-         entry.increment(error)) {
+    for (fs::recursive_directory_iterator entry(source, fs::directory_options::skip_permission_denied, error), end;
+         entry != end; entry.increment(error)) {
       std::error_code unknown;
       if (entry->is_regular_file(unknown)) files.push_back(entry->path());
     }
   }
   for (const std::string& word : room.options) {
-    const fs::path file = batch.base() / word.substr(word.find('=') == std::string::npos || word[0] != '-' ? 0 : word.find('=') + 1);
+    const fs::path file =
+        batch.base() / word.substr(word.find('=') == std::string::npos || word[0] != '-' ? 0 : word.find('=') + 1);
     if (fs::is_regular_file(file, error)) files.push_back(file);
   }
   std::sort(files.begin(), files.end());

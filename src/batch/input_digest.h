@@ -10,7 +10,8 @@ namespace aligngs {
 
 struct InputDigest {
   std::string content;  ///< SHA-256 of options, names and contents, hexadecimal
-  std::string quick;    ///< SHA-256 of options, names, sizes and times of change: equal means that the contents are equal, too
+  /// SHA-256 of options, names, sizes and times of change: equal means that the contents are equal, too
+  std::string quick;
 
   bool operator==(const InputDigest&) const = default;
 };

@@ -32,7 +32,8 @@ TEST_F(InputDigestTest, IsTheSameForTheSameInputs) { EXPECT_EQ(digest(), digest(
 
 TEST_F(InputDigestTest, ContentCountsAndTheTimeOfAFileDoesNot) {
   const InputDigest before = digest();
-  fs::last_write_time(base_ / "photos" / "a.jpg", fs::last_write_time(base_ / "photos" / "a.jpg") + std::chrono::seconds(5));
+  fs::last_write_time(base_ / "photos" / "a.jpg",
+                      fs::last_write_time(base_ / "photos" / "a.jpg") + std::chrono::seconds(5));
   EXPECT_EQ(digest().content, before.content);
   EXPECT_NE(digest().quick, before.quick);
   write_file_atomically(base_ / "photos" / "a.jpg", "FIRST");

@@ -54,7 +54,8 @@ fi
 exit "$status"
 )";
 
-constexpr const char* kKubernetes = R"(# The rooms of {list} as a Kubernetes Indexed Job of {tasks} pods. Start it with: kubectl apply -f FILE
+constexpr const char* kKubernetes =
+    R"(# The rooms of {list} as a Kubernetes Indexed Job of {tasks} pods. Start it with: kubectl apply -f FILE
 # Needed: an image with the program, and a volume that all pods can write to. It holds the list, the sources and the batch.
 apiVersion: batch/v1
 kind: Job
@@ -134,16 +135,20 @@ std::string filled(const char* form, const ScriptOptions& o) {
   using fmt::arg;
   for (const std::string& path : {o.list.string(), o.folder.string()}) {
     // In a comment a line break would begin a command.
-    if (path.find_first_of("\n\r") != std::string::npos) throw_usage("a path with a line break cannot be in a script: " + path, "rename the folder");
+    if (path.find_first_of("\n\r") != std::string::npos)
+      throw_usage("a path with a line break cannot be in a script: " + path, "rename the folder");
   }
   const auto in_pod = [](const std::filesystem::path& path) {
     std::string text = "\"/data/";
-    for (const char c : path.filename().string()) text += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
+    for (const char c : path.filename().string())
+      text += c == '"' || c == '\\' ? std::string("\\") + c : std::string(1, c);
     return text + "\"";
   };
-  return fmt::format(fmt::runtime(form), arg("program", "aligngs"), arg("list", quote_word(o.list.string())), arg("folder", quote_word(o.folder.string())),
-                     arg("list_in_pod", in_pod(o.list)), arg("folder_in_pod", in_pod(o.folder)), arg("tasks", o.tasks), arg("last", o.tasks - 1),
-                     arg("at_a_time", std::min(o.at_a_time, o.tasks)), arg("memory", whole_gigabytes(o.memory_gigabytes)), arg("cores", kCores),
+  return fmt::format(fmt::runtime(form), arg("program", "aligngs"), arg("list", quote_word(o.list.string())),
+                     arg("folder", quote_word(o.folder.string())), arg("list_in_pod", in_pod(o.list)),
+                     arg("folder_in_pod", in_pod(o.folder)), arg("tasks", o.tasks), arg("last", o.tasks - 1),
+                     arg("at_a_time", std::min(o.at_a_time, o.tasks)),
+                     arg("memory", whole_gigabytes(o.memory_gigabytes)), arg("cores", kCores),
                      arg("notice", kNoticeSeconds));
 }
 

@@ -14,9 +14,11 @@ struct ScriptOptions {
   double memory_gigabytes = 0;         ///< of the largest task, predicted
 };
 
-/// An array for `sbatch`: put back into the queue after a preemption or the failure of a node, with a signal before its time ends.
+/// An array for `sbatch`: put back into the queue after a preemption or the failure of a node, with a signal before its
+/// time ends.
 std::string slurm_script(const ScriptOptions& options);
-/// A manifest for `kubectl apply`: an Indexed Job. LIST and the folder are looked for by their last names on one shared volume.
+/// A manifest for `kubectl apply`: an Indexed Job. LIST and the folder are looked for by their last names on one shared
+/// volume.
 std::string kubernetes_manifest(const ScriptOptions& options);
 /// A script that starts GNU parallel on this machine or, by a file of names, on others that share the folder.
 std::string parallel_script(const ScriptOptions& options);

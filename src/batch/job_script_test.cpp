@@ -42,18 +42,23 @@ TEST(JobScript, SlurmAsksForAnArrayThatComesBack) {
   EXPECT_TRUE(runs("bash -n '" + written("slurm.sh", script).string() + "'"));
 }
 
-/// The script itself, with a worker that ends with status 75 when it hears SIGUSR1, and programs in the place of Slurm's.
+/// The script itself, with a worker that ends with status 75 when it hears SIGUSR1, and programs in the place of
+/// Slurm's.
 TEST(JobScript, AStoppedTaskGoesBackIntoTheQueueUnlessItWasCancelled) {
   const fs::path script = written("notice/slurm.sh", slurm_script(options()));
   const fs::path folder = script.parent_path();
   written("notice/aligngs", "#!/bin/bash\ntrap 'exit 75' USR1\ntouch ready\nwhile :; do sleep 0.02; done\n");
   written("notice/srun", "#!/bin/bash\nshift 2\nexec \"$@\"\n");
-  written("notice/scontrol", "#!/bin/bash\nif [ $1 = show ]; then echo \"  JobState=$STATE Reason=None\"; else echo \"scontrol $*\"; fi\n");
+  written(
+      "notice/scontrol",
+      "#!/bin/bash\nif [ $1 = show ]; then echo \"  JobState=$STATE Reason=None\"; else echo \"scontrol $*\"; fi\n");
   for (const char* name : {"aligngs", "srun", "scontrol"}) fs::permissions(folder / name, fs::perms::owner_all);
   const auto heard = [&](const std::string& state) {
-    return output_of("cd '" + folder.string() + "'; rm -f ready; export STATE=" + state +
-                     " PATH=\"$PWD:$PATH\" SLURM_ARRAY_JOB_ID=8 SLURM_ARRAY_TASK_ID=3 SLURM_CPUS_PER_TASK=4; bash slurm.sh & job=$!; "
-                     "for i in $(seq 500); do [ -e ready ] && break; sleep 0.02; done; kill -USR1 $job; wait $job; echo status $?");
+    return output_of(
+        "cd '" + folder.string() + "'; rm -f ready; export STATE=" + state +
+        " PATH=\"$PWD:$PATH\" SLURM_ARRAY_JOB_ID=8 SLURM_ARRAY_TASK_ID=3 SLURM_CPUS_PER_TASK=4; bash slurm.sh & "
+        "job=$!; "
+        "for i in $(seq 500); do [ -e ready ] && break; sleep 0.02; done; kill -USR1 $job; wait $job; echo status $?");
   };
   EXPECT_EQ(heard("RUNNING"), "scontrol requeue 8_3\nstatus 75\n");
   EXPECT_EQ(heard("CANCELLED"), "status 75\n");
@@ -69,8 +74,10 @@ TEST(JobScript, ParallelStartsEveryPart) {
 TEST(JobScript, KubernetesIgnoresStatus75) {
   const std::string manifest = kubernetes_manifest(options());
   EXPECT_THAT(manifest, HasSubstr("  completions: 12\n  parallelism: 3\n"));
-  EXPECT_THAT(manifest, HasSubstr("- action: Ignore\n        onExitCodes:\n          containerName: aligngs\n          operator: In\n          values: [75]\n"));
-  EXPECT_THAT(manifest, HasSubstr("args: [\"batch\", \"/data/my rooms.tsv\", \"-o\", \"/data/batch\", \"--shards\", \"12\"]"));
+  EXPECT_THAT(manifest, HasSubstr("- action: Ignore\n        onExitCodes:\n          containerName: aligngs\n          "
+                                  "operator: In\n          values: [75]\n"));
+  EXPECT_THAT(manifest,
+              HasSubstr("args: [\"batch\", \"/data/my rooms.tsv\", \"-o\", \"/data/batch\", \"--shards\", \"12\"]"));
 }
 
 TEST(JobScript, APathWithALineBreakIsRefused) {

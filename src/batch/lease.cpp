@@ -28,10 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNanosecond = 1e-9;       // seconds
+constexpr double kNanosecond = 1e-9;         // seconds
 constexpr uint64_t kLargestLease = 1 << 16;  // bytes; a lease has one line
 
-fs::path file_of(const fs::path& leases, const std::string& room, int number) { return leases / (room + "." + std::to_string(number)); }
+fs::path file_of(const fs::path& leases, const std::string& room, int number) {
+  return leases / (room + "." + std::to_string(number));
+}
 
 /// Numbers of the leases of a room, in no order.
 std::vector<int> numbers_of(const fs::path& leases, const std::string& room) {
@@ -89,10 +91,12 @@ std::string first_line(const char* file) {
 std::string process_space() {
   char link[64] = {};
   const ssize_t length = readlink("/proc/self/ns/pid", link, sizeof(link) - 1);
-  return first_line("/proc/sys/kernel/random/boot_id") + (length > 0 ? std::string(link, static_cast<size_t>(length)) : "");
+  return first_line("/proc/sys/kernel/random/boot_id") +
+         (length > 0 ? std::string(link, static_cast<size_t>(length)) : "");
 }
 
-/// When a process began, in ticks since the boot: tells it from a later one with the same id. Empty when there is none, or a zombie.
+/// When a process began, in ticks since the boot: tells it from a later one with the same id. Empty when there is none,
+/// or a zombie.
 std::string beginning_of(int64_t pid) {
   const std::string line = first_line(("/proc/" + std::to_string(pid) + "/stat").c_str());
   const size_t name_end = line.rfind(')');
@@ -108,7 +112,9 @@ std::string beginning_of(int64_t pid) {
 
 /// Whether the holder ran among the processes that are seen here, and is gone.
 bool is_known_dead(const nlohmann::json& lease, int64_t pid) {
-  const auto text = [&](const char* name) { return lease.value(name, nlohmann::json()).is_string() ? lease[name].get<std::string>() : ""; };
+  const auto text = [&](const char* name) {
+    return lease.value(name, nlohmann::json()).is_string() ? lease[name].get<std::string>() : "";
+  };
   return pid > 0 && text("process_space") == process_space() && text("beginning") != beginning_of(pid);
 }
 
@@ -143,7 +149,10 @@ LeaseView look_at_lease(const fs::path& leases, const std::string& room, const L
 class Lease::Held {
  public:
   Held(fs::path leases, std::string room, int number, double renew_seconds)
-      : leases_(std::move(leases)), room_(std::move(room)), number_(number), keeper_([this, renew_seconds] { keep(renew_seconds); }) {}
+      : leases_(std::move(leases)),
+        room_(std::move(room)),
+        number_(number),
+        keeper_([this, renew_seconds] { keep(renew_seconds); }) {}
 
   ~Held() {
     {
@@ -196,12 +205,16 @@ std::optional<Lease> Lease::take(const fs::path& leases, const std::string& room
     if (errno == EEXIST) return std::nullopt;
     throw_resources(file, std::string("cannot be created: ") + std::strerror(errno), "choose a place you may write to");
   }
-  const nlohmann::json lease = {{"host", host_name()}, {"pid", getpid()}, {"process_space", process_space()}, {"beginning", beginning_of(getpid())}};
+  const nlohmann::json lease = {{"host", host_name()},
+                                {"pid", getpid()},
+                                {"process_space", process_space()},
+                                {"beginning", beginning_of(getpid())}};
   const std::string text = json_line(lease) + "\n";
   const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   const int reason = errno;
   close(descriptor);
-  auto held = std::make_unique<Held>(leases, room, number, times.renew_seconds);  // removes the file where it is not given to the caller
+  // removes the file where it is not given to the caller
+  auto held = std::make_unique<Held>(leases, room, number, times.renew_seconds);
   if (!written) throw_resources(file, std::string("cannot be written: ") + std::strerror(reason));
   if (!held->counts()) return std::nullopt;
   return Lease(std::move(held));

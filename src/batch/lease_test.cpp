@@ -30,7 +30,8 @@ class LeaseTest : public testing::Test {
   }
   /// A lease as a machine elsewhere would have left it, so many seconds ago.
   void write_foreign(const std::string& name, double seconds_ago) const {
-    write_file_atomically(leases_ / name, R"({"host": "far", "pid": 1, "process_space": "another boot", "beginning": "5"})");
+    write_file_atomically(leases_ / name,
+                          R"({"host": "far", "pid": 1, "process_space": "another boot", "beginning": "5"})");
     age(leases_ / name, seconds_ago);
   }
   static void age(const fs::path& file, double seconds_ago) {
@@ -119,7 +120,8 @@ TEST_F(LeaseTest, AHeldLeaseIsTouchedAgainAndAgain) {
   const auto lease = take("hall");
   ASSERT_TRUE(lease);
   const int64_t first = look("hall").touched;
-  for (int i = 0; i < 500 && look("hall").touched == first; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 500 && look("hall").touched == first; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_GT(look("hall").touched, first);
 }
 

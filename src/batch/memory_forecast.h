@@ -1,4 +1,5 @@
-// How much memory a room will take, told from its photos before anything is read: the local queue starts no more rooms than fit.
+// How much memory a room will take, told from its photos before anything is read: the local queue starts no more rooms
+// than fit.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,8 @@
 
 namespace aligngs {
 
-/// Bytes. The value of --memory comes first. Else the peak of an earlier run of the room counts, with a tenth more. Else it is an
+/// Bytes. The value of --memory comes first. Else the peak of an earlier run of the room counts, with a tenth more.
+/// Else it is an
 /// estimate from the number and the size of the photos.
 uint64_t predicted_room_bytes(const BatchFolder& folder, const Batch& batch, const RoomEntry& room);
 

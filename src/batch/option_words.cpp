@@ -40,8 +40,10 @@ std::string quote_word(const std::string& word) {
   if (!word.empty() && word.find_first_not_of(kHarmless) == std::string::npos) return word;
   std::string quoted = "'";
   for (const char c : word) {
-    if (c == '\'') quoted += "'\\''";
-    else quoted += c;
+    if (c == '\'')
+      quoted += "'\\''";
+    else
+      quoted += c;
   }
   return quoted + "'";
 }

@@ -7,7 +7,8 @@
 
 namespace aligngs {
 
-/// Splits at blanks; single quotes, double quotes and a backslash keep them. Error{kUsage} for a quote that is not closed.
+/// Splits at blanks; single quotes, double quotes and a backslash keep them. Error{kUsage} for a quote that is not
+/// closed.
 std::vector<std::string> split_words(std::string_view text);
 
 /// The word as a shell reads it back, in single quotes where it holds more than harmless characters.

@@ -12,12 +12,15 @@ using testing::IsEmpty;
 
 TEST(OptionWords, BlanksSeparateAndQuotesKeep) {
   EXPECT_THAT(split_words("--method colmap  -n 200"), ElementsAre("--method", "colmap", "-n", "200"));
-  EXPECT_THAT(split_words("--config 'my settings.toml' \"a b\" c\\ d"), ElementsAre("--config", "my settings.toml", "a b", "c d"));
+  EXPECT_THAT(split_words("--config 'my settings.toml' \"a b\" c\\ d"),
+              ElementsAre("--config", "my settings.toml", "a b", "c d"));
   EXPECT_THAT(split_words("''"), ElementsAre(""));
   EXPECT_THAT(split_words(" \t"), IsEmpty());
 }
 
-TEST(OptionWords, NothingIsExpanded) { EXPECT_THAT(split_words("$HOME *.png `date`"), ElementsAre("$HOME", "*.png", "`date`")); }
+TEST(OptionWords, NothingIsExpanded) {
+  EXPECT_THAT(split_words("$HOME *.png `date`"), ElementsAre("$HOME", "*.png", "`date`"));
+}
 
 TEST(OptionWords, AnOpenQuoteIsAnError) {
   EXPECT_THROW(split_words("--config 'my settings.toml"), Error);

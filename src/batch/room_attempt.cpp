@@ -26,8 +26,8 @@ bool was_asked_to_stop(int status) {
 }
 
 /// Writes the record of a beginning attempt before its process starts.
-RoomRecord begun(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& before, const InputDigest& inputs,
-                 const std::vector<std::string>& words) {
+RoomRecord begun(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& before,
+                 const InputDigest& inputs, const std::vector<std::string>& words) {
   RoomRecord record;
   record.state = "running";
   record.inputs = inputs;
@@ -39,7 +39,8 @@ RoomRecord begun(const BatchFolder& folder, const RoomEntry& room, const std::op
   return record;
 }
 
-RoomCommand command_of(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, std::vector<std::string> words) {
+RoomCommand command_of(const BatchFolder& folder, const Batch& batch, const RoomEntry& room,
+                       std::vector<std::string> words) {
   return {std::move(words), batch.base(), folder.output(room.name), folder.log(room.name)};
 }
 
@@ -60,7 +61,8 @@ void take_error(const fs::path& output, RoomRecord& record) {
   record.remedy = text("remedy");
 }
 
-bool may_resume(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record, const InputDigest& inputs) {
+bool may_resume(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record,
+                const InputDigest& inputs) {
   return record && record->inputs.content == inputs.content && RunFolder(folder.run(room.name)).has_run();
 }
 
@@ -71,7 +73,8 @@ std::vector<std::string> room_command(const BatchFolder& folder, const Batch& ba
   std::vector<std::string> words = {options.program.string(), room.synthetic() ? "demo" : "run"};
   if (!room.synthetic()) words.push_back(batch.source_of(room).string());
   words.insert(words.end(), {"-o", folder.run(room.name).string(), resume ? "--resume" : "--overwrite", "--json"});
-  if (options.threads > 0 && !has_option(room.options, "--threads")) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
+  if (options.threads > 0 && !has_option(room.options, "--threads"))
+    words.insert(words.end(), {"--threads", std::to_string(options.threads)});
   if (options.memory_bytes > 0 && !has_option(room.options, "--memory")) {
     words.insert(words.end(), {"--memory", fmt::format("{:.3f}", static_cast<double>(options.memory_bytes) * 1e-9)});
   }
@@ -80,14 +83,17 @@ std::vector<std::string> room_command(const BatchFolder& folder, const Batch& ba
   return words;
 }
 
-RoomAttempt::RoomAttempt(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, Lease lease, const std::optional<RoomRecord>& record,
-                         const InputDigest& inputs, const AttemptOptions& options)
+RoomAttempt::RoomAttempt(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, Lease lease,
+                         const std::optional<RoomRecord>& record, const InputDigest& inputs,
+                         const AttemptOptions& options)
     : folder_(folder),
       room_(room),
       lease_(std::move(lease)),
-      record_(begun(folder, room, record, inputs, room_command(folder, batch, room, may_resume(folder, room, record, inputs), options))),
+      record_(begun(folder, room, record, inputs,
+                    room_command(folder, batch, room, may_resume(folder, room, record, inputs), options))),
       memory_bytes_(options.memory_bytes),
-      process_(command_of(folder, batch, room, room_command(folder, batch, room, may_resume(folder, room, record, inputs), options))) {}
+      process_(command_of(folder, batch, room,
+                          room_command(folder, batch, room, may_resume(folder, room, record, inputs), options))) {}
 
 bool RoomAttempt::killed() const { return process_.status() == 128 + SIGKILL; }
 
@@ -103,8 +109,11 @@ RoomRecord RoomAttempt::settle(bool interrupted) {
     record_.state = "failed";
     take_error(folder_.output(room_.name), record_);
     if (record_.message.empty()) {
-      record_.message = status > 128 ? fmt::format("signal {} ended it", status - 128) : fmt::format("it ended with status {}", status);
-      record_.remedy = status == 128 + SIGKILL ? "where memory ran out, use fewer --jobs or give the room --memory; else see " : "see ";
+      record_.message = status > 128 ? fmt::format("signal {} ended it", status - 128)
+                                     : fmt::format("it ended with status {}", status);
+      record_.remedy = status == 128 + SIGKILL
+                           ? "where memory ran out, use fewer --jobs or give the room --memory; else see "
+                           : "see ";
       record_.remedy += folder_.log(room_.name).string();
     }
   }

@@ -14,13 +14,14 @@
 namespace aligngs {
 
 struct AttemptOptions {
-  std::filesystem::path program;             ///< own_program()
-  std::vector<std::string> global_options;   ///< of every room, as "--offline"
-  int threads = 0;                           ///< of a room; 0: all
-  uint64_t memory_bytes = 0;                 ///< that it may take; 0: the program decides
+  std::filesystem::path program;            ///< own_program()
+  std::vector<std::string> global_options;  ///< of every room, as "--offline"
+  int threads = 0;                          ///< of a room; 0: all
+  uint64_t memory_bytes = 0;                ///< that it may take; 0: the program decides
 };
 
-/// The words of the command for a room: `aligngs run` or `aligngs demo`, resumed where a run with the same inputs is there, else
+/// The words of the command for a room: `aligngs run` or `aligngs demo`, resumed where a run with the same inputs is
+/// there, else
 /// from its start.
 std::vector<std::string> room_command(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, bool resume,
                                       const AttemptOptions& options);
@@ -28,8 +29,8 @@ std::vector<std::string> room_command(const BatchFolder& folder, const Batch& ba
 class RoomAttempt {
  public:
   /// Starts the room's process. `record` is that of an earlier attempt, if there is one.
-  RoomAttempt(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, Lease lease, const std::optional<RoomRecord>& record,
-              const InputDigest& inputs, const AttemptOptions& options);
+  RoomAttempt(const BatchFolder& folder, const Batch& batch, const RoomEntry& room, Lease lease,
+              const std::optional<RoomRecord>& record, const InputDigest& inputs, const AttemptOptions& options);
 
   const RoomEntry& room() const { return room_; }
   uint64_t memory_bytes() const { return memory_bytes_; }
@@ -39,7 +40,8 @@ class RoomAttempt {
   bool lost() const { return lease_.lost(); }
   /// After ended(): whether SIGKILL ended it, by the system for its memory, or together with this worker.
   bool killed() const;
-  /// After ended(): writes and returns the record. `interrupted`: this worker was asked to stop, and so was the process.
+  /// After ended(): writes and returns the record. `interrupted`: this worker was asked to stop, and so was the
+  /// process.
   RoomRecord settle(bool interrupted);
 
  private:

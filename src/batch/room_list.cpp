@@ -17,12 +17,13 @@ constexpr size_t kLongestName = 100;  // characters: with the suffixes of leases
 const char* const kLineForm = "a line is: room <TAB> source <TAB> options";
 
 /// The batch decides about these.
-constexpr std::array<const char*, 9> kOwnOptions = {"--output", "--resume", "--overwrite", "--view", "--view-port",
+constexpr std::array<const char*, 9> kOwnOptions = {"--output", "--resume", "--overwrite", "--view",   "--view-port",
                                                     "--json",   "--quiet",  "--help",      "--version"};
 constexpr const char* kOwnLetters = "oqh";  // their short forms
 
 bool is_own(const std::string& word) {
-  if (word.size() > 1 && word[0] == '-' && std::string_view(kOwnLetters).find(word[1]) != std::string_view::npos) return true;
+  if (word.size() > 1 && word[0] == '-' && std::string_view(kOwnLetters).find(word[1]) != std::string_view::npos)
+    return true;
   return std::any_of(kOwnOptions.begin(), kOwnOptions.end(), [&](const char* own) { return has_option({word}, own); });
 }
 
@@ -49,22 +50,26 @@ void require_valid_room(const RoomEntry& room, const std::vector<RoomEntry>& bef
   constexpr const char* kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
   const std::string field = line_field(room.line);
   if (room.name.empty()) throw_bad_input(list, field, "the room has no name", kLineForm);
-  if (room.name.size() > kLongestName || room.name.find_first_not_of(kAllowed) != std::string::npos || room.name[0] == '.' ||
-      room.name[0] == '-') {
+  if (room.name.size() > kLongestName || room.name.find_first_not_of(kAllowed) != std::string::npos ||
+      room.name[0] == '.' || room.name[0] == '-') {
     throw_bad_input(list, field, "this is no name of a room: \"" + room.name.substr(0, kLongestName) + "\"",
                     "use letters, digits, \".\", \"_\" and \"-\", at most 100, with a letter, a digit or \"_\" first");
   }
-  const auto twin = std::find_if(before.begin(), before.end(), [&](const RoomEntry& other) { return other.name == room.name; });
+  const auto twin =
+      std::find_if(before.begin(), before.end(), [&](const RoomEntry& other) { return other.name == room.name; });
   if (twin != before.end()) {
-    throw_bad_input(list, field, "the room " + room.name + " is listed twice, first in line " + std::to_string(twin->line),
+    throw_bad_input(list, field,
+                    "the room " + room.name + " is listed twice, first in line " + std::to_string(twin->line),
                     "give each room a name of its own");
   }
   if (room.source.empty()) throw_bad_input(list, field, "the room " + room.name + " has no source", kLineForm);
-  if (room.source.find('\0') != std::string::npos) throw_bad_input(list, field, "the source holds a zero byte", kLineForm);
+  if (room.source.find('\0') != std::string::npos)
+    throw_bad_input(list, field, "the source holds a zero byte", kLineForm);
   for (const std::string& word : room.options) {
     if (word.find('\0') != std::string::npos) throw_bad_input(list, field, "an option holds a zero byte", kLineForm);
     if (is_own(word)) {
-      throw_bad_input(list, field, "a room may not have the option " + word, "leave it out: the batch decides about folder, resuming and output");
+      throw_bad_input(list, field, "a room may not have the option " + word,
+                      "leave it out: the batch decides about folder, resuming and output");
     }
   }
 }
@@ -77,8 +82,10 @@ std::vector<RoomEntry> parse_room_table(std::string_view text, const fs::path& n
     ++number;
     if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
     const std::vector<std::string_view> fields = split_at(line, '\t');
-    if (rooms.empty() && fields.size() > 1 && trimmed(fields[0]) == "room" && trimmed(fields[1]) == "source") continue;  // a heading
-    if (fields.size() < 2) throw_bad_input(name_for_errors, line_field(number), "there is no tab between room and source", kLineForm);
+    // a heading
+    if (rooms.empty() && fields.size() > 1 && trimmed(fields[0]) == "room" && trimmed(fields[1]) == "source") continue;
+    if (fields.size() < 2)
+      throw_bad_input(name_for_errors, line_field(number), "there is no tab between room and source", kLineForm);
     RoomEntry room;
     room.line = number;
     room.name = trimmed(fields[0]);

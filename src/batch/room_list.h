@@ -22,15 +22,16 @@ namespace aligngs {
 inline constexpr const char* kSyntheticSource = "demo";
 
 struct RoomEntry {
-  std::string name;    ///< letters, digits, ".", "_" and "-", at most 100; names the run folder
-  std::string source;  ///< as in the list: a folder, relative to the list's, or kSyntheticSource
+  std::string name;                  ///< letters, digits, ".", "_" and "-", at most 100; names the run folder
+  std::string source;                ///< as in the list: a folder, relative to the list's, or kSyntheticSource
   std::vector<std::string> options;  ///< of `aligngs run` or `aligngs demo`
-  int line = 0;        ///< in the list, from 1
+  int line = 0;                      ///< in the list, from 1
 
   bool synthetic() const { return source == kSyntheticSource; }
 };
 
-/// Both: Error{kBadInput} for a list without rooms. Error{kBadInput} with the line for a wrong name, a name given twice, a missing source,
+/// Both: Error{kBadInput} for a list without rooms. Error{kBadInput} with the line for a wrong name, a name given
+/// twice, a missing source,
 /// and an option that the batch sets itself.
 std::vector<RoomEntry> parse_room_table(std::string_view text, const std::filesystem::path& name_for_errors);
 std::vector<RoomEntry> parse_room_toml(std::string_view text, const std::filesystem::path& name_for_errors);

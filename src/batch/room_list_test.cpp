@@ -42,8 +42,12 @@ std::string fault(const std::function<void()>& parse) {
   ADD_FAILURE() << "it was accepted";
   return "";
 }
-std::string table_fault(const std::string& text) { return fault([&] { parse_room_table(text, "rooms.tsv"); }); }
-std::string toml_fault(const std::string& text) { return fault([&] { parse_room_toml(text, "rooms.toml"); }); }
+std::string table_fault(const std::string& text) {
+  return fault([&] { parse_room_table(text, "rooms.tsv"); });
+}
+std::string toml_fault(const std::string& text) {
+  return fault([&] { parse_room_toml(text, "rooms.toml"); });
+}
 
 TEST(RoomList, TableHasRoomSourceAndOptions) {
   const std::vector<RoomEntry> rooms = parse_room_table(kTable, "rooms.tsv");
@@ -93,7 +97,8 @@ TEST(RoomList, FaultsOfATomlListNameTheirLine) {
 
 /// Whatever happens to a list, it is read or refused with an Error.
 TEST(RoomList, DamagedListsAreReadOrRefused) {
-  for (const auto& [text, parse] : {std::pair{std::string(kTable), &parse_room_table}, std::pair{std::string(kToml), &parse_room_toml}}) {
+  for (const auto& [text, parse] :
+       {std::pair{std::string(kTable), &parse_room_table}, std::pair{std::string(kToml), &parse_room_toml}}) {
     for (size_t i = 0; i < text.size(); ++i) {
       for (const char byte : {'\0', '\t', '\n', '"', '\'', '[', '\xff'}) {
         std::string damaged = text;

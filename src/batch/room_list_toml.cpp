@@ -9,7 +9,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kTomlForm = "write [[room]] with name = \"...\", source = \"...\" and, if wanted, options = [\"...\"]";
+const char* const kTomlForm =
+    "write [[room]] with name = \"...\", source = \"...\" and, if wanted, options = [\"...\"]";
 
 int line_of(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
@@ -21,8 +22,10 @@ class TomlList {
     std::vector<std::string> shared;
     std::vector<RoomEntry> rooms;
     for (const auto& [key, node] : root) {
-      if (key.str() == "options") shared = words_of(node);
-      else if (key.str() != "room") fail(node, "there is no such key: " + std::string(key.str()));
+      if (key.str() == "options")
+        shared = words_of(node);
+      else if (key.str() != "room")
+        fail(node, "there is no such key: " + std::string(key.str()));
     }
     const toml::node* const node = root.get("room");
     const toml::array* const list = node ? node->as_array() : nullptr;
@@ -47,10 +50,14 @@ class TomlList {
     RoomEntry room;
     room.line = line_of(table);
     for (const auto& [key, node] : table) {
-      if (key.str() == "name") room.name = text_of(node, "name");
-      else if (key.str() == "source") room.source = text_of(node, "source");
-      else if (key.str() == "options") room.options = words_of(node);
-      else fail(node, "a room has no key " + std::string(key.str()));
+      if (key.str() == "name")
+        room.name = text_of(node, "name");
+      else if (key.str() == "source")
+        room.source = text_of(node, "source");
+      else if (key.str() == "options")
+        room.options = words_of(node);
+      else
+        fail(node, "a room has no key " + std::string(key.str()));
     }
     return room;
   }
@@ -86,7 +93,8 @@ std::vector<RoomEntry> parse_room_toml(std::string_view text, const fs::path& na
   try {
     root = toml::parse(text, name_for_errors.string());
   } catch (const toml::parse_error& error) {
-    throw_bad_input(name_for_errors, line_field(static_cast<int>(error.source().begin.line)), std::string(error.description()), kTomlForm);
+    throw_bad_input(name_for_errors, line_field(static_cast<int>(error.source().begin.line)),
+                    std::string(error.description()), kTomlForm);
   }
   return TomlList(name_for_errors).read(root);
 }

@@ -30,7 +30,8 @@ RoomProcess::RoomProcess(const RoomCommand& command) {
   std::vector<char*> argv;
   for (const std::string& word : command.words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
-  const int out = open_or_throw(command.out, O_TRUNC), log = open_or_throw(command.log, O_APPEND), in = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  const int out = open_or_throw(command.out, O_TRUNC), log = open_or_throw(command.log, O_APPEND),
+            in = open("/dev/null", O_RDONLY | O_CLOEXEC);
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {  // nothing but what signal-safety(7) allows: other threads may hold locks

@@ -10,12 +10,13 @@
 namespace aligngs {
 
 struct RoomCommand {
-  std::vector<std::string> words;   ///< the program's path first
-  std::filesystem::path folder;     ///< in which it works
-  std::filesystem::path out, log;   ///< standard output (replaced) and standard error (appended)
+  std::vector<std::string> words;  ///< the program's path first
+  std::filesystem::path folder;    ///< in which it works
+  std::filesystem::path out, log;  ///< standard output (replaced) and standard error (appended)
 };
 
-/// A child process. It is killed when the object or the process that started it ends: no room is worked on without its lease.
+/// A child process. It is killed when the object or the process that started it ends: no room is worked on without its
+/// lease.
 class RoomProcess {
  public:
   /// Error{kResources} when it cannot be started.

@@ -31,10 +31,11 @@ int number_of(const Json& json, const char* name) {
 }  // namespace
 
 void write_room_record(const fs::path& path, const RoomRecord& r) {
-  const Json json = {{"schema", kSchema}, {"state", r.state}, {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
-                     {"command", r.command}, {"host", r.host}, {"attempts", r.attempts}, {"exit_status", r.exit_status},
-                     {"message", r.message}, {"path", r.path}, {"field", r.field}, {"remedy", r.remedy},
-                     {"started", r.started}, {"ended", r.ended}};
+  const Json json = {
+      {"schema", kSchema},    {"state", r.state}, {"digest", r.inputs.content}, {"quick_digest", r.inputs.quick},
+      {"command", r.command}, {"host", r.host},   {"attempts", r.attempts},     {"exit_status", r.exit_status},
+      {"message", r.message}, {"path", r.path},   {"field", r.field},           {"remedy", r.remedy},
+      {"started", r.started}, {"ended", r.ended}};
   write_file_atomically(path, json_document(json));
 }
 
@@ -62,12 +63,18 @@ std::optional<RoomRecord> read_room_record(const fs::path& path) {
 
 const char* name_of(RoomState state) {
   switch (state) {
-    case RoomState::kStopped: return "stopped";
-    case RoomState::kChanged: return "changed";
-    case RoomState::kRunning: return "running";
-    case RoomState::kDone: return "done";
-    case RoomState::kFailed: return "failed";
-    default: return "waiting";
+    case RoomState::kStopped:
+      return "stopped";
+    case RoomState::kChanged:
+      return "changed";
+    case RoomState::kRunning:
+      return "running";
+    case RoomState::kDone:
+      return "done";
+    case RoomState::kFailed:
+      return "failed";
+    default:
+      return "waiting";
   }
 }
 
@@ -78,7 +85,8 @@ bool run_is_done(const fs::path& run) {
   return record.status == "done" && record.stage == "done";
 }
 
-RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record, const InputDigest& inputs) {
+RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record,
+                        const InputDigest& inputs) {
   if (!record) return RoomState::kWaiting;
   if (record->inputs.content != inputs.content) return RoomState::kChanged;
   if (record->state == "failed") return RoomState::kFailed;

@@ -11,12 +11,12 @@
 namespace aligngs {
 
 struct RoomRecord {
-  std::string state;    ///< "running" (also of a worker that died), "done", "stopped" or "failed"
-  InputDigest inputs;   ///< of the attempt
-  std::string command;  ///< that was started
-  std::string host;     ///< where
-  int attempts = 0;     ///< starts with these inputs
-  int exit_status = 0;  ///< of a failed one; 128 + signal where a signal ended it
+  std::string state;                         ///< "running" (also of a worker that died), "done", "stopped" or "failed"
+  InputDigest inputs;                        ///< of the attempt
+  std::string command;                       ///< that was started
+  std::string host;                          ///< where
+  int attempts = 0;                          ///< starts with these inputs
+  int exit_status = 0;                       ///< of a failed one; 128 + signal where a signal ended it
   std::string message, path, field, remedy;  ///< of a failed one, as Error has them
   std::string started, ended;                ///< UTC, ISO 8601
 };
@@ -40,6 +40,7 @@ const char* name_of(RoomState state);  ///< "waiting", ...
 bool run_is_done(const std::filesystem::path& run);
 
 /// The state apart from leases; never kRunning. `inputs` are those of now.
-RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record, const InputDigest& inputs);
+RoomState settled_state(const BatchFolder& folder, const RoomEntry& room, const std::optional<RoomRecord>& record,
+                        const InputDigest& inputs);
 
 }  // namespace aligngs

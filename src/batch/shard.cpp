@@ -24,9 +24,10 @@ struct ArrayVariables {
   const char* step;   ///< null: 1
   const char* count;  ///< null: it is not told
 };
-constexpr ArrayVariables kClusters[] = {{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"},
-                                        {"JOB_COMPLETION_INDEX", nullptr, nullptr, nullptr},
-                                        {"AWS_BATCH_JOB_ARRAY_INDEX", nullptr, nullptr, "AWS_BATCH_JOB_ARRAY_SIZE"}};
+constexpr ArrayVariables kClusters[] = {
+    {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"},
+    {"JOB_COMPLETION_INDEX", nullptr, nullptr, nullptr},
+    {"AWS_BATCH_JOB_ARRAY_INDEX", nullptr, nullptr, "AWS_BATCH_JOB_ARRAY_SIZE"}};
 
 }  // namespace
 
@@ -48,7 +49,8 @@ Shard shard_from_environment(const std::function<const char*(const char*)>& get,
       const char* const value = name ? get(name) : nullptr;
       if (!value) return std::nullopt;
       const auto number = whole_number(value);
-      if (!number) throw_usage(std::string(name) + " is no whole number: \"" + value + "\"", "give the part by hand: --shard i/N");
+      if (!number)
+        throw_usage(std::string(name) + " is no whole number: \"" + value + "\"", "give the part by hand: --shard i/N");
       return number;
     };
     const int task = *number_of(cluster.index);
@@ -57,7 +59,8 @@ Shard shard_from_environment(const std::function<const char*(const char*)>& get,
     const int step = count > 0 ? 1 : std::max(1, number_of(cluster.step).value_or(1));
     const int tasks = count > 0 ? count : number_of(cluster.count).value_or(0);
     if (tasks == 0) {
-      throw_usage(std::string(cluster.index) + " is set, but not how many tasks there are", "give it with --shards N, or the part with --shard i/N");
+      throw_usage(std::string(cluster.index) + " is set, but not how many tasks there are",
+                  "give it with --shards N, or the part with --shard i/N");
     }
     if (task < first || (task - first) % step != 0 || (task - first) / step >= tasks) {
       throw_usage(std::string(cluster.index) + " is " + text + ", which is none of " + std::to_string(tasks) + " tasks",
@@ -70,7 +73,8 @@ Shard shard_from_environment(const std::function<const char*(const char*)>& get,
 
 std::vector<RoomEntry> rooms_of_shard(const std::vector<RoomEntry>& rooms, const Shard& shard) {
   std::vector<RoomEntry> part;
-  for (size_t i = static_cast<size_t>(shard.index - 1); i < rooms.size(); i += static_cast<size_t>(shard.count)) part.push_back(rooms[i]);
+  for (size_t i = static_cast<size_t>(shard.index - 1); i < rooms.size(); i += static_cast<size_t>(shard.count))
+    part.push_back(rooms[i]);
   return part;
 }
 

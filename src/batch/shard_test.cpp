@@ -27,16 +27,24 @@ void expect_part(const Shard& shard, int index, int count) {
 
 TEST(ShardTest, ByHand) {
   expect_part(parse_shard("2/8"), 2, 8);
-  for (const char* wrong : {"0/8", "9/8", "8", "1/", "/8", "a/b", "1/8x", "-1/8", "1/99999999999"}) EXPECT_THROW(parse_shard(wrong), Error) << wrong;
+  for (const char* wrong : {"0/8", "9/8", "8", "1/", "/8", "a/b", "1/8x", "-1/8", "1/99999999999"})
+    EXPECT_THROW(parse_shard(wrong), Error) << wrong;
 }
 
 TEST(ShardTest, SlurmCountsFromItsFirstTask) {
-  expect_part(shard_in({{"SLURM_ARRAY_TASK_ID", "4"}, {"SLURM_ARRAY_TASK_MIN", "1"}, {"SLURM_ARRAY_TASK_COUNT", "12"}}), 4, 12);
-  expect_part(shard_in({{"SLURM_ARRAY_TASK_ID", "6"}, {"SLURM_ARRAY_TASK_MIN", "2"}, {"SLURM_ARRAY_TASK_STEP", "2"}, {"SLURM_ARRAY_TASK_COUNT", "5"}}), 3, 5);
+  expect_part(shard_in({{"SLURM_ARRAY_TASK_ID", "4"}, {"SLURM_ARRAY_TASK_MIN", "1"}, {"SLURM_ARRAY_TASK_COUNT", "12"}}),
+              4, 12);
+  expect_part(shard_in({{"SLURM_ARRAY_TASK_ID", "6"},
+                        {"SLURM_ARRAY_TASK_MIN", "2"},
+                        {"SLURM_ARRAY_TASK_STEP", "2"},
+                        {"SLURM_ARRAY_TASK_COUNT", "5"}}),
+              3, 5);
 }
 
 TEST(ShardTest, ACountByHandMakesNumbersAbsoluteSoThatAnArrayMayHoldSome) {
-  expect_part(shard_in({{"SLURM_ARRAY_TASK_ID", "7"}, {"SLURM_ARRAY_TASK_MIN", "3"}, {"SLURM_ARRAY_TASK_COUNT", "2"}}, 12), 8, 12);
+  expect_part(
+      shard_in({{"SLURM_ARRAY_TASK_ID", "7"}, {"SLURM_ARRAY_TASK_MIN", "3"}, {"SLURM_ARRAY_TASK_COUNT", "2"}}, 12), 8,
+      12);
   expect_part(shard_in({{"JOB_COMPLETION_INDEX", "0"}}, 3), 1, 3);
 }
 

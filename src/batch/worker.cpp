@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kTick = std::chrono::milliseconds(50);         // how soon the end of a room or a signal is seen
+constexpr auto kTick = std::chrono::milliseconds(50);  // how soon the end of a room or a signal is seen
 // A cluster kills the processes of a job one after the other: a worker that outlives this was not meant.
 constexpr auto kOwnDeath = std::chrono::milliseconds(1000);
 constexpr auto kLookPause = std::chrono::milliseconds(1000);  // between two looks at a room of somebody else
@@ -26,15 +26,16 @@ constexpr auto kLookPause = std::chrono::milliseconds(1000);  // between two loo
 /// A room that is not done, as far as this worker knows.
 struct Waiting {
   RoomEntry room;
-  uint64_t predicted_bytes = 0;   ///< 0: not asked yet
-  Clock::time_point next_look{};  ///< not before this
+  uint64_t predicted_bytes = 0;     ///< 0: not asked yet
+  Clock::time_point next_look{};    ///< not before this
   std::optional<LeaseView> seen{};  ///< the lease of somebody else when it was first seen
-  bool alive_elsewhere = false;   ///< it was renewed since
+  bool alive_elsewhere = false;     ///< it was renewed since
 };
 
 class Worker {
  public:
-  Worker(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms, const WorkerOptions& options)
+  Worker(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms,
+         const WorkerOptions& options)
       : folder_(folder), batch_(batch), options_(options), total_(rooms.size()) {
     for (const RoomEntry& room : rooms) waiting_.push_back({.room = room});
   }
@@ -49,7 +50,8 @@ class Worker {
       if (running_.empty() && (summary_.interrupted || nothing_left())) break;
       std::this_thread::sleep_for(kTick);
     }
-    for (const Waiting& left : waiting_) (left.alive_elsewhere ? summary_.elsewhere : summary_.stopped).push_back(left.room.name);
+    for (const Waiting& left : waiting_)
+      (left.alive_elsewhere ? summary_.elsewhere : summary_.stopped).push_back(left.room.name);
     return summary_;
   }
 
@@ -60,7 +62,8 @@ class Worker {
 
   void stop_rooms() {
     summary_.interrupted = true;
-    if (!running_.empty()) log_info("waiting for the checkpoints of {} room{}", running_.size(), running_.size() == 1 ? "" : "s");
+    if (!running_.empty())
+      log_info("waiting for the checkpoints of {} room{}", running_.size(), running_.size() == 1 ? "" : "s");
     for (const auto& attempt : running_) attempt->ask_to_stop();
   }
 
@@ -85,7 +88,9 @@ class Worker {
     w.alive_elsewhere = false;
     if (is_settled(w.room)) return true;
     if (!fits(w)) return false;
-    if (lease.stale) log_info("{}: its worker on {} is gone, so that this one goes on", w.room.name, lease.host.empty() ? "another machine" : lease.host);
+    if (lease.stale)
+      log_info("{}: its worker on {} is gone, so that this one goes on", w.room.name,
+               lease.host.empty() ? "another machine" : lease.host);
     std::optional<Lease> own = Lease::take(folder_.leases(), w.room.name, options_.times);
     if (!own) return false;
     if (is_settled(w.room)) return true;  // by somebody who gave the lease back just now
@@ -114,14 +119,18 @@ class Worker {
     return running_.empty() || used + share_of(w) <= options_.memory_bytes;
   }
 
-  uint64_t share_of(const Waiting& w) const { return memory_share(w.predicted_bytes, options_.memory_bytes, options_.jobs); }
+  uint64_t share_of(const Waiting& w) const {
+    return memory_share(w.predicted_bytes, options_.memory_bytes, options_.jobs);
+  }
 
   void start(const Waiting& w, Lease lease) {
     AttemptOptions attempt = options_.attempt;
     attempt.memory_bytes = w.predicted_bytes > 0 ? share_of(w) : 0;
-    running_.push_back(std::make_unique<RoomAttempt>(folder_, batch_, w.room, std::move(lease), record_, inputs_, attempt));
+    running_.push_back(
+        std::make_unique<RoomAttempt>(folder_, batch_, w.room, std::move(lease), record_, inputs_, attempt));
     begun_[w.room.name] = Clock::now();
-    log_info("{}: started, {} of {} rooms are settled", w.room.name, summary_.done.size() + summary_.failed.size(), total_);
+    log_info("{}: started, {} of {} rooms are settled", w.room.name, summary_.done.size() + summary_.failed.size(),
+             total_);
   }
 
   void settle_rooms() {
@@ -173,7 +182,8 @@ class Worker {
 
 }  // namespace
 
-WorkerSummary work_on(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms, const WorkerOptions& options) {
+WorkerSummary work_on(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms,
+                      const WorkerOptions& options) {
   return Worker(folder, batch, rooms, options).work();
 }
 

@@ -12,8 +12,8 @@
 namespace aligngs {
 
 struct WorkerOptions {
-  AttemptOptions attempt;   ///< of every room; memory_bytes is the worker's to set
-  int jobs = 1;             ///< rooms at a time
+  AttemptOptions attempt;     ///< of every room; memory_bytes is the worker's to set
+  int jobs = 1;               ///< rooms at a time
   uint64_t memory_bytes = 0;  ///< of all rooms at a time; 0: no limit but that of each room
   LeaseTimes times;
 };
@@ -28,8 +28,11 @@ struct WorkerSummary {
   size_t rooms() const { return done.size() + failed.size() + stopped.size() + elsewhere.size(); }
 };
 
-/// Works until no room of `rooms` is left, or until a signal asks to stop: its rooms then write their checkpoints first. A failed room does
-/// not end the work. Rooms of another worker are left to it where its lease is seen to be renewed, and taken over where it is not.
-WorkerSummary work_on(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms, const WorkerOptions& options);
+/// Works until no room of `rooms` is left, or until a signal asks to stop: its rooms then write their checkpoints
+/// first. A failed room does
+/// not end the work. Rooms of another worker are left to it where its lease is seen to be renewed, and taken over where
+/// it is not.
+WorkerSummary work_on(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms,
+                      const WorkerOptions& options);
 
 }  // namespace aligngs

@@ -97,7 +97,8 @@ TEST_F(WorkerTest, AStopRequestLetsRoomsWriteTheirCheckpointsAndTheyGoOn) {
   add("good");
   options_.jobs = 1;
   std::thread stopper([this] {
-    for (int i = 0; i < 500 && !fs::exists(folder().run("slow") / "run.json"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    for (int i = 0; i < 500 && !fs::exists(folder().run("slow") / "run.json"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
     request_stop();
   });
   const WorkerSummary summary = work();
@@ -114,7 +115,8 @@ TEST_F(WorkerTest, ManyWorkersStartEveryRoomOnce) {
   for (int i = 0; i < 12; ++i) add("good" + std::to_string(i));
   folder().prepare(batch_);
   std::vector<std::thread> workers;
-  for (int i = 0; i < 4; ++i) workers.emplace_back([this] { work_on(BatchFolder(base_ / "out"), batch_, batch_.rooms, options_); });
+  for (int i = 0; i < 4; ++i)
+    workers.emplace_back([this] { work_on(BatchFolder(base_ / "out"), batch_, batch_.rooms, options_); });
   for (std::thread& worker : workers) worker.join();
   std::vector<std::string> names = starts();
   std::sort(names.begin(), names.end());
@@ -136,7 +138,8 @@ TEST_F(WorkerTest, ARoomOfADeadWorkerIsTakenOver) {
   add("good");
   folder().prepare(batch_);
   options_.times.stale_seconds = 0.3;
-  write_file_atomically(folder().leases() / "good.1", R"({"host": "far", "pid": 1, "process_space": "another", "beginning": "5"})");
+  write_file_atomically(folder().leases() / "good.1",
+                        R"({"host": "far", "pid": 1, "process_space": "another", "beginning": "5"})");
   EXPECT_THAT(work().done, ElementsAre("good"));
   EXPECT_TRUE(fs::is_empty(folder().leases()));
 }

@@ -17,9 +17,10 @@ struct BatchWorkOptions {
 /// Adds --jobs, --memory and --stale; `options` must outlive the command.
 void add_batch_work_options(CLI::App& command, BatchWorkOptions& options);
 
-/// Works on the rooms and prints how they ended. Error{kFailed} when rooms failed, Error{kInterrupted} when a signal stopped the work.
-void work_and_report(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms, const BatchWorkOptions& options,
-                     const CommandContext& context);
+/// Works on the rooms and prints how they ended. Error{kFailed} when rooms failed, Error{kInterrupted} when a signal
+/// stopped the work.
+void work_and_report(const BatchFolder& folder, const Batch& batch, const std::vector<RoomEntry>& rooms,
+                     const BatchWorkOptions& options, const CommandContext& context);
 
 void add_batch_command(CLI::App& program, CommandContext& context);
 void add_batch_status_command(CLI::App& batch, CommandContext& context);

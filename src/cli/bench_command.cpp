@@ -10,10 +10,11 @@
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/memory_budget.h"
+#include "core/version.h"
+#include "device/device_ceilings.h"
 #include "engine/benchmark/instruction_limit.h"
 #include "engine/benchmark/step_benchmark.h"
 #include "engine/cuda/make_engine.h"
-#include "engine/cuda/runtime/device_ceilings.h"
 
 namespace aligngs {
 namespace {
@@ -112,7 +113,7 @@ nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options
     if (timing.stages.count(stage) > 0) stages[stage] = stage_json(stage, timing, room, machine.ceilings);
   }
   const cpu::TileStatistics& t = timing.tiles;
-  return {{"version", ALIGNGS_VERSION},
+  return {{"version", version()},
           {"scene",
            {{"width", room.width},
             {"height", room.height},
@@ -126,8 +127,11 @@ nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options
             {"used_per_tile", per(t.used, t.tiles)},
             {"splats_per_pixel", per(t.active, t.pixels)}}},
           {"machine", machine.document},
-          {"step", {{"seconds", timing.seconds}, {"best_seconds", timing.best_seconds},
-            {"cpu_seconds", timing.cpu_seconds}, {"stages", stages}}},
+          {"step",
+           {{"seconds", timing.seconds},
+            {"best_seconds", timing.best_seconds},
+            {"cpu_seconds", timing.cpu_seconds},
+            {"stages", stages}}},
           {"densify", densify_json(timing, room, machine.ceilings)},
           {"render", {{"seconds", timing.render_seconds}}},
           {"peak_memory_bytes", timing.peak_memory_bytes}};
@@ -135,13 +139,16 @@ nlohmann::json document_of(const StepTiming& timing, const BenchOptions& options
 
 void print_table(const nlohmann::json& d, const std::string& machine) {
   const auto& scene = d["scene"];
-  std::printf("scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, %s of %.0f %% of the pixels\n",
-              scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
-              scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(),
-              scene["splats_per_pixel"].get<double>(), scene["channels"].get<int>(),
-              scene["blend"].get<std::string>().c_str(), 100 * scene["pixel_share"].get<double>());
+  std::printf(
+      "scene    %d x %d pixels, %zu Gaussians (%.0f in view, %.0f per tile, %.0f per pixel), %d channels, %s of %.0f "
+      "%% of the pixels\n",
+      scene["width"].get<int>(), scene["height"].get<int>(), scene["gaussians"].get<size_t>(),
+      scene["visible"].get<double>(), scene["pairs_per_tile"].get<double>(), scene["splats_per_pixel"].get<double>(),
+      scene["channels"].get<int>(), scene["blend"].get<std::string>().c_str(),
+      100 * scene["pixel_share"].get<double>());
   std::printf("machine  %s\n\n", machine.c_str());
-  std::printf("%-14s %9s %9s %9s %8s %9s %9s\n", "stage", "median ms", "best ms", "GFLOP/s", "GB/s", "floor ms", "of floor");
+  std::printf("%-14s %9s %9s %9s %8s %9s %9s\n", "stage", "median ms", "best ms", "GFLOP/s", "GB/s", "floor ms",
+              "of floor");
   for (const std::string& stage : stage_names()) {
     if (!d["step"]["stages"].contains(stage)) continue;
     const auto& s = d["step"]["stages"][stage];
@@ -152,11 +159,11 @@ void print_table(const nlohmann::json& d, const std::string& machine) {
   std::printf("%-14s %9.2f %9.2f   (%.2f ms of processor time per thread)\n\n", "step",
               1e3 * d["step"]["seconds"].get<double>(), 1e3 * d["step"]["best_seconds"].get<double>(),
               1e3 * d["step"]["cpu_seconds"].get<double>());
-  std::printf("%.1f steps per second; densification %.0f ms a call (floor %.0f ms); rendering %.0f ms a view; peak memory %s\n",
-              1 / d["step"]["seconds"].get<double>(), 1e3 * d["densify"]["seconds"].get<double>(),
-              1e3 * d["densify"]["floor_seconds"].get<double>(),
-              1e3 * d["render"]["seconds"].get<double>(),
-              format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
+  std::printf(
+      "%.1f steps per second; densification %.0f ms a call (floor %.0f ms); rendering %.0f ms a view; peak memory %s\n",
+      1 / d["step"]["seconds"].get<double>(), 1e3 * d["densify"]["seconds"].get<double>(),
+      1e3 * d["densify"]["floor_seconds"].get<double>(), 1e3 * d["render"]["seconds"].get<double>(),
+      format_bytes(d["peak_memory_bytes"].get<uint64_t>()).c_str());
 }
 
 BenchMachine run_on_cpu(BenchOptions& o, StepTiming& timing) {
@@ -201,45 +208,72 @@ void add_bench_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("bench", "Time a training step on this machine, stage by stage");
   command->group("Look");
   command->footer(help_footer({.reads = "nothing: the scene is made up",
-                                .writes = "a table on standard output",
-                                .example = "aligngs bench --gaussians 50000 --width 320 --height 240",
-                                .advanced = "aligngs bench --instructions avx2 --pixel-share 1 --blend logits --json",
-                                .notes = "With a CUDA device: aligngs bench --device cuda:0"}));
+                               .writes = "a table on standard output",
+                               .example = "aligngs bench --gaussians 50000 --width 320 --height 240",
+                               .advanced = "aligngs bench --instructions avx2 --pixel-share 1 --blend logits --json",
+                               .notes = "With a CUDA device: aligngs bench --device cuda:0"}));
   auto options = std::make_shared<BenchOptions>();
   StepBenchmarkOptions& steps = options->steps;
-  command->add_option("--width", steps.room.width, "width of the picture in pixels")->capture_default_str()->group("Scene");
-  command->add_option("--height", steps.room.height, "height of the picture in pixels")->capture_default_str()->group("Scene");
-  command->add_option("--gaussians", steps.room.gaussians, "number of Gaussians")->capture_default_str()->group("Scene");
-  command->add_option("--channels", steps.room.channels, "number of semantic classes; 0: no semantics")->capture_default_str()->group("Scene");
+  command->add_option("--width", steps.room.width, "width of the picture in pixels")
+      ->capture_default_str()
+      ->group("Scene");
+  command->add_option("--height", steps.room.height, "height of the picture in pixels")
+      ->capture_default_str()
+      ->group("Scene");
+  command->add_option("--gaussians", steps.room.gaussians, "number of Gaussians")
+      ->capture_default_str()
+      ->group("Scene");
+  command->add_option("--channels", steps.room.channels, "number of semantic classes; 0: no semantics")
+      ->capture_default_str()
+      ->group("Scene");
   const std::map<std::string, bool> orders = {{"morton", true}, {"scattered", false}};
-  command->add_option("--order", steps.room.morton_order, "order of the Gaussians in memory: as in training, or scattered")
+  command
+      ->add_option("--order", steps.room.morton_order, "order of the Gaussians in memory: as in training, or scattered")
       ->transform(CLI::CheckedTransformer(orders))
-      ->default_str("morton")->group("Scene");
-  command->add_option("--pixel-share", steps.pixel_share, "share of the pixels for the semantic loss of a step (semantic.pixel_share)")
+      ->default_str("morton")
+      ->group("Scene");
+  command
+      ->add_option("--pixel-share", steps.pixel_share,
+                   "share of the pixels for the semantic loss of a step (semantic.pixel_share)")
       ->check(CLI::IsMember({1.0, 0.5, 0.25}))
-      ->capture_default_str()->group("Scene");
+      ->capture_default_str()
+      ->group("Scene");
   command->add_option("--blend", options->blend, "quantity that the semantic loss blends (semantic.blend)")
       ->transform(CLI::IsMember({"probabilities", "logits"}, CLI::ignore_case))
-      ->capture_default_str()->group("Scene");
-  const std::map<std::string, Instructions> names = {{"all", Instructions::kAll}, {"avx512", Instructions::kAvx512},
-                                                     {"avx2", Instructions::kAvx2}, {"sse4", Instructions::kSse4}};
+      ->capture_default_str()
+      ->group("Scene");
+  const std::map<std::string, Instructions> names = {{"all", Instructions::kAll},
+                                                     {"avx512", Instructions::kAvx512},
+                                                     {"avx2", Instructions::kAvx2},
+                                                     {"sse4", Instructions::kSse4}};
   command->add_option("--instructions", options->instructions, "widest vectors to use, without matrix tiles")
       ->transform(CLI::CheckedTransformer(names, CLI::ignore_case))
-      ->default_str("all")->group("Machine");
-  command->add_option("--steps", steps.steps, "number of timed steps")->check(CLI::Range(1, 100000))->capture_default_str()->group("Machine");
+      ->default_str("all")
+      ->group("Machine");
+  command->add_option("--steps", steps.steps, "number of timed steps")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str()
+      ->group("Machine");
   add_device_option(*command, options->device);
-  command->add_flag("--graphs", options->cuda.graphs, "with --device cuda:N: run each step as one CUDA graph")->group("CUDA");
+  command->add_flag("--graphs", options->cuda.graphs, "with --device cuda:N: run each step as one CUDA graph")
+      ->group("CUDA");
   using Backward = cuda::BlendBackwardMethod;
   const std::map<std::string, Backward> backward = {{"pixel", Backward::kPerPixel}, {"splat", Backward::kPerSplat}};
-  command->add_option("--blend-backward", options->cuda.blend_backward, "with --device cuda:N: one thread per pixel, or one lane per splat")
+  command
+      ->add_option("--blend-backward", options->cuda.blend_backward,
+                   "with --device cuda:N: one thread per pixel, or one lane per splat")
       ->transform(CLI::CheckedTransformer(backward))
-      ->default_str("pixel")->group("CUDA");
+      ->default_str("pixel")
+      ->group("CUDA");
   using Visit = cuda::SemanticVisitMethod;
   const std::map<std::string, Visit> visit = {
       {"auto", Visit::kAutomatic}, {"compacted", Visit::kCompacted}, {"dense", Visit::kDense}};
-  command->add_option("--semantic-visit", options->cuda.semantic_visit, "with --device cuda:N: compacted blocks of 8 x 8 pixels, or dense tiles")
+  command
+      ->add_option("--semantic-visit", options->cuda.semantic_visit,
+                   "with --device cuda:N: compacted blocks of 8 x 8 pixels, or dense tiles")
       ->transform(CLI::CheckedTransformer(visit))
-      ->default_str("auto")->group("CUDA");
+      ->default_str("auto")
+      ->group("CUDA");
   command->callback([&context, options] {
     options->steps.threads = context.global.threads;
     run_bench(*options, context.global.json);

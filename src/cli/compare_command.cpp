@@ -26,13 +26,15 @@ nlohmann::ordered_json comparison_json(const std::vector<RunScores>& runs) {
   for (const RunScores& run : runs) {
     nlohmann::ordered_json row = {{"run", run.name}, {"folder", run.folder.string()}};
     for (size_t c = 0; c < kScoreCount; ++c) {
-      row[score_columns()[c].csv_name] = std::isfinite(run.score[c]) ? nlohmann::ordered_json(run.score[c]) : nlohmann::ordered_json(nullptr);
+      row[score_columns()[c].csv_name] =
+          std::isfinite(run.score[c]) ? nlohmann::ordered_json(run.score[c]) : nlohmann::ordered_json(nullptr);
     }
     if (&run != &runs[0]) {
       for (const ViewScoreColumn& c : view_score_columns()) {
         const PairedDifference d = view_difference(runs[0], run, c.score);
         if (d.pairs == 0) continue;
-        row[std::string(c.field) + "_difference"] = {{"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
+        row[std::string(c.field) + "_difference"] = {
+            {"mean", d.mean}, {"low", d.low}, {"high", d.high}, {"views", d.pairs}};
       }
     }
     out.push_back(std::move(row));
@@ -66,15 +68,17 @@ void compare(const CommandContext& context, const CompareOptions& options) {
 void add_compare_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("compare", "Put the figures and pictures of runs side by side");
   command->group("Measure");
-  command->footer(help_footer({.reads = "run folders with metrics.json",
-                                .writes = "a table on standard output; with --csv and --html also files",
-                                .example = "aligngs compare base_run other_run",
-                                .advanced = "aligngs compare base_run second_run third_run --html compare.html --csv compare.csv",
-                                .notes = "Differences are to the first run, view by view, with a 95 % interval.\n"
-                                         "Figures of a whole run have no interval: geometry, mIoU."}));
+  command->footer(
+      help_footer({.reads = "run folders with metrics.json",
+                   .writes = "a table on standard output; with --csv and --html also files",
+                   .example = "aligngs compare base_run other_run",
+                   .advanced = "aligngs compare base_run second_run third_run --html compare.html --csv compare.csv",
+                   .notes = "Differences are to the first run, view by view, with a 95 % interval.\n"
+                            "Figures of a whole run have no interval: geometry, mIoU."}));
   auto options = std::make_shared<CompareOptions>();
   command->add_option("runs", options->runs, "run folders with metrics.json; the first is the one to compare with")
-      ->required()->expected(2, 1000);
+      ->required()
+      ->expected(2, 1000);
   command->add_option("--csv", options->csv, "write the table as CSV");
   command->add_option("--html", options->html, "write a page with the table, and the test views side by side");
   command->callback([&context, options] { compare(context, *options); });

@@ -37,7 +37,8 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
   const fs::path run = options.output, scene = run / "scene";
   const RunMode mode = options.resume ? RunMode::kResume : options.overwrite ? RunMode::kOverwrite : RunMode::kNew;
   RunFolder(run).check(mode);
-  if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume) options.iterations = kDemoIterations;
+  if (options.iterations == 0 && options.preset.empty() && options.config_file.empty() && !options.resume)
+    options.iterations = kDemoIterations;
   TrainOptions train = train_options(options, context);
   const auto page = serve_while_working(options.view, options.view_port, run, scene, train.threads);
   work_beside_page(page, [&] {
@@ -62,14 +63,16 @@ void run_demo(const CommandContext& context, const SynthCommandOptions& synth, T
 void add_demo_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("demo", "Reconstruct a synthetic room: start here");
   command->group("Reconstruct");
-  command->footer(help_footer({.reads = "nothing",
-                                .writes = "demo_run: a synthetic scene in scene/, splats, mesh, renders, metrics.json, report.html",
-                                .example = "aligngs demo",
-                                .advanced = "aligngs demo --room kitchen --views 36 -o kitchen_run --view",
-                                .notes = "The priors of the room are simulated."}));
+  command->footer(
+      help_footer({.reads = "nothing",
+                   .writes = "demo_run: a synthetic scene in scene/, splats, mesh, renders, metrics.json, report.html",
+                   .example = "aligngs demo",
+                   .advanced = "aligngs demo --room kitchen --views 36 -o kitchen_run --view",
+                   .notes = "The priors of the room are simulated."}));
   auto options = std::make_shared<TrainCommandOptions>();
   auto synth = std::make_shared<SynthCommandOptions>();
-  command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is in its scene/")->group("Output folder");
+  command->add_option("-o,--output", options->output, "run folder (default demo_run); the scene is in its scene/")
+      ->group("Output folder");
   add_train_options(*command, options);
   add_refine_options(*command, options);
   add_synth_options(*command, synth);

@@ -4,8 +4,8 @@
 
 #include "core/log.h"
 #include "engine/cuda/make_engine.h"
-#include "engine/cuda/networks/network_device.h"
 #include "mesh/cuda/tsdf_fusion.h"
+#include "nn/cuda/network_device.h"
 
 namespace aligngs {
 

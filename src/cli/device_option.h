@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/stages/mesh_stage.h"
-#include "engine/cuda/runtime/cuda_device.h"
+#include "device/cuda_device.h"
 #include "nn/compute.h"
 #include "train/train_run.h"
 

@@ -1,7 +1,7 @@
 // `aligngs doctor`: what this machine has, what aligngs will use of it, and what is missing.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <fstream>
@@ -12,7 +12,8 @@
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/memory_budget.h"
-#include "engine/cuda/runtime/cuda_device.h"
+#include "core/version.h"
+#include "device/cuda_device.h"
 #include "nn/cpu/matrix_backend.h"
 #include "priors/camera_networks.h"
 
@@ -38,10 +39,12 @@ std::string cpu_model() {
 
 Check check_instructions() {
 #if defined(ALIGNGS_SCALAR_ONLY)
-  return {"instructions", true, "scalar only (built with ALIGNGS_SCALAR_ONLY)", "configure without ALIGNGS_SCALAR_ONLY for speed"};
+  return {"instructions", true, "scalar only (built with ALIGNGS_SCALAR_ONLY)",
+          "configure without ALIGNGS_SCALAR_ONLY for speed"};
 #elif defined(__x86_64__)
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw")) return {"instructions", true, "AVX-512", ""};
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw"))
+    return {"instructions", true, "AVX-512", ""};
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {"instructions", true, "AVX2", ""};
   return {"instructions", true, "SSE4.2", "training is about four times slower without AVX2"};
 #else
@@ -63,7 +66,8 @@ Check check_writable() {
   constexpr uint64_t kRunSize = uint64_t(1) << 30;  // a run with checkpoints stays below 1 GB
   const bool enough = !error && space.available >= kRunSize;
   return {"current folder", writable && enough,
-          fmt::format("{}, {} free", writable ? "writable" : "not writable", error ? "unknown" : format_bytes(space.available)),
+          fmt::format("{}, {} free", writable ? "writable" : "not writable",
+                      error ? "unknown" : format_bytes(space.available)),
           writable && enough ? "" : "change to a folder that you may write to, with 1 GB free"};
 }
 
@@ -81,10 +85,11 @@ Check check_networks() {
   ThreadPool pool(1);
   const nn::Precision precision = default_precision();
   const nn::Compute compute(pool, {precision, true, true});
-  const std::string what = fmt::format("{}, {}{}", precision == nn::Precision::kBfloat16 ? "bfloat16" : "float32", compute.matrices()->name(),
-                                       compute.amx() ? ", matrix unit" : "");
+  const std::string what = fmt::format("{}, {}{}", precision == nn::Precision::kBfloat16 ? "bfloat16" : "float32",
+                                       compute.matrices()->name(), compute.amx() ? ", matrix unit" : "");
   const bool slow = compute.matrices()->name() == "portable";
-  return {"networks", true, what, slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
+  return {"networks", true, what,
+          slow ? "several times slower than with oneDNN: apt-get install libdnnl-dev, then build again" : ""};
 }
 
 /// Place of each model's weights, and its missing files.
@@ -109,32 +114,42 @@ std::vector<Check> check_weights(const ModelStore& store) {
     }
     whole += missing.empty();
     found.push_back({"weights", true, model.name + ": " + places,
-                     missing.empty() ? "" : fmt::format("of no use yet without{}: aligngs models download {}", missing, model.name)});
+                     missing.empty()
+                         ? ""
+                         : fmt::format("of no use yet without{}: aligngs models download {}", missing, model.name)});
   }
   std::string looked;
   for (const fs::path& folder : store.options().huggingface) looked += folder.string() + ", ";
   looked += store.options().folder.string();
   for (const fs::path& folder : store.options().torch) looked += ", " + folder.string();
-  const std::string summary = fmt::format("{} of {} models are complete; looked in {}", whole, published_models().size(), looked);
+  const std::string summary =
+      fmt::format("{} of {} models are complete; looked in {}", whole, published_models().size(), looked);
   found.insert(found.begin(), {"network weights", true, summary,
-                               whole > 0 ? "" : "without them: cameras from COLMAP, no class labels, no lpips; `aligngs models list` shows what there is"});
+                               whole > 0 ? ""
+                                         : "without them: cameras from COLMAP, no class labels, no lpips; `aligngs "
+                                           "models list` shows what there is"});
   return found;
 }
 
 /// The order in which `run` and `poses` look for networks, and the one that they take now.
 std::vector<Check> check_choices(const ModelStore& store) {
   const CameraNetwork* const best = best_camera_network(store);
-  std::vector<Check> found = {{"cameras", true, best ? "auto takes " + best->model + ": " + best->reason : "no network is installed for --method auto",
-                               best ? "" : "aligngs models download recommended, or light"}};
+  std::vector<Check> found = {
+      {"cameras", true,
+       best ? "auto takes " + best->model + ": " + best->reason : "no network is installed for --method auto",
+       best ? "" : "aligngs models download recommended, or light"}};
   int place = 0;
   for (const CameraNetwork& network : camera_networks()) {
     const bool here = store.installed(published_model(network.model));
-    found.push_back({"cameras", true, fmt::format("  {}. {}: {}{}", ++place, network.model, network.reason, here ? "; installed" : ""), ""});
+    found.push_back({"cameras", true,
+                     fmt::format("  {}. {}: {}{}", ++place, network.model, network.reason, here ? "; installed" : ""),
+                     ""});
   }
   const PublishedModel* const classes = installed_semantic_model(store);
   std::string order;
   for (const std::string& word : semantic_choices()) order += (order.empty() ? "" : ", ") + word;
-  found.push_back({"classes", true, classes ? "auto takes " + classes->name : "no network is installed for --semantics auto",
+  found.push_back({"classes", true,
+                   classes ? "auto takes " + classes->name : "no network is installed for --semantics auto",
                    classes ? "" : "aligngs models download recommended, or light"});
   found.push_back({"classes", true, "  by accuracy on ADE20K: " + order, ""});
   return found;
@@ -146,14 +161,16 @@ Check check_device() {
   if (found.devices.empty()) return {"device", true, "cpu: " + found.reason, ""};
   std::string value;
   for (const cuda::CudaDevice& d : found.devices) {
-    value += fmt::format("cuda:{} {}, compute capability {}.{}, {}; ", d.index, d.name, d.major, d.minor, format_bytes(d.memory_bytes));
+    value += fmt::format("cuda:{} {}, compute capability {}.{}, {}; ", d.index, d.name, d.major, d.minor,
+                         format_bytes(d.memory_bytes));
   }
   return {"device", true, value + cuda::cuda_build(), ""};
 }
 
 std::vector<Check> run_checks(const ModelStore& store) {
   std::vector<Check> checks;
-  checks.push_back({"processor", true, fmt::format("{}, {} hardware threads", cpu_model(), std::thread::hardware_concurrency()), ""});
+  checks.push_back({"processor", true,
+                    fmt::format("{}, {} hardware threads", cpu_model(), std::thread::hardware_concurrency()), ""});
   checks.push_back(check_instructions());
   checks.push_back(check_memory());
   checks.push_back(check_writable());
@@ -163,7 +180,9 @@ std::vector<Check> run_checks(const ModelStore& store) {
   for (Check& check : check_choices(store)) checks.push_back(std::move(check));
   const bool colmap = on_path("colmap");
   checks.push_back({"colmap program", true, colmap ? "found" : "not found",
-                    colmap ? "" : "a way to find cameras for your own photos without a network (VGGT, Depth Anything 3): apt-get install colmap"});
+                    colmap ? ""
+                           : "a way to find cameras for your own photos without a network (VGGT, Depth Anything 3): "
+                             "apt-get install colmap"});
   return checks;
 }
 
@@ -173,23 +192,26 @@ void add_doctor_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("doctor", "Check this machine and list missing parts");
   command->group("Look");
   command->footer(help_footer({.reads = "the machine: processor, memory, programs, weights, devices",
-                                .writes = "nothing",
-                                .example = "aligngs doctor",
-                                .advanced = "aligngs doctor --json"}));
+                               .writes = "nothing",
+                               .example = "aligngs doctor",
+                               .advanced = "aligngs doctor --json"}));
   command->callback([&context] {
     const std::vector<Check> checks = run_checks(model_store(context));
     bool all = true;
-    nlohmann::json document = {{"version", ALIGNGS_VERSION}, {"checks", nlohmann::json::array()}};
+    nlohmann::json document = {{"version", version()}, {"checks", nlohmann::json::array()}};
     for (const Check& check : checks) {
       all = all && check.ok;
-      document["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"value", check.value}, {"remedy", check.remedy}});
+      document["checks"].push_back(
+          {{"name", check.name}, {"ok", check.ok}, {"value", check.value}, {"remedy", check.remedy}});
       if (context.global.json) continue;
       std::printf("%-4s %-16s %s\n", check.ok ? "ok" : "!!", check.name.c_str(), check.value.c_str());
       if (!check.remedy.empty()) std::printf("     %-16s %s\n", "", check.remedy.c_str());
     }
     document["ok"] = all;
-    if (context.global.json) print_json(document);
-    else std::printf("%s\n", all ? "ready: try `aligngs demo`" : "see the lines marked !!");
+    if (context.global.json)
+      print_json(document);
+    else
+      std::printf("%s\n", all ? "ready: try `aligngs demo`" : "see the lines marked !!");
   });
 }
 

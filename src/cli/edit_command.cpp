@@ -57,7 +57,8 @@ std::string report_text(const EditReport& report, const LabelSet& labels) {
   if (report.no_support) text += "no wall, floor or furniture continues behind the selection: the hole is left open\n";
   if (!report.contents.empty()) {
     std::string names;
-    for (const SelectedObject& object : report.contents) names += (names.empty() ? "" : ", ") + object_name(object, labels);
+    for (const SelectedObject& object : report.contents)
+      names += (names.empty() ? "" : ", ") + object_name(object, labels);
     text += "left behind  " + names + ": on the selected objects before; --with-contents takes them along\n";
   }
   return text;
@@ -98,7 +99,8 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
   for (const int view : session.scene().train)
     cameras.push_back(session.scene().evaluation_cameras[static_cast<size_t>(view)]);
   const SelectionScore s = score_selection(
-      room.mesh, select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, session.pool()),
+      room.mesh,
+      select_vertices(room.mesh, room.gaussians.model, selection.mask, room.gaussians.extent, session.pool()),
       read_mesh_ply(session.scene().truth_mesh), query, cameras, session.pool());
   char text[400];
   std::snprintf(text, sizeof text,
@@ -121,10 +123,12 @@ void measure(const CommandContext& context, EditSession& session, const EditOpti
 EditOperation operation_of(const EditOptions& options) {
   EditOperation edit;
   const bool moves = options.duplicate || !options.move.empty() || !options.turn.empty();
-  const int operations = options.remove + options.extract + moves + !options.recolor.empty() + !options.highlight.empty();
+  const int operations =
+      options.remove + options.extract + moves + !options.recolor.empty() + !options.highlight.empty();
   if (operations != 1)
-    throw_usage("an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --recolor, --highlight",
-                "`aligngs edit --help` shows an example");
+    throw_usage(
+        "an edit needs exactly one of --delete, --extract, --move (or --turn), --duplicate, --recolor, --highlight",
+        "`aligngs edit --help` shows an example");
   edit.kind = options.remove             ? EditKind::kDelete
               : options.extract          ? EditKind::kExtract
               : options.duplicate        ? EditKind::kDuplicate
@@ -136,7 +140,8 @@ EditOperation operation_of(const EditOptions& options) {
   if (edit.kind == EditKind::kRecolor) edit.color = read_color(options.recolor);
   if (edit.kind == EditKind::kHighlight) edit.color = read_color(options.highlight);
   if (options.with_contents && takes_color(edit.kind))
-    throw_usage("--with-contents takes along what is on the objects", "use it with --delete, --extract, --move or --duplicate");
+    throw_usage("--with-contents takes along what is on the objects",
+                "use it with --delete, --extract, --move or --duplicate");
   edit.fill = options.fill || edit.kind == EditKind::kMove;
   if (!options.move.empty()) edit.motion.shift = parse_shift(options.move);
   if (!options.turn.empty()) edit.motion.turn = parse_turn(options.turn);
@@ -152,22 +157,29 @@ void measure_removal(const CommandContext& context, const EditOptions& options) 
   const std::filesystem::path mesh_file = run.folder / "mesh" / "mesh.ply";
   std::vector<Camera> cameras;
   for (const int view : run.scene.train) cameras.push_back(run.scene.evaluation_cameras[static_cast<size_t>(view)]);
-  const RemovalScore s = score_removal(run.folder / "renders" / "test" / "rgb", options.truth,
-                                       std::filesystem::exists(mesh_file) ? read_mesh_ply(mesh_file) : TriangleMesh(), cameras, *run.pool);
+  const RemovalScore s =
+      score_removal(run.folder / "renders" / "test" / "rgb", options.truth,
+                    std::filesystem::exists(mesh_file) ? read_mesh_ply(mesh_file) : TriangleMesh(), cameras, *run.pool);
   char text[300];
   std::snprintf(text, sizeof text,
                 "PSNR %.2f dB and SSIM %.3f where %zu test views show the object\n"
                 "F %.3f at 5 cm (precision %.3f, recall %.3f) in the object's box\n",
                 s.psnr, s.ssim, s.views, s.fscore, s.precision, s.recall);
   print(context,
-        {{"truth", options.truth}, {"views", s.views}, {"psnr", s.psnr}, {"ssim", s.ssim},
-         {"precision", s.precision}, {"recall", s.recall}, {"fscore", s.fscore}},
+        {{"truth", options.truth},
+         {"views", s.views},
+         {"psnr", s.psnr},
+         {"ssim", s.ssim},
+         {"precision", s.precision},
+         {"recall", s.recall},
+         {"fscore", s.fscore}},
         text);
 }
 
 /// With --say everything about the edit is in the sentence.
 void require_only_a_sentence(const EditOptions& options) {
-  if (options.remove || options.extract || options.fill || options.with_contents || options.duplicate || !options.move.empty() || !options.turn.empty() || !options.recolor.empty() || !options.highlight.empty() ||
+  if (options.remove || options.extract || options.fill || options.with_contents || options.duplicate ||
+      !options.move.empty() || !options.turn.empty() || !options.recolor.empty() || !options.highlight.empty() ||
       !options.select.empty() || options.undo || options.list || options.measure) {
     throw_usage("--say is a whole edit by itself", "leave out --select and the operation, or leave out --say");
   }
@@ -178,7 +190,8 @@ void undo(const CommandContext& context, const EditOptions& options, size_t numb
   std::optional<EditOperation> undone = undo_in_files(options.run, number, options.wait);
   if (!undone) undone = EditSession(options.run, {options.scene, context.global.threads, options.wait}).undo(number);
   const std::string text = describe(*undone);
-  print(context, {{"undone", text}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}}, "undone: " + text + "\n");
+  print(context, {{"undone", text}, {"edits", read_edits(std::filesystem::path(options.run) / "edits.json").size()}},
+        "undone: " + text + "\n");
 }
 
 /// A sentence that asks for an undo needs no room.
@@ -194,7 +207,8 @@ std::optional<size_t> undo_in_words(const EditOptions& options) {
 void run_edit(const CommandContext& context, const EditOptions& options) {
   if (!options.truth.empty()) {
     if (!options.select.empty() || !options.say.empty() || options.undo || options.list) {
-      throw_usage("--truth measures a run that `aligngs edit -o` wrote", "make that run first: aligngs edit RUN --select ... --delete -o NEW_RUN");
+      throw_usage("--truth measures a run that `aligngs edit -o` wrote",
+                  "make that run first: aligngs edit RUN --select ... --delete -o NEW_RUN");
     }
     return measure_removal(context, options);
   }
@@ -208,15 +222,18 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   const bool edits = !looks && !options.measure;
   EditOperation edit = edits ? operation_of(options) : EditOperation{};
   // Before the run is opened, which takes seconds: a place that is taken, a word that cannot be read.
-  if ((edits || says) && !options.dry_run && !options.output.empty()) require_new_folder(options.output, {options.run, options.scene});
+  if ((edits || says) && !options.dry_run && !options.output.empty())
+    require_new_folder(options.output, {options.run, options.scene});
   const std::string picture_file = options.picture.empty() && options.dry_run ? "edit_preview.png" : options.picture;
   if (!picture_file.empty()) {
-    if (options.undo || options.list || options.measure || !options.output.empty()) throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
+    if (options.undo || options.list || options.measure || !options.output.empty())
+      throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
     require_extension(picture_file, "png");
     RunFolder(options.run).require_not_of_run(picture_file, options.scene);
   }
   const std::optional<size_t> number = options.undo ? std::optional<size_t>(0) : undo_in_words(options);
-  if (number && (options.dry_run || !options.output.empty())) throw_usage("undo changes this run", "leave out --dry-run and -o");
+  if (number && (options.dry_run || !options.output.empty()))
+    throw_usage("undo changes this run", "leave out --dry-run and -o");
   if (number) return undo(context, options, *number);
   EditSession session(options.run, {options.scene, context.global.threads, options.wait});
   if (options.list) return list_run(context, session);
@@ -255,45 +272,76 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
     json["view"] = picture.view;
     text += "picture      " + picture_file + " (view " + picture.view + ")\n";
   }
-  print(context, json, text + "look at it   aligngs view " + options.run + "; take it back: aligngs edit " + options.run + " --undo\n");
+  print(
+      context, json,
+      text + "look at it   aligngs view " + options.run + "; take it back: aligngs edit " + options.run + " --undo\n");
 }
 
 }  // namespace
 
 void add_edit_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("edit", "Delete, extract, move, copy, recolour or highlight objects by name");
+  CLI::App* command =
+      program.add_subcommand("edit", "Delete, extract, move, copy, recolour or highlight objects by name");
   command->group("Use");
-  command->footer(help_footer({.reads = "a run folder",
-                                .writes = "RUN/edits.json and a small file in RUN/edits/; with -o a new run instead",
-                                .example = "aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'",
-                                .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
-                                .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
-                                         "Training results never change. With -o the run itself stays untouched."}));
+  command->footer(
+      help_footer({.reads = "a run folder",
+                   .writes = "RUN/edits.json and a small file in RUN/edits/; with -o a new run instead",
+                   .example = "aligngs edit demo_run --select \"pillow, cushion\" --recolor '#add8e6'",
+                   .advanced = "aligngs edit demo_run --select \"everything but wall, floor\" --extract -o furniture",
+                   .notes = "An edit goes on a stack beside the run, and --undo takes it back.\n"
+                            "Training results never change. With -o the run itself stays untouched."}));
   auto options = std::make_shared<EditOptions>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  command->add_option("--say", options->say, "the edit in words: \"recolor sofa dark green\", \"undo the second edit\"")->group("Edit");
-  command->add_option("--select", options->select, "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")->group("Selection");
+  command->add_option("--say", options->say, "the edit in words: \"recolor sofa dark green\", \"undo the second edit\"")
+      ->group("Edit");
+  command
+      ->add_option("--select", options->select,
+                   "objects by name, e.g. \"pillow, cushion#2\" or \"everything but wall, floor\"")
+      ->group("Selection");
   command->add_option("--threshold", options->threshold, "argmax, auto, or a probability (0 to 1)")
-      ->capture_default_str()->group("Selection");
+      ->capture_default_str()
+      ->group("Selection");
   command->add_flag("--delete", options->remove, "remove the selected objects")->group("Edit");
-  command->add_flag("--fill", options->fill, "with --delete: continue the surfaces behind and under the objects")->group("Edit");
-  command->add_flag("--with-contents", options->with_contents, "also what is on the objects; not for colours")->group("Edit");
+  command->add_flag("--fill", options->fill, "with --delete: continue the surfaces behind and under the objects")
+      ->group("Edit");
+  command->add_flag("--with-contents", options->with_contents, "also what is on the objects; not for colours")
+      ->group("Edit");
   command->add_flag("--extract", options->extract, "keep the selected objects only")->group("Edit");
-  command->add_option("--move", options->move, "move by RIGHT,UP,TOWARDS in metres as the photos' cameras see it, e.g. 0.5,0,-0.2")->group("Edit");
-  command->add_option("--turn", options->turn, "turn by degrees, counter-clockwise from above; also with --move")->group("Edit");
-  command->add_flag("--duplicate", options->duplicate, "copy the objects, to the right of them or by --move and --turn")->group("Edit");
-  command->add_option("--recolor", options->recolor, "give the objects this colour, '#rrggbb' or a name; light and texture stay")->group("Edit");
-  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb' or a name")->group("Edit");
-  command->add_option("-o,--output", options->output, "write a new run instead of editing this one")->group("Stack and output");
-  command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")->group("Stack and output");
-  command->add_option("--picture", options->picture, "draw a test view before and after the edit into this file (--dry-run: edit_preview.png)")->group("Stack and output");
+  command
+      ->add_option("--move", options->move,
+                   "move by RIGHT,UP,TOWARDS in metres as the photos' cameras see it, e.g. 0.5,0,-0.2")
+      ->group("Edit");
+  command->add_option("--turn", options->turn, "turn by degrees, counter-clockwise from above; also with --move")
+      ->group("Edit");
+  command->add_flag("--duplicate", options->duplicate, "copy the objects, to the right of them or by --move and --turn")
+      ->group("Edit");
+  command
+      ->add_option("--recolor", options->recolor,
+                   "give the objects this colour, '#rrggbb' or a name; light and texture stay")
+      ->group("Edit");
+  command->add_option("--highlight", options->highlight, "mix the objects with this colour, '#rrggbb' or a name")
+      ->group("Edit");
+  command->add_option("-o,--output", options->output, "write a new run instead of editing this one")
+      ->group("Stack and output");
+  command->add_flag("--dry-run", options->dry_run, "only count, and write a picture of before and after")
+      ->group("Stack and output");
+  command
+      ->add_option("--picture", options->picture,
+                   "draw a test view before and after the edit into this file (--dry-run: edit_preview.png)")
+      ->group("Stack and output");
   command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
   command->add_option("--wait", options->wait, "seconds to wait for another edit of this run")
-      ->check(CLI::NonNegativeNumber)->capture_default_str()->group("Stack and output");
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->group("Stack and output");
   command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");
-  command->add_option("--truth", options->truth, "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")->group("Stack and output");
-  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")->group("Selection");
+  command
+      ->add_option("--truth", options->truth,
+                   "compare a run made with -o with a folder SCENE/truth/without/NAME of `synth --without`")
+      ->group("Stack and output");
+  command->add_flag("--measure", options->measure, "compare the selection with the true objects of the scene (IoU)")
+      ->group("Selection");
   command->callback([&context, options] { run_edit(context, *options); });
 }
 

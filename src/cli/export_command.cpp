@@ -1,6 +1,6 @@
 // `aligngs export RUN`: files for other programs.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -18,15 +18,18 @@ namespace aligngs {
 void add_export_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("export", "Write the room with its edits for other programs");
   command->group("Use");
-  command->footer(help_footer({.reads = "a run folder, with its edits",
-                                .writes = "RUN/scene.FORMAT, or the file of -o",
-                                .example = "aligngs export demo_run -f glb",
-                                .advanced = "aligngs export demo_run -f glb --mesh-only --textured --triangles 50000 -o room.glb",
-                                .notes = "ply, splat: splats; labels.ply: splats with class, object and confidence; sog, spz: compressed splats.\n"
-                                         "glb: a node per object, and the splats; obj: groups per object; html: one page that opens without a server.\n"
-                                         "collision.glb: the mesh for physics; usda: USD with a prim per object: label, splats, mesh and collider;\n"
-                                         "usdz: the mesh with a texture, for phones. Photos are the texture of --textured.\n"
-                                         "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json."}));
+  command->footer(help_footer(
+      {.reads = "a run folder, with its edits",
+       .writes = "RUN/scene.FORMAT, or the file of -o",
+       .example = "aligngs export demo_run -f glb",
+       .advanced = "aligngs export demo_run -f glb --mesh-only --textured --triangles 50000 -o room.glb",
+       .notes =
+           "ply, splat: splats; labels.ply: splats with class, object and confidence; sog, spz: compressed splats.\n"
+           "glb: a node per object, and the splats; obj: groups per object; html: one page that opens without a "
+           "server.\n"
+           "collision.glb: the mesh for physics; usda: USD with a prim per object: label, splats, mesh and collider;\n"
+           "usdz: the mesh with a texture, for phones. Photos are the texture of --textured.\n"
+           "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json."}));
   struct Options {
     std::string run, scene, format, output, only;
     bool keep_frame = false, original_coordinates = false, mesh_only = false, splats_only = false;
@@ -35,20 +38,41 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  command->add_option("-f,--format", options->format, "ply, labels.ply, glb, collision.glb, obj, sog, spz, splat, usda, usdz, html, plan.svg, plan.dxf or plan.pdf")->required();
-  command->add_option("-o,--output", options->output, "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
-  CLI::Option* only = command->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both)")->check(CLI::IsMember({"mesh", "splats"}));
-  CLI::Option* mesh_only = command->add_flag("--mesh-only", options->mesh_only, "the same as --only mesh")->excludes(only);
-  command->add_flag("--splats-only", options->splats_only, "the same as --only splats")->excludes(only)->excludes(mesh_only);
-  command->add_option("--object", options->what.object, "only these objects, as pillow.002, \"pillow#2\" or \"bed, pillow\"");
-  command->add_option("--triangles", options->what.triangles, "simplify the mesh to at most this number of triangles")->check(CLI::Range(uint64_t(4), uint64_t(1) << 31));
-  command->add_option("--error", options->what.error, "simplify the mesh as long as its surface moves by less, in millimetres")->check(CLI::Range(0.01, 10000.0));
+  command
+      ->add_option(
+          "-f,--format", options->format,
+          "ply, labels.ply, glb, collision.glb, obj, sog, spz, splat, usda, usdz, html, plan.svg, plan.dxf or plan.pdf")
+      ->required();
+  command->add_option("-o,--output", options->output,
+                      "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");
+  CLI::Option* only = command->add_option("--only", options->only, "glb, usda: mesh or splats alone (default: both)")
+                          ->check(CLI::IsMember({"mesh", "splats"}));
+  CLI::Option* mesh_only =
+      command->add_flag("--mesh-only", options->mesh_only, "the same as --only mesh")->excludes(only);
+  command->add_flag("--splats-only", options->splats_only, "the same as --only splats")
+      ->excludes(only)
+      ->excludes(mesh_only);
+  command->add_option("--object", options->what.object,
+                      "only these objects, as pillow.002, \"pillow#2\" or \"bed, pillow\"");
+  command->add_option("--triangles", options->what.triangles, "simplify the mesh to at most this number of triangles")
+      ->check(CLI::Range(uint64_t(4), uint64_t(1) << 31));
+  command
+      ->add_option("--error", options->what.error,
+                   "simplify the mesh as long as its surface moves by less, in millimetres")
+      ->check(CLI::Range(0.01, 10000.0));
   command->add_flag("--closed", options->what.closed, "close the holes of the mesh, also where no photo has looked");
-  command->add_flag("--textured", options->what.textured, "glb, obj, usda: a texture from the photos; at most 100000 triangles without another limit");
-  command->add_option("--texture-size", options->what.texture_size, "pixels, side of the texture at most (default: 4096)")->check(CLI::Range(256, 16384));
+  command->add_flag("--textured", options->what.textured,
+                    "glb, obj, usda: a texture from the photos; at most 100000 triangles without another limit");
+  command
+      ->add_option("--texture-size", options->what.texture_size, "pixels, side of the texture at most (default: 4096)")
+      ->check(CLI::Range(256, 16384));
   command->add_flag("--original", options->what.original, "leave out the edits of the run");
-  command->add_flag("--keep-frame", options->keep_frame, "leave coordinates as they are (default: as room.json has them, if the run has it)");
-  command->add_flag("--original-coordinates", options->original_coordinates, "coordinates of the files that the scene was imported from")->excludes("--keep-frame");
+  command->add_flag("--keep-frame", options->keep_frame,
+                    "leave coordinates as they are (default: as room.json has them, if the run has it)");
+  command
+      ->add_flag("--original-coordinates", options->original_coordinates,
+                 "coordinates of the files that the scene was imported from")
+      ->excludes("--keep-frame");
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
     require_export_format(options->format, run_export_formats());
@@ -56,17 +80,24 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     RunExportOptions& what = options->what;
     if (options->only == "mesh" || options->mesh_only) what.parts = RoomParts::kMesh;
     if (options->only == "splats" || options->splats_only) what.parts = RoomParts::kSplats;
-    if (what.parts != RoomParts::kAll && !both) throw_usage("one part alone is for -f glb and -f usda", "leave the option out: " + options->format + " holds one kind of thing");
+    if (what.parts != RoomParts::kAll && !both)
+      throw_usage("one part alone is for -f glb and -f usda",
+                  "leave the option out: " + options->format + " holds one kind of thing");
     const bool shaped = what.triangles > 0 || what.error > 0 || what.closed || what.textured;
     if (shaped && (!holds_mesh(options->format) || what.parts == RoomParts::kSplats)) {
-      throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none", "formats with a mesh: glb, collision.glb, obj, usda, usdz");
+      throw_usage("--triangles, --error, --closed and --textured are for a mesh, and this file has none",
+                  "formats with a mesh: glb, collision.glb, obj, usda, usdz");
     }
-    if (what.textured && options->format == "collision.glb") throw_usage("a collision mesh has no colours", "leave --textured out");
-    if (!what.object.empty() && options->format.starts_with("plan.")) throw_usage("a plan is of the whole room", "leave --object out");
+    if (what.textured && options->format == "collision.glb")
+      throw_usage("a collision mesh has no colours", "leave --textured out");
+    if (!what.object.empty() && options->format.starts_with("plan."))
+      throw_usage("a plan is of the whole room", "leave --object out");
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
     what.file = options->output;
-    what.coordinates = options->original_coordinates ? ExportCoordinates::kOriginal : options->keep_frame ? ExportCoordinates::kScene : ExportCoordinates::kRoom;
+    what.coordinates = options->original_coordinates ? ExportCoordinates::kOriginal
+                       : options->keep_frame         ? ExportCoordinates::kScene
+                                                     : ExportCoordinates::kRoom;
     EditSession session(options->run, {options->scene, context.global.threads});
     const RunExport made = export_run(session, options->format, what);
     const ExportReport& report = made.report;
@@ -74,8 +105,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     uint64_t bytes = 0;
     for (const std::filesystem::path& f : report.files) bytes += std::filesystem::file_size(f);
     if (context.global.json) {
-      nlohmann::json document = {{"file", file.string()}, {"bytes", bytes}, {"gaussians", report.gaussians},
-                                 {"objects", report.objects}, {"edits", made.edits}, {"aligned", made.aligned},
+      nlohmann::json document = {{"file", file.string()},         {"bytes", bytes},
+                                 {"gaussians", report.gaussians}, {"objects", report.objects},
+                                 {"edits", made.edits},           {"aligned", made.aligned},
                                  {"triangles", report.triangles}, {"triangles_before", report.triangles_before}};
       document["files"] = nlohmann::json::array();
       for (const std::filesystem::path& f : report.files) document["files"].push_back(f.string());
@@ -92,7 +124,9 @@ void add_export_command(CLI::App& program, CommandContext& context) {
     if (what.closed) text += report.open_edges == 0 ? ", closed" : fmt::format(", open at {} edges", report.open_edges);
     std::printf("%s\n", text.c_str());
     if (what.triangles > 0 && report.triangles > what.triangles) {
-      std::fprintf(stderr, "%zu triangles were asked for: borders between objects and edges of three triangles keep more\n", what.triangles);
+      std::fprintf(stderr,
+                   "%zu triangles were asked for: borders between objects and edges of three triangles keep more\n",
+                   what.triangles);
     }
   });
 }

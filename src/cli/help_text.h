@@ -9,8 +9,8 @@ namespace aligngs {
 struct HelpText {
   const char* reads;
   const char* writes;
-  const char* example;    ///< what most people type
-  const char* advanced;   ///< what shows more of the options
+  const char* example;     ///< what most people type
+  const char* advanced;    ///< what shows more of the options
   const char* notes = "";  ///< sentences, one a line
 };
 

@@ -9,7 +9,9 @@ TEST(WordsInHelp, SizesOfOneNetworkAreOneEntry) {
   EXPECT_EQ(words_in_help({"vggt", "dpt-g", "linear-g", "dpt-l", "linear-l"}), "vggt, dpt-g|l, linear-g|l");
 }
 
-TEST(WordsInHelp, AWordWithoutASizeStandsAlone) { EXPECT_EQ(words_in_help({"vggt", "vggt-commercial"}), "vggt, vggt-commercial"); }
+TEST(WordsInHelp, AWordWithoutASizeStandsAlone) {
+  EXPECT_EQ(words_in_help({"vggt", "vggt-commercial"}), "vggt, vggt-commercial");
+}
 
 }  // namespace
 }  // namespace aligngs

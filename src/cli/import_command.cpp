@@ -1,6 +1,6 @@
 // `aligngs import SRC -o SCENE`: other layouts become a scene folder.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -15,9 +15,10 @@
 namespace aligngs {
 namespace {
 
-constexpr CaptureLayout kLayouts[] = {CaptureLayout::kAuto, CaptureLayout::kRgbd, CaptureLayout::kSevenScenes, CaptureLayout::kTum,
-                                      CaptureLayout::kScanNet, CaptureLayout::kNeuralRgbd, CaptureLayout::kReplica,
-                                      CaptureLayout::kTransforms, CaptureLayout::kPolycam, CaptureLayout::kScannerApp, CaptureLayout::kColmap};
+constexpr CaptureLayout kLayouts[] = {
+    CaptureLayout::kAuto,    CaptureLayout::kRgbd,       CaptureLayout::kSevenScenes, CaptureLayout::kTum,
+    CaptureLayout::kScanNet, CaptureLayout::kNeuralRgbd, CaptureLayout::kReplica,     CaptureLayout::kTransforms,
+    CaptureLayout::kPolycam, CaptureLayout::kScannerApp, CaptureLayout::kColmap};
 
 struct Options {
   std::string source, output, layout = "auto", intrinsics, train_file, test_file, sfm;
@@ -53,49 +54,79 @@ void run_import(const CommandContext& context, Options& options) {
   if (context.global.json) {
     nlohmann::json left_out = nlohmann::json::array();
     for (const LeftOut& frame : report.left_out) left_out.push_back({{"name", frame.name}, {"reason", frame.reason}});
-    const nlohmann::json document = {{"scene", options.output}, {"layout", capture.layout}, {"train", report.train}, {"test", report.test},
-                                     {"skipped", report.left_out.size()}, {"left_out", left_out}, {"notes", capture.notes}, {"points", report.points}, {"cloud_source", report.cloud_source},
-                                     {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
+    const nlohmann::json document = {
+        {"scene", options.output},     {"layout", capture.layout},          {"train", report.train},
+        {"test", report.test},         {"skipped", report.left_out.size()}, {"left_out", left_out},
+        {"notes", capture.notes},      {"points", report.points},           {"cloud_source", report.cloud_source},
+        {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
     print_json(document);
     return;
   }
-  std::printf("%s: %s layout, %zu training and %zu test views, %zu points from %s, depth prior: %s\n", options.output.c_str(),
-              capture.layout.c_str(), report.train, report.test, report.points, report.cloud_source.c_str(),
-              report.depth_prior ? "sensor" : "none");
-  if (report.cloud_source == "sfm") std::printf("SfM model aligned on %zu cameras, residual %.4g\n", report.sfm_cameras, report.sfm_rmse);
+  std::printf("%s: %s layout, %zu training and %zu test views, %zu points from %s, depth prior: %s\n",
+              options.output.c_str(), capture.layout.c_str(), report.train, report.test, report.points,
+              report.cloud_source.c_str(), report.depth_prior ? "sensor" : "none");
+  if (report.cloud_source == "sfm")
+    std::printf("SfM model aligned on %zu cameras, residual %.4g\n", report.sfm_cameras, report.sfm_rmse);
 }
 
 }  // namespace
 
 void add_import_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("import", "Turn an RGB-D, ScanNet, Neural RGB-D, Replica, TUM, 7-Scenes, nerfstudio or COLMAP folder into a scene");
+  CLI::App* command = program.add_subcommand(
+      "import",
+      "Turn an RGB-D, ScanNet, Neural RGB-D, Replica, TUM, 7-Scenes, nerfstudio or COLMAP folder into a scene");
   command->group("Data");
-  command->footer(help_footer({.reads = "a capture with poses; docs/formats.md lists the layouts",
-                                .writes = "SCENE: a scene folder",
-                                .example = "aligngs import scans/scene0085_00 -o scene --views 36",
-                                .advanced = "aligngs import capture -o scene --layout rgbd --train train.txt --test test.txt --sfm sparse/0 --strict"}));
+  command->footer(help_footer(
+      {.reads = "a capture with poses; docs/formats.md lists the layouts",
+       .writes = "SCENE: a scene folder",
+       .example = "aligngs import scans/scene0085_00 -o scene --views 36",
+       .advanced =
+           "aligngs import capture -o scene --layout rgbd --train train.txt --test test.txt --sfm sparse/0 --strict"}));
   auto options = std::make_shared<Options>();
   std::vector<std::string> layouts;
   for (const CaptureLayout layout : kLayouts) layouts.push_back(layout_name(layout));
   command->add_option("source", options->source, "folder of the capture")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
-  command->add_option("--layout", options->layout, "layout of the source")->check(CLI::IsMember(layouts))->capture_default_str()->group("Layout");
-  command->add_option("--views", options->import.views, "number of training views to choose, sharp and well spread")->check(CLI::PositiveNumber)->group("Frames");
-  command->add_option("--stride", options->import.stride, "train on every n-th frame")->check(CLI::PositiveNumber)->group("Frames");
+  command->add_option("--layout", options->layout, "layout of the source")
+      ->check(CLI::IsMember(layouts))
+      ->capture_default_str()
+      ->group("Layout");
+  command->add_option("--views", options->import.views, "number of training views to choose, sharp and well spread")
+      ->check(CLI::PositiveNumber)
+      ->group("Frames");
+  command->add_option("--stride", options->import.stride, "train on every n-th frame")
+      ->check(CLI::PositiveNumber)
+      ->group("Frames");
   command->add_option("--train", options->train_file, "file with the names of the training frames")->group("Frames");
   command->add_option("--test", options->test_file, "file with the names of the test frames")->group("Frames");
-  command->add_option("--test-views", options->import.test_views, "number of test views from the other frames (default: a third of the training views)")
-      ->check(CLI::NonNegativeNumber)->group("Frames");
-  command->add_option("--intrinsics", options->intrinsics, "TUM, 7-Scenes: file with the 3x3 camera matrix")->group("Layout");
-  command->add_flag("--assume-registered", options->assume_registered, "7-Scenes: use depth as registered to colour")->group("Layout");
-  command->add_flag("--tracked-poses", options->trajectory, "Neural RGB-D: use trainval_poses.txt instead of poses.txt")->group("Layout");
-  command->add_option("--sfm", options->sfm, "COLMAP model for the cloud; sensor depth is not used then")->group("Points and depth");
-  command->add_flag("--no-depth-prior", options->no_depth_prior, "leave sensor depth out of pred_depths/")->group("Points and depth");
-  command->add_flag("--neuris-crop", options->import.neuris_crop, "ScanNet: crop and resize to 640x480 as NeuRIS does")->group("Layout");
-  command->add_option("--voxel", options->import.voxel, "edge of the cubes that thin the fused cloud, in scene units (default: automatic)")
-      ->check(CLI::NonNegativeNumber)->group("Points and depth");
-  command->add_flag("--strict", options->import.strict, "a frame that cannot be used is an error (status 3); without this it is left out")->group("Frames");
-  command->add_flag("--overwrite", options->import.overwrite, "replace a scene that aligngs wrote")->group("Output folder");
+  command
+      ->add_option("--test-views", options->import.test_views,
+                   "number of test views from the other frames (default: a third of the training views)")
+      ->check(CLI::NonNegativeNumber)
+      ->group("Frames");
+  command->add_option("--intrinsics", options->intrinsics, "TUM, 7-Scenes: file with the 3x3 camera matrix")
+      ->group("Layout");
+  command->add_flag("--assume-registered", options->assume_registered, "7-Scenes: use depth as registered to colour")
+      ->group("Layout");
+  command->add_flag("--tracked-poses", options->trajectory, "Neural RGB-D: use trainval_poses.txt instead of poses.txt")
+      ->group("Layout");
+  command->add_option("--sfm", options->sfm, "COLMAP model for the cloud; sensor depth is not used then")
+      ->group("Points and depth");
+  command->add_flag("--no-depth-prior", options->no_depth_prior, "leave sensor depth out of pred_depths/")
+      ->group("Points and depth");
+  command->add_flag("--neuris-crop", options->import.neuris_crop, "ScanNet: crop and resize to 640x480 as NeuRIS does")
+      ->group("Layout");
+  command
+      ->add_option("--voxel", options->import.voxel,
+                   "edge of the cubes that thin the fused cloud, in scene units (default: automatic)")
+      ->check(CLI::NonNegativeNumber)
+      ->group("Points and depth");
+  command
+      ->add_flag("--strict", options->import.strict,
+                 "a frame that cannot be used is an error (status 3); without this it is left out")
+      ->group("Frames");
+  command->add_flag("--overwrite", options->import.overwrite, "replace a scene that aligngs wrote")
+      ->group("Output folder");
   command->callback([&context, options] { run_import(context, *options); });
 }
 

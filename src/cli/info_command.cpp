@@ -1,6 +1,6 @@
 // `aligngs info FILE_OR_FOLDER`: what it is, what is in it, who wrote it.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -63,7 +63,8 @@ Json info_of_ply(const fs::path& path) {
   const PlyElement* vertices = file.find("vertex");
   const PlyElement* faces = file.find("face");
   Json info = {{"comments", file.comments}};
-  if (!vertices) throw_bad_input(path, "vertex", "the file has no vertices", "give a Gaussian scene, a mesh or a point cloud");
+  if (!vertices)
+    throw_bad_input(path, "vertex", "the file has no vertices", "give a Gaussian scene, a mesh or a point cloud");
   const bool gaussians = vertices->find("opacity") && vertices->find("scale_0") && vertices->find("rot_0");
   info["kind"] = gaussians ? "Gaussian scene" : faces && faces->count ? "triangle mesh" : "point cloud";
   info[gaussians ? "gaussians" : "vertices"] = vertices->count;
@@ -79,7 +80,9 @@ Json info_of_ply(const fs::path& path) {
   return info;
 }
 
-Json info_of_array(const char* kind, const ArrayHeader& header) { return {{"kind", kind}, {"shape", header.shape}, {"dtype", header.dtype}}; }
+Json info_of_array(const char* kind, const ArrayHeader& header) {
+  return {{"kind", kind}, {"shape", header.shape}, {"dtype", header.dtype}};
+}
 
 /// The published networks whose weights such tensors could be.
 Json models_with(const std::map<std::string, WeightInfo>& tensors) {
@@ -134,7 +137,8 @@ Json info_of_torch(const fs::path& path) {
 
 Json info_of_run(const fs::path& folder) {
   Json info = {{"kind", "run"}, {"run", parse_json(read_file(folder / "run.json"))}};
-  if (info["run"].is_discarded()) throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
+  if (info["run"].is_discarded())
+    throw_bad_input(folder / "run.json", "", "this is no valid JSON", "the run folder is damaged");
   if (fs::exists(folder / "metrics.json")) {
     const Json metrics = parse_json(read_file(folder / "metrics.json"));
     for (const char* part : {"nvs", "geometry", "semantics", "train"}) {
@@ -153,16 +157,29 @@ Json info_of_scene(const fs::path& folder) {
     const std::string size = fmt::format("{}x{}", view.camera.width, view.camera.height);
     sizes[size] = sizes.value(size, 0) + 1;
   }
-  const std::string units = scene.units_estimate ? fmt::format("metres (an estimate of {}, photos spread by {:.1f} %)", scene.units_estimate->model,
-                                                               100 * scene.units_estimate->spread)
-                                                 : scene.metric ? "metres" : "arbitrary";
-  return {{"kind", "scene folder"}, {"source", scene.source}, {"units", units},
+  const std::string units = scene.units_estimate
+                                ? fmt::format("metres (an estimate of {}, photos spread by {:.1f} %)",
+                                              scene.units_estimate->model, 100 * scene.units_estimate->spread)
+                            : scene.metric ? "metres"
+                                           : "arbitrary";
+  return {{"kind", "scene folder"},
+          {"source", scene.source},
+          {"units", units},
           {"up", scene.up ? Json{scene.up->x, scene.up->y, scene.up->z} : Json(nullptr)},
           {"axes", "camera: x right, y down, z forward; poses world to camera"},
-          {"views", scene.views.size()}, {"train", scene.train.size()}, {"test", scene.test.size()}, {"image_sizes", sizes},
-          {"points", scene.cloud.size()}, {"prior_depth", scene.has_prior_depth()}, {"prior_source", scene.prior_source}, {"prior_scale", scene.has_prior_depth() ? name_of(scene.depth_scale) : ""},
-          {"semantics", scene.has_semantics()}, {"classes", scene.labels.size()}, {"extent", robust_extent(scene)},
-          {"truth_mesh", !scene.truth_mesh.empty()}, {"fingerprint", scene_fingerprint(scene)}};
+          {"views", scene.views.size()},
+          {"train", scene.train.size()},
+          {"test", scene.test.size()},
+          {"image_sizes", sizes},
+          {"points", scene.cloud.size()},
+          {"prior_depth", scene.has_prior_depth()},
+          {"prior_source", scene.prior_source},
+          {"prior_scale", scene.has_prior_depth() ? name_of(scene.depth_scale) : ""},
+          {"semantics", scene.has_semantics()},
+          {"classes", scene.labels.size()},
+          {"extent", robust_extent(scene)},
+          {"truth_mesh", !scene.truth_mesh.empty()},
+          {"fingerprint", scene_fingerprint(scene)}};
 }
 
 Json info_of(const fs::path& path) {
@@ -171,10 +188,15 @@ Json info_of(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
   if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
-  if (extension == ".pt" || extension == ".pth" || extension == ".bin") return info_of_torch(path);  // pytorch_model.bin
+  // pytorch_model.bin
+  if (extension == ".pt" || extension == ".pth" || extension == ".bin") return info_of_torch(path);
   if (extension == ".safetensors") return info_of_safetensors(path);
   const ImageInfo image = read_image_info(path);
-  return {{"kind", "image"}, {"width", image.width}, {"height", image.height}, {"channels", image.channels}, {"bits", image.bit_depth}};
+  return {{"kind", "image"},
+          {"width", image.width},
+          {"height", image.height},
+          {"channels", image.channels},
+          {"bits", image.bit_depth}};
 }
 
 /// JSON as indented "name: value" lines, which is what people want to read.
@@ -196,15 +218,17 @@ void add_info_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("info", "Show the content of a file, a scene folder or a run folder");
   command->group("Look");
   command->footer(help_footer({.reads = "a file, a scene folder or a run folder",
-                                .writes = "nothing",
-                                .example = "aligngs info demo_run",
-                                .advanced = "aligngs info demo_run/scene.ply --json"}));
+                               .writes = "nothing",
+                               .example = "aligngs info demo_run",
+                               .advanced = "aligngs info demo_run/scene.ply --json"}));
   auto path = std::make_shared<std::string>();
   command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
   command->callback([&context, path] {
     const Json info = info_of(*path);
-    if (context.global.json) print_json(info);
-    else print_plain(info, 0);
+    if (context.global.json)
+      print_json(info);
+    else
+      print_plain(info, 0);
   });
 }
 

@@ -15,12 +15,14 @@
 namespace aligngs {
 
 void add_mesh_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("mesh", "Fuse the depth of the training views into a labelled triangle mesh");
+  CLI::App* command =
+      program.add_subcommand("mesh", "Fuse the depth of the training views into a labelled triangle mesh");
   command->group("Measure");
-  command->footer(help_footer({.reads = "a run folder and its scene",
-                                .writes = "RUN/mesh/mesh.ply, or the file of -o",
-                                .example = "aligngs mesh demo_run --set mesh.voxel=0.01",
-                                .advanced = "aligngs mesh demo_run --from-prior -o prior.ply --pictures prior_pictures"}));
+  command->footer(
+      help_footer({.reads = "a run folder and its scene",
+                   .writes = "RUN/mesh/mesh.ply, or the file of -o",
+                   .example = "aligngs mesh demo_run --set mesh.voxel=0.01",
+                   .advanced = "aligngs mesh demo_run --from-prior -o prior.ply --pictures prior_pictures"}));
   struct Options {
     std::string run, scene, output, pictures, device = "auto";
     bool from_prior = false, from_truth = false;
@@ -30,8 +32,9 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
   command->add_option("-o,--output", options->output, "PLY file to write (default: mesh/mesh.ply in the run)");
-  command->add_option("--pictures", options->pictures, "folder for pictures of the mesh by its face normals, from the test views "
-                                                       "(default: renders/test/surface in the run)");
+  command->add_option("--pictures", options->pictures,
+                      "folder for pictures of the mesh by its face normals, from the test views "
+                      "(default: renders/test/surface in the run)");
   CLI::Option* prior = command->add_flag("--from-prior", options->from_prior,
                                          "fuse the prior depth instead of rendered depth, as a yardstick");
   command->add_flag("--from-truth", options->from_truth, "fuse the true depth with the true cameras, as the ceiling")
@@ -53,12 +56,18 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
     const MeshStageResult result = mesh_run(run, stage);
     const FusionReport& f = result.fusion;
     if (context.global.json) {
-      const nlohmann::json document = {{"mesh", result.file.string()}, {"vertices", f.vertices}, {"triangles", f.triangles},
-                                       {"voxel", f.voxel}, {"truncation", f.truncation}, {"max_depth", f.max_depth},
-                                       {"predicted_bytes", f.predicted_bytes}, {"labelled_vertices", result.labels.labelled}};
+      const nlohmann::json document = {{"mesh", result.file.string()},
+                                       {"vertices", f.vertices},
+                                       {"triangles", f.triangles},
+                                       {"voxel", f.voxel},
+                                       {"truncation", f.truncation},
+                                       {"max_depth", f.max_depth},
+                                       {"predicted_bytes", f.predicted_bytes},
+                                       {"labelled_vertices", result.labels.labelled}};
       print_json(document);
     } else {
-      std::printf("%s: %zu vertices, %zu triangles, voxel %.4g\n", result.file.string().c_str(), f.vertices, f.triangles, f.voxel);
+      std::printf("%s: %zu vertices, %zu triangles, voxel %.4g\n", result.file.string().c_str(), f.vertices,
+                  f.triangles, f.voxel);
     }
   });
 }

@@ -17,7 +17,8 @@ PageServer::PageServer(PageServerOptions options) {
   scenes_ = std::make_unique<SceneService>(run, options.server.expect_run);
   scenes_->serve(options.server);
   if (options.server.expect_run || std::filesystem::is_directory(run)) {
-    edits_ = std::make_unique<EditService>(EditServiceOptions{run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
+    edits_ = std::make_unique<EditService>(EditServiceOptions{
+        run, options.scene, options.threads, [this](const std::string& path) { return scenes_->shown(path); }});
     edits_->serve(options.server);
     renders_ = std::make_unique<ViewRenders>(run, OpenRunOptions{options.scene, options.threads});
     renders_->serve(options.server);
@@ -67,7 +68,8 @@ std::unique_ptr<PageServer> serve_while_working(bool view, uint16_t port, const 
   if (!view) return nullptr;
   std::error_code error;
   std::filesystem::create_directories(run, error);
-  if (error) throw_resources(run, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(run, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
   PageServerOptions options;
   options.server.run = run;
   options.server.expect_run = true;

@@ -24,28 +24,62 @@ PosesMethod method_of(const std::string& name) {
 void add_photo_options(CLI::App& command, const std::shared_ptr<PhotoCommandOptions>& options) {
   ScenePhotosOptions& poses = options->poses;
   const char* const group = "Cameras of photos";
-  command.add_option("--method", options->method, "auto (the best network that is installed, as doctor lists them), vggt or da3 (networks), colmap (a program, needs overlap) or given (your own cameras)")
-      ->check(CLI::IsMember({"auto", "vggt", "da3", "colmap", "given"}))->capture_default_str()->group(group);
+  command
+      .add_option("--method", options->method,
+                  "auto (the best network that is installed, as doctor lists them), vggt or da3 (networks), colmap (a "
+                  "program, needs overlap) or given (your own cameras)")
+      ->check(CLI::IsMember({"auto", "vggt", "da3", "colmap", "given"}))
+      ->capture_default_str()
+      ->group(group);
   command.add_option("--max-size", poses.max_side, "longer side of the photos in pixels; larger photos are shrunk")
-      ->check(CLI::Range(64, 65535))->capture_default_str()->group(group);
-  command.add_option("--views", poses.video_views, "frames to take of a video")->check(CLI::Range(3, 10000))->capture_default_str()->group(group);
+      ->check(CLI::Range(64, 65535))
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--views", poses.video_views, "frames to take of a video")
+      ->check(CLI::Range(3, 10000))
+      ->capture_default_str()
+      ->group(group);
   command.add_option("--test-every", poses.test_every, "keep every n-th photo for testing (default: all photos train)")
-      ->check(CLI::Range(2, 1000000))->group(group);
+      ->check(CLI::Range(2, 1000000))
+      ->group(group);
   command.add_option("--poses-model", options->model, "vggt, da3: weights (default: vggt-1b, da3-base)")
-      ->check(CLI::IsMember({"vggt-1b", "vggt-1b-commercial", "lingbot-map", "da3-small", "da3-base", "da3-large", "da3-giant"}))->group(group);
-  command.add_option("--drop-percent", poses.drop_percent, "vggt, da3: percentage of the depth to leave out, lowest confidence first")
-      ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group(group);
-  command.add_flag("--shared-focal", poses.shared_focal, "vggt, da3: one focal length for all photos (one camera, no zoom)")->group(group);
-  command.add_flag("--camera-from-rays", poses.camera_from_rays, "da3: cameras from the predicted rays, with a principal point of their own")->group(group);
-  command.add_option("--metres", options->metric_model, "da3: network that tells metres: da3metric-large, none, or auto (if installed)")
-      ->check(CLI::IsMember({"auto", "none", "da3metric-large"}))->capture_default_str()->group(group);
+      ->check(CLI::IsMember(
+          {"vggt-1b", "vggt-1b-commercial", "lingbot-map", "da3-small", "da3-base", "da3-large", "da3-giant"}))
+      ->group(group);
+  command
+      .add_option("--drop-percent", poses.drop_percent,
+                  "vggt, da3: percentage of the depth to leave out, lowest confidence first")
+      ->check(CLI::Range(0.0, 99.0))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_flag("--shared-focal", poses.shared_focal,
+                "vggt, da3: one focal length for all photos (one camera, no zoom)")
+      ->group(group);
+  command
+      .add_flag("--camera-from-rays", poses.camera_from_rays,
+                "da3: cameras from the predicted rays, with a principal point of their own")
+      ->group(group);
+  command
+      .add_option("--metres", options->metric_model,
+                  "da3: network that tells metres: da3metric-large, none, or auto (if installed)")
+      ->check(CLI::IsMember({"auto", "none", "da3metric-large"}))
+      ->capture_default_str()
+      ->group(group);
   command.add_option("--max-points", poses.max_points, "vggt, da3: largest number of points")
-      ->check(CLI::Range(1000, 10000000))->capture_default_str()->group(group);
-  command.add_option("--cameras", options->cameras,
-                     "given: COLMAP model or transforms.json (default: the one beside the photos)")->group(group);
-  command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")->group(group);
+      ->check(CLI::Range(1000, 10000000))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--cameras", options->cameras,
+                  "given: COLMAP model or transforms.json (default: the one beside the photos)")
+      ->group(group);
+  command.add_flag("--per-photo-camera", options->per_photo_camera, "colmap: a camera of its own for each photo")
+      ->group(group);
   command.add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
-      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group(group);
+      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))
+      ->capture_default_str()
+      ->group(group);
 }
 
 nn::Precision default_precision() {
@@ -88,8 +122,12 @@ void choose_method(PhotoCommandOptions& options, const ModelStore& store) {
         for (const PublishedModel* model : models_of({set})) bytes += download_bytes(*model);
         return format_bytes(bytes);
       };
-      throw Error({ErrorKind::kWeights, "no network that finds cameras is installed", {}, "method",
-                   fmt::format("aligngs models download recommended   ({}), or light ({}); weights that anyone may use", size("recommended"), size("light"))});
+      throw Error({ErrorKind::kWeights,
+                   "no network that finds cameras is installed",
+                   {},
+                   "method",
+                   fmt::format("aligngs models download recommended   ({}), or light ({}); weights that anyone may use",
+                               size("recommended"), size("light"))});
     }
     options.model = best->model;
     log_info("cameras by {}: {}", best->model, best->reason);
@@ -102,7 +140,9 @@ const PublishedModel* installed_camera_network(const PhotoCommandOptions& option
   const bool named = !options.model.empty() || options.method == "vggt" || options.method == "da3";
   const CameraNetwork* const best = named ? nullptr : best_camera_network(store);
   if (!named && !best) return nullptr;
-  const PublishedModel& model = published_model(!named ? best->model : !options.model.empty() ? options.model : poses_model(options));
+  const PublishedModel& model = published_model(!named                   ? best->model
+                                                : !options.model.empty() ? options.model
+                                                                         : poses_model(options));
   return store.installed(model) ? &model : nullptr;
 }
 

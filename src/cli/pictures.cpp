@@ -14,8 +14,11 @@ uint8_t to_byte(float v) { return static_cast<uint8_t>(std::lround(std::clamp(v,
 
 void ramp_color(float t, uint8_t rgb[3]) {
   // Piecewise linear through dark blue, cyan, green, yellow, red: equal steps stay tellable apart.
-  static constexpr float kStops[5][3] = {
-      {0.10f, 0.13f, 0.45f}, {0.10f, 0.60f, 0.80f}, {0.25f, 0.75f, 0.35f}, {0.98f, 0.85f, 0.25f}, {0.80f, 0.15f, 0.12f}};
+  static constexpr float kStops[5][3] = {{0.10f, 0.13f, 0.45f},
+                                         {0.10f, 0.60f, 0.80f},
+                                         {0.25f, 0.75f, 0.35f},
+                                         {0.98f, 0.85f, 0.25f},
+                                         {0.80f, 0.15f, 0.12f}};
   const float x = std::clamp(t, 0.f, 1.f) * 4;
   const int i = std::min(3, static_cast<int>(x));
   for (int c = 0; c < 3; ++c) rgb[c] = to_byte(kStops[i][c] + (x - i) * (kStops[i + 1][c] - kStops[i][c]));

@@ -1,6 +1,6 @@
 // `aligngs poses PHOTOS -o SCENE`: cameras and a cloud for photos.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,8 @@ namespace {
 /// Without its weights a network cannot run: the method without one is worth a line.
 [[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
   Error::Details details = error.details();
-  details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
+  details.remedy +=
+      fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
   throw Error(details);
 }
 
@@ -25,12 +26,21 @@ void print_report(const CommandContext& context, const std::string& scene, const
   if (context.global.json) {
     nlohmann::json unplaced = nlohmann::json::array();
     for (const LeftOut& photo : report.unplaced) unplaced.push_back({{"name", photo.name}, {"reason", photo.reason}});
-    nlohmann::json document = {{"scene", scene}, {"method", report.method}, {"photos", report.photos}, {"placed", report.placed},
-                                     {"train", report.train}, {"test", report.test}, {"points", report.points},
-                                     {"reprojection_error", report.reprojection_error}, {"seconds", report.seconds},
-                                     {"unplaced", unplaced}};
+    nlohmann::json document = {{"scene", scene},
+                               {"method", report.method},
+                               {"photos", report.photos},
+                               {"placed", report.placed},
+                               {"train", report.train},
+                               {"test", report.test},
+                               {"points", report.points},
+                               {"reprojection_error", report.reprojection_error},
+                               {"seconds", report.seconds},
+                               {"unplaced", unplaced}};
     if (report.metres) {
-      document["metres"] = {{"scale", report.metres->scale}, {"spread", report.metres->spread}, {"photos", report.metres->photos}, {"source", "network estimate"}};
+      document["metres"] = {{"scale", report.metres->scale},
+                            {"spread", report.metres->spread},
+                            {"photos", report.metres->photos},
+                            {"source", "network estimate"}};
     }
     print_json(document);
     return;
@@ -38,7 +48,9 @@ void print_report(const CommandContext& context, const std::string& scene, const
   std::printf("%s: %zu of %zu photos placed by %s in %s, %zu points%s\n", scene.c_str(), report.placed, report.photos,
               report.method == "given" ? "the given cameras" : report.method.c_str(),
               format_duration(report.seconds).c_str(), report.points,
-              report.reprojection_error > 0 ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str() : "");
+              report.reprojection_error > 0
+                  ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str()
+                  : "");
   std::printf("next: aligngs priors %s   then: aligngs run %s -o run\n", scene.c_str(), scene.c_str());
 }
 
@@ -47,19 +59,26 @@ void print_report(const CommandContext& context, const std::string& scene, const
 void add_poses_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("poses", "Find the cameras of photos");
   command->group("Data");
-  command->footer(help_footer({.reads = "a folder of photos (JPEG, PNG, WebP, HEIC), or a video",
-                                .writes = "SCENE: a scene folder with cameras and a cloud",
-                                .example = "aligngs poses photos -o scene --method colmap",
-                                .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
-                                .notes = "Networks need weights: aligngs models download recommended, or light"}));
+  command->footer(
+      help_footer({.reads = "a folder of photos (JPEG, PNG, WebP, HEIC), or a video",
+                   .writes = "SCENE: a scene folder with cameras and a cloud",
+                   .example = "aligngs poses photos -o scene --method colmap",
+                   .advanced = "aligngs poses photos -o scene --method given --cameras sparse/0 --test-every 8",
+                   .notes = "Networks need weights: aligngs models download recommended, or light"}));
   auto options = std::make_shared<PhotoCommandOptions>();
   auto photos = std::make_shared<std::string>();
   auto scene = std::make_shared<std::string>();
   command->add_option("photos", *photos, "folder of photos, or a video (needs the program ffmpeg)")->required();
   command->add_option("-o,--output", *scene, "scene folder to write")->required()->group("Output folder");
-  command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that aligngs wrote")->group("Output folder");
-  command->add_flag("--strict", options->poses.strict, "a photo that cannot be used is an error (status 3); without this it is left out")->group("Cameras of photos");
-  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")->check(CLI::PositiveNumber)->group("Machine");
+  command->add_flag("--overwrite", options->poses.overwrite, "replace a scene that aligngs wrote")
+      ->group("Output folder");
+  command
+      ->add_flag("--strict", options->poses.strict,
+                 "a photo that cannot be used is an error (status 3); without this it is left out")
+      ->group("Cameras of photos");
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
+      ->check(CLI::PositiveNumber)
+      ->group("Machine");
   add_device_option(*command, options->device);
   add_photo_options(*command, options);
   command->callback([&context, options, photos, scene] {
@@ -70,7 +89,8 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
       if (uses_network(poses.method)) put_networks_on(options->device, options->precision, true, poses);
       print_report(context, *scene, run_poses(*photos, *scene, poses, model_store(context)));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kWeights && options->method != "colmap" && options->method != "given") offer_colmap(error, *photos, *scene);
+      if (error.kind() == ErrorKind::kWeights && options->method != "colmap" && options->method != "given")
+        offer_colmap(error, *photos, *scene);
       throw;
     }
   });

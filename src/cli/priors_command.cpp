@@ -1,6 +1,6 @@
 // `aligngs priors SCENE`: depth and classes of the training views by networks.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -26,7 +26,11 @@ struct Options {
 };
 
 nlohmann::json json_of(const ScenePriorsReport& report) {
-  return {{"model", report.model}, {"views", report.written}, {"was_there", report.was_there}, {"width", report.width}, {"height", report.height}};
+  return {{"model", report.model},
+          {"views", report.written},
+          {"was_there", report.was_there},
+          {"width", report.width},
+          {"height", report.height}};
 }
 
 std::string line_of(const ScenePriorsReport& report) {
@@ -38,8 +42,8 @@ std::string line_of(const ScenePriorsReport& report) {
 void require_place(const Options& options) {
   if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
   if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // opening reports non-folders
-  throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed", options.scene, "scene",
-               "name a folder for a copy with the priors: -o OUT"});
+  throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed",
+               options.scene, "scene", "name a folder for a copy with the priors: -o OUT"});
 }
 
 void run_priors(const CommandContext& context, Options& options) {
@@ -67,7 +71,8 @@ void run_priors(const CommandContext& context, Options& options) {
   const bool nothing_asked = options.depth == "auto" && options.semantics == "auto";
   if (nothing_asked && !depth && !semantics && !(scene.has_prior_depth() && scene.has_semantics())) {
     const PublishedModel& light = published_model("ade20k-linear-b");
-    throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "", how_to_get(store, light)});
+    throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "",
+                 how_to_get(store, light)});
   }
   if (!options.output.empty()) {
     write_scene_copy(options.scene, options.output, false);
@@ -89,8 +94,10 @@ void run_priors(const CommandContext& context, Options& options) {
     document["semantics"] = json_of(report);
     semantics_line = line_of(report);
   }
-  if (context.global.json) print_json(document);
-  else std::printf("depth      %s\nsemantics  %s\n", depth_line.c_str(), semantics_line.c_str());
+  if (context.global.json)
+    print_json(document);
+  else
+    std::printf("depth      %s\nsemantics  %s\n", depth_line.c_str(), semantics_line.c_str());
 }
 
 }  // namespace
@@ -98,26 +105,49 @@ void run_priors(const CommandContext& context, Options& options) {
 void add_priors_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("priors", "Compute depth and class priors of a scene with networks");
   command->group("Data");
-  command->footer(help_footer({.reads = "a scene folder with photos",
-                                .writes = "pred_depths/, pred_confidence/, segmentation_logits/ and priors.json of SCENE, or of the copy OUT",
-                                .example = "aligngs priors scene --semantics linear-b --depth vggt",
-                                .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
+  command->footer(help_footer(
+      {.reads = "a scene folder with photos",
+       .writes = "pred_depths/, pred_confidence/, segmentation_logits/ and priors.json of SCENE, or of the copy OUT",
+       .example = "aligngs priors scene --semantics linear-b --depth vggt",
+       .advanced = "aligngs priors scene -o filled --semantics m2f --depth none --memory 12"}));
   auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene, "scene folder")->required();
-  command->add_option("-o,--output", options->output, "write a copy of the scene with the priors (default: SCENE itself, if aligngs wrote it)")->group("Output folder");
-  command->add_option("--depth", options->depth, words_in_help(depth_choices()) + ", none, or auto (the first of these that is installed)")
-      ->capture_default_str()->group("Networks");
-  command->add_option("--semantics", options->semantics,
-                      words_in_help(semantic_choices()) + ", none, or auto (the first of these that is installed); m2f is the method's, linear and lingbot are light")->capture_default_str()->group("Networks");
-  command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")->group("Networks");
-  command->add_option("--m2f-heads", options->fill.mask2former_heads,
-                      "m2f: number of attention heads, for files without 4 sampling points (default: from the tensors)")
-      ->check(CLI::Range(1, 1024))->group("Networks");
-  command->add_option("--drop-percent", options->fill.drop_percent, "vggt, da3: percentage of the depth to leave out, lowest confidence first")
-      ->check(CLI::Range(0.0, 99.0))->capture_default_str()->group("Networks");
+  command
+      ->add_option("-o,--output", options->output,
+                   "write a copy of the scene with the priors (default: SCENE itself, if aligngs wrote it)")
+      ->group("Output folder");
+  command
+      ->add_option("--depth", options->depth,
+                   words_in_help(depth_choices()) + ", none, or auto (the first of these that is installed)")
+      ->capture_default_str()
+      ->group("Networks");
+  command
+      ->add_option("--semantics", options->semantics,
+                   words_in_help(semantic_choices()) +
+                       ", none, or auto (the first of these that is installed); m2f is the method's, linear and "
+                       "lingbot are light")
+      ->capture_default_str()
+      ->group("Networks");
+  command->add_flag("--augment", options->fill.augment, "ms: use five sizes, also mirrored (ten times slower)")
+      ->group("Networks");
+  command
+      ->add_option("--m2f-heads", options->fill.mask2former_heads,
+                   "m2f: number of attention heads, for files without 4 sampling points (default: from the tensors)")
+      ->check(CLI::Range(1, 1024))
+      ->group("Networks");
+  command
+      ->add_option("--drop-percent", options->fill.drop_percent,
+                   "vggt, da3: percentage of the depth to leave out, lowest confidence first")
+      ->check(CLI::Range(0.0, 99.0))
+      ->capture_default_str()
+      ->group("Networks");
   command->add_option("--precision", options->precision, "numbers of the networks: auto, bfloat16 or float32")
-      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))->capture_default_str()->group("Networks");
-  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")->check(CLI::PositiveNumber)->group("Machine");
+      ->check(CLI::IsMember({"auto", "bfloat16", "float32"}))
+      ->capture_default_str()
+      ->group("Networks");
+  command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
+      ->check(CLI::PositiveNumber)
+      ->group("Machine");
   command->add_flag("--overwrite", options->fill.overwrite, "replace existing priors")->group("Output folder");
   add_device_option(*command, options->device);
   command->callback([&context, options] { run_priors(context, *options); });

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "cli/batch_command.h"
 #include "cli/command.h"
@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "core/version.h"
 
 namespace aligngs {
 namespace {
@@ -40,17 +41,20 @@ std::string join(int argc, char** argv) {
 }
 
 void add_global_options(CLI::App& program, GlobalOptions& global) {
-  program.add_flag("--json", global.json, "print the results as one JSON document on standard output")->group("Everywhere");
+  program.add_flag("--json", global.json, "print the results as one JSON document on standard output")
+      ->group("Everywhere");
   program.add_flag("-q,--quiet", global.quiet, "warnings and errors only")->group("Everywhere");
   program.add_flag("-v,--verbose", global.verbose, "debug messages")->group("Everywhere");
   program.add_flag("--offline", global.offline, "forbid all network access")->group("Everywhere");
   program.add_option("--threads", global.threads, "worker threads (default: one per hardware thread)")
-      ->check(CLI::Range(0, 1024))->group("Everywhere");
+      ->check(CLI::Range(0, 1024))
+      ->group("Everywhere");
 }
 
 std::vector<std::string> command_names(const CLI::App& program) {
   std::vector<std::string> names;
-  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
   return names;
 }
 
@@ -75,8 +79,12 @@ int report_usage_error(const CLI::App& program, const CLI::ParseError& error, in
 int report_error(const Error& error, bool json) {
   if (json) {
     const Error::Details& d = error.details();
-    const nlohmann::json document = {{"error", {{"status", error.exit_status()}, {"message", d.message},
-                                                {"path", d.path.string()}, {"field", d.field}, {"remedy", d.remedy}}}};
+    const nlohmann::json document = {{"error",
+                                      {{"status", error.exit_status()},
+                                       {"message", d.message},
+                                       {"path", d.path.string()},
+                                       {"field", d.field},
+                                       {"remedy", d.remedy}}}};
     print_json(document);
   }
   log_error("{}", error.what());
@@ -105,10 +113,12 @@ int run_program(int argc, char** argv) {
   }
   CommandContext context;
   context.command_line = join(argc, argv);
-  CLI::App program("aligngs turns photos of a room into a labelled 3D scene: Gaussian splats, a mesh,\n"
-                   "class labels, and measurements of all of them.\n\n"
-                   "Example: aligngs demo", "aligngs");
-  program.set_version_flag("--version", std::string("aligngs ") + ALIGNGS_VERSION);
+  CLI::App program(
+      "aligngs turns photos of a room into a labelled 3D scene: Gaussian splats, a mesh,\n"
+      "class labels, and measurements of all of them.\n\n"
+      "Example: aligngs demo",
+      "aligngs");
+  program.set_version_flag("--version", std::string("aligngs ") + version());
   program.require_subcommand(1);
   program.fallthrough();
   program.get_formatter()->column_width(36);
@@ -118,14 +128,13 @@ int run_program(int argc, char** argv) {
     if (context.global.quiet) set_log_level(LogLevel::kWarning);
     if (context.global.verbose > 0) set_log_level(LogLevel::kDebug);
   });
-  for (const AddCommand add : {&add_run_command, &add_demo_command, &add_batch_command, &add_import_command, &add_synth_command, &add_refine_command,
-                               &add_data_command, &add_models_command,
-                               &add_poses_command,
-                               &add_priors_command,
-                               &add_train_command, &add_render_command, &add_mesh_command,
-                               &add_room_command, &add_scale_command, &add_eval_command, &add_report_command, &add_compare_command, &add_edit_command, &add_export_command,
-                               &add_view_command, &add_info_command, &add_bench_command,
-                               &add_doctor_command, &add_completion_command, &add_manual_command}) {
+  for (const AddCommand add :
+       {&add_run_command,    &add_demo_command,   &add_batch_command,   &add_import_command, &add_synth_command,
+        &add_refine_command, &add_data_command,   &add_models_command,  &add_poses_command,  &add_priors_command,
+        &add_train_command,  &add_render_command, &add_mesh_command,    &add_room_command,   &add_scale_command,
+        &add_eval_command,   &add_report_command, &add_compare_command, &add_edit_command,   &add_export_command,
+        &add_view_command,   &add_info_command,   &add_bench_command,   &add_doctor_command, &add_completion_command,
+        &add_manual_command}) {
     add(program, context);
   }
 
@@ -140,12 +149,23 @@ int run_program(int argc, char** argv) {
   } catch (const Error& error) {
     return report_error(error, context.global.json);
   } catch (const std::bad_alloc&) {
-    return report_error(Error({ErrorKind::kResources, "out of memory", {}, {}, "use fewer Gaussians or smaller images (--set densify.max_gaussians, --set data.scale)"}),
-                        context.global.json);
+    return report_error(
+        Error({ErrorKind::kResources,
+               "out of memory",
+               {},
+               {},
+               "use fewer Gaussians or smaller images (--set densify.max_gaussians, --set data.scale)"}),
+        context.global.json);
   } catch (const std::filesystem::filesystem_error& error) {
-    return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}), context.global.json);
+    return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}),
+                        context.global.json);
   } catch (const nlohmann::json::exception& error) {
-    return report_error(Error({ErrorKind::kBadInput, std::string("a JSON file does not have the expected form: ") + error.what(), {}, {}, {}}), context.global.json);
+    return report_error(Error({ErrorKind::kBadInput,
+                               std::string("a JSON file does not have the expected form: ") + error.what(),
+                               {},
+                               {},
+                               {}}),
+                        context.global.json);
   } catch (const std::exception& error) {
     return report_error(Error({ErrorKind::kFailed, error.what(), {}, {}, {}}), context.global.json);
   }

@@ -17,7 +17,8 @@ namespace {
 
 struct RefineCommandOptions {
   std::string scene, output;
-  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false, no_panels = false, no_screens = false;
+  bool keep_depth = false, no_stereo = false, no_planes = false, tables = false, fuse_labels = false, no_square = false,
+       no_panels = false, no_screens = false;
   bool no_exposure = false;
   bool keep_tests = false, own_focal = false, overwrite = false;
   int passes = RefineSceneOptions{}.passes;
@@ -52,7 +53,8 @@ nlohmann::ordered_json up_json(const std::optional<RoomAxes>& axes) {
 }
 
 void print_exposure(const std::vector<Vec3f>& log_gains) {
-  if (!log_gains.empty()) std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(log_gains)));
+  if (!log_gains.empty())
+    std::printf("photos differ in exposure by up to %.0f %%\n", 100 * std::expm1(exposure_span(log_gains)));
 }
 
 void measure(const CommandContext& context, const RefineCommandOptions& options, const Scene& scene) {
@@ -67,17 +69,26 @@ void measure(const CommandContext& context, const RefineCommandOptions& options,
   ThreadPool pool(context.global.threads);
   const MeasureSceneReport report = measure_scene(scene, options.output, measure_options, pool);
   if (report.views == 0) {
-    throw_bad_input(scene.folder, "images", kNothingMeasured, "add photos, or train from the points alone (`aligngs run` does)");
+    throw_bad_input(scene.folder, "images", kNothingMeasured,
+                    "add photos, or train from the points alone (`aligngs run` does)");
   }
   if (context.global.json) {
-    const nlohmann::ordered_json document = {{"scene", options.output}, {"views", report.views}, {"depth_measured", report.measured},
-                                             {"planes", report.planes.planes.size()}, {"on_planes", report.planes.on_planes}, {"square", report.planes.axes.has_value()}, {"up", up_json(report.planes.axes)}, {"panels", report.planes.panels.size()},
+    const nlohmann::ordered_json document = {{"scene", options.output},
+                                             {"views", report.views},
+                                             {"depth_measured", report.measured},
+                                             {"planes", report.planes.planes.size()},
+                                             {"on_planes", report.planes.on_planes},
+                                             {"square", report.planes.axes.has_value()},
+                                             {"up", up_json(report.planes.axes)},
+                                             {"panels", report.planes.panels.size()},
                                              {"exposure_span", exposure_span(report.log_gains)}};
     print_json(document);
     return;
   }
-  std::printf("depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between them\n", report.views,
-              100 * report.measured);
+  std::printf(
+      "depth measured in %zu photos: %.0f %% of the pixels are confirmed by another photo, the rest lies between "
+      "them\n",
+      report.views, 100 * report.measured);
   print_planes(report.planes.planes, report.planes.on_planes, report.planes.axes);
   print_panels(report.planes.panels.size());
   print_exposure(report.log_gains);
@@ -108,63 +119,94 @@ void refine(const CommandContext& context, const RefineCommandOptions& options) 
     nlohmann::ordered_json views = nlohmann::ordered_json::array();
     for (size_t i = 0; i < result.views.size(); ++i) {
       const RefinedView& v = result.views[i];
-      views.push_back({{"name", report.names[i]}, {"observations", v.observations},
-                       {"turned_degrees", v.turned}, {"shifted", v.shifted}, {"by_neighbour", v.by_neighbour},
+      views.push_back({{"name", report.names[i]},
+                       {"observations", v.observations},
+                       {"turned_degrees", v.turned},
+                       {"shifted", v.shifted},
+                       {"by_neighbour", v.by_neighbour},
                        {"misplaced", v.misplaced}});
     }
-    const nlohmann::ordered_json document = {{"scene", options.output}, {"tracks", result.tracks},
+    const nlohmann::ordered_json document = {{"scene", options.output},
+                                             {"tracks", result.tracks},
                                              {"reprojection_median_before_px", result.bundle.start_median},
                                              {"reprojection_median_px", result.bundle.end_median},
-                                             {"focal_factor", result.focal_factor}, {"depth_measured", report.measured}, {"planes", report.planes.size()},
-                                             {"on_planes", report.on_planes}, {"square", report.axes.has_value()}, {"up", up_json(report.axes)}, {"panels", report.panels.size()},
+                                             {"focal_factor", result.focal_factor},
+                                             {"depth_measured", report.measured},
+                                             {"planes", report.planes.size()},
+                                             {"on_planes", report.on_planes},
+                                             {"square", report.axes.has_value()},
+                                             {"up", up_json(report.axes)},
+                                             {"panels", report.panels.size()},
                                              {"exposure_span", exposure_span(report.log_gains)},
                                              {"views", views}};
     print_json(document);
     return;
   }
-  std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n", result.tracks,
-              result.bundle.start_median, result.bundle.end_median, result.focal_factor);
-  if (report.measured > 0) std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n", 100 * report.measured);
+  std::printf("%zu tracks; reprojection error %.2f px before, %.2f px after (medians); focal length x %.4f\n",
+              result.tracks, result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  if (report.measured > 0)
+    std::printf("stereo measured the depth of %.0f %% of the pixels; the rest follows the measurements around it\n",
+                100 * report.measured);
   print_planes(report.planes, report.on_planes, report.axes);
   print_panels(report.panels.size());
   print_exposure(report.log_gains);
   for (size_t i = 0; i < result.views.size(); ++i) {
     const RefinedView& v = result.views[i];
-    const char* remark = v.by_neighbour ? "  (too few: follows its nearest neighbour)" : v.misplaced ? "  (was misplaced)" : "";
-    std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", report.names[i].c_str(),
-                v.observations, v.turned, v.shifted, remark);
+    const char* remark = v.by_neighbour ? "  (too few: follows its nearest neighbour)"
+                         : v.misplaced  ? "  (was misplaced)"
+                                        : "";
+    std::printf("%-24s %5d observations  turned %.2f deg  moved %.4f%s\n", report.names[i].c_str(), v.observations,
+                v.turned, v.shifted, remark);
   }
 }
 
 }  // namespace
 
 void add_refine_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("refine", "Correct cameras and depth from the photos themselves, or measure missing depth");
+  CLI::App* command = program.add_subcommand(
+      "refine", "Correct cameras and depth from the photos themselves, or measure missing depth");
   command->group("Data");
-  command->footer(help_footer({.reads = "a scene folder",
-                                .writes = "REFINED: a copy of the scene with corrected cameras and depth",
-                                .example = "aligngs refine scene -o refined",
-                                .advanced = "aligngs refine scene -o refined --passes 3 --no-planes --own-focal",
-                                .notes = "`aligngs run` and `aligngs demo` do this by default.\n"
-                                         "Without prior depth, cameras stay, and stereo measures depth between the scene's points.\n"
-                                         "Test photos are registered afterwards and move nothing."}));
+  command->footer(
+      help_footer({.reads = "a scene folder",
+                   .writes = "REFINED: a copy of the scene with corrected cameras and depth",
+                   .example = "aligngs refine scene -o refined",
+                   .advanced = "aligngs refine scene -o refined --passes 3 --no-planes --own-focal",
+                   .notes = "`aligngs run` and `aligngs demo` do this by default.\n"
+                            "Without prior depth, cameras stay, and stereo measures depth between the scene's points.\n"
+                            "Test photos are registered afterwards and move nothing."}));
   auto options = std::make_shared<RefineCommandOptions>();
   command->add_option("scene", options->scene, "scene folder")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
   command->add_flag("--keep-depth", options->keep_depth, "leave pred_depths/ as they are")->group("Depth");
-  command->add_flag("--no-stereo", options->no_stereo, "correct depth by a smooth factor per photo, without multi-view stereo")->group("Depth");
-  command->add_flag("--no-planes", options->no_planes, "leave the depth of walls, floor and ceiling off their planes")->group("Planes");
-  command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")->group("Planes");
-  command->add_flag("--fuse-labels", options->fuse_labels, "find planes by the labels of most photos, and weigh each pixel by their share")->group("Planes");
-  command->add_flag("--no-square", options->no_square, "keep planes as found, also in a room with right angles")->group("Planes");
-  command->add_flag("--no-screens", options->no_screens, "do not place televisions and monitors by their outlines in several photos")->group("Planes");
-  command->add_flag("--no-panels", options->no_panels, "give panes, mirrors, screens and pictures no planes of their own")->group("Planes");
-  command->add_flag("--no-exposure", options->no_exposure, "leave exposure and white balance unmeasured")->group("Depth");
+  command
+      ->add_flag("--no-stereo", options->no_stereo,
+                 "correct depth by a smooth factor per photo, without multi-view stereo")
+      ->group("Depth");
+  command->add_flag("--no-planes", options->no_planes, "leave the depth of walls, floor and ceiling off their planes")
+      ->group("Planes");
+  command->add_flag("--plane-tables", options->tables, "put the tops of tables, desks and counters on planes, too")
+      ->group("Planes");
+  command
+      ->add_flag("--fuse-labels", options->fuse_labels,
+                 "find planes by the labels of most photos, and weigh each pixel by their share")
+      ->group("Planes");
+  command->add_flag("--no-square", options->no_square, "keep planes as found, also in a room with right angles")
+      ->group("Planes");
+  command
+      ->add_flag("--no-screens", options->no_screens,
+                 "do not place televisions and monitors by their outlines in several photos")
+      ->group("Planes");
+  command
+      ->add_flag("--no-panels", options->no_panels, "give panes, mirrors, screens and pictures no planes of their own")
+      ->group("Planes");
+  command->add_flag("--no-exposure", options->no_exposure, "leave exposure and white balance unmeasured")
+      ->group("Depth");
   command->add_flag("--keep-test-views", options->keep_tests, "leave the test photos unregistered")->group("Cameras");
   command->add_flag("--own-focal", options->own_focal, "give every photo a focal length of its own")->group("Cameras");
   command->add_option("--passes", options->passes, "number of passes; better depth finds more matches")
       ->check(CLI::Range(1, 5))
-      ->capture_default_str()->group("Depth");
+      ->capture_default_str()
+      ->group("Depth");
   command->add_flag("--overwrite", options->overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   command->callback([&context, options] { refine(context, *options); });
 }

@@ -15,9 +15,9 @@ void add_report_command(CLI::App& program, CommandContext& context) {
   CLI::App* command = program.add_subcommand("report", "Write report.html: numbers, pictures, charts, settings");
   command->group("Measure");
   command->footer(help_footer({.reads = "a run folder",
-                                .writes = "RUN/report.html and RUN/overview.jpg",
-                                .example = "aligngs report demo_run",
-                                .advanced = "aligngs report demo_run --json"}));
+                               .writes = "RUN/report.html and RUN/overview.jpg",
+                               .example = "aligngs report demo_run",
+                               .advanced = "aligngs report demo_run --json"}));
   auto run = std::make_shared<std::string>();
   command->add_option("run", *run, "run folder")->required();
   command->callback([&context, run] {
@@ -25,8 +25,10 @@ void add_report_command(CLI::App& program, CommandContext& context) {
     require_run_folder(folder);
     write_report(folder);
     const std::string page = (folder / "report.html").string();
-    if (context.global.json) std::printf("%s\n", json_line(nlohmann::json({{"report", page}})).c_str());
-    else std::printf("%s\n", page.c_str());
+    if (context.global.json)
+      std::printf("%s\n", json_line(nlohmann::json({{"report", page}})).c_str());
+    else
+      std::printf("%s\n", page.c_str());
   });
 }
 

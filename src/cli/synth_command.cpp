@@ -1,7 +1,7 @@
 // `aligngs synth OUT`: a procedural room with exact truth and simulated teachers, and how those teachers compare with
 // real networks.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -55,23 +55,31 @@ AcceptanceFigure tsdf_figure(const SynthScene& scene, ThreadPool& pool) {
 nlohmann::json to_json(const AcceptanceReport& report) {
   nlohmann::json figures = nlohmann::json::array();
   for (const AcceptanceFigure& f : report.figures) {
-    figures.push_back({{"name", f.name}, {"value", f.value}, {"unit", f.unit}, {"low", f.low ? nlohmann::json(*f.low) : nlohmann::json()},
-                       {"high", f.high ? nlohmann::json(*f.high) : nlohmann::json()}, {"accepted", f.accepted()}});
+    figures.push_back({{"name", f.name},
+                       {"value", f.value},
+                       {"unit", f.unit},
+                       {"low", f.low ? nlohmann::json(*f.low) : nlohmann::json()},
+                       {"high", f.high ? nlohmann::json(*f.high) : nlohmann::json()},
+                       {"accepted", f.accepted()}});
   }
-  return {{"teacher", report.teacher}, {"accepted", report.accepted()}, {"figures", figures},
+  return {{"teacher", report.teacher},
+          {"accepted", report.accepted()},
+          {"figures", figures},
           {"not_measured", "PSNR lost by training with the teacher's poses (needs two trainings)"}};
 }
 
 }  // namespace
 
 void add_synth_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand("synth", "Make a synthetic furnished room with exact truth and simulated priors");
+  CLI::App* command =
+      program.add_subcommand("synth", "Make a synthetic furnished room with exact truth and simulated priors");
   command->group("Data");
-  command->footer(help_footer({.reads = "nothing",
-                                .writes = "a scene folder with simulated priors and truth/",
-                                .example = "aligngs synth room --room kitchen --views 36",
-                                .advanced = "aligngs synth room --teacher-seed 2 --level high --labels shuffled --unknown-similarity",
-                                .notes = "The command prints how the simulated priors compare with real networks."}));
+  command->footer(help_footer(
+      {.reads = "nothing",
+       .writes = "a scene folder with simulated priors and truth/",
+       .example = "aligngs synth room --room kitchen --views 36",
+       .advanced = "aligngs synth room --teacher-seed 2 --level high --labels shuffled --unknown-similarity",
+       .notes = "The command prints how the simulated priors compare with real networks."}));
   auto options = std::make_shared<SynthCommandOptions>();
   auto output = std::make_shared<std::string>();
   auto overwrite = std::make_shared<bool>(false);
@@ -79,7 +87,10 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
   command->add_flag("--overwrite", *overwrite, "replace a scene that aligngs wrote")->group("Output folder");
   add_synth_options(*command, options);
   auto without = std::make_shared<std::vector<std::string>>();
-  command->add_option("--without", *without, "also write the truth of the room without these objects, e.g. \"bed#1\"; repeatable")->group("Room");
+  command
+      ->add_option("--without", *without,
+                   "also write the truth of the room without these objects, e.g. \"bed#1\"; repeatable")
+      ->group("Room");
   command->add_option("--seed", options->synth.seed, "the same as --room-seed")->group("Room");
   command->callback([&context, options, output, overwrite, without] {
     require_scene_place(*output, *overwrite);
@@ -90,18 +101,21 @@ void add_synth_command(CLI::App& program, CommandContext& context) {
     const SynthScene scene = make_scene(synth, context);
     ThreadPool pool(context.global.threads);
     std::vector<RemovalTruth> removals;
-    for (const std::string& text : *without) removals.push_back(make_removal_truth(scene, parse_removal(scene.room, text), pool));
+    for (const std::string& text : *without)
+      removals.push_back(make_removal_truth(scene, parse_removal(scene.room, text), pool));
     AcceptanceReport report = measure_acceptance(scene, pool);
     report.figures.push_back(tsdf_figure(scene, pool));
     write_synth_scene(scene, *output, *overwrite, removals);  // last: who stops the command has what was there before
     if (context.global.json) {
-      const nlohmann::json document = {{"scene", *output}, {"train", scene.train.size()}, {"test", scene.test.size()},
+      const nlohmann::json document = {{"scene", *output},
+                                       {"train", scene.train.size()},
+                                       {"test", scene.test.size()},
                                        {"acceptance", to_json(report)}};
       print_json(document);
       return;
     }
-    std::printf("%s: %zu training and %zu test views; priors: %s\n\n%s", output->c_str(), scene.train.size(), scene.test.size(),
-                report.teacher.c_str(), report.table().c_str());
+    std::printf("%s: %zu training and %zu test views; priors: %s\n\n%s", output->c_str(), scene.train.size(),
+                scene.test.size(), report.teacher.c_str(), report.table().c_str());
     std::printf("not measured here: PSNR lost by training with the teacher's poses (needs two trainings)\n");
   });
 }

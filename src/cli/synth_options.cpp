@@ -10,18 +10,51 @@ namespace aligngs {
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options) {
   SynthOptions& synth = options->synth;
-  command.add_option("--room", synth.room, "kind of room")->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))->capture_default_str()->group("Room");
-  command.add_option("--views", synth.views, "number of views, test views included")->check(CLI::Range(2, 10000))->capture_default_str()->group("Room");
-  command.add_option("--test-views", options->test_views, "number of test views among them (default: 8, or a third of few views)")->check(CLI::NonNegativeNumber)->group("Room");
+  command.add_option("--room", synth.room, "kind of room")
+      ->check(CLI::IsMember({"bedroom", "living", "kitchen", "office"}))
+      ->capture_default_str()
+      ->group("Room");
+  command.add_option("--views", synth.views, "number of views, test views included")
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str()
+      ->group("Room");
+  command
+      .add_option("--test-views", options->test_views,
+                  "number of test views among them (default: 8, or a third of few views)")
+      ->check(CLI::NonNegativeNumber)
+      ->group("Room");
   command.add_option("--size", options->size, "image size WxH (default 320x240)")->group("Room");
-  command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")->capture_default_str()->group("Room");
-  command.add_option("--teacher-seed", synth.teacher_seed, "seed of another simulated teacher for the same room")->group("Simulated priors");
-  command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")->check(CLI::IsMember({"exact", "simulated"}))->capture_default_str()->group("Simulated priors");
-  command.add_option("--level", options->level, "size of the simulated errors")->check(CLI::IsMember({"low", "medium", "high"}))->capture_default_str()->group("Simulated priors");
-  command.add_option("--depth", options->depth, "kind of network that pred_depths/ imitates")->check(CLI::IsMember({"feedforward", "mono"}))->capture_default_str()->group("Simulated priors");
-  command.add_option("--cloud", options->cloud, "points: thinned dense depth, or corners triangulated with the same cameras")->check(CLI::IsMember({"feedforward", "sfm"}))->capture_default_str()->group("Simulated priors");
-  command.add_option("--labels", options->labels, "segmentation_logits/: of the teacher, true, or a placebo")->check(CLI::IsMember({"teacher", "true", "constant", "shuffled"}))->capture_default_str()->group("Simulated priors");
-  command.add_flag("--unknown-similarity", synth.unknown_similarity, "give the teacher's world an unknown scale and rotation, as real networks do")->group("Simulated priors");
+  command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")
+      ->capture_default_str()
+      ->group("Room");
+  command.add_option("--teacher-seed", synth.teacher_seed, "seed of another simulated teacher for the same room")
+      ->group("Simulated priors");
+  command.add_option("--teacher", options->teacher, "priors: exact, or with the errors of networks")
+      ->check(CLI::IsMember({"exact", "simulated"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command.add_option("--level", options->level, "size of the simulated errors")
+      ->check(CLI::IsMember({"low", "medium", "high"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command.add_option("--depth", options->depth, "kind of network that pred_depths/ imitates")
+      ->check(CLI::IsMember({"feedforward", "mono"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command
+      .add_option("--cloud", options->cloud,
+                  "points: thinned dense depth, or corners triangulated with the same cameras")
+      ->check(CLI::IsMember({"feedforward", "sfm"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command.add_option("--labels", options->labels, "segmentation_logits/: of the teacher, true, or a placebo")
+      ->check(CLI::IsMember({"teacher", "true", "constant", "shuffled"}))
+      ->capture_default_str()
+      ->group("Simulated priors");
+  command
+      .add_flag("--unknown-similarity", synth.unknown_similarity,
+                "give the teacher's world an unknown scale and rotation, as real networks do")
+      ->group("Simulated priors");
 }
 
 SynthOptions synth_options(const SynthCommandOptions& options) {
@@ -34,14 +67,16 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
   }
   synth.test_views = options.test_views.value_or(std::min(synth.test_views, synth.views / 3));
   if (synth.views - synth.test_views < 2) {
-    throw_usage("of " + std::to_string(synth.views) + " views " + std::to_string(synth.test_views) + " are test views: two must be left for training",
+    throw_usage("of " + std::to_string(synth.views) + " views " + std::to_string(synth.test_views) +
+                    " are test views: two must be left for training",
                 "raise --views or lower --test-views");
   }
   synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
   synth.level = parse_teacher_level(options.level);
   synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
   synth.cloud = options.cloud == "sfm" ? CloudTeacher::kSfm : CloudTeacher::kFeedForward;
-  for (const LabelTeacher teacher : {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {
+  for (const LabelTeacher teacher :
+       {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {
     if (options.labels == label_teacher_name(teacher)) synth.labels = teacher;
   }
   return synth;

@@ -14,9 +14,9 @@ namespace aligngs {
 struct TrainCommandOptions {
   std::string preset, config_file, output, device = "auto";
   std::vector<std::string> sets;
-  std::optional<std::string> ignore;   ///< of --ignore, short for data.ignore
+  std::optional<std::string> ignore;     ///< of --ignore, short for data.ignore
   std::vector<std::string> refine_sets;  ///< of --refine and --no-refine; `sets` come after them
-  int64_t iterations = 0, seed = -1;  ///< 0 and -1: not given
+  int64_t iterations = 0, seed = -1;     ///< 0 and -1: not given
   bool resume = false, overwrite = false, require_priors = false, strict = false;
   double memory_gigabytes = 0;
   bool view = false;       ///< show the page meanwhile (page_server.h)

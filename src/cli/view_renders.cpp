@@ -41,7 +41,8 @@ std::optional<GetAnswer> ViewRenders::picture(const std::string& name) {
       name.compare(name.size() - kEnding.size(), kEnding.size(), kEnding) != 0) {
     return {};
   }
-  const std::string view = name.substr(0, slash), kind = name.substr(slash + 1, name.size() - slash - 1 - kEnding.size());
+  const std::string view = name.substr(0, slash),
+                    kind = name.substr(slash + 1, name.size() - slash - 1 - kEnding.size());
   if (RunControl(folder_).active()) {
     run_.reset();
     throw_usage("the run is still being made", "the pictures come when it has ended");

@@ -12,9 +12,11 @@ namespace aligngs {
 
 class ViewRenders {
  public:
-  ViewRenders(std::filesystem::path run, OpenRunOptions options) : folder_(std::move(run)), options_(std::move(options)) {}
+  ViewRenders(std::filesystem::path run, OpenRunOptions options)
+      : folder_(std::move(run)), options_(std::move(options)) {}
 
-  /// "<view>/<kind>.png" with kind rgb, depth, normal or label -> the picture, as `aligngs render` draws it. Nothing for
+  /// "<view>/<kind>.png" with kind rgb, depth, normal or label -> the picture, as `aligngs render` draws it. Nothing
+  /// for
   /// other names. Error{kUsage} while a process works on the run.
   std::optional<GetAnswer> picture(const std::string& name);
 

@@ -30,7 +30,10 @@ TEST(ThreadPool, VisitsEveryIndexOnceForAnyThreadCount) {
 
 TEST(ThreadPool, RethrowsTheFirstException) {
   ThreadPool pool(3);
-  EXPECT_THROW(pool.parallel_for(100, 1, [](size_t i, size_t, int) { if (i == 50) throw std::runtime_error("x"); }),
+  EXPECT_THROW(pool.parallel_for(100, 1,
+                                 [](size_t i, size_t, int) {
+                                   if (i == 50) throw std::runtime_error("x");
+                                 }),
                std::runtime_error);
   std::atomic<int> after{0};
   pool.parallel_for(10, 1, [&](size_t, size_t, int) { ++after; });
@@ -48,8 +51,9 @@ TEST(Similarity, RecoversAKnownMotion) {
   for (int i = 0; i < 6; ++i) {
     a.push_back({random.normal(), random.normal(), random.normal()});
     b.push_back(truth * a.back());
-    Rigidd pose{rotation_matrix(normalized(Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()})),
-                {random.normal(), random.normal(), random.normal()}};
+    Rigidd pose{
+        rotation_matrix(normalized(Quaterniond{random.normal(), random.normal(), random.normal(), random.normal()})),
+        {random.normal(), random.normal(), random.normal()}};
     cameras_a.push_back(pose);
     cameras_b.push_back(truth.transform_world_to_camera(pose));
     // The same world point has the same image, at a depth scaled with the world.

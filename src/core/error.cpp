@@ -14,11 +14,10 @@ std::string describe(const Error::Details& details) {
 
 }  // namespace
 
-Error::Error(Details details)
-    : std::runtime_error(describe(details)), details_(std::move(details)) {}
+Error::Error(Details details) : std::runtime_error(describe(details)), details_(std::move(details)) {}
 
-void throw_bad_input(const std::filesystem::path& path, const std::string& field,
-                     const std::string& message, const std::string& remedy) {
+void throw_bad_input(const std::filesystem::path& path, const std::string& field, const std::string& message,
+                     const std::string& remedy) {
   throw Error({ErrorKind::kBadInput, message, path, field, remedy});
 }
 
@@ -26,8 +25,7 @@ void throw_usage(const std::string& message, const std::string& remedy) {
   throw Error({ErrorKind::kUsage, message, {}, {}, remedy});
 }
 
-void throw_resources(const std::filesystem::path& path, const std::string& message,
-                     const std::string& remedy) {
+void throw_resources(const std::filesystem::path& path, const std::string& message, const std::string& remedy) {
   throw Error({ErrorKind::kResources, message, path, {}, remedy});
 }
 

@@ -35,7 +35,8 @@ inline uint16_t float_to_half(float f) {
   if (magnitude < 0x38800000u) {                                  // subnormal half
     const int shift = 126 - int(magnitude >> 23);
     const uint32_t m = (magnitude & 0x7fffffu) | 0x800000u;
-    const uint32_t rounded = (m >> shift) + ((m >> (shift - 1)) & 1u & (((m & ((1u << (shift - 1)) - 1)) != 0) | (m >> shift)));
+    const uint32_t rounded =
+        (m >> shift) + ((m >> (shift - 1)) & 1u & (((m & ((1u << (shift - 1)) - 1)) != 0) | (m >> shift)));
     return uint16_t(sign | rounded);
   }
   const uint32_t rounded = magnitude + 0xfffu + ((magnitude >> 13) & 1u);

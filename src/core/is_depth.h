@@ -5,7 +5,8 @@
 
 namespace aligngs {
 
-/// True for a depth that was measured: finite and in front of the camera. Zero, negative, infinite and NaN values mean "no
+/// True for a depth that was measured: finite and in front of the camera. Zero, negative, infinite and NaN values mean
+/// "no
 /// depth" in every map.
 template <class Real>
 bool is_depth(Real z) {

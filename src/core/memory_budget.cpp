@@ -62,8 +62,10 @@ std::string MemoryBudget::table() const {
 
 void MemoryBudget::require(const std::string& stage, const std::string& remedy) const {
   if (total() <= limit_) return;
-  throw_resources({}, fmt::format("{} needs {}, but the budget is {}:\n{}", stage, format_bytes(total()),
-                                  format_bytes(limit_), table()), remedy);
+  throw_resources({},
+                  fmt::format("{} needs {}, but the budget is {}:\n{}", stage, format_bytes(total()),
+                              format_bytes(limit_), table()),
+                  remedy);
 }
 
 }  // namespace aligngs

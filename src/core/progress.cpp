@@ -31,8 +31,13 @@ ProgressStyle ProgressStyle::detect() {
 }
 
 Progress::Progress(ProgressStyle style, std::string name, uint64_t total, uint64_t start)
-    : style_(style), name_(std::move(name)), total_(total), start_(start), current_(start),
-      begun_(Clock::now()), drawn_(begun_) {}
+    : style_(style),
+      name_(std::move(name)),
+      total_(total),
+      start_(start),
+      current_(start),
+      begun_(Clock::now()),
+      drawn_(begun_) {}
 
 Progress::~Progress() {
   if (open_line_) std::fputc('\n', stderr);
@@ -60,9 +65,9 @@ void Progress::draw(Clock::time_point now) {
   const double rate = elapsed > 0 ? done / elapsed : 0;
   const double left = rate > 0 ? static_cast<double>(total_ - std::min(current_, total_)) / rate : 0;
   const double share = total_ > 0 ? std::min(1.0, static_cast<double>(current_) / static_cast<double>(total_)) : 1.0;
-  const std::string tail = fmt::format("{}/{} {:3.0f}%  {}  {:.1f}/s  {} left {}", current_, total_, 100 * share,
-                                       detail_, rate, format_duration(elapsed),
-                                       rate > 0 ? format_duration(left) : std::string("?"));
+  const std::string tail =
+      fmt::format("{}/{} {:3.0f}%  {}  {:.1f}/s  {} left {}", current_, total_, 100 * share, detail_, rate,
+                  format_duration(elapsed), rate > 0 ? format_duration(left) : std::string("?"));
   if (!style_.terminal) {
     std::fputs(fmt::format("{} {}\n", name_, tail).c_str(), stderr);
     return;

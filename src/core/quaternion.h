@@ -12,13 +12,15 @@ struct Quaternion {
 using Quaterniond = Quaternion<double>;
 using Quaternionf = Quaternion<float>;
 
-template <class T> ALIGNGS_HD inline T norm(const Quaternion<T>& q) {
+template <class T>
+ALIGNGS_HD inline T norm(const Quaternion<T>& q) {
   using std::sqrt;
   return sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
 }
 
 /// q / |q|; a zero quaternion becomes the identity.
-template <class T> ALIGNGS_HD inline Quaternion<T> normalized(const Quaternion<T>& q) {
+template <class T>
+ALIGNGS_HD inline Quaternion<T> normalized(const Quaternion<T>& q) {
   const T n = norm(q);
   if (!(n > T(0))) return {};
   const T s = T(1) / n;
@@ -26,14 +28,16 @@ template <class T> ALIGNGS_HD inline Quaternion<T> normalized(const Quaternion<T
 }
 
 /// Rotation matrix of a unit quaternion.
-template <class T> ALIGNGS_HD inline Mat3<T> rotation_matrix(const Quaternion<T>& q) {
+template <class T>
+ALIGNGS_HD inline Mat3<T> rotation_matrix(const Quaternion<T>& q) {
   return {{T(1) - T(2) * (q.y * q.y + q.z * q.z), T(2) * (q.x * q.y - q.w * q.z), T(2) * (q.x * q.z + q.w * q.y),
            T(2) * (q.x * q.y + q.w * q.z), T(1) - T(2) * (q.x * q.x + q.z * q.z), T(2) * (q.y * q.z - q.w * q.x),
            T(2) * (q.x * q.z - q.w * q.y), T(2) * (q.y * q.z + q.w * q.x), T(1) - T(2) * (q.x * q.x + q.y * q.y)}};
 }
 
 /// Unit quaternion (w >= 0) of a rotation matrix, by the largest diagonal term (Shepperd's method).
-template <class T> ALIGNGS_HD inline Quaternion<T> quaternion_of(const Mat3<T>& r) {
+template <class T>
+ALIGNGS_HD inline Quaternion<T> quaternion_of(const Mat3<T>& r) {
   using std::sqrt;
   const T trace = r(0, 0) + r(1, 1) + r(2, 2);
   Quaternion<T> q;
@@ -55,7 +59,8 @@ template <class T> ALIGNGS_HD inline Quaternion<T> quaternion_of(const Mat3<T>& 
 }
 
 /// A rotation that takes the z axis to the given unit direction (used to lay flat Gaussians on a surface).
-template <class T> ALIGNGS_HD inline Quaternion<T> quaternion_from_z_to(const Vec3<T>& n) {
+template <class T>
+ALIGNGS_HD inline Quaternion<T> quaternion_from_z_to(const Vec3<T>& n) {
   if (n.z < T(-0.999999)) return {T(0), T(1), T(0), T(0)};  // half a turn about x
   return normalized(Quaternion<T>{T(1) + n.z, -n.y, n.x, T(0)});
 }

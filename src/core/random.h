@@ -16,10 +16,10 @@ class Random {
   explicit Random(uint64_t seed = 0);
 
   uint64_t next();
-  double uniform();                          ///< in [0, 1)
-  double uniform(double low, double high);   ///< in [low, high)
-  double normal();                           ///< standard normal (Box-Muller, no cached second value)
-  int below(int n);                          ///< in [0, n), n >= 1
+  double uniform();                         ///< in [0, 1)
+  double uniform(double low, double high);  ///< in [low, high)
+  double normal();                          ///< standard normal (Box-Muller, no cached second value)
+  int below(int n);                         ///< in [0, n), n >= 1
   bool chance(double probability) { return uniform() < probability; }
   template <class T>
   void shuffle(std::vector<T>& values) {

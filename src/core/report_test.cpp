@@ -15,7 +15,8 @@ TEST(Error, SaysFileFieldAndRemedy) {
     throw_bad_input("scene/split.json", "train[2]", "there is no view called x", "use the stem of an image");
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_status(), 3);
-    EXPECT_STREQ(error.what(), "scene/split.json: train[2]: there is no view called x\n  remedy: use the stem of an image");
+    EXPECT_STREQ(error.what(),
+                 "scene/split.json: train[2]: there is no view called x\n  remedy: use the stem of an image");
   }
 }
 

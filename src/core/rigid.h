@@ -40,7 +40,8 @@ struct Similarity {
 struct SimilarityFit {
   Similarity similarity;
   double rmse = 0;  ///< root mean squared residual, in units of `to`
-  bool well_posed = false;  ///< false with fewer than 3 points or all on one line: scale and rotation are not determined
+  /// false with fewer than 3 points or all on one line: scale and rotation are not determined
+  bool well_posed = false;
 };
 SimilarityFit fit_similarity(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, bool with_scale = true);
 

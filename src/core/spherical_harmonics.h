@@ -6,7 +6,7 @@
 namespace aligngs {
 
 inline constexpr int kMaxShDegree = 3;
-inline constexpr int kShCoefficients = 16;  ///< (kMaxShDegree + 1)^2
+inline constexpr int kShCoefficients = 16;           ///< (kMaxShDegree + 1)^2
 inline constexpr double kSh0 = 0.28209479177387814;  ///< 1 / (2 sqrt(pi)): the constant basis function
 
 ALIGNGS_HD inline constexpr int sh_coefficient_count(int degree) { return (degree + 1) * (degree + 1); }
@@ -62,8 +62,7 @@ ALIGNGS_HD inline Vec3<T> sh_basis_gradient(int degree, const Vec3<T>& d, const 
          c14 * weight[14] * T(2) * x * z + c9 * weight[15] * T(3) * (xx - yy);
   g.y += c9 * weight[9] * T(3) * (xx - yy) + c10 * weight[10] * x * z +
          c11 * weight[11] * (T(4) * zz - xx - T(3) * yy) - c12 * weight[12] * T(6) * y * z -
-         c11 * weight[13] * T(2) * x * y - c14 * weight[14] * T(2) * y * z -
-         c9 * weight[15] * T(6) * x * y;
+         c11 * weight[13] * T(2) * x * y - c14 * weight[14] * T(2) * y * z - c9 * weight[15] * T(6) * x * y;
   g.z += c10 * weight[10] * x * y + c11 * weight[11] * T(8) * y * z +
          c12 * weight[12] * (T(6) * zz - T(3) * xx - T(3) * yy) + c11 * weight[13] * T(8) * x * z +
          c14 * weight[14] * (xx - yy);

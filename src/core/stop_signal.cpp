@@ -102,7 +102,11 @@ bool stop_requested() { return requested.load(std::memory_order_relaxed); }
 
 void stop_if_requested() {
   if (!stop_requested() || deferrals_here > 0) return;
-  throw Error({ErrorKind::kInterrupted, "stopped by a signal; existing output is intact", {}, {}, "run the same command again"});
+  throw Error({ErrorKind::kInterrupted,
+               "stopped by a signal; existing output is intact",
+               {},
+               {},
+               "run the same command again"});
 }
 
 StopDeferral::StopDeferral() {

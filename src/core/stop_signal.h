@@ -15,7 +15,8 @@ namespace aligngs {
 
 inline constexpr double kGraceSeconds = 2;  // a command that was asked to stop has ended within 3
 
-/// Installs the handlers, and starts the thread that ends what does not end itself. SIGHUP stays ignored where it is (nohup).
+/// Installs the handlers, and starts the thread that ends what does not end itself. SIGHUP stays ignored where it is
+/// (nohup).
 void install_stop_handlers();
 
 /// True once a signal asked the program to stop.

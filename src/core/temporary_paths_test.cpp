@@ -7,7 +7,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(TemporaryPaths, ASuffixGoesToTheEndOfTheName) { EXPECT_EQ(temporary_beside("a/scene.ply", ".tmp-7"), fs::path("a/scene.ply.tmp-7")); }
+TEST(TemporaryPaths, ASuffixGoesToTheEndOfTheName) {
+  EXPECT_EQ(temporary_beside("a/scene.ply", ".tmp-7"), fs::path("a/scene.ply.tmp-7"));
+}
 
 TEST(TemporaryPaths, LongNamesAreCutToWhatFileSystemsTake) {
   const fs::path path = fs::path("folder") / std::string(255, 'n');

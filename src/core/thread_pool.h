@@ -27,8 +27,7 @@ class ThreadPool {
   ///
   /// Results are independent of the number of threads when each chunk writes only its own output:
   /// chunk boundaries depend on count and grain alone.
-  void parallel_for(size_t count, size_t grain,
-                    const std::function<void(size_t begin, size_t end, int worker)>& body);
+  void parallel_for(size_t count, size_t grain, const std::function<void(size_t begin, size_t end, int worker)>& body);
 
  private:
   struct Job;

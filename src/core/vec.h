@@ -23,28 +23,62 @@ struct Vec3 {
   ALIGNGS_HD Vec3<U> cast() const {
     return {static_cast<U>(x), static_cast<U>(y), static_cast<U>(z)};
   }
-  ALIGNGS_HD Vec3& operator+=(const Vec3& b) { x += b.x; y += b.y; z += b.z; return *this; }
-  ALIGNGS_HD Vec3& operator-=(const Vec3& b) { x -= b.x; y -= b.y; z -= b.z; return *this; }
-  ALIGNGS_HD Vec3& operator*=(T s) { x *= s; y *= s; z *= s; return *this; }
+  ALIGNGS_HD Vec3& operator+=(const Vec3& b) {
+    x += b.x;
+    y += b.y;
+    z += b.z;
+    return *this;
+  }
+  ALIGNGS_HD Vec3& operator-=(const Vec3& b) {
+    x -= b.x;
+    y -= b.y;
+    z -= b.z;
+    return *this;
+  }
+  ALIGNGS_HD Vec3& operator*=(T s) {
+    x *= s;
+    y *= s;
+    z *= s;
+    return *this;
+  }
 };
 
-template <class T> ALIGNGS_HD inline Vec3<T> operator+(Vec3<T> a, const Vec3<T>& b) { return a += b; }
-template <class T> ALIGNGS_HD inline Vec3<T> operator-(Vec3<T> a, const Vec3<T>& b) { return a -= b; }
-template <class T> ALIGNGS_HD inline Vec3<T> operator-(const Vec3<T>& a) { return {-a.x, -a.y, -a.z}; }
-template <class T> ALIGNGS_HD inline Vec3<T> operator*(Vec3<T> a, T s) { return a *= s; }
-template <class T> ALIGNGS_HD inline Vec3<T> operator*(T s, Vec3<T> a) { return a *= s; }
-template <class T> ALIGNGS_HD inline T dot(const Vec3<T>& a, const Vec3<T>& b) {
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator+(Vec3<T> a, const Vec3<T>& b) {
+  return a += b;
+}
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator-(Vec3<T> a, const Vec3<T>& b) {
+  return a -= b;
+}
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator-(const Vec3<T>& a) {
+  return {-a.x, -a.y, -a.z};
+}
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator*(Vec3<T> a, T s) {
+  return a *= s;
+}
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator*(T s, Vec3<T> a) {
+  return a *= s;
+}
+template <class T>
+ALIGNGS_HD inline T dot(const Vec3<T>& a, const Vec3<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-template <class T> ALIGNGS_HD inline Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
+template <class T>
+ALIGNGS_HD inline Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class T> ALIGNGS_HD inline T norm(const Vec3<T>& a) {
+template <class T>
+ALIGNGS_HD inline T norm(const Vec3<T>& a) {
   using std::sqrt;
   return sqrt(dot(a, a));
 }
 /// a / |a|; the zero vector stays zero.
-template <class T> ALIGNGS_HD inline Vec3<T> normalized(const Vec3<T>& a) {
+template <class T>
+ALIGNGS_HD inline Vec3<T> normalized(const Vec3<T>& a) {
   const T n = norm(a);
   return n > T(0) ? a * (T(1) / n) : a;
 }
@@ -67,25 +101,30 @@ struct Mat3 {
   }
 };
 
-template <class T> ALIGNGS_HD inline Vec3<T> operator*(const Mat3<T>& a, const Vec3<T>& v) {
+template <class T>
+ALIGNGS_HD inline Vec3<T> operator*(const Mat3<T>& a, const Vec3<T>& v) {
   return {a.m[0] * v.x + a.m[1] * v.y + a.m[2] * v.z, a.m[3] * v.x + a.m[4] * v.y + a.m[5] * v.z,
           a.m[6] * v.x + a.m[7] * v.y + a.m[8] * v.z};
 }
-template <class T> ALIGNGS_HD inline Mat3<T> operator*(const Mat3<T>& a, const Mat3<T>& b) {
+template <class T>
+ALIGNGS_HD inline Mat3<T> operator*(const Mat3<T>& a, const Mat3<T>& b) {
   Mat3<T> r;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) r(i, j) = dot(a.row(i), b.column(j));
   return r;
 }
-template <class T> ALIGNGS_HD inline Mat3<T> transpose(const Mat3<T>& a) {
+template <class T>
+ALIGNGS_HD inline Mat3<T> transpose(const Mat3<T>& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 /// transpose(a) * v without forming the transpose.
-template <class T> ALIGNGS_HD inline Vec3<T> transpose_times(const Mat3<T>& a, const Vec3<T>& v) {
+template <class T>
+ALIGNGS_HD inline Vec3<T> transpose_times(const Mat3<T>& a, const Vec3<T>& v) {
   return {a.m[0] * v.x + a.m[3] * v.y + a.m[6] * v.z, a.m[1] * v.x + a.m[4] * v.y + a.m[7] * v.z,
           a.m[2] * v.x + a.m[5] * v.y + a.m[8] * v.z};
 }
-template <class T> ALIGNGS_HD inline T determinant(const Mat3<T>& a) {
+template <class T>
+ALIGNGS_HD inline T determinant(const Mat3<T>& a) {
   return dot(a.row(0), cross(a.row(1), a.row(2)));
 }
 

@@ -57,7 +57,7 @@ void keep_part(EditableRoom& room, const std::vector<uint8_t>& keep, const std::
 
 /// Gaussians that a deletion leaves of objects that it takes for the most part: specks inside of other things.
 std::vector<uint8_t> rest_of_objects(const LabelledGaussians& room, const std::vector<uint8_t>& mask) {
-  constexpr size_t kMost = 2;  // selected: at least one of two Gaussians
+  constexpr size_t kMost = 2;                                                 // selected: at least one of two Gaussians
   std::map<std::pair<uint16_t, uint16_t>, std::pair<size_t, size_t>> counts;  // selected, all
   for (size_t i = 0; i < mask.size(); ++i) {
     auto& [selected, all] = counts[{room.labels.label[i], room.labels.instance[i]}];
@@ -151,14 +151,16 @@ LabelledGaussians keep_rows(LabelledGaussians room, const std::vector<uint8_t>& 
 Vocabulary vocabulary_of(const EditableRoom& room) {
   Vocabulary vocabulary(room.labels);
   std::vector<int> present;
-  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels)) present.push_back(object.label);
+  for (const Instance& object : list_instances(room.gaussians.model, room.gaussians.labels))
+    present.push_back(object.label);
   vocabulary.prefer(present);
   return vocabulary;
 }
 
 SelectionQuery read_selection(const EditableRoom& room, const std::string& text) {
-  return with_numbers(parse_selection(text, vocabulary_of(room)), list_instances(room.gaussians.model, room.gaussians.labels),
-                      {room.up, mean_place(room.cameras)}, room.labels);
+  return with_numbers(parse_selection(text, vocabulary_of(room)),
+                      list_instances(room.gaussians.model, room.gaussians.labels), {room.up, mean_place(room.cameras)},
+                      room.labels);
 }
 
 EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool& pool) {
@@ -166,10 +168,10 @@ EditReport apply_edit(EditableRoom& room, const EditOperation& edit, ThreadPool&
   SelectionOptions options;
   // The rest of a deleted object shows against the hole, so that half of the neighbours suffice to go with it.
   if (edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove) options.join = 0.5;
-  GaussianSelection selection =
-      select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
+  GaussianSelection selection = select_gaussians(room.gaussians, query, edit.threshold, room.labels, options, pool);
   EditReport report;
-  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up && !query.everything) {
+  if ((edit.kind == EditKind::kDelete || edit.kind == EditKind::kMove || edit.with_contents) && room.up &&
+      !query.everything) {
     add_contents(room, edit.with_contents, selection, report);
   }
   report.description = describe(edit);

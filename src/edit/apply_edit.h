@@ -28,21 +28,21 @@ struct EditableRoom {
   TriangleMesh mesh;                    ///< empty when the run has none
   MeshRows mesh_rows;                   ///< names of its rows
   LabelSet labels;
-  std::optional<Vec3d> up;  ///< unit, world; when the scene knows it
+  std::optional<Vec3d> up;      ///< unit, world; when the scene knows it
   std::vector<Camera> cameras;  ///< of the training photos, world; empty where they are not known
 };
 
 struct EditReport {
   std::string description;
-  std::vector<SelectedObject> objects;  ///< what was selected
+  std::vector<SelectedObject> objects;   ///< what was selected
   std::vector<SelectedObject> contents;  ///< things on them that were left behind
-  size_t selected = 0;                  ///< Gaussians
-  size_t before = 0, after = 0;         ///< Gaussians of the room
-  size_t filled = 0;                    ///< new Gaussians of the surfaces that were behind and under
-  size_t cleared = 0;                   ///< Gaussians that went along, because only the object hid what they were
-  bool no_support = false;              ///< fill was asked for and no surface continues into the hole
+  size_t selected = 0;                   ///< Gaussians
+  size_t before = 0, after = 0;          ///< Gaussians of the room
+  size_t filled = 0;                     ///< new Gaussians of the surfaces that were behind and under
+  size_t cleared = 0;                    ///< Gaussians that went along, because only the object hid what they were
+  bool no_support = false;               ///< fill was asked for and no surface continues into the hole
   size_t selected_vertices = 0, vertices_before = 0, vertices_after = 0;
-  double threshold = 0;  ///< that was used; 0 for argmax
+  double threshold = 0;            ///< that was used; 0 for argmax
   std::optional<float> mean_luma;  ///< of the selection, for kRecolor; empty when nothing of it is to be seen
   std::vector<uint8_t> recolored;  ///< per Gaussian of the room before: 1 for those that kRecolor and kHighlight colour
   bool asked_everything = false;   ///< the selection is the room but for some classes

@@ -36,7 +36,8 @@ class Columns {
 };
 
 /// Heights of the selected Gaussians in each column, ascending.
-std::map<Column, std::vector<double>> heights_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const Columns& columns) {
+std::map<Column, std::vector<double>> heights_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
+                                                 const Columns& columns) {
   std::map<Column, std::vector<double>> out;
   for (size_t i = 0; i < selected.size(); ++i) {
     if (selected[i] && opacity_of(room.model, i) >= kSolid) out[columns.column_of(i)].push_back(columns.height_of(i));
@@ -47,7 +48,8 @@ std::map<Column, std::vector<double>> heights_of(const LabelledGaussians& room, 
 
 }  // namespace
 
-void select_objects(const LabelledGaussians& room, const std::vector<Instance>& objects, std::vector<uint8_t>& selected) {
+void select_objects(const LabelledGaussians& room, const std::vector<Instance>& objects,
+                    std::vector<uint8_t>& selected) {
   for (size_t i = 0; i < selected.size(); ++i) {
     for (const Instance& o : objects) {
       if (room.labels.label[i] == o.label && room.labels.instance[i] == o.number) selected[i] = 1;
@@ -55,8 +57,8 @@ void select_objects(const LabelledGaussians& room, const std::vector<Instance>& 
   }
 }
 
-std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected, const LabelSet& labels,
-                                  const Vec3d& up, const ContentsSettings& settings) {
+std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vector<uint8_t>& selected,
+                                  const LabelSet& labels, const Vec3d& up, const ContentsSettings& settings) {
   std::vector<Instance> found;
   if (!room.has_labels()) return found;
   const std::vector<CarryingClass> classes = carrying_classes(labels);

@@ -22,6 +22,7 @@ std::vector<Instance> contents_of(const LabelledGaussians& room, const std::vect
                                   const LabelSet& labels, const Vec3d& up, const ContentsSettings& settings = {});
 
 /// Adds the rows of objects to a selection.
-void select_objects(const LabelledGaussians& room, const std::vector<Instance>& objects, std::vector<uint8_t>& selected);
+void select_objects(const LabelledGaussians& room, const std::vector<Instance>& objects,
+                    std::vector<uint8_t>& selected);
 
 }  // namespace aligngs

@@ -27,7 +27,8 @@ class Contents : public testing::Test {
   }
   std::vector<int> labels_on(int label) const {
     std::vector<int> out;
-    for (const Instance& o : contents_of(room_.gaussians, rows_of(label), room_.labels, {0, -1, 0})) out.push_back(o.label);
+    for (const Instance& o : contents_of(room_.gaussians, rows_of(label), room_.labels, {0, -1, 0}))
+      out.push_back(o.label);
     return out;
   }
   ThreadPool pool_{2};

@@ -36,7 +36,8 @@ size_t join_neighbours(LabelledGaussians& room, const std::vector<uint8_t>& rows
         votes[{label, instance}] += opacity_of(room.model, j) * (label == room.labels.label[i] ? options.own_class : 1);
       }
       if (votes.empty()) continue;
-      const auto best = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+      const auto best = std::max_element(votes.begin(), votes.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
       std::tie(room.labels.label[i], room.labels.instance[i]) = best->first;
       open[i] = 0;
       moved = true;
@@ -51,12 +52,14 @@ size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadP
   std::set<std::pair<uint16_t, uint16_t>> crumbs;
   for (const Instance& object : list_instances(room.model, room.labels)) {
     const bool is_small = norm(object.high - object.low) < options.small * room.extent;
-    if (object.gaussians < options.fewest || (object.gaussians < options.few && is_small)) crumbs.insert({static_cast<uint16_t>(object.label), static_cast<uint16_t>(object.number)});
+    if (object.gaussians < options.fewest || (object.gaussians < options.few && is_small))
+      crumbs.insert({static_cast<uint16_t>(object.label), static_cast<uint16_t>(object.number)});
   }
   std::vector<uint8_t> rows(room.model.size(), 0);
   for (size_t i = 0; i < rows.size(); ++i) {
     const uint16_t label = room.labels.label[i];
-    rows[i] = label != kNoLabel && (room.labels.instance[i] == 0 || crumbs.count({label, room.labels.instance[i]}) != 0);
+    rows[i] =
+        label != kNoLabel && (room.labels.instance[i] == 0 || crumbs.count({label, room.labels.instance[i]}) != 0);
   }
   return join_neighbours(room, rows, options, pool);
 }

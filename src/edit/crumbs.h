@@ -17,8 +17,10 @@ struct CrumbOptions {
   double own_class = 2;  ///< weight of the votes of its own class
 };
 
-/// Crumbs are objects that are too small, and Gaussians with a class and no object. They get the class and the object of
-/// most of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects do not
+/// Crumbs are objects that are too small, and Gaussians with a class and no object. They get the class and the object
+/// of
+/// most of their neighbours, by opacity. Crumbs without a neighbour that has an object stay. Numbers of other objects
+/// do not
 /// change. Returns how many Gaussians have joined another object.
 size_t join_crumbs(LabelledGaussians& room, const CrumbOptions& options, ThreadPool& pool);
 

@@ -17,7 +17,8 @@ constexpr size_t kHarmonics = size_t(3) * kShCoefficients;
 
 /// Names of `before` that `after` does not have; calls pair(b, a) for those that both have. Both ascend.
 template <class Before, class After, class Pair>
-std::vector<RowId> compare(size_t before, const Before& id_before, size_t after, const After& id_after, const Pair& pair) {
+std::vector<RowId> compare(size_t before, const Before& id_before, size_t after, const After& id_after,
+                           const Pair& pair) {
   std::vector<RowId> gone;
   size_t a = 0;
   for (size_t b = 0; b < before; ++b) {
@@ -47,7 +48,8 @@ bool find_rows(const std::vector<RowId>& wanted, size_t count, const Id& id, std
 
 template <class T>
 void append_row(std::vector<T>& to, const std::vector<T>& from, size_t row, size_t width) {
-  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(row * width), from.begin() + static_cast<std::ptrdiff_t>((row + 1) * width));
+  to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(row * width),
+            from.begin() + static_cast<std::ptrdiff_t>((row + 1) * width));
 }
 
 /// Collects what a change touches.
@@ -95,8 +97,9 @@ void compare_meshes(const EditableRoom& before, const EditableRoom& after, EditC
   const MeshRows &b = before.mesh_rows, &a = after.mesh_rows;
   const auto vertex_before = [&](size_t i) { return b.vertices[i]; };
   const auto vertex_after = [&](size_t i) { return a.vertices[i]; };
-  change.removed_triangles = compare(b.triangles.size(), [&](size_t i) { return b.triangles[i]; }, a.triangles.size(),
-                                     [&](size_t i) { return a.triangles[i]; }, [](size_t, size_t) {});
+  change.removed_triangles = compare(
+      b.triangles.size(), [&](size_t i) { return b.triangles[i]; }, a.triangles.size(),
+      [&](size_t i) { return a.triangles[i]; }, [](size_t, size_t) {});
   compare(b.vertices.size(), vertex_before, a.vertices.size(), vertex_after, [&](size_t i, size_t j) {
     if (before.mesh.colors.empty() || before.mesh.colors[i] == after.mesh.colors[j]) return;
     change.recolored_vertices.push_back(b.vertices[i]);
@@ -109,7 +112,8 @@ void compare_meshes(const EditableRoom& before, const EditableRoom& after, EditC
   change.added_mesh = submesh(after.mesh, fresh);
 }
 
-bool apply_to_mesh(EditableRoom& room, const EditChange& change, const std::vector<uint32_t>& gone, const std::vector<uint32_t>& recolored) {
+bool apply_to_mesh(EditableRoom& room, const EditChange& change, const std::vector<uint32_t>& gone,
+                   const std::vector<uint32_t>& recolored) {
   for (size_t k = 0; k < recolored.size(); ++k) room.mesh.colors[recolored[k]] = change.vertex_colors[k];
   if (!gone.empty()) {
     std::vector<uint32_t> stay;
@@ -123,15 +127,19 @@ bool apply_to_mesh(EditableRoom& room, const EditChange& change, const std::vect
     }
     SubmeshRows rows;
     room.mesh = submesh(room.mesh, stay, &rows);
-    for (size_t i = 0; i < rows.vertices.size(); ++i) room.mesh_rows.vertices[i] = room.mesh_rows.vertices[rows.vertices[i]];
-    for (size_t i = 0; i < rows.triangles.size(); ++i) room.mesh_rows.triangles[i] = room.mesh_rows.triangles[rows.triangles[i]];
+    for (size_t i = 0; i < rows.vertices.size(); ++i)
+      room.mesh_rows.vertices[i] = room.mesh_rows.vertices[rows.vertices[i]];
+    for (size_t i = 0; i < rows.triangles.size(); ++i)
+      room.mesh_rows.triangles[i] = room.mesh_rows.triangles[rows.triangles[i]];
     room.mesh_rows.vertices.resize(rows.vertices.size());
     room.mesh_rows.triangles.resize(rows.triangles.size());
   }
   const size_t vertices = room.mesh.vertices.size(), triangles = room.mesh.triangles.size();
   append_mesh(room, change.added_mesh);
-  for (size_t i = vertices; i < room.mesh.vertices.size(); ++i) room.mesh_rows.vertices[i] = row_of_edit(change.number, static_cast<uint32_t>(i - vertices));
-  for (size_t i = triangles; i < room.mesh.triangles.size(); ++i) room.mesh_rows.triangles[i] = row_of_edit(change.number, static_cast<uint32_t>(i - triangles));
+  for (size_t i = vertices; i < room.mesh.vertices.size(); ++i)
+    room.mesh_rows.vertices[i] = row_of_edit(change.number, static_cast<uint32_t>(i - vertices));
+  for (size_t i = triangles; i < room.mesh.triangles.size(); ++i)
+    room.mesh_rows.triangles[i] = row_of_edit(change.number, static_cast<uint32_t>(i - triangles));
   return true;
 }
 
@@ -155,7 +163,8 @@ void append_gaussians(EditableRoom& room, const EditChange& change) {
   append(room.gaussians.labels.label, more.label);
   append(room.gaussians.labels.instance, more.instance);
   append(room.gaussians.labels.confidence, more.confidence);
-  for (uint32_t i = 0; i < more.size(); ++i) room.origins.push_back({more.source[i], true, row_of_edit(change.number, i)});
+  for (uint32_t i = 0; i < more.size(); ++i)
+    room.origins.push_back({more.source[i], true, row_of_edit(change.number, i)});
 }
 
 class Digest {
@@ -183,8 +192,8 @@ class Digest {
 
 }  // namespace
 
-EditChange difference(const EditableRoom& before, const EditableRoom& after, const EditOperation& edit, const EditReport& report,
-                      uint32_t number, uint64_t base) {
+EditChange difference(const EditableRoom& before, const EditableRoom& after, const EditOperation& edit,
+                      const EditReport& report, uint32_t number, uint64_t base) {
   EditChange change;
   change.number = number;
   change.base = base;
@@ -227,8 +236,12 @@ bool apply_change(EditableRoom& room, const EditChange& change) {
   if (!find_rows(change.removed, room.origins.size(), id, gone)) return false;
   if (change.colors && !find_rows(change.colors->rows, room.origins.size(), id, colored)) return false;
   if (!find_rows(change.relabelled, room.origins.size(), id, relabelled)) return false;
-  if (!find_rows(change.removed_triangles, mesh.triangles.size(), [&](size_t i) { return mesh.triangles[i]; }, triangles)) return false;
-  if (!find_rows(change.recolored_vertices, mesh.vertices.size(), [&](size_t i) { return mesh.vertices[i]; }, vertices)) return false;
+  if (!find_rows(
+          change.removed_triangles, mesh.triangles.size(), [&](size_t i) { return mesh.triangles[i]; }, triangles))
+    return false;
+  if (!find_rows(
+          change.recolored_vertices, mesh.vertices.size(), [&](size_t i) { return mesh.vertices[i]; }, vertices))
+    return false;
 
   for (size_t k = 0; k < relabelled.size(); ++k) {
     room.gaussians.labels.label[relabelled[k]] = change.label[k];
@@ -237,8 +250,10 @@ bool apply_change(EditableRoom& room, const EditChange& change) {
   if (change.colors) {
     std::vector<uint8_t> mask(room.origins.size(), 0);
     for (const uint32_t i : colored) mask[i] = 1;
-    if (change.colors->kind == EditKind::kRecolor) recolor_gaussians(room.gaussians.model, mask, change.colors->color, change.colors->mean);
-    else highlight_gaussians(room.gaussians.model, mask, change.colors->color);
+    if (change.colors->kind == EditKind::kRecolor)
+      recolor_gaussians(room.gaussians.model, mask, change.colors->color, change.colors->mean);
+    else
+      highlight_gaussians(room.gaussians.model, mask, change.colors->color);
   }
   // A change has no probabilities of what it adds. Whoever asks for them makes them for all Gaussians by their origins.
   if (!gone.empty() || change.added.size() > 0) room.gaussians.soft = {};

@@ -30,12 +30,12 @@ struct AddedGaussians {
 
 /// All lists of rows are ascending.
 struct EditChange {
-  uint32_t number = 0;  ///< of the edit in its run, from 1 on
-  uint64_t base = 0;    ///< digest of the trained room (room_digest)
+  uint32_t number = 0;                                           ///< of the edit in its run, from 1 on
+  uint64_t base = 0;                                             ///< digest of the trained room (room_digest)
   Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};  ///< box of all Gaussians that go, change and come
-  std::vector<uint16_t> classes;  ///< of these Gaussians, ascending, each once
-  std::vector<uint16_t> asked;    ///< classes that the selection names
-  bool asked_everything = false;  ///< the selection is the room but for some classes
+  std::vector<uint16_t> classes;                                 ///< of these Gaussians, ascending, each once
+  std::vector<uint16_t> asked;                                   ///< classes that the selection names
+  bool asked_everything = false;                                 ///< the selection is the room but for some classes
 
   std::vector<RowId> removed;
   std::optional<ColorChange> colors;
@@ -50,8 +50,8 @@ struct EditChange {
 };
 
 /// The change that apply_edit made to `before`. Rows of `after` that are new get the number of the edit.
-EditChange difference(const EditableRoom& before, const EditableRoom& after, const EditOperation& edit, const EditReport& report,
-                      uint32_t number, uint64_t base);
+EditChange difference(const EditableRoom& before, const EditableRoom& after, const EditOperation& edit,
+                      const EditReport& report, uint32_t number, uint64_t base);
 
 /// False, and an unchanged room, when rows that the change speaks of are not there.
 bool apply_change(EditableRoom& room, const EditChange& change);

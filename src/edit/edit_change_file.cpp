@@ -42,14 +42,23 @@ std::vector<T> take(ByteReader& reader, uint64_t count, const char* field) {
 
 /// Lengths of the lists, in the order of the file.
 struct Counts {
-  uint64_t removed = 0, colored = 0, relabelled = 0, added = 0, triangles = 0, vertices = 0, added_vertices = 0, added_triangles = 0;
+  uint64_t removed = 0, colored = 0, relabelled = 0, added = 0, triangles = 0, vertices = 0, added_vertices = 0,
+           added_triangles = 0;
   bool normals = false, colors = false, labels = false;  ///< attributes of the added mesh
 };
 
 Json json_of(const Counts& c) {
-  return {{"removed", c.removed}, {"colored", c.colored}, {"relabelled", c.relabelled}, {"added", c.added}, {"triangles", c.triangles},
-          {"vertices", c.vertices}, {"added_vertices", c.added_vertices}, {"added_triangles", c.added_triangles},
-          {"normals", c.normals}, {"colors", c.colors}, {"labels", c.labels}};
+  return {{"removed", c.removed},
+          {"colored", c.colored},
+          {"relabelled", c.relabelled},
+          {"added", c.added},
+          {"triangles", c.triangles},
+          {"vertices", c.vertices},
+          {"added_vertices", c.added_vertices},
+          {"added_triangles", c.added_triangles},
+          {"normals", c.normals},
+          {"colors", c.colors},
+          {"labels", c.labels}};
 }
 
 Counts counts_of(const Json& j) {
@@ -81,7 +90,8 @@ void read_head(const Json& head, EditChange& change) {
   if (!head.contains("color")) return;
   const Json& color = head.at("color");
   ColorChange c;
-  c.kind = color.at("operation").get<std::string>() == edit_kind_name(EditKind::kHighlight) ? EditKind::kHighlight : EditKind::kRecolor;
+  c.kind = color.at("operation").get<std::string>() == edit_kind_name(EditKind::kHighlight) ? EditKind::kHighlight
+                                                                                            : EditKind::kRecolor;
   c.color = parse_color(color.at("color").get<std::string>());
   c.mean = color.at("mean").get<float>();
   change.colors = std::move(c);
@@ -98,7 +108,9 @@ Json head_of(const EditChange& change, const Counts& counts) {
                {"high", {change.high.x, change.high.y, change.high.z}},
                {"counts", json_of(counts)}};
   if (change.colors) {
-    head["color"] = {{"operation", edit_kind_name(change.colors->kind)}, {"color", color_text(change.colors->color)}, {"mean", change.colors->mean}};
+    head["color"] = {{"operation", edit_kind_name(change.colors->kind)},
+                     {"color", color_text(change.colors->color)},
+                     {"mean", change.colors->mean}};
   }
   return head;
 }
@@ -217,8 +229,12 @@ EditChange read_change(const fs::path& file) { return decode_change(read_file(fi
 bool is_change_name(const std::string& name) {
   const size_t dash = name.find('-');
   const std::string ending = kEnding;
-  if (dash == std::string::npos || dash < 4 || name.size() != dash + 1 + kDigestDigits + ending.size() || !name.ends_with(ending)) return false;
-  const auto digits = [&](size_t from, size_t to, const char* of) { return name.substr(from, to - from).find_first_not_of(of) == std::string::npos; };
+  if (dash == std::string::npos || dash < 4 || name.size() != dash + 1 + kDigestDigits + ending.size() ||
+      !name.ends_with(ending))
+    return false;
+  const auto digits = [&](size_t from, size_t to, const char* of) {
+    return name.substr(from, to - from).find_first_not_of(of) == std::string::npos;
+  };
   return digits(0, dash, "0123456789") && digits(dash + 1, dash + 1 + kDigestDigits, "0123456789abcdef");
 }
 

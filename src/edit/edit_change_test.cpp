@@ -55,8 +55,10 @@ void expect_same_room(const EditableRoom& a, const EditableRoom& b) {
 
 TEST_F(EditChangeTest, EveryKindOfEditIsWhatItsChangeSays) {
   uint32_t number = 0;
-  for (const EditOperation& edit : {edit_of(EditKind::kRecolor, "pillow#1"), edit_of(EditKind::kHighlight, "box"), edit_of(EditKind::kDuplicate, "pillow#2"),
-                                    edit_of(EditKind::kMove, "pillow#1", true), edit_of(EditKind::kDelete, "box", true), edit_of(EditKind::kExtract, "pillow, floor")}) {
+  for (const EditOperation& edit :
+       {edit_of(EditKind::kRecolor, "pillow#1"), edit_of(EditKind::kHighlight, "box"),
+        edit_of(EditKind::kDuplicate, "pillow#2"), edit_of(EditKind::kMove, "pillow#1", true),
+        edit_of(EditKind::kDelete, "box", true), edit_of(EditKind::kExtract, "pillow, floor")}) {
     SCOPED_TRACE(describe(edit));
     made(edit, ++number);
     expect_same_room(room_, edited_);
@@ -117,7 +119,8 @@ TEST_F(EditChangeTest, AnotherTrainingHasAnotherDigest) {
 }
 
 TEST_F(EditChangeTest, EditsOfThingsThatAreApartAreIndependent) {
-  const EditChange first = made(edit_of(EditKind::kDelete, "pillow#2"), 1), second = made(edit_of(EditKind::kRecolor, "box"), 2);
+  const EditChange first = made(edit_of(EditKind::kDelete, "pillow#2"), 1),
+                   second = made(edit_of(EditKind::kRecolor, "box"), 2);
   EXPECT_TRUE(is_independent(first, second));
 }
 
@@ -129,16 +132,20 @@ TEST_F(EditChangeTest, AnEditThatFollowsFromAnotherIsNot) {
     return !is_independent(a, b);
   };
   EXPECT_TRUE(follows(edit_of(EditKind::kDuplicate, "box"), edit_of(EditKind::kDelete, "box#2"))) << "its rows";
-  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kRecolor, "pillow"))) << "the pillow comes back without colour";
+  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kRecolor, "pillow")))
+      << "the pillow comes back without colour";
   EXPECT_TRUE(follows(edit_of(EditKind::kRecolor, "box"), edit_of(EditKind::kRecolor, "box"))) << "its colours";
-  EXPECT_TRUE(follows(edit_of(EditKind::kRecolor, "floor"), edit_of(EditKind::kDelete, "box", true))) << "the fill has the colour of the floor";
-  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kExtract, "everything but floor"))) << "asks for all";
+  EXPECT_TRUE(follows(edit_of(EditKind::kRecolor, "floor"), edit_of(EditKind::kDelete, "box", true)))
+      << "the fill has the colour of the floor";
+  EXPECT_TRUE(follows(edit_of(EditKind::kDelete, "pillow#1"), edit_of(EditKind::kExtract, "everything but floor")))
+      << "asks for all";
   EXPECT_FALSE(follows(edit_of(EditKind::kRecolor, "pillow#1"), edit_of(EditKind::kDelete, "pillow#2")));
 }
 
 TEST(ChangeName, IsANumberAndADigest) {
   EXPECT_TRUE(is_change_name("0001-0123456789abcdef.edit"));
-  for (const char* bad : {"", "0001-0123456789abcde.edit", "../1-0123456789abcdef.edit", "0001-0123456789abcdeg.edit", "0001-0123456789abcdef.json", "-0123456789abcdef.edit"}) {
+  for (const char* bad : {"", "0001-0123456789abcde.edit", "../1-0123456789abcdef.edit", "0001-0123456789abcdeg.edit",
+                          "0001-0123456789abcdef.json", "-0123456789abcdef.edit"}) {
     EXPECT_FALSE(is_change_name(bad)) << bad;
   }
 }

@@ -18,7 +18,8 @@ bool share(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 bool has_any(const std::vector<uint16_t>& labels, const std::vector<uint16_t>& classes) {
-  return std::any_of(labels.begin(), labels.end(), [&](uint16_t label) { return std::binary_search(classes.begin(), classes.end(), label); });
+  return std::any_of(labels.begin(), labels.end(),
+                     [&](uint16_t label) { return std::binary_search(classes.begin(), classes.end(), label); });
 }
 
 /// Rows that an edit made are consecutive in every ascending list.
@@ -28,8 +29,9 @@ bool names_row_of(const std::vector<RowId>& rows, uint32_t edit) {
 }
 
 bool uses_rows_of(const EditChange& later, uint32_t edit) {
-  return names_row_of(later.removed, edit) || (later.colors && names_row_of(later.colors->rows, edit)) || names_row_of(later.relabelled, edit) ||
-         names_row_of(later.removed_triangles, edit) || names_row_of(later.recolored_vertices, edit);
+  return names_row_of(later.removed, edit) || (later.colors && names_row_of(later.colors->rows, edit)) ||
+         names_row_of(later.relabelled, edit) || names_row_of(later.removed_triangles, edit) ||
+         names_row_of(later.recolored_vertices, edit);
 }
 
 bool are_apart(const EditChange& a, const EditChange& b) {
@@ -47,7 +49,8 @@ bool is_independent(const EditChange& taken, const EditChange& later) {
     if (share(taken.recolored_vertices, later.recolored_vertices)) return false;
     return !later.colors || !share(taken.colors->rows, later.colors->rows);
   }
-  return !uses_rows_of(later, taken.number) && !later.asked_everything && !has_any(later.asked, taken.classes) && are_apart(taken, later);
+  return !uses_rows_of(later, taken.number) && !later.asked_everything && !has_any(later.asked, taken.classes) &&
+         are_apart(taken, later);
 }
 
 }  // namespace aligngs

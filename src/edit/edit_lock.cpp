@@ -25,8 +25,8 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr size_t kLongestRecord = 4096;        // bytes that are read of the holder's record
-constexpr size_t kLongestDoing = 200;          // bytes of the holder's edit in the message
+constexpr size_t kLongestRecord = 4096;         // bytes that are read of the holder's record
+constexpr size_t kLongestDoing = 200;           // bytes of the holder's edit in the message
 constexpr std::chrono::milliseconds kPoll(50);  // between two tries
 
 std::string host_name() {
@@ -70,22 +70,24 @@ EditLock::EditLock(const fs::path& run, std::string_view doing, double patience)
     throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno),
                     "you need write access to the run folder");
   }
-  const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                                   std::chrono::duration<double>(patience));
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience));
   bool told = false;
   try {
     while (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const int reason = errno;
       if (reason != EWOULDBLOCK && reason != EINTR) {
         log_warning("{}: this file system has no locks ({}); edit this run from one place at a time", path.string(),
-                 std::strerror(reason));
+                    std::strerror(reason));
         break;
       }
       if (Clock::now() >= end) {
         throw Error({ErrorKind::kUsage,
                      fmt::format("the run is being edited by {}; it did not end within {:g} s", holder_of(descriptor_),
                                  patience),
-                     run, {}, "try again when that edit has ended, or end that process"});
+                     run,
+                     {},
+                     "try again when that edit has ended, or end that process"});
       }
       if (!told) log_info("waiting for {}, which edits this run", holder_of(descriptor_));
       told = true;

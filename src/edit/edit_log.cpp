@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Files that a list does not name are of edits that were taken back, of a process that was killed, or of an earlier program.
+/// Files that a list does not name are of edits that were taken back, of a process that was killed, or of an earlier
+/// program.
 void remove_unnamed_files(const fs::path& folder, const std::vector<EditOperation>& edits) {
   std::error_code error;
   if (edits.empty()) {
@@ -27,7 +28,8 @@ void remove_unnamed_files(const fs::path& folder, const std::vector<EditOperatio
   std::vector<fs::path> unnamed;
   for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
     const std::string name = i->path().filename().string();
-    if (std::none_of(edits.begin(), edits.end(), [&](const EditOperation& e) { return e.change == name; })) unnamed.push_back(i->path());
+    if (std::none_of(edits.begin(), edits.end(), [&](const EditOperation& e) { return e.change == name; }))
+      unnamed.push_back(i->path());
   }
   for (const fs::path& path : unnamed) fs::remove_all(path, error);
 }

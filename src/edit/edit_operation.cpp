@@ -16,18 +16,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 2, kOldestSchema = 1;  // 1: without number and change
+constexpr int kSchema = 2, kOldestSchema = 1;         // 1: without number and change
 constexpr uint64_t kLargestFile = uint64_t(1) << 20;  // bytes
 constexpr size_t kMostEdits = 1000;                   // replayed one after the other
 constexpr size_t kLongestSelection = 4096;            // bytes, as in selection_text
 constexpr const char* kRepair = "undo it with `aligngs edit RUN --undo`, or remove edits.json to forget all edits";
 
-constexpr std::pair<EditKind, const char*> kKinds[] = {{EditKind::kDelete, "delete"},
-                                                       {EditKind::kExtract, "extract"},
-                                                       {EditKind::kMove, "move"},
-                                                       {EditKind::kDuplicate, "duplicate"},
-                                                       {EditKind::kRecolor, "recolor"},
-                                                       {EditKind::kHighlight, "highlight"}};
+constexpr std::pair<EditKind, const char*> kKinds[] = {
+    {EditKind::kDelete, "delete"},       {EditKind::kExtract, "extract"}, {EditKind::kMove, "move"},
+    {EditKind::kDuplicate, "duplicate"}, {EditKind::kRecolor, "recolor"}, {EditKind::kHighlight, "highlight"}};
 
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
@@ -60,7 +57,8 @@ class EntryReader {
   uint32_t number(const char* key) const {
     const auto it = json_.find(key);
     constexpr int64_t kMost = std::numeric_limits<int32_t>::max();
-    if (it == json_.end() || !it->is_number_integer() || it->get<int64_t>() < 1 || it->get<int64_t>() > kMost) fail(key, "a whole number from 1 on is expected");
+    if (it == json_.end() || !it->is_number_integer() || it->get<int64_t>() < 1 || it->get<int64_t>() > kMost)
+      fail(key, "a whole number from 1 on is expected");
     return it->get<uint32_t>();
   }
   bool has(const char* key) const { return json_.contains(key); }
@@ -99,10 +97,12 @@ EditOperation parse_entry(const EntryReader& entry) {
   if (takes_color(edit.kind)) edit.color = entry.parsed("color", [](const std::string& t) { return parse_color(t); });
   edit.fill = entry.flag("fill");
   edit.with_contents = entry.flag("with_contents");
-  if (entry.has("shift")) edit.motion.shift = entry.parsed("shift", [](const std::string& t) { return parse_shift(t); });
+  if (entry.has("shift"))
+    edit.motion.shift = entry.parsed("shift", [](const std::string& t) { return parse_shift(t); });
   if (entry.has("number")) edit.number = entry.number("number");
   if (entry.has("change")) edit.change = entry.text("change", 64);
-  if (!edit.change.empty() && (!is_change_name(edit.change) || edit.number == 0)) entry.fail("change", "the name of a file NNNN-DIGEST.edit and a number are expected");
+  if (!edit.change.empty() && (!is_change_name(edit.change) || edit.number == 0))
+    entry.fail("change", "the name of a file NNNN-DIGEST.edit and a number are expected");
   if (entry.has("turn")) edit.motion.turn = entry.parsed("turn", [](const std::string& t) { return parse_turn(t); });
   return edit;
 }
@@ -164,7 +164,8 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
   const Json document = parse_ordered_json(json);
   if (!document.is_object()) refuse("", "this is no JSON object");
   const auto schema = document.find("schema");
-  if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() < kOldestSchema || schema->get<int64_t>() > kSchema) {
+  if (schema == document.end() || !schema->is_number_integer() || schema->get<int64_t>() < kOldestSchema ||
+      schema->get<int64_t>() > kSchema) {
     refuse("schema", "schema 1 or 2 is expected");
   }
   const auto list = document.find("edits");
@@ -174,7 +175,8 @@ std::vector<EditOperation> parse_edits(const std::string& json, const std::files
   for (const Json& entry : *list) {
     const EntryReader reader(entry, edits.size(), name_for_errors);
     EditOperation edit = parse_entry(reader);
-    if (edit.number != 0 && !edits.empty() && edit.number <= edits.back().number) reader.fail("number", "the numbers of edits rise");
+    if (edit.number != 0 && !edits.empty() && edit.number <= edits.back().number)
+      reader.fail("number", "the numbers of edits rise");
     edits.push_back(std::move(edit));
   }
   return edits;

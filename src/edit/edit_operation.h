@@ -14,12 +14,12 @@
 namespace aligngs {
 
 enum class EditKind {
-  kDelete,    ///< the selected objects are gone
-  kExtract,   ///< everything else is gone
-  kMove,      ///< the selected objects are at another place; what they hid continues there
-  kDuplicate, ///< a copy of the selected objects is at another place
-  kRecolor,   ///< the selected objects have the colour in the mean; light and texture stay
-  kHighlight  ///< the selected objects are mixed with the colour
+  kDelete,     ///< the selected objects are gone
+  kExtract,    ///< everything else is gone
+  kMove,       ///< the selected objects are at another place; what they hid continues there
+  kDuplicate,  ///< a copy of the selected objects is at another place
+  kRecolor,    ///< the selected objects have the colour in the mean; light and texture stay
+  kHighlight   ///< the selected objects are mixed with the colour
 };
 
 struct EditOperation {
@@ -27,11 +27,12 @@ struct EditOperation {
   std::string select;  ///< selection text (selection_text.h)
   ThresholdRule threshold;
   std::array<uint8_t, 3> color{255, 200, 0};  ///< sRGB, of kRecolor and kHighlight
-  bool fill = false;           ///< kDelete, kMove: continue the surfaces behind and under the object
-  bool with_contents = false;  ///< also things on the selected objects; not for colours
-  ObjectMotion motion;         ///< kMove, kDuplicate; a copy that has none is beside the original
-  uint32_t number = 0;         ///< in its run, from 1 on, never the same for two edits of a stack; 0: has none yet
-  std::string change;          ///< file in RUN/edits/ with what the edit did (edit_change_file.h); empty: only the words are known
+  bool fill = false;                          ///< kDelete, kMove: continue the surfaces behind and under the object
+  bool with_contents = false;                 ///< also things on the selected objects; not for colours
+  ObjectMotion motion;                        ///< kMove, kDuplicate; a copy that has none is beside the original
+  uint32_t number = 0;  ///< in its run, from 1 on, never the same for two edits of a stack; 0: has none yet
+  /// file in RUN/edits/ with what the edit did (edit_change_file.h); empty: only the words are known
+  std::string change;
 };
 
 /// Ends of descriptions.
@@ -45,7 +46,8 @@ std::array<uint8_t, 3> parse_color(std::string_view text);
 std::string color_text(const std::array<uint8_t, 3>& color);  ///< "#rrggbb"
 std::string describe(const EditOperation& edit);              ///< "recolor pillow to #add8e6", for lists and messages
 
-/// edits.json: the stack of a run, oldest first. Schema 1 is of earlier programs and has no changes. Error{kBadInput} naming entry and field; selections are only checked
+/// edits.json: the stack of a run, oldest first. Schema 1 is of earlier programs and has no changes. Error{kBadInput}
+/// naming entry and field; selections are only checked
 /// against a label set when they are applied.
 std::vector<EditOperation> parse_edits(const std::string& json, const std::filesystem::path& name_for_errors);
 std::string edits_text(const std::vector<EditOperation>& edits);

@@ -33,29 +33,31 @@ TEST(EditsFile, AnAbsentFileIsAnEmptyStack) { EXPECT_TRUE(read_edits("/nonexiste
 
 TEST(EditsFile, MalformedFilesAreRefusedByName) {
   const auto entry = [](const std::string& text) { return R"({"schema": 1, "edits": [)" + text + "]}"; };
-  const std::string bad[] = {"",
-                             "[]",
-                             "{",
-                             "nonsense",
-                             R"({"schema": 3, "edits": []})",
-                             R"({"edits": []})",
-                             R"({"schema": 1})",
-                             R"({"schema": 1, "edits": {}})",
-                             entry("1"),
-                             entry(R"({"operation": "explode", "select": "pillow"})"),
-                             entry(R"({"operation": "delete"})"),
-                             entry(R"({"operation": "delete", "select": 3})"),
-                             entry(R"({"operation": "delete", "select": "a", "fill": "yes"})"),
-                             entry(R"({"operation": "recolor", "select": "a"})"),
-                             entry(R"({"operation": "recolor", "select": "a", "color": "blue"})"),
-                             entry(R"({"operation": "delete", "select": "a", "threshold": "2"})"),
-                             entry(R"({"operation": "delete", "select": ")" + std::string(5000, 'a') + "\"}"),
-                             entry(R"({"operation": "delete", "select": "a", "number": 0})"),
-                             entry(R"({"operation": "delete", "select": "a", "number": 1, "change": "../../etc/passwd"})"),
-                             entry(R"({"operation": "delete", "select": "a", "change": "0001-0123456789abcdef.edit"})"),
-                             entry(R"({"operation": "delete", "select": "a", "number": 2}, {"operation": "delete", "select": "a", "number": 2})"),
-                             std::string(100000, '['),
-                             R"({"schema": 1e400, "edits": []})"};
+  const std::string bad[] = {
+      "",
+      "[]",
+      "{",
+      "nonsense",
+      R"({"schema": 3, "edits": []})",
+      R"({"edits": []})",
+      R"({"schema": 1})",
+      R"({"schema": 1, "edits": {}})",
+      entry("1"),
+      entry(R"({"operation": "explode", "select": "pillow"})"),
+      entry(R"({"operation": "delete"})"),
+      entry(R"({"operation": "delete", "select": 3})"),
+      entry(R"({"operation": "delete", "select": "a", "fill": "yes"})"),
+      entry(R"({"operation": "recolor", "select": "a"})"),
+      entry(R"({"operation": "recolor", "select": "a", "color": "blue"})"),
+      entry(R"({"operation": "delete", "select": "a", "threshold": "2"})"),
+      entry(R"({"operation": "delete", "select": ")" + std::string(5000, 'a') + "\"}"),
+      entry(R"({"operation": "delete", "select": "a", "number": 0})"),
+      entry(R"({"operation": "delete", "select": "a", "number": 1, "change": "../../etc/passwd"})"),
+      entry(R"({"operation": "delete", "select": "a", "change": "0001-0123456789abcdef.edit"})"),
+      entry(
+          R"({"operation": "delete", "select": "a", "number": 2}, {"operation": "delete", "select": "a", "number": 2})"),
+      std::string(100000, '['),
+      R"({"schema": 1e400, "edits": []})"};
   for (const std::string& text : bad) {
     try {
       parse_edits(text, "edits.json");

@@ -19,14 +19,13 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-void write_json(const fs::path& path, const Json& json) {
-  write_file_atomically(path, json_document(json));
-}
+void write_json(const fs::path& path, const Json& json) { write_file_atomically(path, json_document(json)); }
 
 }  // namespace
 
 void write_room(const fs::path& folder, const EditableRoom& room) {
-  write_scene_files(folder, room.gaussians.model, room.labels, room.gaussians.has_labels() ? room.gaussians.labels : GaussianLabels());
+  write_scene_files(folder, room.gaussians.model, room.labels,
+                    room.gaussians.has_labels() ? room.gaussians.labels : GaussianLabels());
   if (!room.mesh.vertices.empty()) write_mesh_ply(folder / "mesh" / "mesh.ply", room.mesh);
 }
 

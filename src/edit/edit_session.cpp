@@ -25,7 +25,10 @@ namespace aligngs {
 namespace fs = std::filesystem;
 
 EditSession::EditSession(const fs::path& run, const EditSessionOptions& options)
-    : run_(run), threads_(options.threads), patience_(options.patience), pool_(std::make_unique<ThreadPool>(options.threads)) {
+    : run_(run),
+      threads_(options.threads),
+      patience_(options.patience),
+      pool_(std::make_unique<ThreadPool>(options.threads)) {
   TrainedRoom trained = read_trained_room(run, options.scene, *pool_);
   record_ = std::move(trained.record);
   config_ = std::move(trained.config);
@@ -43,13 +46,16 @@ std::vector<Instance> EditSession::objects() const {
 
 const TrainingState& EditSession::state() {
   if (state_) return *state_;
-  std::optional<TrainingState> state = read_latest_checkpoint(RunFolder(run_).checkpoints(), record_.fingerprint, CheckpointParts::kAll);
+  std::optional<TrainingState> state =
+      read_latest_checkpoint(RunFolder(run_).checkpoints(), record_.fingerprint, CheckpointParts::kAll);
   if (!state) {
-    throw_bad_input(RunFolder(run_).checkpoints(), "", "this run has no checkpoints: a probability as --threshold and a run of its own (-o) need one",
+    throw_bad_input(RunFolder(run_).checkpoints(), "",
+                    "this run has no checkpoints: a probability as --threshold and a run of its own (-o) need one",
                     "leave out --threshold and -o, or put the checkpoints back");
   }
   if (state->engine.model.size() != original_.gaussians.model.size()) {
-    throw_bad_input(RunFolder(run_).checkpoints(), "", "the checkpoint is of another training than scene.ply", "finish the training: aligngs train ... --resume");
+    throw_bad_input(RunFolder(run_).checkpoints(), "", "the checkpoint is of another training than scene.ply",
+                    "finish the training: aligngs train ... --resume");
   }
   state_ = std::make_unique<TrainingState>(std::move(*state));
   return *state_;
@@ -61,9 +67,11 @@ EditReport EditSession::carry_out(EditableRoom& room, const EditOperation& edit)
     if (soft_.label.empty()) soft_ = smoothed_labels(state().engine.model, original_.gaussians.extent, *pool_);
     SoftLabels& soft = room.gaussians.soft;
     for (const GaussianOrigin& origin : room.origins) {
-      const auto row = static_cast<std::ptrdiff_t>(SoftLabels::kTop * origin.row), width = static_cast<std::ptrdiff_t>(SoftLabels::kTop);
+      const auto row = static_cast<std::ptrdiff_t>(SoftLabels::kTop * origin.row),
+                 width = static_cast<std::ptrdiff_t>(SoftLabels::kTop);
       soft.label.insert(soft.label.end(), soft_.label.begin() + row, soft_.label.begin() + row + width);
-      soft.probability.insert(soft.probability.end(), soft_.probability.begin() + row, soft_.probability.begin() + row + width);
+      soft.probability.insert(soft.probability.end(), soft_.probability.begin() + row,
+                              soft_.probability.begin() + row + width);
     }
   }
   return apply_edit(room, edit, *pool_);
@@ -88,7 +96,9 @@ EditableRoom EditSession::rebuilt(std::vector<EditOperation>& stack, Changes& ch
   bool anew = false;  // rows of later changes may be others from here on
   for (size_t i = 0; i < stack.size(); ++i) {
     if (i < changes.size()) {
-      if (!apply_change(room, *changes[i])) throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", "rows of this edit are gone", "undo it");
+      if (!apply_change(room, *changes[i]))
+        throw_bad_input(run_ / "edits.json", "edits[" + std::to_string(i) + "]", "rows of this edit are gone",
+                        "undo it");
       continue;
     }
     if (auto change = anew ? nullptr : stored_change(stack[i]); change && apply_change(room, *change)) {
@@ -153,7 +163,8 @@ EditReport EditSession::push(const EditOperation& edit, BeforeAfter* picture) {
   std::vector<EditOperation> stack = stack_;
   Changes changes = changes_;
   stack.push_back(canonical);
-  changes.push_back(std::make_shared<const EditChange>(difference(room_, after, canonical, report, canonical.number, base_)));
+  changes.push_back(
+      std::make_shared<const EditChange>(difference(room_, after, canonical, report, canonical.number, base_)));
   after = EditableRoom();
   commit(stack, changes);
   apply_change(room_, *changes.back());

@@ -1,4 +1,5 @@
-// Edits of a run: the list in edits.json, what each did to the room, and how both change. The command line and the page call
+// Edits of a run: the list in edits.json, what each did to the room, and how both change. The command line and the page
+// call
 // the same functions.
 #pragma once
 
@@ -32,7 +33,8 @@ struct BeforeAfter {
 
 class EditSession {
  public:
-  /// Opens a run and applies what its edits did. An edit whose change is not there, or was made on another training of the
+  /// Opens a run and applies what its edits did. An edit whose change is not there, or was made on another training of
+  /// the
   /// run, is carried out again by its words. Error{kBadInput} when the folder is no run, nothing has been trained, or
   /// edits.json is damaged.
   EditSession(const std::filesystem::path& run, const EditSessionOptions& options);
@@ -47,17 +49,21 @@ class EditSession {
 
   /// Preview of an edit in figures and as a picture; nothing is written.
   EditReport preview(const EditOperation& edit, BeforeAfter* picture = nullptr);
-  /// Applies an edit, writes what it did into edits/, and then its entry into edits.json. Nothing of the training is touched.
-  /// Changes of one run happen one after the other (edit_lock.h), each on top of those that other processes made meanwhile.
+  /// Applies an edit, writes what it did into edits/, and then its entry into edits.json. Nothing of the training is
+  /// touched.
+  /// Changes of one run happen one after the other (edit_lock.h), each on top of those that other processes made
+  /// meanwhile.
   EditReport push(const EditOperation& edit, BeforeAfter* picture = nullptr);
   /// Takes an edit back and returns what it was: the latest one, or that of a number, where 1 is the oldest. The edits
   /// after it stay. Those that follow from it are carried out again (edit_independence.h). Error{kUsage} when there is
   /// none, Error{kBadInput} when a later edit needs it; nothing changes then.
   EditOperation undo(size_t number = 0);
-  /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not understand.
+  /// Reads a sentence (edit_text.h). Error{kUsage} with the three nearest readings for what this room does not
+  /// understand.
   EditRequest understand(std::string_view text) const;
   /// Writes the room with the stack and one more edit as a run of its own, and returns what the edit did. `out` must
-  /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all. Error{kBadInput} for a run without
+  /// be absent or an empty folder (Error{kUsage}); it appears complete or not at all. Error{kBadInput} for a run
+  /// without
   /// checkpoints: the new run could not be rendered.
   EditReport write_run(const std::filesystem::path& out, const EditOperation& edit, const std::string& command_line);
 

@@ -17,11 +17,11 @@ constexpr size_t kLongestEdit = 4096;  // bytes, as a selection
 constexpr const char* kExample = "for example \"delete pillow, cushion\" or \"recolor sofa to dark green\"";
 
 constexpr std::pair<std::string_view, EditKind> kVerbs[] = {
-    {"delete", EditKind::kDelete},   {"remove", EditKind::kDelete},    {"extract", EditKind::kExtract},
-    {"keep", EditKind::kExtract},    {"move", EditKind::kMove},       {"push", EditKind::kMove},        {"turn", EditKind::kMove},
-    {"rotate", EditKind::kMove},     {"duplicate", EditKind::kDuplicate}, {"copy", EditKind::kDuplicate},
-    {"recolor", EditKind::kRecolor},  {"recolour", EditKind::kRecolor},
-    {"paint", EditKind::kRecolor},   {"color", EditKind::kRecolor},    {"colour", EditKind::kRecolor},
+    {"delete", EditKind::kDelete},      {"remove", EditKind::kDelete},   {"extract", EditKind::kExtract},
+    {"keep", EditKind::kExtract},       {"move", EditKind::kMove},       {"push", EditKind::kMove},
+    {"turn", EditKind::kMove},          {"rotate", EditKind::kMove},     {"duplicate", EditKind::kDuplicate},
+    {"copy", EditKind::kDuplicate},     {"recolor", EditKind::kRecolor}, {"recolour", EditKind::kRecolor},
+    {"paint", EditKind::kRecolor},      {"color", EditKind::kRecolor},   {"colour", EditKind::kRecolor},
     {"highlight", EditKind::kHighlight}};
 
 constexpr std::pair<std::string_view, size_t> kOrdinals[] = {
@@ -91,7 +91,8 @@ std::optional<bool> take_fill(std::string& text) {
 }
 
 bool take_contents(std::string& text) {
-  for (const std::string_view ending : {kWithContents, std::string_view(" and what is on it"), std::string_view(" with everything on it")}) {
+  for (const std::string_view ending :
+       {kWithContents, std::string_view(" and what is on it"), std::string_view(" with everything on it")}) {
     if (take_ending(text, ending)) return true;
   }
   constexpr std::string_view kOption = "--with-contents";
@@ -112,7 +113,8 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
   if (const auto motion = take_motion(text)) {
     edit.motion = *motion;
   } else if (edit.kind == EditKind::kMove) {
-    throw_usage("the move has no distance", "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
+    throw_usage("the move has no distance",
+                "for example \"move sofa by 0.5,0,-0.2\" or \"move chair 0.5 m to the left\"");
   }
 }
 
@@ -120,7 +122,8 @@ void read_motion(const std::string& verb, EditOperation& edit, std::string& text
 std::optional<size_t> undo_number(std::string words) {
   for (const std::string_view filler : {" the ", " edit ", " change ", " number ", " no. "}) {
     words = " " + words + " ";
-    for (size_t at = words.find(filler); at != std::string::npos; at = words.find(filler)) words.replace(at, filler.size(), " ");
+    for (size_t at = words.find(filler); at != std::string::npos; at = words.find(filler))
+      words.replace(at, filler.size(), " ");
     trim(words);
   }
   if (words.empty()) return 0;
@@ -147,7 +150,8 @@ std::vector<std::string> edit_verbs() {
 
 EditRequest parse_request(std::string_view given) {
   std::string text = lower(given.substr(0, kLongestEdit));
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
   trim(text);
   EditRequest request;
   constexpr std::string_view kUndo = "undo";
@@ -166,12 +170,14 @@ EditRequest parse_request(std::string_view given) {
 EditOperation parse_edit(std::string_view given) {
   if (given.size() > kLongestEdit) throw_usage("the edit is longer than 4096 bytes", kExample);
   std::string text(given);
-  std::replace_if(text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; }, ' ');
   trim(text);
   const size_t verb_end = std::min(text.find(' '), text.size());
   std::string verb = lower(text.substr(0, verb_end));
   if (verb.rfind("--", 0) == 0) verb.erase(0, 2);
-  const auto* known = std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });
+  const auto* known =
+      std::find_if(std::begin(kVerbs), std::end(kVerbs), [&](const auto& v) { return v.first == verb; });
   if (known == std::end(kVerbs)) {
     throw_usage(verb.empty() ? "there is no edit" : "\"" + verb.substr(0, 40) + "\" is no edit",
                 std::string("say delete, extract, move, turn, duplicate, recolor or highlight, ") + kExample);

@@ -10,8 +10,10 @@
 
 namespace aligngs {
 
-/// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or keep,
-/// move or push, turn or rotate, duplicate or copy (motion_text.h), recolor (recolour, paint, color, colour), highlight. A colour (color_names.h) is at the end, after "to", "in" or
+/// A verb, then a selection (selection_text.h), then what the operation needs. Verbs: delete or remove, extract or
+/// keep,
+/// move or push, turn or rotate, duplicate or copy (motion_text.h), recolor (recolour, paint, color, colour),
+/// highlight. A colour (color_names.h) is at the end, after "to", "in" or
 /// "with" or by itself; highlighting can do without. A deletion fills its hole, as the button of the page does, unless
 /// the text says "--no-fill" or ", hole left open". "With contents" (or "and what is on it") takes along things on
 /// the objects. "--fill" and "--threshold X" mean what they mean on the command

@@ -49,12 +49,14 @@ TEST(EditText, AColourMayBeAName) {
 }
 
 TEST(EditText, WhatStandsOnAThingGoesWithIt) {
-  for (const char* text : {"delete chest of drawers with contents", "delete chest of drawers and what is on it", "delete chest of drawers --with-contents"}) {
+  for (const char* text : {"delete chest of drawers with contents", "delete chest of drawers and what is on it",
+                           "delete chest of drawers --with-contents"}) {
     const EditOperation edit = parse_edit(text);
     EXPECT_TRUE(edit.with_contents) << text;
     EXPECT_EQ(edit.select, "chest of drawers") << text;
   }
-  EXPECT_EQ(describe(parse_edit("delete bed with contents, hole left open")), "delete bed with contents, hole left open");
+  EXPECT_EQ(describe(parse_edit("delete bed with contents, hole left open")),
+            "delete bed with contents, hole left open");
   EXPECT_THROW(parse_edit("highlight bed with contents"), Error);
 }
 
@@ -66,19 +68,23 @@ TEST(EditText, ObjectsAreMovedTurnedAndCopied) {
   EXPECT_TRUE(move.fill) << "what it leaves is filled";
   EXPECT_DOUBLE_EQ(parse_edit("turn sofa by 90").motion.turn, 90);
   EXPECT_TRUE(parse_edit("copy lamp#1").motion.is_still());
-  for (const char* text : {"move desk with contents by 0.5,0,-0.2 and turn by 30", "move desk by 0,0,0 and turn by -90, hole left open",
-                           "duplicate chair by 1,0,0", "duplicate chair"}) {
+  for (const char* text :
+       {"move desk with contents by 0.5,0,-0.2 and turn by 30", "move desk by 0,0,0 and turn by -90, hole left open",
+        "duplicate chair by 1,0,0", "duplicate chair"}) {
     EXPECT_EQ(describe(parse_edit(text)), text);
   }
-  for (const char* text : {"move sofa", "turn sofa", "move by 1,2,3", "turn sofa by 999"}) EXPECT_THROW(parse_edit(text), Error) << text;
+  for (const char* text : {"move sofa", "turn sofa", "move by 1,2,3", "turn sofa by 999"})
+    EXPECT_THROW(parse_edit(text), Error) << text;
 }
 
 TEST(EditText, AnEditIsUndoneByItsNumber) {
   EXPECT_EQ(parse_request("undo").undo, 0u);
   EXPECT_EQ(parse_request("Undo the last edit").undo, 0u);
-  for (const char* text : {"undo the second edit", "undo #2", "undo edit number 2", "undo 2nd"}) EXPECT_EQ(parse_request(text).undo, 2u) << text;
+  for (const char* text : {"undo the second edit", "undo #2", "undo edit number 2", "undo 2nd"})
+    EXPECT_EQ(parse_request(text).undo, 2u) << text;
   EXPECT_FALSE(parse_request("delete bed").undo);
-  for (const char* text : {"undo everything else", "undo 0", "undo -1"}) EXPECT_THROW(parse_request(text), Error) << text;
+  for (const char* text : {"undo everything else", "undo 0", "undo -1"})
+    EXPECT_THROW(parse_request(text), Error) << text;
 }
 
 TEST(EditText, ReadsBackHowEditsAreDescribed) {

@@ -58,9 +58,11 @@ float largest_reach(const GaussianModel& model, size_t i, float floor, float sig
   return sigmas * std::max(std::exp(std::max({s[0], s[1], s[2]})), floor);
 }
 
-/// Adds the votes of Gaussians to the points of a tree. Blocks are looked up in parallel and added one after the other, so
+/// Adds the votes of Gaussians to the points of a tree. Blocks are looked up in parallel and added one after the other,
+/// so
 /// that the sums are the same for any number of threads.
-void add_votes(const std::vector<Ellipsoid>& gaussians, const PointTree& tree, double sign, ThreadPool& pool, std::vector<double>& balance) {
+void add_votes(const std::vector<Ellipsoid>& gaussians, const PointTree& tree, double sign, ThreadPool& pool,
+               std::vector<double>& balance) {
   constexpr size_t kGrain = 256, kRound = 64;  // Gaussians of a block, blocks at a time
   struct Vote {
     uint32_t point;
@@ -127,7 +129,10 @@ std::vector<uint8_t> select_vertices(const TriangleMesh& mesh, const GaussianMod
   const PointTree tree(std::move(points));
   std::vector<Ellipsoid> others;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (selected[i] || !box.touches(Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]}, largest_reach(model, i, floor, sigmas))) continue;
+    if (selected[i] ||
+        !box.touches(Vec3f{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]},
+                     largest_reach(model, i, floor, sigmas)))
+      continue;
     others.emplace_back(model, i, floor, sigmas);
   }
   std::vector<double> balance(tree.size(), 0.0);

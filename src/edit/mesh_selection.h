@@ -30,7 +30,8 @@ struct SubmeshRows {
 
 /// The triangles of which at least two vertices have the flag `value`, with the vertices they use, both in their order;
 /// attributes follow.
-TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value, SubmeshRows* rows = nullptr);
+TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint8_t>& flags, uint8_t value,
+                     SubmeshRows* rows = nullptr);
 
 /// The given triangles, with the vertices that they use.
 TriangleMesh submesh(const TriangleMesh& mesh, const std::vector<uint32_t>& triangles, SubmeshRows* rows = nullptr);

@@ -27,21 +27,26 @@ struct Direction {
   std::string_view word;
   Vec3d axis;
 };
-constexpr Direction kDirections[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},  {"up", {0, 1, 0}},    {"down", {0, -1, 0}},
-                                     {"closer", {0, 0, 1}}, {"forward", {0, 0, 1}}, {"back", {0, 0, -1}}, {"away", {0, 0, -1}}};
+constexpr Direction kDirections[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},  {"up", {0, 1, 0}},
+                                     {"down", {0, -1, 0}}, {"closer", {0, 0, 1}}, {"forward", {0, 0, 1}},
+                                     {"back", {0, 0, -1}}, {"away", {0, 0, -1}}};
 
 const std::regex& along_axes() {
-  static const std::regex pattern(R"(^(.*\S) +by +([-+.0-9e]+ *, *[-+.0-9e]+ *, *[-+.0-9e]+)( +and +turn +by +([-+.0-9e]+))?$)", std::regex::icase);
+  static const std::regex pattern(
+      R"(^(.*\S) +by +([-+.0-9e]+ *, *[-+.0-9e]+ *, *[-+.0-9e]+)( +and +turn +by +([-+.0-9e]+))?$)", std::regex::icase);
   return pattern;
 }
 
 const std::regex& in_a_direction() {
-  static const std::regex pattern(R"(^(.*?\S)( +by)? +([.0-9]+) *(m|metres?|meters?)?( +to +the)? +(left|right|up|down|closer|forward|back|away)$)", std::regex::icase);
+  static const std::regex pattern(
+      R"(^(.*?\S)( +by)? +([.0-9]+) *(m|metres?|meters?)?( +to +the)? +(left|right|up|down|closer|forward|back|away)$)",
+      std::regex::icase);
   return pattern;
 }
 
 const std::regex& by_degrees() {
-  static const std::regex pattern(R"(^(.*?\S)( +by)? +([-+.0-9]+)( +degrees?)?( +(counter-?clockwise|clockwise))?$)", std::regex::icase);
+  static const std::regex pattern(R"(^(.*?\S)( +by)? +([-+.0-9]+)( +degrees?)?( +(counter-?clockwise|clockwise))?$)",
+                                  std::regex::icase);
   return pattern;
 }
 
@@ -73,7 +78,9 @@ Vec3d parse_shift(std::string_view text) {
 
 double parse_turn(std::string_view text) {
   const auto turn = number_of(text, kFullTurn);
-  if (!turn) throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no angle", "give degrees from -360 to 360, for example 90");
+  if (!turn)
+    throw_usage("\"" + std::string(text.substr(0, 40)) + "\" is no angle",
+                "give degrees from -360 to 360, for example 90");
   return *turn;
 }
 
@@ -88,7 +95,8 @@ std::optional<ObjectMotion> take_motion(std::string& text) {
   }
   if (!std::regex_match(text, match, in_a_direction())) return {};
   const auto length = number_of(match[3].str(), kLongestShift);
-  if (!length) throw_usage("\"" + match[3].str() + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
+  if (!length)
+    throw_usage("\"" + match[3].str() + "\" is no length", "give metres, for example \"move chair 0.5 m to the left\"");
   for (const Direction& d : kDirections) {
     if (lower(match[6].str()) == d.word) motion.shift = d.axis * *length;
   }

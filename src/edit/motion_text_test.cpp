@@ -25,11 +25,13 @@ TEST(MotionText, ALengthAndADirection) {
 }
 
 TEST(MotionText, OtherTextsHaveNone) {
-  for (const char* text : {"sofa", "sofa by", "sofa by 1,2", "sofa left", "by 1,2,3"}) EXPECT_EQ(taken(text).second, "none") << text;
+  for (const char* text : {"sofa", "sofa by", "sofa by 1,2", "sofa left", "by 1,2,3"})
+    EXPECT_EQ(taken(text).second, "none") << text;
 }
 
 TEST(MotionText, NumbersAreBounded) {
-  for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "1e9,0,0", "nan,0,0", ""}) EXPECT_THROW(parse_shift(text), Error) << text;
+  for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "1e9,0,0", "nan,0,0", ""})
+    EXPECT_THROW(parse_shift(text), Error) << text;
   for (const char* text : {"", "x", "361", "inf"}) EXPECT_THROW(parse_turn(text), Error) << text;
 }
 

@@ -42,18 +42,25 @@ Mat3d rotation_about(const Vec3d& axis, double degrees) {
 }
 
 Vec3d up_of(const EditableRoom& room) {
-  if (!room.up) throw_bad_input({}, "--move", "this room does not tell which way is up", "give the scene an up direction: `up` in scene.json");
+  if (!room.up)
+    throw_bad_input({}, "--move", "this room does not tell which way is up",
+                    "give the scene an up direction: `up` in scene.json");
   return *room.up;
 }
 
 /// Unit, level: from the objects to the mean place of the cameras.
 Vec3d toward_viewer(const EditableRoom& room, const Vec3d& up, const Vec3d& middle) {
-  if (room.cameras.empty()) throw_bad_input({}, "--move", "no camera of this room is known, so that nothing is left or right", "give --move 0,UP,0 only");
+  if (room.cameras.empty())
+    throw_bad_input({}, "--move", "no camera of this room is known, so that nothing is left or right",
+                    "give --move 0,UP,0 only");
   Vec3d toward = -middle;
-  for (const Camera& camera : room.cameras) toward += camera.centre() * (1.0 / static_cast<double>(room.cameras.size()));
+  for (const Camera& camera : room.cameras)
+    toward += camera.centre() * (1.0 / static_cast<double>(room.cameras.size()));
   toward -= up * dot(toward, up);
   constexpr double kShortest = 1e-6;  // scene units
-  if (norm(toward) < kShortest) throw_bad_input({}, "--move", "the cameras are right above the objects, so that nothing is left or right", "select fewer objects");
+  if (norm(toward) < kShortest)
+    throw_bad_input({}, "--move", "the cameras are right above the objects, so that nothing is left or right",
+                    "select fewer objects");
   return normalized(toward);
 }
 
@@ -86,7 +93,8 @@ double step_aside(const EditableRoom& room, const std::vector<uint8_t>& selected
   return high - low + kGap * room.gaussians.extent;
 }
 
-EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& selected, const std::vector<uint8_t>& vertices) {
+EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& selected,
+                      const std::vector<uint8_t>& vertices) {
   EditableRoom piece;
   piece.labels = room.labels;
   piece.up = room.up;

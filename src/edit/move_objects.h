@@ -10,7 +10,8 @@
 
 namespace aligngs {
 
-/// The motion of the selected Gaussians in the world. Error{kBadInput} when the room does not tell which way is up, when
+/// The motion of the selected Gaussians in the world. Error{kBadInput} when the room does not tell which way is up,
+/// when
 /// no camera is known, or when the cameras are right above the objects.
 Similarity motion_in_world(const EditableRoom& room, const std::vector<uint8_t>& selected, const ObjectMotion& motion);
 
@@ -18,7 +19,8 @@ Similarity motion_in_world(const EditableRoom& room, const std::vector<uint8_t>&
 double step_aside(const EditableRoom& room, const std::vector<uint8_t>& selected);
 
 /// The selected Gaussians and vertices as a room of their own.
-EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& selected, const std::vector<uint8_t>& vertices);
+EditableRoom piece_of(const EditableRoom& room, const std::vector<uint8_t>& selected,
+                      const std::vector<uint8_t>& vertices);
 
 /// Adds a piece of the same run. Its Gaussians count as made by an edit (GaussianOrigin::filled).
 void add_piece(EditableRoom& room, const EditableRoom& piece);

@@ -50,7 +50,8 @@ TEST_F(MoveObjects, WithoutUpNothingMoves) {
 TEST_F(MoveObjects, ACopyHasANumberOfItsOwn) {
   std::vector<uint8_t> pillows;
   for (const uint16_t l : room_.gaussians.labels.label) pillows.push_back(l == small_room::kPillow);
-  EditableRoom copy = piece_of(room_, pillows, select_vertices(room_.mesh, room_.gaussians.model, pillows, room_.gaussians.extent, pool_));
+  EditableRoom copy = piece_of(
+      room_, pillows, select_vertices(room_.mesh, room_.gaussians.model, pillows, room_.gaussians.extent, pool_));
   const size_t before = room_.gaussians.model.size(), vertices = room_.mesh.vertices.size();
   number_anew(copy, room_);
   add_piece(room_, copy);

@@ -39,7 +39,8 @@ bool is_understood(const std::string& sentence, const Vocabulary& vocabulary) {
 }
 
 /// `object` with one stretch of its words replaced by a known name, so that it is understood; nearest first.
-std::vector<std::string> objects_near(const std::string& verb, const std::string& object, const Vocabulary& vocabulary) {
+std::vector<std::string> objects_near(const std::string& verb, const std::string& object,
+                                      const Vocabulary& vocabulary) {
   if (is_understood(verb + " " + object, vocabulary)) return {object};
   std::vector<size_t> begins = {0}, ends;
   for (size_t i = 0; i < object.size(); ++i) {
@@ -57,7 +58,9 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
   for (const size_t begin : begins) {
     for (const size_t end : ends) {
       if (end <= begin) continue;
-      if (std::count(object.begin() + static_cast<std::ptrdiff_t>(begin), object.begin() + static_cast<std::ptrdiff_t>(end), ' ') >= kMostWords) continue;
+      if (std::count(object.begin() + static_cast<std::ptrdiff_t>(begin),
+                     object.begin() + static_cast<std::ptrdiff_t>(end), ' ') >= kMostWords)
+        continue;
       const std::string words = object.substr(begin, end - begin), name = words.substr(0, words.find('#'));
       for (const std::string& known : vocabulary.suggestions(name, kReadings)) {
         const std::string text = object.substr(0, begin) + known + words.substr(name.size()) + object.substr(end);
@@ -66,7 +69,8 @@ std::vector<std::string> objects_near(const std::string& verb, const std::string
       }
     }
   }
-  std::stable_sort(readings.begin(), readings.end(), [](const Reading& a, const Reading& b) { return a.distance < b.distance; });
+  std::stable_sort(readings.begin(), readings.end(),
+                   [](const Reading& a, const Reading& b) { return a.distance < b.distance; });
   std::vector<std::string> out;
   for (const Reading& r : readings) {
     if (std::find(out.begin(), out.end(), r.text) == out.end()) out.push_back(r.text);
@@ -85,7 +89,8 @@ std::vector<std::string> nearest_readings(std::string_view given, const Vocabula
   // A sentence without a verb that is a name asks for an edit of that thing.
   const bool only_object = !is_known_verb(first) && is_understood("delete " + text, vocabulary);
   const std::string object = only_object ? text : text.substr(std::min(blank + 1, text.size()));
-  const std::vector<std::string> verbs = only_object ? std::vector<std::string>{"delete", "highlight", "extract"} : verbs_near(first);
+  const std::vector<std::string> verbs =
+      only_object ? std::vector<std::string>{"delete", "highlight", "extract"} : verbs_near(first);
   std::vector<std::string> readings;
   for (const std::string& verb : verbs) {
     for (const std::string& near : objects_near(verb, object, vocabulary)) {

@@ -38,7 +38,9 @@ TEST_F(NearestReadings, NumbersAndOtherNamesStay) {
   EXPECT_EQ(of("delete bed, lampp")[0], "delete bed, lamp");
 }
 
-TEST_F(NearestReadings, ANameAloneAsksForAnEdit) { EXPECT_THAT(of("bed"), ElementsAre("delete bed", "highlight bed", "extract bed")); }
+TEST_F(NearestReadings, ANameAloneAsksForAnEdit) {
+  EXPECT_THAT(of("bed"), ElementsAre("delete bed", "highlight bed", "extract bed"));
+}
 
 TEST_F(NearestReadings, EveryReadingIsUnderstood) {
   for (const char* text : {"dlete lamp", "delete chest of drawes", "remov the bigest lamp", "make the bed disappear"}) {

@@ -27,7 +27,8 @@ std::function<double(const Instance&)> measure_of(ObjectChoice choice, const std
   Vec3d direction = up;
   if (choice == ObjectChoice::kLeft || choice == ObjectChoice::kRight) {
     Vec3d middle;
-    for (const Instance& o : candidates) middle += o.centre.cast<double>() * (1.0 / static_cast<double>(candidates.size()));
+    for (const Instance& o : candidates)
+      middle += o.centre.cast<double>() * (1.0 / static_cast<double>(candidates.size()));
     Vec3d forward = middle - viewpoint.place.value_or(middle);
     forward -= up * dot(forward, up);
     constexpr double kShortest = 1e-6;  // scene units
@@ -50,8 +51,10 @@ void choose(std::vector<SelectionTerm>& terms, const std::vector<Instance>& obje
       if (o.label == term.label) candidates.push_back(o);
     }
     if (candidates.empty()) {
-      throw_bad_input({}, "--select", "the room has no object that is \"" + labels.classes.at(static_cast<size_t>(term.label)).name + "\"",
-                      "`aligngs edit RUN --list` shows what it holds");
+      throw_bad_input(
+          {}, "--select",
+          "the room has no object that is \"" + labels.classes.at(static_cast<size_t>(term.label)).name + "\"",
+          "`aligngs edit RUN --list` shows what it holds");
     }
     // One object is the left one as well as the largest.
     size_t best = 0;

@@ -48,7 +48,9 @@ TEST_F(ObjectChoiceTest, HighAndLowFollowTheUpDirection) {
   EXPECT_EQ(chosen("lowest pillow"), "pillow#2");
 }
 
-TEST_F(ObjectChoiceTest, AnExceptionCanBeAChoice) { EXPECT_EQ(chosen("every chair but the largest chair"), "chair but chair#2"); }
+TEST_F(ObjectChoiceTest, AnExceptionCanBeAChoice) {
+  EXPECT_EQ(chosen("every chair but the largest chair"), "chair but chair#2");
+}
 
 TEST_F(ObjectChoiceTest, OneObjectNeedsNoDirection) {
   viewpoint_ = {};

@@ -7,8 +7,9 @@ namespace aligngs {
 
 /// A motion as a person sees it who is at the mean place of the photos' cameras and looks at the objects.
 struct ObjectMotion {
-  Vec3d shift;      ///< scene units: to the right, upwards, towards that person
-  double turn = 0;  ///< degrees, counter-clockwise seen from above, about the upright axis through the middle of the box
+  Vec3d shift;  ///< scene units: to the right, upwards, towards that person
+  /// degrees, counter-clockwise seen from above, about the upright axis through the middle of the box
+  double turn = 0;
   bool is_still() const { return shift.x == 0 && shift.y == 0 && shift.z == 0 && turn == 0; }
 };
 

@@ -29,11 +29,13 @@ std::optional<float> mean_luma(const GaussianModel& model, const std::vector<uin
   return static_cast<float>(std::max(sum / weight, kDarkest));
 }
 
-void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color) {
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected,
+                       const std::array<uint8_t, 3>& color) {
   if (const auto mean = mean_luma(model, selected)) recolor_gaussians(model, selected, color, *mean);
 }
 
-void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color, float mean) {
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color,
+                       float mean) {
   for (size_t i = 0; i < model.size(); ++i) {
     if (!selected[i]) continue;
     float* sh = &model.sh[size_t(3) * kShCoefficients * i];

@@ -18,7 +18,8 @@ void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selecte
 /// The mean that it takes; empty when nothing of the selection is to be seen.
 std::optional<float> mean_luma(const GaussianModel& model, const std::vector<uint8_t>& selected);
 /// The same with a mean that is known.
-void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color, float mean);
+void recolor_gaussians(GaussianModel& model, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color,
+                       float mean);
 /// The same for vertex colours.
 void recolor_vertices(TriangleMesh& mesh, const std::vector<uint8_t>& selected, const std::array<uint8_t, 3>& color);
 

@@ -44,16 +44,21 @@ std::vector<TruthBox> boxes_of(const fs::path& file) {
   } catch (const nlohmann::json::exception&) {
     boxes.clear();
   }
-  if (boxes.empty()) throw_bad_input(file, "objects", "objects with boxes are expected", "make the truth again: aligngs synth ... --without");
+  if (boxes.empty())
+    throw_bad_input(file, "objects", "objects with boxes are expected",
+                    "make the truth again: aligngs synth ... --without");
   return boxes;
 }
 
-std::vector<Vec3f> in_boxes(const TriangleMesh& mesh, const std::vector<TruthBox>& boxes, const RemovalScoreOptions& options) {
+std::vector<Vec3f> in_boxes(const TriangleMesh& mesh, const std::vector<TruthBox>& boxes,
+                            const RemovalScoreOptions& options) {
   SamplingOptions sampling;
   sampling.points_per_area = options.points_per_area;
   std::vector<Vec3f> out;
   for (const Vec3f& p : sample_surface(mesh, sampling).positions) {
-    if (std::any_of(boxes.begin(), boxes.end(), [&](const TruthBox& b) { return b.holds(p, static_cast<float>(options.threshold)); })) out.push_back(p);
+    if (std::any_of(boxes.begin(), boxes.end(),
+                    [&](const TruthBox& b) { return b.holds(p, static_cast<float>(options.threshold)); }))
+      out.push_back(p);
   }
   return out;
 }
@@ -65,7 +70,8 @@ double share_near(const std::vector<Vec3f>& from, const std::vector<Vec3f>& to, 
   return static_cast<double>(near) / static_cast<double>(from.size());
 }
 
-void score_pictures(const fs::path& renders, const fs::path& truth, const RemovalScoreOptions& options, RemovalScore& score) {
+void score_pictures(const fs::path& renders, const fs::path& truth, const RemovalScoreOptions& options,
+                    RemovalScore& score) {
   double squares = 0, count = 0;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(truth / "mask")) files.push_back(entry.path().filename());
@@ -79,7 +85,8 @@ void score_pictures(const fs::path& renders, const fs::path& truth, const Remova
     if (pixels < options.fewest_pixels) continue;
     const ImageF render = to_float(read_image(renders / file)), photo = to_float(read_image(truth / "rgb" / file));
     if (render.width != photo.width || render.height != photo.height) {
-      throw_bad_input(renders / file, "size", "the picture has another size than the true one", "render at the size of the photos");
+      throw_bad_input(renders / file, "size", "the picture has another size than the true one",
+                      "render at the size of the photos");
     }
     const double psnr_here = psnr(render, photo, wide);
     squares += std::pow(10.0, -psnr_here / 10) * static_cast<double>(pixels);
@@ -87,7 +94,8 @@ void score_pictures(const fs::path& renders, const fs::path& truth, const Remova
     score.ssim += ssim(render, photo, wide);
     ++score.views;
   }
-  if (score.views == 0) throw_bad_input(truth / "mask", {}, "no test view shows the object", "choose an object that test views show");
+  if (score.views == 0)
+    throw_bad_input(truth / "mask", {}, "no test view shows the object", "choose an object that test views show");
   score.psnr = -10 * std::log10(squares / count);
   score.ssim /= static_cast<double>(score.views);
 }
@@ -110,7 +118,8 @@ ImageF widened_mask(const Image<uint8_t>& mask, int radius) {
 RemovalScore score_removal(const fs::path& renders, const fs::path& truth, const TriangleMesh& mesh,
                            const std::vector<Camera>& cameras, ThreadPool& pool, const RemovalScoreOptions& options) {
   if (!fs::exists(truth / "removal.json")) {
-    throw_bad_input(truth, {}, "the scene has no truth for this removal", "make it with the scene: aligngs synth ... --without OBJECT");
+    throw_bad_input(truth, {}, "the scene has no truth for this removal",
+                    "make it with the scene: aligngs synth ... --without OBJECT");
   }
   RemovalScore score;
   score_pictures(renders, truth, options, score);

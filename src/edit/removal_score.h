@@ -1,4 +1,5 @@
-// How believable a room is after a deletion, where the scene knows the room without the object (`aligngs synth --without`).
+// How believable a room is after a deletion, where the scene knows the room without the object (`aligngs synth
+// --without`).
 #pragma once
 
 #include <filesystem>
@@ -19,9 +20,9 @@ struct RemovalScoreOptions {
 };
 
 struct RemovalScore {
-  size_t views = 0;       ///< that show the object and counted
-  double psnr = 0;        ///< dB, over the pixels of the masks of all views
-  double ssim = 0;        ///< mean over the views
+  size_t views = 0;                              ///< that show the object and counted
+  double psnr = 0;                               ///< dB, over the pixels of the masks of all views
+  double ssim = 0;                               ///< mean over the views
   double precision = 0, recall = 0, fscore = 0;  ///< in the boxes of the objects, of surface that the cameras can see
 };
 

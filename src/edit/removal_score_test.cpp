@@ -46,8 +46,9 @@ class RemovalScoreTest : public testing::Test {
     write_png(folder_ / "truth" / "mask" / "a.png", mask);
     write_png(folder_ / "truth" / "rgb" / "a.png", picture(120));
     write_mesh_ply(folder_ / "truth" / "mesh.ply", floor_mesh());
-    write_file_atomically(folder_ / "truth" / "removal.json",
-                          R"({"schema": 1, "objects": [{"object": "box#1", "low": [-0.3, -0.3, 0], "high": [0.3, 0.3, 0.4]}]})");
+    write_file_atomically(
+        folder_ / "truth" / "removal.json",
+        R"({"schema": 1, "objects": [{"object": "box#1", "low": [-0.3, -0.3, 0], "high": [0.3, 0.3, 0.4]}]})");
   }
   static Image<uint8_t> picture(uint8_t inside) {
     Image<uint8_t> image(kSize, kSize, 3, 40);

@@ -13,7 +13,8 @@ std::optional<Vec3d> up_of_room(const Scene& scene, const LabelledGaussians& gau
   const int floor_class = scene.labels.find("floor");
   const std::vector<float>& positions = gaussians.model.positions;
   for (size_t i = 0; floor_class >= 0 && i < gaussians.labels.label.size() && 3 * i + 2 < positions.size(); ++i) {
-    if (gaussians.labels.label[i] == floor_class) floor.push_back({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]});
+    if (gaussians.labels.label[i] == floor_class)
+      floor.push_back({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]});
   }
   for (const Vec3f& p : scene.cloud.positions) points.push_back(p.cast<double>());
   const auto up = estimate_up(views, floor, points);

@@ -103,7 +103,8 @@ void mark(const LabelledGaussians& room, const std::vector<SelectionTerm>& terms
   }
 }
 
-/// Rows in the box around the marked ones, which is `reach` wider. Others do not join a selection: what is that far from it
+/// Rows in the box around the marked ones, which is `reach` wider. Others do not join a selection: what is that far
+/// from it
 /// has no neighbours of its own.
 std::vector<uint32_t> rows_around(const std::vector<Vec3f>& points, const std::vector<uint8_t>& marked, float reach) {
   Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
@@ -116,7 +117,8 @@ std::vector<uint32_t> rows_around(const std::vector<Vec3f>& points, const std::v
   std::vector<uint32_t> rows;
   for (uint32_t i = 0; i < points.size(); ++i) {
     const Vec3f& p = points[i];
-    if (p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z) rows.push_back(i);
+    if (p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z)
+      rows.push_back(i);
   }
   return rows;
 }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "gaussians/instances.h"
 #include "edit/selection_text.h"
+#include "gaussians/instances.h"
 #include "gaussians/soft_labels.h"
 
 namespace aligngs {
@@ -19,7 +19,7 @@ struct LabelledGaussians {
   GaussianLabels labels;  ///< with instances; without labels kNoLabel everywhere
   double extent = 1;      ///< robust extent of the scene, scene units
 
-  bool named = false;     ///< the labels were read from scene.labels.ply: the model has no semantic rows
+  bool named = false;  ///< the labels were read from scene.labels.ply: the model has no semantic rows
 
   bool has_labels() const { return named || model.semantic_channels > 0; }
 };

@@ -12,8 +12,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kLongestText = 4096;    // bytes: hundreds of names
-constexpr int kMostNumbers = 1000;       // objects of one range
+constexpr size_t kLongestText = 4096;  // bytes: hundreds of names
+constexpr int kMostNumbers = 1000;     // objects of one range
 constexpr const char* kExample = "for example \"pillow, cushion#2\" or \"everything but wall, floor\"";
 
 /// "pillow 2" for "pillow#2": the number, where the words before it are a name.

@@ -10,16 +10,16 @@ namespace {
 
 constexpr int kLargestInstance = 65535;  // ushort in scene.labels.ply
 
-constexpr std::string_view kQuantifiers[] = {"all of the", "each of the", "every one of the", "both of the", "all the",
-                                             "both the",   "all",         "every",            "each",        "both",
-                                             "any"};
+constexpr std::string_view kQuantifiers[] = {
+    "all of the", "each of the", "every one of the", "both of the", "all the", "both the", "all", "every", "each",
+    "both",       "any"};
 
 constexpr std::pair<std::string_view, ObjectChoice> kChoices[] = {
-    {"largest", ObjectChoice::kLargest},   {"biggest", ObjectChoice::kLargest},    {"smallest", ObjectChoice::kSmallest},
-    {"left", ObjectChoice::kLeft},         {"leftmost", ObjectChoice::kLeft},      {"left most", ObjectChoice::kLeft},
-    {"right", ObjectChoice::kRight},       {"rightmost", ObjectChoice::kRight},    {"right most", ObjectChoice::kRight},
-    {"highest", ObjectChoice::kHighest},   {"topmost", ObjectChoice::kHighest},    {"upper", ObjectChoice::kHighest},
-    {"uppermost", ObjectChoice::kHighest}, {"lowest", ObjectChoice::kLowest},      {"lower", ObjectChoice::kLowest}};
+    {"largest", ObjectChoice::kLargest},   {"biggest", ObjectChoice::kLargest}, {"smallest", ObjectChoice::kSmallest},
+    {"left", ObjectChoice::kLeft},         {"leftmost", ObjectChoice::kLeft},   {"left most", ObjectChoice::kLeft},
+    {"right", ObjectChoice::kRight},       {"rightmost", ObjectChoice::kRight}, {"right most", ObjectChoice::kRight},
+    {"highest", ObjectChoice::kHighest},   {"topmost", ObjectChoice::kHighest}, {"upper", ObjectChoice::kHighest},
+    {"uppermost", ObjectChoice::kHighest}, {"lowest", ObjectChoice::kLowest},   {"lower", ObjectChoice::kLowest}};
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 

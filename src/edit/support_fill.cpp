@@ -13,9 +13,9 @@
 namespace aligngs {
 namespace {
 
-constexpr float kSolid = 0.3f;        ///< opacity above which a Gaussian is part of a surface
-constexpr size_t kFewest = 12;        ///< Gaussians that make a plane believable
-constexpr double kOneSide = 0.8;      ///< share of the object on the plane's front side
+constexpr float kSolid = 0.3f;    ///< opacity above which a Gaussian is part of a surface
+constexpr size_t kFewest = 12;    ///< Gaussians that make a plane believable
+constexpr double kOneSide = 0.8;  ///< share of the object on the plane's front side
 
 struct Surroundings {
   std::vector<uint32_t> rows;  ///< candidates near the selection, solid, not selected
@@ -23,7 +23,8 @@ struct Surroundings {
 };
 
 Surroundings surroundings_of(const LabelledGaussians& room, const std::vector<uint8_t>& part,
-                             const std::vector<uint8_t>& selected, const std::vector<uint8_t>& candidates, double reach) {
+                             const std::vector<uint8_t>& selected, const std::vector<uint8_t>& candidates,
+                             double reach) {
   Surroundings out;
   std::vector<Vec3f> points;
   for (size_t i = 0; i < room.model.size(); ++i) {

@@ -13,7 +13,7 @@ struct SupportOptions {
   double link = 0.03;        ///< / extent: nearer Gaussians are of one part (10 cm in a room)
   double ring = 0.06;        ///< / extent: Gaussians this near to the selection are its surroundings (20 cm)
   double tolerance = 0.008;  ///< / extent: distance from the plane within which a Gaussian lies on it (3 cm)
-  int trials = 400;                          ///< of the random sample consensus (Fischler and Bolles 1981)
+  int trials = 400;          ///< of the random sample consensus (Fischler and Bolles 1981)
   uint64_t seed = 1;
 };
 

@@ -47,24 +47,29 @@ void apply_written_cameras(const fs::path& file, Scene& scene) {
       for (int r = 0; r < 3; ++r) {
         const size_t row = static_cast<size_t>(r);
         pose.translation[r] = it->second->at("position").at(row).get<double>();
-        for (int c = 0; c < 3; ++c) pose.rotation(r, c) = it->second->at("rotation").at(row).at(static_cast<size_t>(c)).get<double>();
+        for (int c = 0; c < 3; ++c)
+          pose.rotation(r, c) = it->second->at("rotation").at(row).at(static_cast<size_t>(c)).get<double>();
       }
       view.camera.world_to_camera = pose.inverse();
     }
   } catch (const Json::exception&) {
-    throw_bad_input(file, "cameras", "a camera has no name, place or rotation", "write it again: aligngs train ... --resume");
+    throw_bad_input(file, "cameras", "a camera has no name, place or rotation",
+                    "write it again: aligngs train ... --resume");
   }
 }
 
 LabelledGaussians read_finished_room(const fs::path& run, const Scene& scene, ThreadPool& pool) {
   const RunFolder paths(run);
   const double extent = robust_extent(scene);
-  if (!fs::exists(paths.labelled_ply())) return label_objects(read_gaussian_ply(paths.scene_ply()), scene.labels, extent, pool);
+  if (!fs::exists(paths.labelled_ply()))
+    return label_objects(read_gaussian_ply(paths.scene_ply()), scene.labels, extent, pool);
   LabelledModel file = read_labelled_gaussian_ply(paths.labelled_ply());
   for (size_t i = 0; i < file.labels.label.size(); ++i) {
     const uint16_t label = file.labels.label[i];
     if (label != kNoLabel && label >= scene.labels.classes.size()) {
-      throw_bad_input(paths.labelled_ply(), "label", "Gaussian " + std::to_string(i) + " has class " + std::to_string(label) + ", which the scene's label set does not have",
+      throw_bad_input(paths.labelled_ply(), "label",
+                      "Gaussian " + std::to_string(i) + " has class " + std::to_string(label) +
+                          ", which the scene's label set does not have",
                       "give the scene that this run was trained on: --scene DIR");
     }
   }
@@ -88,14 +93,16 @@ TrainedRoom read_trained_room(const fs::path& run, const fs::path& scene, Thread
     out.record = std::move(opened.record);
     out.config = std::move(opened.config);
     out.scene = std::move(opened.scene);
-    if (out.config.optimizer.pose_rotation > 0 || out.config.optimizer.pose_translation > 0) apply_written_cameras(RunFolder(run).cameras(), out.scene);
+    if (out.config.optimizer.pose_rotation > 0 || out.config.optimizer.pose_translation > 0)
+      apply_written_cameras(RunFolder(run).cameras(), out.scene);
     out.room.gaussians = read_finished_room(run, out.scene, pool);
   } else {
     TrainedRun opened = read_trained_run(run, scene, CheckpointParts::kWithoutEngineArrays);
     out.record = std::move(opened.record);
     out.config = std::move(opened.config);
     out.scene = std::move(opened.scene);
-    out.room.gaussians = label_objects(std::move(opened.state.engine.model), out.scene.labels, robust_extent(out.scene), pool);
+    out.room.gaussians =
+        label_objects(std::move(opened.state.engine.model), out.scene.labels, robust_extent(out.scene), pool);
   }
   EditableRoom& room = out.room;
   room.labels = out.scene.labels;

@@ -19,7 +19,8 @@ struct TrainedRoom {
 };
 
 /// A finished training: scene.labels.ply, or scene.ply where there are no labels, in a tenth of the time that its
-/// checkpoint takes. The room has then no semantic rows and no class probabilities. A training that was stopped: its newest
+/// checkpoint takes. The room has then no semantic rows and no class probabilities. A training that was stopped: its
+/// newest
 /// checkpoint. `scene` may be empty (read_run_without_state). Errors as read_trained_run's.
 TrainedRoom read_trained_room(const std::filesystem::path& run, const std::filesystem::path& scene, ThreadPool& pool);
 

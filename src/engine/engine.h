@@ -28,7 +28,7 @@ struct NonFinite {
 
 struct StepReport {
   LossTerms losses;
-  size_t visible = 0;     ///< Gaussians that touched a pixel
+  size_t visible = 0;  ///< Gaussians that touched a pixel
   NonFinite non_finite;
   double coupling_scale = 0;  ///< factor by which the semantic geometry gradient was multiplied (is_balanced)
   /// The gradient of all losses of the view, the coupling included; the multi-view terms count as far as the Gaussians
@@ -40,19 +40,19 @@ struct StepReport {
 struct RenderOptions {
   RasterSettings raster;
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
-  bool geometry = true;   ///< normal and depth maps
-  bool labels = false;    ///< arg-max label and its probability
+  bool geometry = true;  ///< normal and depth maps
+  bool labels = false;   ///< arg-max label and its probability
 };
 
 /// Maps are at the camera's size. "Nothing here" is alpha < 0.5, never a class and never a depth.
 struct Rendering {
-  ImageF color;            ///< H x W x 3, not clamped
-  ImageF alpha;            ///< H x W
-  ImageF normal;           ///< H x W x 3, camera frame, unit where alpha > 0
-  ImageF depth_plane;      ///< H x W, unbiased plane depth with guards (formulas/plane_depth.h), 0 = invalid
-  ImageF depth_median;     ///< H x W, depth of the first intersection with transmittance < 0.5, 0 = none
-  ImageF depth_expected;   ///< H x W, alpha-normalised mean of intersection depths, 0 = none
-  Image<uint16_t> label;   ///< H x W, kNoLabel where alpha < 0.5
+  ImageF color;              ///< H x W x 3, not clamped
+  ImageF alpha;              ///< H x W
+  ImageF normal;             ///< H x W x 3, camera frame, unit where alpha > 0
+  ImageF depth_plane;        ///< H x W, unbiased plane depth with guards (formulas/plane_depth.h), 0 = invalid
+  ImageF depth_median;       ///< H x W, depth of the first intersection with transmittance < 0.5, 0 = none
+  ImageF depth_expected;     ///< H x W, alpha-normalised mean of intersection depths, 0 = none
+  Image<uint16_t> label;     ///< H x W, kNoLabel where alpha < 0.5
   ImageF label_probability;  ///< H x W
 };
 
@@ -76,7 +76,8 @@ class Engine {
   virtual std::string device_name() const = 0;
   virtual void load(const GaussianModel& model) = 0;  ///< resets moments and statistics
   virtual void store(GaussianModel& model) const = 0;
-  /// Positions, scales, rotations and opacities alone, the other arrays empty: what density control and pruning decide on. With 150 classes
+  /// Positions, scales, rotations and opacities alone, the other arrays empty: what density control and pruning decide
+  /// on. With 150 classes
   /// they are a twentieth of the model.
   virtual void store_shapes(GaussianModel& model) const = 0;
   virtual void save_state(EngineState& state) const = 0;
@@ -104,7 +105,8 @@ class Engine {
   /// Caps opacities at the given value and zeroes their moments (3DGS opacity reset).
   virtual void reset_opacity(float maximum) = 0;
 
-  /// The two larger scales of row i become at least exp(log_floors[i]) (formulas/shape_terms.h); moments stay. Error{kFailed} for
+  /// The two larger scales of row i become at least exp(log_floors[i]) (formulas/shape_terms.h); moments stay.
+  /// Error{kFailed} for
   /// another number of floors than rows.
   virtual void raise_scales(const std::vector<float>& log_floors) = 0;
 

@@ -12,7 +12,8 @@ namespace aligngs {
 namespace {
 
 constexpr const char* kSemanticUpdates = "adam_updates.semantics";
-constexpr float kManyUpdates = 1e7f;  ///< beyond every step: corrected by the number of the step, as before they were counted
+/// beyond every step: corrected by the number of the step, as before they were counted
+constexpr float kManyUpdates = 1e7f;
 constexpr size_t kBalanceFloats = 2 * sizeof(double) / sizeof(float);
 
 /// A copy of a named array of the state.
@@ -82,7 +83,8 @@ void check_step_request(const StepRequest& request, size_t views) {
   const SemanticSample& sample = request.losses.semantic_sample;
   if ((sample.quarters != 4 && sample.quarters != 2 && sample.quarters != 1) || sample.phase < 0 ||
       sample.square_shift < SemanticSample::kTileShift || sample.square_shift > 30) {
-    throw_usage("the semantic loss takes 4, 2 or 1 of four squares of 16 pixels or more, in a phase that is not negative");
+    throw_usage(
+        "the semantic loss takes 4, 2 or 1 of four squares of 16 pixels or more, in a phase that is not negative");
   }
   if (!(request.raster.dropout.rate >= 0 && request.raster.dropout.rate <= kDropoutRateMax)) {
     throw_usage("a step leaves out none to nine tenths of the Gaussians");
@@ -117,7 +119,11 @@ float reset_logit(float maximum) {
 
 void check_floors(const std::vector<float>& log_floors, size_t rows) {
   if (log_floors.size() == rows) return;
-  throw Error({ErrorKind::kFailed, std::to_string(log_floors.size()) + " floors of scales for " + std::to_string(rows) + " Gaussians", {}, {}, {}});
+  throw Error({ErrorKind::kFailed,
+               std::to_string(log_floors.size()) + " floors of scales for " + std::to_string(rows) + " Gaussians",
+               {},
+               {},
+               {}});
 }
 
 void AdamMoments::reset(const GaussianModel& like) {

@@ -1,4 +1,5 @@
-// The one table of losses. Their values, weights, total, checks, events, charts, benchmark and test cases follow from it.
+// The one table of losses. Their values, weights, total, checks, events, charts, benchmark and test cases follow from
+// it.
 #pragma once
 
 #include <array>
@@ -56,9 +57,9 @@ struct LossRow {
   std::string_view symbol;    ///< in docs/method.md
   std::string_view progress;  ///< in the line that a terminal shows during training; empty: not there
   LossStage stage;
-  uint8_t needs;              ///< LossNeeds
-  float weight;               ///< of a step request that says nothing else; 0: off
-  float benchmark_weight;     ///< of a step that is timed
+  uint8_t needs;           ///< LossNeeds
+  float weight;            ///< of a step request that says nothing else; 0: off
+  float benchmark_weight;  ///< of a step that is timed
 };
 
 // clang-format off

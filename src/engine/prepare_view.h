@@ -14,13 +14,13 @@ struct PrepareOptions {
   bool depth_weights = true;     ///< fill depth_weight (needs a prior depth)
   bool semantic_weights = true;  ///< fill semantic_weight (needs semantics)
 
-  double depth_jump = 0.05;        ///< |dz| / z between neighbours that is a discontinuity
-  double color_edge = 0.08;        ///< sRGB difference between neighbours that is a colour edge: five sigma of
-                                   ///< sensor noise (1.5 / 255, two pixels), above soft shading
-  int label_edge_radius = 2;       ///< pixels on either side of a label edge that L_d leaves out
-  int edge_radius = 3;             ///< pixels on either side of an edge that count as close to it
-  double confidence_low = 0.2;     ///< quantile of the confidence below which a depth weighs 0
-  double confidence_high = 0.6;    ///< quantile above which it weighs 1; linear between the two
+  double depth_jump = 0.05;      ///< |dz| / z between neighbours that is a discontinuity
+  double color_edge = 0.08;      ///< sRGB difference between neighbours that is a colour edge: five sigma of
+                                 ///< sensor noise (1.5 / 255, two pixels), above soft shading
+  int label_edge_radius = 2;     ///< pixels on either side of a label edge that L_d leaves out
+  int edge_radius = 3;           ///< pixels on either side of an edge that count as close to it
+  double confidence_low = 0.2;   ///< quantile of the confidence below which a depth weighs 0
+  double confidence_high = 0.6;  ///< quantile above which it weighs 1; linear between the two
 };
 
 /// Derives the maps of TrainingView; those whose input is missing stay empty. `prior_confidence` is null or H x W at

@@ -121,7 +121,8 @@ TEST(PrepareView, AConfidenceThatIsNoNumberWeighsNothing) {
   const ImageF depth(20, 5, 1, 2.0f);
   ImageF confidence(20, 5, 1, 7.0f);
   confidence.at(3, 3) = std::numeric_limits<float>::quiet_NaN();
-  for (int x = 5; x < 20; ++x) confidence.at(x, 0) = confidence.at(x, 1) = confidence.at(x, 2) = 0;  // nothing is known of most of it
+  // nothing is known of most of it
+  for (int x = 5; x < 20; ++x) confidence.at(x, 0) = confidence.at(x, 1) = confidence.at(x, 2) = 0;
   const ImageF weight = depth_weight_map(depth, &confidence, {});
   EXPECT_EQ(weight.at(3, 3), 0);
   EXPECT_EQ(weight.at(10, 1), 0);

@@ -2,8 +2,8 @@
 // train/config.h.
 #pragma once
 
-#include <string_view>
 #include <cstdint>
+#include <string_view>
 
 #include "engine/formulas/opacity_dropout.h"
 #include "engine/formulas/semantic_sample.h"
@@ -13,14 +13,15 @@ namespace aligngs {
 
 /// Constants of the rasteriser (3DGS, Kerbl et al. 2023).
 struct RasterSettings {
-  float near_plane = 0.01f;           ///< camera z below which a Gaussian is culled, scene units
-  float low_pass = 0.3f;              ///< pixels^2 added to the diagonal of the 2-D covariance
-  float alpha_min = 1.0f / 255.0f;    ///< contributions below are skipped
-  float alpha_max = 0.99f;            ///< alpha is clamped to this
-  float transmittance_min = 1e-4f;    ///< blending stops before transmittance falls below
-  float guard_band = 1.3f;            ///< t_x / t_z is clamped to this multiple of the image's half angle in the Jacobian
+  float near_plane = 0.01f;         ///< camera z below which a Gaussian is culled, scene units
+  float low_pass = 0.3f;            ///< pixels^2 added to the diagonal of the 2-D covariance
+  float alpha_min = 1.0f / 255.0f;  ///< contributions below are skipped
+  float alpha_max = 0.99f;          ///< alpha is clamped to this
+  float transmittance_min = 1e-4f;  ///< blending stops before transmittance falls below
+  /// t_x / t_z is clamped to this multiple of the image's half angle in the Jacobian
+  float guard_band = 1.3f;
   float background[3] = {0, 0, 0};
-  OpacityDropout dropout;             ///< of a training step; pictures are drawn without
+  OpacityDropout dropout;  ///< of a training step; pictures are drawn without
   /// Tests only: replaces the hard alpha_min cut by a C1 ramp over [alpha_min, 2 alpha_min] so that finite
   /// differences hold near the threshold. The clamp at alpha_max has zero gradient above it, also in use.
   bool smooth_cutoff = false;
@@ -36,13 +37,16 @@ inline SemanticBlend semantic_blend_named(std::string_view name) {
 }
 
 enum class SemanticCoupling {
-  kPlain,   ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
-  kBounded, ///< ours, for experiments: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kPlain,  ///< the gradient of the loss as printed reaches alpha, multiplied by coupling_strength
+  /// ours, for experiments: gradient of 1/2 |Q - t|^2 with Q / A, scaled to a share of the photometric gradient
+  kBounded,
   kOpacity  ///< a control: as much as kBounded, but every weight is pushed up alike, whatever the classes
 };
 /// "plain", "bounded" or "opacity", as the setting semantic.coupling has them.
 inline SemanticCoupling semantic_coupling_named(std::string_view name) {
-  return name == "plain" ? SemanticCoupling::kPlain : name == "opacity" ? SemanticCoupling::kOpacity : SemanticCoupling::kBounded;
+  return name == "plain"     ? SemanticCoupling::kPlain
+         : name == "opacity" ? SemanticCoupling::kOpacity
+                             : SemanticCoupling::kBounded;
 }
 /// Whether the coupling is scaled to a share of the photometric gradient and weighted by omega.
 constexpr bool is_balanced(SemanticCoupling coupling) { return coupling != SemanticCoupling::kPlain; }
@@ -53,15 +57,17 @@ struct LossSettings {
   /// (StepRequest::neighbour).
   PerLoss<float> weight = weights_of_catalogue(&LossRow::weight);
 
-  SemanticSample semantic_sample;     ///< pixels that the two semantic terms and their coupling take in this step
+  SemanticSample semantic_sample;  ///< pixels that the two semantic terms and their coupling take in this step
   SemanticBlend semantic_blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
   /// kPlain: factor on the gradient (0 = release, 1 = paper). Else: target ratio of RMS gradients (0.1).
   float coupling_strength = 0.1f;
 
-  float log_depth_huber = 0.02f;     ///< Huber delta of L_z, log units
-  float prior_depth_scale = 1.0f;    ///< a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
-  bool paper_normals = false;        ///< L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
+  float log_depth_huber = 0.02f;  ///< Huber delta of L_z, log units
+  /// a_v of L_z: this view's prior depth is multiplied by it (train/prior_alignment.h)
+  float prior_depth_scale = 1.0f;
+  /// L_ng and L_nb as printed, without discontinuity guards, over pixels with a normal
+  bool paper_normals = false;
 
   /// Some loss of this stage has a weight.
   constexpr bool has(LossStage stage) const {
@@ -77,7 +83,8 @@ struct LossSettings {
   /// Some loss that acts needs one of these inputs; `needs`: bits of LossNeeds.
   constexpr bool needs(unsigned needs, bool neighbour) const {
     for (const LossRow& row : kLossCatalogue) {
-      if (weight[row.loss] != 0 && (row.needs & needs) != 0 && (neighbour || row.stage != LossStage::kTwoViews)) return true;
+      if (weight[row.loss] != 0 && (row.needs & needs) != 0 && (neighbour || row.stage != LossStage::kTwoViews))
+        return true;
     }
     return false;
   }
@@ -96,9 +103,9 @@ struct AdamSettings {
 
 /// Hard limits applied after the optimiser step; 0 = off.
 struct ShapeLimits {
-  float flat_ratio_max = 0;    ///< smallest scale <= this share of the middle one
-  float aspect_max = 0;        ///< largest scale <= this multiple of the middle one
-  float scale_max = 0;         ///< largest scale, scene units
+  float flat_ratio_max = 0;  ///< smallest scale <= this share of the middle one
+  float aspect_max = 0;      ///< largest scale <= this multiple of the middle one
+  float scale_max = 0;       ///< largest scale, scene units
 };
 
 /// The other view of a step's multi-view terms; nothing of it is trained in this step.
@@ -109,8 +116,8 @@ struct NeighbourRequest {
 };
 
 struct StepRequest {
-  int view = 0;        ///< index into the training views
-  int64_t step = 1;    ///< 1-based, for Adam's bias correction
+  int view = 0;      ///< index into the training views
+  int64_t step = 1;  ///< 1-based, for Adam's bias correction
   int sh_degree = 0;
   LossSettings losses;
   LearningRates rates;

@@ -12,8 +12,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int kSplitChildren = 2;      // 3DGS: one large Gaussian becomes two
-constexpr float kSplitShrink = 1.6f;   // 3DGS: 0.8 * number of children
+constexpr int kSplitChildren = 2;     // 3DGS: one large Gaussian becomes two
+constexpr float kSplitShrink = 1.6f;  // 3DGS: 0.8 * number of children
 
 enum class Growth : uint8_t { kNone, kClone, kSplit };
 
@@ -24,8 +24,12 @@ struct Candidate {
 
 void require_size(const std::vector<float>& values, size_t n, const char* name) {
   if (values.size() == n) return;
-  throw Error({ErrorKind::kFailed, std::string("density statistics '") + name + "' have " +
-                                       std::to_string(values.size()) + " entries for " + std::to_string(n) + " Gaussians", {}, {}, {}});
+  throw Error({ErrorKind::kFailed,
+               std::string("density statistics '") + name + "' have " + std::to_string(values.size()) +
+                   " entries for " + std::to_string(n) + " Gaussians",
+               {},
+               {},
+               {}});
 }
 
 float largest_scale(const GaussianModel& model, size_t i) {
@@ -90,8 +94,8 @@ class Planner {
       if (gradient >= rule_.gradient_threshold) {
         by_gradient.push_back({static_cast<uint32_t>(i), gradient / rule_.gradient_threshold});
       } else if (splits_by_absolute(i)) {
-        by_absolute.push_back({static_cast<uint32_t>(i), statistics_.gradient_abs[i] / statistics_.visible[i] /
-                                                             rule_.gradient_abs_threshold});
+        by_absolute.push_back({static_cast<uint32_t>(i),
+                               statistics_.gradient_abs[i] / statistics_.visible[i] / rule_.gradient_abs_threshold});
       }
     }
     keep_largest(by_absolute, rule_.abs_max_splits);

@@ -13,13 +13,13 @@ namespace aligngs {
 /// Sums since the last reset, one entry per Gaussian. Gradients are of the photometric loss only,
 /// and of the 2-D mean in normalised device coordinates (pixels * size / 2), as in 3DGS.
 struct DensityStatistics {
-  std::vector<float> gradient;        ///< sum over views of |d L / d mean2D|
-  std::vector<float> gradient_abs;    ///< sum over views of | sum over pixels of |d L / d mean2D| | (AbsGS)
-  std::vector<float> visible;         ///< number of views in which the Gaussian touched a pixel
-  std::vector<float> radius;          ///< largest 2-D radius seen, pixels
-  std::vector<float> weight;          ///< sum of blending weights w
-  std::vector<float> residual;        ///< sum of w * photometric residual (mean absolute colour difference)
-  std::vector<float> unsupported;     ///< sum of w on pixels whose prior depth is absent or disagrees (> 5 %)
+  std::vector<float> gradient;      ///< sum over views of |d L / d mean2D|
+  std::vector<float> gradient_abs;  ///< sum over views of | sum over pixels of |d L / d mean2D| | (AbsGS)
+  std::vector<float> visible;       ///< number of views in which the Gaussian touched a pixel
+  std::vector<float> radius;        ///< largest 2-D radius seen, pixels
+  std::vector<float> weight;        ///< sum of blending weights w
+  std::vector<float> residual;      ///< sum of w * photometric residual (mean absolute colour difference)
+  std::vector<float> unsupported;   ///< sum of w on pixels whose prior depth is absent or disagrees (> 5 %)
 };
 
 /// One row of the model after restructuring.
@@ -51,12 +51,12 @@ struct DensityRule {
   size_t abs_max_splits = 50000;         ///< per call
   float small_scale = 0;                 ///< at most this: clone; larger: split (0.001 * extent)
   float prune_opacity = 0.005f;
-  float prune_scale = 0;                 ///< largest scale above which a Gaussian is removed; 0 = off
-  size_t max_gaussians = 0;              ///< cap; growth stops there, the largest gradients first; 0 = none
-  float residual_quantile = 0;           ///< grow only in the top (1 - q) of mean residual; 0 = off
-  float unsupported_min = 0;             ///< grow only where this share of the weight lacks prior support; 0 = off
-  bool grow = true;                      ///< false: prune only
-  bool morton_order = false;             ///< the plan's rows in the order of morton_order.h
+  float prune_scale = 0;        ///< largest scale above which a Gaussian is removed; 0 = off
+  size_t max_gaussians = 0;     ///< cap; growth stops there, the largest gradients first; 0 = none
+  float residual_quantile = 0;  ///< grow only in the top (1 - q) of mean residual; 0 = off
+  float unsupported_min = 0;    ///< grow only where this share of the weight lacks prior support; 0 = off
+  bool grow = true;             ///< false: prune only
+  bool morton_order = false;    ///< the plan's rows in the order of morton_order.h
 };
 
 /// The plan of one call of adaptive density control (3DGS, Kerbl et al. 2023, section 5.2). First, rows with a large

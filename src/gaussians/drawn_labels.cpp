@@ -9,7 +9,8 @@
 namespace aligngs {
 namespace {
 
-constexpr float kLeast = 1e-4f;  // probability of a class that is not among the kept ones: next to none once it is raised to a power
+// probability of a class that is not among the kept ones: next to none once it is raised to a power
+constexpr float kLeast = 1e-4f;
 constexpr size_t kDrawnGrain = 2048;  // Gaussians per task
 
 }  // namespace
@@ -25,7 +26,8 @@ void sharpen_label_rows(GaussianModel& model, double extent, double sharpness, T
       const uint16_t* label = &soft.label[i * SoftLabels::kTop];
       const float* probability = &soft.probability[i * SoftLabels::kTop];
       std::fill_n(row, channels, label[0] == kNoLabel ? 0.0f : least);
-      for (size_t k = 0; k < SoftLabels::kTop && label[k] != kNoLabel; ++k) row[label[k]] = power * std::log(std::max(probability[k], kLeast));
+      for (size_t k = 0; k < SoftLabels::kTop && label[k] != kNoLabel; ++k)
+        row[label[k]] = power * std::log(std::max(probability[k], kLeast));
     }
   });
 }

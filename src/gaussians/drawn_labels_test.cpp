@@ -18,7 +18,8 @@ GaussianModel line(const std::vector<std::array<double, kClasses>>& probabilitie
     model.positions[3 * i] = static_cast<float>(i);
     model.rotations[4 * i] = 1;
     model.opacity_logits[i] = 2;
-    for (size_t c = 0; c < kClasses; ++c) model.semantics[kClasses * i + c] = static_cast<float>(std::log(probabilities[i][c]));
+    for (size_t c = 0; c < kClasses; ++c)
+      model.semantics[kClasses * i + c] = static_cast<float>(std::log(probabilities[i][c]));
   }
   return model;
 }

@@ -12,7 +12,9 @@ namespace aligngs {
 inline constexpr float kInvisibleOpacity = 1.0f / 255;
 
 /// Centre of row i, world.
-inline Vec3d position_of(const GaussianModel& model, size_t i) { return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]}; }
+inline Vec3d position_of(const GaussianModel& model, size_t i) {
+  return {model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+}
 
 /// The shortest axis of row i, unit, world: the normal of a flat Gaussian, up to its sign.
 inline Vec3d shortest_axis(const GaussianModel& model, size_t i) {

@@ -129,7 +129,8 @@ class GaussianColumns {
       for (size_t i = 0; i < count(); ++i) put(w, i, static_cast<float>(w.property->values[i]));
     }
   }
-  /// Copies what is wanted from rows of scalar numbers, little-endian. A block of rows stays in the cache while its columns
+  /// Copies what is wanted from rows of scalar numbers, little-endian. A block of rows stays in the cache while its
+  /// columns
   /// are taken out.
   void copy_rows(std::string_view rows) const {
     constexpr size_t kBlock = 256;  // rows
@@ -151,14 +152,22 @@ class GaussianColumns {
  private:
   static float number_at(const char* bytes, PlyType type) {
     switch (type) {
-      case PlyType::kFloat32: return load_number<float>(bytes, false);
-      case PlyType::kFloat64: return static_cast<float>(load_number<double>(bytes, false));
-      case PlyType::kInt8: return load_number<int8_t>(bytes, false);
-      case PlyType::kUint8: return load_number<uint8_t>(bytes, false);
-      case PlyType::kInt16: return load_number<int16_t>(bytes, false);
-      case PlyType::kUint16: return load_number<uint16_t>(bytes, false);
-      case PlyType::kInt32: return static_cast<float>(load_number<int32_t>(bytes, false));
-      case PlyType::kUint32: return static_cast<float>(load_number<uint32_t>(bytes, false));
+      case PlyType::kFloat32:
+        return load_number<float>(bytes, false);
+      case PlyType::kFloat64:
+        return static_cast<float>(load_number<double>(bytes, false));
+      case PlyType::kInt8:
+        return load_number<int8_t>(bytes, false);
+      case PlyType::kUint8:
+        return load_number<uint8_t>(bytes, false);
+      case PlyType::kInt16:
+        return load_number<int16_t>(bytes, false);
+      case PlyType::kUint16:
+        return load_number<uint16_t>(bytes, false);
+      case PlyType::kInt32:
+        return static_cast<float>(load_number<int32_t>(bytes, false));
+      case PlyType::kUint32:
+        return static_cast<float>(load_number<uint32_t>(bytes, false));
     }
     return 0;
   }
@@ -187,7 +196,8 @@ int want_rest(GaussianColumns& columns, const std::filesystem::path& path, std::
   const int per_channel = sh_coefficient_count(degree) - 1;
   for (int k = 0; k < values; ++k) {
     const int channel = k / per_channel, coefficient = 1 + k % per_channel;
-    columns.want("f_rest_" + std::to_string(k), sh, size_t(3) * kShCoefficients, static_cast<size_t>(3 * coefficient + channel));
+    columns.want("f_rest_" + std::to_string(k), sh, size_t(3) * kShCoefficients,
+                 static_cast<size_t>(3 * coefficient + channel));
   }
   return degree;
 }
@@ -204,7 +214,8 @@ void want_model(GaussianColumns& columns, const std::filesystem::path& path, Gau
   for (size_t k = 0; k < 4; ++k) columns.want("rot_" + std::to_string(k), model.rotations, 4, k);
   columns.want("opacity", model.opacity_logits, 1, 0);
   for (int k = 0; k < model.semantic_channels; ++k) {
-    columns.want("semantic_" + std::to_string(k), model.semantics, static_cast<size_t>(model.semantic_channels), static_cast<size_t>(k));
+    columns.want("semantic_" + std::to_string(k), model.semantics, static_cast<size_t>(model.semantic_channels),
+                 static_cast<size_t>(k));
   }
   model.sh_degree = want_rest(columns, path, model.sh);
 }
@@ -222,7 +233,8 @@ std::vector<Integer> integers(const std::vector<float>& values, const std::files
   std::vector<Integer> out(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
     if (!(values[i] >= 0 && values[i] <= static_cast<float>(std::numeric_limits<Integer>::max()))) {
-      throw_bad_input(path, name, "Gaussian " + std::to_string(i) + " has a value out of range", "write the file again");
+      throw_bad_input(path, name, "Gaussian " + std::to_string(i) + " has a value out of range",
+                      "write the file again");
     }
     out[i] = static_cast<Integer>(values[i]);
   }
@@ -251,13 +263,16 @@ GaussianModel read_columns(const std::filesystem::path& path, LabelColumns* labe
   GaussianModel model;
   want_model(columns, path, model);
   if (labels) {
-    for (auto [name, column] : {std::pair{"label", &labels->label}, {"instance", &labels->instance}, {"confidence", &labels->confidence}}) {
+    for (auto [name, column] :
+         {std::pair{"label", &labels->label}, {"instance", &labels->instance}, {"confidence", &labels->confidence}}) {
       column->resize(columns.count());
       columns.want(name, *column, 1, 0);
     }
   }
-  if (plain) columns.copy_rows(rows);
-  else columns.copy();
+  if (plain)
+    columns.copy_rows(rows);
+  else
+    columns.copy();
   return model;
 }
 

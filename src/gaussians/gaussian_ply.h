@@ -10,13 +10,14 @@
 namespace aligngs {
 
 struct GaussianLabels {
-  std::string label_set;             ///< e.g. "ade20k150"
-  std::vector<uint16_t> label;       ///< class or kNoLabel
-  std::vector<uint16_t> instance;    ///< 0 = none
-  std::vector<uint8_t> confidence;   ///< probability of the class x 255
+  std::string label_set;            ///< e.g. "ade20k150"
+  std::vector<uint16_t> label;      ///< class or kNoLabel
+  std::vector<uint16_t> instance;   ///< 0 = none
+  std::vector<uint8_t> confidence;  ///< probability of the class x 255
 };
 
-/// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path: what every viewer of splats reads.
+/// Strict: exactly the 62 float32 properties in order, binary little-endian, no time, no path: what every viewer of
+/// splats reads.
 void write_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model);
 void write_labelled_gaussian_ply(const std::filesystem::path& path, const GaussianModel& model,
                                  const GaussianLabels& labels);

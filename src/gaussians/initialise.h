@@ -8,11 +8,11 @@ namespace aligngs {
 
 struct InitialiseOptions {
   int semantic_channels = 0;
-  float opacity = 0.1f;          ///< initial opacity (3DGS 0.1; dense start 0.5)
-  float flat_ratio = 1.0f;       ///< smallest scale / the other two; 1 = isotropic (paper); dense start 0.1
-  bool use_normals = true;       ///< lay the shortest axis along the cloud's normals when there are any
-  float scale_factor = 1.0f;     ///< multiplies the mean distance to the 3 nearest neighbours
-  float scale_max = 0;           ///< scene units; 0 = none
+  float opacity = 0.1f;       ///< initial opacity (3DGS 0.1; dense start 0.5)
+  float flat_ratio = 1.0f;    ///< smallest scale / the other two; 1 = isotropic (paper); dense start 0.1
+  bool use_normals = true;    ///< lay the shortest axis along the cloud's normals when there are any
+  float scale_factor = 1.0f;  ///< multiplies the mean distance to the 3 nearest neighbours
+  float scale_max = 0;        ///< scene units; 0 = none
 };
 
 /// scale = sqrt(mean squared distance to the 3 nearest neighbours), SH DC from the colour, semantics zero.

@@ -13,7 +13,7 @@ namespace aligngs {
 namespace {
 
 constexpr uint16_t kMostInstances = 65535;  // ushort in the file
-constexpr size_t kInstanceGrain = 512;              // Gaussians per chunk
+constexpr size_t kInstanceGrain = 512;      // Gaussians per chunk
 
 /// Group of each point (the smallest member's index), or kNone for noise.
 std::vector<uint32_t> cluster(const std::vector<Vec3f>& points, double extent, const InstanceOptions& options,

@@ -11,7 +11,9 @@ namespace {
 constexpr int kMostCopies = 51;  // of one row in one call, as there: binomial sums beyond lose their digits
 constexpr double kGrowthOpacityMargin = 1e-6;  // keeps logits finite
 
-double exact_opacity(const GaussianModel& model, size_t i) { return 1 / (1 + std::exp(-static_cast<double>(model.opacity_logits[i]))); }
+double exact_opacity(const GaussianModel& model, size_t i) {
+  return 1 / (1 + std::exp(-static_cast<double>(model.opacity_logits[i])));
+}
 
 float logit(double o) {
   o = std::clamp(o, kGrowthOpacityMargin, 1 - kGrowthOpacityMargin);

@@ -17,7 +17,8 @@ struct ObjectLabels {
   GaussianLabels labels;  ///< best class, its probability, and the object's number
 };
 
-/// Smooths (soft_labels.h), labels and numbers the objects (instances.h). `extent` is that of the scene, scene units; 0:
+/// Smooths (soft_labels.h), labels and numbers the objects (instances.h). `extent` is that of the scene, scene units;
+/// 0:
 /// measured on the model. Error{kBadInput} for a model without semantic channels. The same for any number of threads.
 ObjectLabels object_labels(const GaussianModel& model, const LabelSet& labels, double extent, ThreadPool& pool);
 

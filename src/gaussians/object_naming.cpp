@@ -10,14 +10,15 @@
 namespace aligngs {
 namespace {
 
-constexpr float kFaint = 0.05f;    // opacity below which a Gaussian connects nothing: such ones float between objects
-constexpr int kSweeps = 5;         // rooms settle after two
+constexpr float kFaint = 0.05f;      // opacity below which a Gaussian connects nothing: such ones float between objects
+constexpr int kSweeps = 5;           // rooms settle after two
 constexpr double kLeastGain = 1e-9;  // of an IoU: below, rounding would decide
 
 /// Expected IoU of every class, kept up while regions change their names.
 class ExpectedIou {
  public:
-  explicit ExpectedIou(const RegionEvidence& evidence) : e_(evidence), called_(e_.classes, 0.0), right_(called_), wanted_(called_) {
+  explicit ExpectedIou(const RegionEvidence& evidence)
+      : e_(evidence), called_(e_.classes, 0.0), right_(called_), wanted_(called_) {
     for (size_t r = 0; r < e_.area.size(); ++r) {
       for (size_t c = 0; c < e_.classes; ++c) wanted_[c] += e_.area[r] * e_.share[r * e_.classes + c];
     }
@@ -43,7 +44,8 @@ class ExpectedIou {
 
 }  // namespace
 
-LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model, const NeighbourGraph& graph, double reach) {
+LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model,
+                               const NeighbourGraph& graph, double reach) {
   const size_t n = label.size(), k = graph.k;
   DisjointSets sets(n);
   for (uint32_t i = 0; i < n; ++i) {
@@ -99,7 +101,8 @@ std::vector<uint16_t> label_outlines(const OutlineEvidence& e, int rounds) {
         const uint16_t c = e.soft.label[kTop * i + k];
         if (c == kNoLabel) break;
         if (e.allowed[kTop * i + k] == 0 || !(either[c] > 0)) continue;
-        const double p = static_cast<double>(e.soft.probability[kTop * i + k]), g = (p * (1 + iou[c]) - iou[c]) / either[c];
+        const double p = static_cast<double>(e.soft.probability[kTop * i + k]),
+                     g = (p * (1 + iou[c]) - iou[c]) / either[c];
         if (g > gain) gain = g, chosen = k;
       }
       changed |= chosen != slot[i];
@@ -124,12 +127,15 @@ std::vector<uint16_t> name_regions(const RegionEvidence& evidence, const NamingO
     if (own >= classes) continue;
     iou.add(r, own, 1);
     for (size_t c = 0; c < classes; ++c) {
-      if (c == own || evidence.photos[r * classes + c] < options.least_photos || share[c] < options.least_share * share[own]) continue;
+      if (c == own || evidence.photos[r * classes + c] < options.least_photos ||
+          share[c] < options.least_share * share[own])
+        continue;
       choices[r].push_back(static_cast<uint16_t>(c));
     }
     if (!choices[r].empty()) contested.push_back(r);
   }
-  std::stable_sort(contested.begin(), contested.end(), [&](size_t a, size_t b) { return evidence.area[a] > evidence.area[b]; });
+  std::stable_sort(contested.begin(), contested.end(),
+                   [&](size_t a, size_t b) { return evidence.area[a] > evidence.area[b]; });
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     bool changed = false;
     for (const size_t r : contested) {

@@ -17,20 +17,22 @@ struct LabelRegions {
   std::vector<uint16_t> label;        ///< [count] class of each region, kNoLabel: of none
   size_t count = 0;
 };
-LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model, const NeighbourGraph& graph, double reach);
+LabelRegions connected_regions(const std::vector<uint16_t>& label, const GaussianModel& model,
+                               const NeighbourGraph& graph, double reach);
 
 /// Votes of the photos for each region.
 struct RegionEvidence {
-  size_t classes = 0;           ///< C
-  std::vector<uint16_t> label;  ///< [R] what the region is called so far; kNoLabel: nothing, and so it stays
-  std::vector<double> area;     ///< [R] votes for the region, pixels of all photos
-  std::vector<double> share;    ///< [R][C] of these votes, by class; a region's shares sum to at most 1
-  std::vector<uint16_t> photos; ///< [R][C] photos in which most of what is seen of the region is called so
+  size_t classes = 0;            ///< C
+  std::vector<uint16_t> label;   ///< [R] what the region is called so far; kNoLabel: nothing, and so it stays
+  std::vector<double> area;      ///< [R] votes for the region, pixels of all photos
+  std::vector<double> share;     ///< [R][C] of these votes, by class; a region's shares sum to at most 1
+  std::vector<uint16_t> photos;  ///< [R][C] photos in which most of what is seen of the region is called so
 };
 
 struct NamingOptions {
-  uint16_t least_photos = 2;  ///< that call a region so before it may be called so against the majority: one photo's mistake is not enough
-  double least_share = 0.3;   ///< of the votes for the name so far, which a name must have besides
+  /// that call a region so before it may be called so against the majority: one photo's mistake is not enough
+  uint16_t least_photos = 2;
+  double least_share = 0.3;  ///< of the votes for the name so far, which a name must have besides
 };
 
 /// The name of each region: the current one, or one that enough photos give it. Names of all regions together maximise

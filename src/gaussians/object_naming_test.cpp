@@ -30,7 +30,8 @@ void add_region(RegionEvidence& e, uint16_t label, double area, const std::vecto
   }
 }
 
-/// Both are called blind by most photos. As blinds they promise 0.6 in one class; as what they might be, 0.4 and 0.35 in two.
+/// Both are called blind by most photos. As blinds they promise 0.6 in one class; as what they might be, 0.4 and 0.35
+/// in two.
 TEST(NameRegions, OneClassDoesNotTakeTheRegionsOfTwo) {
   RegionEvidence e;
   add_region(e, kBlind, 100, {{kBlind, 0.6, 5}, {kCurtain, 0.4, 2}});
@@ -107,7 +108,8 @@ TEST(LabelOutlines, WhatIsNotAllowedIsLeft) {
 }
 
 /// Gaussians on a line, 1 apart but where a gap is asked for.
-LabelRegions regions_of(const std::vector<uint16_t>& label, const std::vector<float>& positions, const std::vector<float>& opacity_logits) {
+LabelRegions regions_of(const std::vector<uint16_t>& label, const std::vector<float>& positions,
+                        const std::vector<float>& opacity_logits) {
   GaussianModel model;
   model.resize(label.size());
   for (size_t i = 0; i < label.size(); ++i) model.positions[3 * i] = positions[i];
@@ -117,8 +119,8 @@ LabelRegions regions_of(const std::vector<uint16_t>& label, const std::vector<fl
 }
 
 TEST(ConnectedRegions, EndAtGapsOtherClassesAndFaintGaussians) {
-  const LabelRegions r = regions_of({kWall, kWall, kWall, kLamp, kLamp, kLamp, kLamp, kNoLabel}, {0, 1, 5, 6, 7, 8, 9, 10},
-                                    {3, 3, 3, 3, 3, -9, 3, 3});
+  const LabelRegions r = regions_of({kWall, kWall, kWall, kLamp, kLamp, kLamp, kLamp, kNoLabel},
+                                    {0, 1, 5, 6, 7, 8, 9, 10}, {3, 3, 3, 3, 3, -9, 3, 3});
   EXPECT_EQ(r.of_gaussian, (std::vector<uint32_t>{0, 0, 1, 2, 2, 3, 4, 5}));
   EXPECT_EQ(r.label, (std::vector<uint16_t>{kWall, kWall, kLamp, kLamp, kLamp, kNoLabel}));
   EXPECT_EQ(r.count, 6u);

@@ -64,7 +64,8 @@ NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, Threa
   return neighbour_graph(points, rows, k, pool);
 }
 
-NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool) {
+NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k,
+                               ThreadPool& pool) {
   NeighbourGraph graph;
   graph.k = k;
   graph.index.assign(rows.size() * k, NeighbourGraph::kNone);

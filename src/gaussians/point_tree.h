@@ -47,6 +47,7 @@ struct NeighbourGraph {
 };
 NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, size_t k, ThreadPool& pool);
 /// The same for some of the points: neighbours of the point rows[i] are at [k * i, k * i + k).
-NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k, ThreadPool& pool);
+NeighbourGraph neighbour_graph(const std::vector<Vec3f>& points, const std::vector<uint32_t>& rows, size_t k,
+                               ThreadPool& pool);
 
 }  // namespace aligngs

@@ -9,15 +9,18 @@ namespace {
 
 bool is_kept(const RowOrigin& origin) { return origin.kind == RowOrigin::Kind::kKeep; }
 
-/// How many rows at the front of a plan are kept ones in rising order, which can move to their places one after the other.
+/// How many rows at the front of a plan are kept ones in rising order, which can move to their places one after the
+/// other.
 size_t rising_rows(const RestructurePlan& plan) {
   size_t n = 0;
-  while (n < plan.rows.size() && is_kept(plan.rows[n]) && (n == 0 || plan.rows[n].source > plan.rows[n - 1].source)) ++n;
+  while (n < plan.rows.size() && is_kept(plan.rows[n]) && (n == 0 || plan.rows[n].source > plan.rows[n - 1].source))
+    ++n;
   return n;
 }
 
 /// The rows [begin, end) of the plan's result; of new ones their source or, without `copies`, zeros.
-void gather(const RestructurePlan& plan, size_t begin, size_t end, size_t width, bool copies, const std::vector<float>& rows, float* out) {
+void gather(const RestructurePlan& plan, size_t begin, size_t end, size_t width, bool copies,
+            const std::vector<float>& rows, float* out) {
   for (size_t i = begin; i < end; ++i, out += width) {
     const RowOrigin& origin = plan.rows[i];
     if (copies || is_kept(origin)) {
@@ -76,6 +79,8 @@ void restructure_model(const RestructurePlan& plan, GaussianModel& model) {
   }
 }
 
-void restructure_rows(const RestructurePlan& plan, size_t width, std::vector<float>& rows) { carry_out(plan, width, false, rows); }
+void restructure_rows(const RestructurePlan& plan, size_t width, std::vector<float>& rows) {
+  carry_out(plan, width, false, rows);
+}
 
 }  // namespace aligngs

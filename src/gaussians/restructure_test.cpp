@@ -11,7 +11,8 @@
 namespace aligngs {
 namespace {
 
-constexpr RowOrigin::Kind kKeep = RowOrigin::Kind::kKeep, kClone = RowOrigin::Kind::kClone, kSplit = RowOrigin::Kind::kSplit;
+constexpr RowOrigin::Kind kKeep = RowOrigin::Kind::kKeep, kClone = RowOrigin::Kind::kClone,
+                          kSplit = RowOrigin::Kind::kSplit;
 
 /// Every number tells its row and column.
 std::vector<float> numbered(size_t rows, size_t width) {
@@ -73,7 +74,8 @@ TEST(Restructure, AnyPlanGivesWhatThePlainLoopGives) {
       if (random.uniform() < 0.8) plan.rows.push_back({i});
     }
     const size_t copies = trial % 3 == 0 ? 0 : static_cast<size_t>(random.uniform() * 20);
-    for (size_t k = 0; k < copies; ++k) plan.rows.push_back({static_cast<uint32_t>(random.uniform() * kRows), k % 2 ? kClone : kSplit});
+    for (size_t k = 0; k < copies; ++k)
+      plan.rows.push_back({static_cast<uint32_t>(random.uniform() * kRows), k % 2 ? kClone : kSplit});
     if (trial % 5 == 0) std::reverse(plan.rows.begin(), plan.rows.end());  // as an order along a curve may have it
     std::vector<float> rows = numbered(kRows, kWidth);
     const std::vector<float> want = carried_out(plan, kWidth, rows);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/thread_pool.h"
-#include "gaussians/point_tree.h"
 #include "gaussians/gaussian_model.h"
 #include "gaussians/gaussian_ply.h"
+#include "gaussians/point_tree.h"
 #include "scene/label_set.h"
 
 namespace aligngs {

@@ -6,12 +6,11 @@
 
 namespace aligngs {
 
-uint64_t element_count(const std::vector<int64_t>& shape, uint64_t element_bytes,
-                       const std::filesystem::path& name, const std::string& field) {
+uint64_t element_count(const std::vector<int64_t>& shape, uint64_t element_bytes, const std::filesystem::path& name,
+                       const std::string& field) {
   constexpr size_t kMaxDimensions = 64;  // NumPy's own limit
   if (shape.size() > kMaxDimensions) throw_bad_input(name, field, "more than 64 dimensions");
-  uint64_t product =
-      element_bytes;  // of the non-zero dimensions: (0, 2^62, 2^62) is refused as well
+  uint64_t product = element_bytes;  // of the non-zero dimensions: (0, 2^62, 2^62) is refused as well
   bool empty = false;
   for (const int64_t n : shape) {
     if (n < 0) throw_bad_input(name, field, "negative dimension in " + shape_text(shape));

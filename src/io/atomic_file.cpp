@@ -46,8 +46,7 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 /// A rename is durable only when the folder that holds the name is flushed too.
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0)
-    return;  // a folder that may be written but not read: nothing more can be done
+  if (descriptor < 0) return;  // a folder that may be written but not read: nothing more can be done
   ::fsync(descriptor);
   ::close(descriptor);
 }
@@ -59,9 +58,8 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
   std::filesystem::create_directories(folder_of(path_), error);
   if (error) {
-    throw_resources(
-        path_, "cannot create the folder " + folder_of(path_).string() + ": " + error.message(),
-        remedy_for(error.value()));
+    throw_resources(path_, "cannot create the folder " + folder_of(path_).string() + ": " + error.message(),
+                    remedy_for(error.value()));
   }
   temporary_ = temporary_beside(path_, ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
   note_temporary_path(temporary_);
@@ -112,11 +110,12 @@ void AtomicFile::commit() {
   if (::close(std::exchange(descriptor_, -1)) != 0 && code == 0) code = errno;
   if (code == 0) {
     const auto lock = hold_temporary_paths();
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) code = errno;
-    else forget_temporary_path(temporary_);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0)
+      code = errno;
+    else
+      forget_temporary_path(temporary_);
   }
-  if (code != 0)
-    throw_resources(path_, "cannot finish the file: " + system_message(code), remedy_for(code));
+  if (code != 0) throw_resources(path_, "cannot finish the file: " + system_message(code), remedy_for(code));
   temporary_.clear();
   sync_folder(folder_of(path_));
 }
@@ -129,8 +128,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 
 std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
-    throw_bad_input(path, "", "cannot open: " + system_message(errno), "check the path");
+  if (descriptor < 0) throw_bad_input(path, "", "cannot open: " + system_message(errno), "check the path");
   struct Closer {
     int descriptor;
     ~Closer() { ::close(descriptor); }
@@ -140,8 +138,7 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
     throw_bad_input(path, "", "not a file", "check the path");
   }
   const auto refuse_size = [&] {
-    throw_bad_input(path, "", "larger than " + std::to_string(limit) + " bytes",
-                    "check that this is the right file");
+    throw_bad_input(path, "", "larger than " + std::to_string(limit) + " bytes", "check that this is the right file");
   };
   if (status.st_size > 0 && uint64_t(status.st_size) > limit) refuse_size();
 
@@ -149,8 +146,7 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit) {
   std::string content(size_t(status.st_size) + 1, '\0');
   size_t size = 0;
   while (true) {
-    if (size == content.size())
-      content.resize(content.size() + std::max(content.size(), kBufferBytes));
+    if (size == content.size()) content.resize(content.size() + std::max(content.size(), kBufferBytes));
     const ssize_t got = ::read(descriptor, content.data() + size, content.size() - size);
     if (got < 0) {
       if (errno == EINTR) continue;

@@ -19,8 +19,7 @@ std::filesystem::path fresh_folder(const std::string& name) {
 
 size_t files_in(const std::filesystem::path& folder) {
   size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    count += entry.is_regular_file();
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) count += entry.is_regular_file();
   return count;
 }
 
@@ -119,9 +118,7 @@ TEST(ReadFile, RefusesAbsentFilesFoldersAndLargeFiles) {
   EXPECT_THROW(read_file(folder / "file", 4), Error);
 }
 
-TEST(ReadFile, ReadsFilesThatDoNotTellTheirSize) {
-  EXPECT_FALSE(read_file("/proc/self/stat").empty());
-}
+TEST(ReadFile, ReadsFilesThatDoNotTellTheirSize) { EXPECT_FALSE(read_file("/proc/self/stat").empty()); }
 
 }  // namespace
 }  // namespace aligngs

@@ -43,8 +43,7 @@ void append_little(std::string& out, T value) {
 /// A cursor over bytes. Reading past the end is Error{kBadInput} naming the file and the field.
 class ByteReader {
  public:
-  ByteReader(std::string_view bytes, std::filesystem::path name)
-      : bytes_(bytes), name_(std::move(name)) {}
+  ByteReader(std::string_view bytes, std::filesystem::path name) : bytes_(bytes), name_(std::move(name)) {}
 
   size_t offset() const { return offset_; }
   size_t remaining() const { return bytes_.size() - offset_; }
@@ -74,8 +73,7 @@ class ByteReader {
     return count;
   }
   [[noreturn]] void fail(const std::string& field, const std::string& message) const {
-    throw_bad_input(name_, field, message,
-                    "the file is damaged or incomplete; copy or create it again");
+    throw_bad_input(name_, field, message, "the file is damaged or incomplete; copy or create it again");
   }
 
  private:

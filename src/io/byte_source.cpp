@@ -30,9 +30,7 @@ class FileSource : public ByteSource {
       : ByteSource(path, file->size()), file_(std::move(file)) {}
 
  protected:
-  void copy(uint64_t offset, size_t count, char* out) const override {
-    file_->copy(offset, count, out);
-  }
+  void copy(uint64_t offset, size_t count, char* out) const override { file_->copy(offset, count, out); }
 
  private:
   std::unique_ptr<const MappedFile> file_;
@@ -43,8 +41,7 @@ class FileSource : public ByteSource {
 void ByteSource::require(uint64_t offset, uint64_t count) const {
   if (offset <= size_ && count <= size_ - offset) return;
   throw_bad_input(name_, "offset " + std::to_string(offset),
-                  std::to_string(count) + " bytes are needed there, the file has " +
-                      std::to_string(size_) + " in all",
+                  std::to_string(count) + " bytes are needed there, the file has " + std::to_string(size_) + " in all",
                   kDamagedFileRemedy);
 }
 
@@ -60,8 +57,7 @@ void ByteSource::read_into(uint64_t offset, size_t count, char* out) const {
   copy(offset, count, out);
 }
 
-std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
-                                          std::filesystem::path name_for_errors) {
+std::unique_ptr<ByteSource> memory_source(std::string_view bytes, std::filesystem::path name_for_errors) {
   return std::make_unique<MemorySource>(bytes, std::move(name_for_errors));
 }
 

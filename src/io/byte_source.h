@@ -33,8 +33,7 @@ class ByteSource {
 };
 
 /// `bytes` must outlive the source.
-std::unique_ptr<ByteSource> memory_source(std::string_view bytes,
-                                          std::filesystem::path name_for_errors);
+std::unique_ptr<ByteSource> memory_source(std::string_view bytes, std::filesystem::path name_for_errors);
 /// The file is mapped into memory. Error{kBadInput} when it cannot be opened, and on reading when
 /// it has become shorter.
 std::unique_ptr<ByteSource> file_source(const std::filesystem::path& path);

@@ -22,8 +22,7 @@ namespace fs = std::filesystem;
 std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
   constexpr uint64_t kLeastBytes = 4 + 4 + 8 + 8 + 3 * 8;  // id, model, size, three parameters
-  const uint64_t count =
-      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of cameras");
+  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of cameras");
   std::vector<ColmapCamera> cameras(count);
   for (ColmapCamera& camera : cameras) {
     camera.id = reader.little<uint32_t>("camera id");
@@ -31,8 +30,7 @@ std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const f
     const ColmapCameraModel* model = find_colmap_camera_model(model_id);
     if (!model) {
       throw_bad_input(name, "model of camera " + std::to_string(camera.id),
-                      "unknown camera model " + std::to_string(model_id),
-                      kUnknownCameraModelRemedy);
+                      "unknown camera model " + std::to_string(model_id), kUnknownCameraModelRemedy);
     }
     camera.model = model->name;
     camera.width = reader.little<uint64_t>("camera width");
@@ -46,23 +44,20 @@ std::vector<ColmapCamera> parse_cameras_binary(const std::string& bytes, const f
 
 std::vector<ColmapImage> parse_images_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
-  constexpr uint64_t kLeastBytes =
-      4 + 7 * 8 + 4 + 1 + 8;  // id, pose, camera, empty name, number of keypoints
-  const uint64_t count =
-      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of images");
+  constexpr uint64_t kLeastBytes = 4 + 7 * 8 + 4 + 1 + 8;  // id, pose, camera, empty name, number of keypoints
+  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of images");
   std::vector<ColmapImage> images(count);
   for (ColmapImage& image : images) {
     image.id = reader.little<uint32_t>("image id");
-    for (double* value :
-         {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z,
-          &image.translation.x, &image.translation.y, &image.translation.z}) {
+    for (double* value : {&image.rotation.w, &image.rotation.x, &image.rotation.y, &image.rotation.z,
+                          &image.translation.x, &image.translation.y, &image.translation.z}) {
       *value = reader.little<double>("pose");
     }
     image.camera_id = reader.little<uint32_t>("camera id of an image");
     while (const char c = reader.little<char>("name of an image")) image.name += c;
     constexpr uint64_t kKeypointBytes = 2 * 8 + 8;
-    const uint64_t points = reader.count_of(reader.little<uint64_t>("number of keypoints"),
-                                            kKeypointBytes, "number of keypoints of " + image.name);
+    const uint64_t points = reader.count_of(reader.little<uint64_t>("number of keypoints"), kKeypointBytes,
+                                            "number of keypoints of " + image.name);
     image.points.resize(points);
     image.point_ids.resize(points);
     for (uint64_t i = 0; i < points; ++i) {
@@ -78,8 +73,7 @@ std::vector<ColmapImage> parse_images_binary(const std::string& bytes, const fs:
 std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs::path& name) {
   ByteReader reader(bytes, name);
   constexpr uint64_t kLeastBytes = 8 + 3 * 8 + 3 + 8 + 8, kTrackBytes = 8;
-  const uint64_t count =
-      reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of points");
+  const uint64_t count = reader.count_of(reader.little<uint64_t>("count"), kLeastBytes, "number of points");
   std::vector<ColmapPoint> points(count);
   for (ColmapPoint& point : points) {
     point.id = reader.little<uint64_t>("point id");
@@ -88,8 +82,7 @@ std::vector<ColmapPoint> parse_points_binary(const std::string& bytes, const fs:
     }
     for (uint8_t& channel : point.color) channel = reader.little<uint8_t>("point colour");
     point.error = reader.little<double>("point error");
-    point.track.resize(
-        reader.count_of(reader.little<uint64_t>("track length"), kTrackBytes, "track length"));
+    point.track.resize(reader.count_of(reader.little<uint64_t>("track length"), kTrackBytes, "track length"));
     for (auto& [image, keypoint] : point.track) {
       image = reader.little<uint32_t>("track");
       keypoint = reader.little<uint32_t>("track");
@@ -118,9 +111,7 @@ fs::path require_file(const fs::path& folder, const std::string& stem) {
                   "give the folder of a COLMAP model");
 }
 
-bool is_model_folder(const fs::path& folder) {
-  return find_file(folder, "cameras") && find_file(folder, "images");
-}
+bool is_model_folder(const fs::path& folder) { return find_file(folder, "cameras") && find_file(folder, "images"); }
 
 /// A cheap look at how many images a model has: the binary count, or the image lines of the text.
 uint64_t count_images(const fs::path& folder) {
@@ -138,8 +129,7 @@ uint64_t count_images(const fs::path& folder) {
 std::map<uint64_t, fs::path> numbered_models(const fs::path& folder) {
   std::map<uint64_t, fs::path> models;
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     uint64_t number = 0;
     if (parse_number(entry->path().filename().string(), number) && is_model_folder(entry->path())) {
       models[number] = entry->path();
@@ -151,8 +141,7 @@ std::map<uint64_t, fs::path> numbered_models(const fs::path& folder) {
 /// The one of them with most images, the first of equals.
 std::optional<fs::path> best_numbered_model(const fs::path& folder) {
   const std::map<uint64_t, fs::path> models = numbered_models(folder);
-  if (models.size() <= 1)
-    return models.empty() ? std::nullopt : std::optional(models.begin()->second);
+  if (models.size() <= 1) return models.empty() ? std::nullopt : std::optional(models.begin()->second);
   std::optional<fs::path> best;
   uint64_t most = 0;
   for (const auto& [number, path] : models) {
@@ -169,7 +158,8 @@ std::vector<ColmapPoint> points_of_ply(const fs::path& path) {
   const auto column = [&](const char* name) { return vertices ? vertices->find(name) : nullptr; };
   const PlyProperty* position[3] = {column("x"), column("y"), column("z")};
   const PlyProperty* color[3] = {column("red"), column("green"), column("blue")};
-  if (!position[0] || !position[1] || !position[2]) throw_bad_input(path, "vertex", "no x, y, z", "export the points again");
+  if (!position[0] || !position[1] || !position[2])
+    throw_bad_input(path, "vertex", "no x, y, z", "export the points again");
   std::vector<ColmapPoint> points(vertices->count);
   for (size_t i = 0; i < points.size(); ++i) {
     points[i].id = i + 1;
@@ -188,11 +178,9 @@ std::vector<fs::path> places_of_models(const fs::path& scene_folder) {
 
 }  // namespace
 
-ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images,
-                                 const std::string& points,
+ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,
                                  const std::filesystem::path& folder_for_errors) {
-  const fs::path camera_path = folder_for_errors / "cameras.bin",
-                 image_path = folder_for_errors / "images.bin",
+  const fs::path camera_path = folder_for_errors / "cameras.bin", image_path = folder_for_errors / "images.bin",
                  point_path = folder_for_errors / "points3D.bin";
   ColmapModel model;
   model.cameras = parse_cameras_binary(cameras, camera_path);
@@ -211,12 +199,12 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
   model.cameras = is_binary(cameras) ? parse_cameras_binary(camera_bytes, cameras)
                                      : parse_colmap_cameras_text(camera_bytes, cameras);
   const std::string image_bytes = read_file(images);
-  model.images = is_binary(images) ? parse_images_binary(image_bytes, images)
-                                   : parse_colmap_images_text(image_bytes, images);
+  model.images =
+      is_binary(images) ? parse_images_binary(image_bytes, images) : parse_colmap_images_text(image_bytes, images);
   if (points) {
     const std::string point_bytes = read_file(*points);
-    model.points = is_binary(*points) ? parse_points_binary(point_bytes, *points)
-                                      : parse_colmap_points_text(point_bytes, *points);
+    model.points =
+        is_binary(*points) ? parse_points_binary(point_bytes, *points) : parse_colmap_points_text(point_bytes, *points);
   } else if (fs::is_regular_file(folder / "points3D.ply")) {
     model.points = points_of_ply(folder / "points3D.ply");
   }
@@ -225,7 +213,8 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
 }
 
 bool may_hold_colmap_model(const fs::path& scene_folder) {
-  for (const char* name : {"sparse", "cameras.bin", "cameras.txt", "colmap/sparse", "colmap/cameras.bin", "colmap/cameras.txt"}) {
+  for (const char* name :
+       {"sparse", "cameras.bin", "cameras.txt", "colmap/sparse", "colmap/cameras.bin", "colmap/cameras.txt"}) {
     if (fs::exists(scene_folder / name)) return true;
   }
   return false;
@@ -239,8 +228,7 @@ std::filesystem::path find_colmap_folder(const std::filesystem::path& scene_fold
   for (const fs::path& folder : {scene_folder / "sparse" / "0", scene_folder / "sparse", scene_folder}) {
     if (fs::exists(folder / "points3D.ply")) require_file(folder, "cameras");  // says what that file is
   }
-  throw_bad_input(scene_folder, "sparse",
-                  "no COLMAP model found (cameras and images, .bin or .txt)",
+  throw_bad_input(scene_folder, "sparse", "no COLMAP model found (cameras and images, .bin or .txt)",
                   "put it into sparse/ or sparse/0/");
 }
 
@@ -250,11 +238,12 @@ std::string choice_of_model(const fs::path& scene_folder) {
     if (!best) continue;
     std::string others;
     for (const auto& [number, path] : numbered_models(folder)) {
-      if (path != *best) others += (others.empty() ? "" : ", ") + std::to_string(number) + " has " + std::to_string(count_images(path));
+      if (path != *best)
+        others += (others.empty() ? "" : ", ") + std::to_string(number) + " has " + std::to_string(count_images(path));
     }
     if (others.empty()) return "";
-    return "model " + best->filename().string() + " of " + folder.string() + " is used, with " + std::to_string(count_images(*best)) +
-           " images (" + others + "); models of one mapper run share no world";
+    return "model " + best->filename().string() + " of " + folder.string() + " is used, with " +
+           std::to_string(count_images(*best)) + " images (" + others + "); models of one mapper run share no world";
   }
   return "";
 }

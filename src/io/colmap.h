@@ -14,7 +14,7 @@ namespace aligngs {
 
 struct ColmapCamera {
   uint32_t id = 0;
-  std::string model;           ///< "PINHOLE", "SIMPLE_RADIAL", ... (ids 0 to 17)
+  std::string model;  ///< "PINHOLE", "SIMPLE_RADIAL", ... (ids 0 to 17)
   uint64_t width = 0, height = 0;
   std::vector<double> params;  ///< in COLMAP's order for the model
 };
@@ -25,15 +25,15 @@ struct ColmapImage {
   Vec3d translation;     ///< world to camera
   uint32_t camera_id = 0;
   std::string name;
-  std::vector<Vec2d> points;          ///< observed keypoints, pixels
-  std::vector<int64_t> point_ids;     ///< 3-D point of each keypoint or -1
+  std::vector<Vec2d> points;       ///< observed keypoints, pixels
+  std::vector<int64_t> point_ids;  ///< 3-D point of each keypoint or -1
 };
 
 struct ColmapPoint {
   uint64_t id = 0;
   Vec3d position;
   std::array<uint8_t, 3> color{};
-  double error = 0;  ///< reprojection error, pixels
+  double error = 0;                                  ///< reprojection error, pixels
   std::vector<std::pair<uint32_t, uint32_t>> track;  ///< (image id, keypoint index)
 };
 
@@ -45,8 +45,10 @@ struct ColmapModel {
   size_t points_left_out = 0;     ///< without a finite position
 };
 
-/// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself, and a points3D.ply counts
-/// where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera models, missing
+/// Reads cameras, images, points3D from a folder; .bin is preferred over .txt, each file by itself, and a points3D.ply
+/// counts
+/// where there is neither. Points may be absent. Entries that cannot be used go to `left_out`; unknown camera models,
+/// missing
 /// and truncated files are Error{kBadInput} with file and field.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
 ColmapModel decode_colmap_binary(const std::string& cameras, const std::string& images, const std::string& points,

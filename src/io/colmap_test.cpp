@@ -81,16 +81,14 @@ const std::string kImagesText =
     "0 2 b.jpg\n";
 const std::string kPointsText = "# 3D point list\n42 0.1 0.2 0.3 255 0 7 0.65 3 0\n";
 
-fs::path text_model(const std::string& name, const std::string& cameras,
-                    const std::string& images) {
+fs::path text_model(const std::string& name, const std::string& cameras, const std::string& images) {
   const fs::path folder = fresh_folder(name);
   write_file_atomically(folder / "cameras.txt", cameras);
   write_file_atomically(folder / "images.txt", images);
   return folder;
 }
 
-void expect_bad(const fs::path& folder, const std::string& file, const std::string& field,
-                const std::string& message) {
+void expect_bad(const fs::path& folder, const std::string& file, const std::string& field, const std::string& message) {
   try {
     read_colmap_model(folder);
     FAIL() << "accepted";
@@ -115,9 +113,8 @@ TEST(Colmap, TextMeansTheSame) {
 }
 
 TEST(Colmap, EmptyKeypointLinesKeepTheImagesApart) {
-  const fs::path folder =
-      text_model("empty_lines", kCamerasText,
-                 "1 1 0 0 0 0 0 0 7 a.jpg\n\n2 1 0 0 0 0 0 0 7 b.jpg\n\n3 1 0 0 0 0 0 0 7 c.jpg\n");
+  const fs::path folder = text_model("empty_lines", kCamerasText,
+                                     "1 1 0 0 0 0 0 0 7 a.jpg\n\n2 1 0 0 0 0 0 0 7 b.jpg\n\n3 1 0 0 0 0 0 0 7 c.jpg\n");
   EXPECT_EQ(read_colmap_model(folder).images.size(), 3u);
 }
 
@@ -182,13 +179,15 @@ std::string why_left_out(const std::string& name, const std::string& cameras, co
 
 TEST(Colmap, AnImageThatCannotBeUsedIsLeftOutWithItsReason) {
   const std::string end = " 7 a.jpg";
-  EXPECT_THAT(why_left_out("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end), HasSubstr("/images.txt, image 3 (a.jpg): the pose is not finite"));
+  EXPECT_THAT(why_left_out("nan", kCamerasText, "3 1 0 0 0 nan 0 0" + end),
+              HasSubstr("/images.txt, image 3 (a.jpg): the pose is not finite"));
   EXPECT_THAT(why_left_out("inf", kCamerasText, "3 1 inf 0 0 0 0 0" + end), HasSubstr("not finite"));
   EXPECT_THAT(why_left_out("zero", kCamerasText, "3 0 0 0 0 0 0 0" + end), HasSubstr("zero"));
   EXPECT_THAT(why_left_out("camera", kCamerasText, "3 1 0 0 0 0 0 0 5 a.jpg"), HasSubstr("camera 5"));
   EXPECT_THAT(why_left_out("name", kCamerasText, "3 1 0 0 0 0 0 0 7"), HasSubstr("name is missing"));
   EXPECT_THAT(why_left_out("twice", kCamerasText, "3 1 0 0 0 0 0 0 7 good.jpg"), HasSubstr("listed twice"));
-  EXPECT_THAT(why_left_out("size", kCamerasText + "1 PINHOLE 64 0 1 2 3 4\n", "3 1 0 0 0 0 0 0 1 a.jpg"), HasSubstr("64x0"));
+  EXPECT_THAT(why_left_out("size", kCamerasText + "1 PINHOLE 64 0 1 2 3 4\n", "3 1 0 0 0 0 0 0 1 a.jpg"),
+              HasSubstr("64x0"));
 }
 
 TEST(Colmap, PointsThatAreNotFiniteAreCounted) {
@@ -200,8 +199,10 @@ TEST(Colmap, PointsThatAreNotFiniteAreCounted) {
 }
 
 TEST(Colmap, SecondLinesMayBeMissing) {
-  const ColmapModel model = read_colmap_model(text_model(
-      "second", kCamerasText, "1 1 0 0 0 0 0 0 7 a 1.jpg\n2 1 0 0 0 0 0 0 7 b.jpg\n# the last\n3 1 0 0 0 0 0 0 7 000012\n4 1 0 0 0 0 0 0 7 d.jpg\n1 2 -1 3 4 -1 5 6 -1 7 8 9\n"));
+  const ColmapModel model =
+      read_colmap_model(text_model("second", kCamerasText,
+                                   "1 1 0 0 0 0 0 0 7 a 1.jpg\n2 1 0 0 0 0 0 0 7 b.jpg\n# the last\n3 1 0 0 0 0 0 0 7 "
+                                   "000012\n4 1 0 0 0 0 0 0 7 d.jpg\n1 2 -1 3 4 -1 5 6 -1 7 8 9\n"));
   ASSERT_EQ(model.images.size(), 4u);
   EXPECT_EQ(model.images[0].name, "a 1.jpg");
   EXPECT_EQ(model.images[2].name, "000012");
@@ -210,7 +211,8 @@ TEST(Colmap, SecondLinesMayBeMissing) {
 
 TEST(Colmap, TextMayHaveAByteOrderMarkAndUnsignedIds) {
   const std::string mark = "\xef\xbb\xbf";
-  const fs::path folder = text_model("mark", mark + kCamerasText, mark + "3 1 0 0 0 0 0 0 7 a.jpg\n1 2 18446744073709551615 3 4 42\n");
+  const fs::path folder =
+      text_model("mark", mark + kCamerasText, mark + "3 1 0 0 0 0 0 0 7 a.jpg\n1 2 18446744073709551615 3 4 42\n");
   write_file_atomically(folder / "points3D.txt", mark + "18446744073709551615 0 0 1 1 2 3 0.5\n");
   const ColmapModel model = read_colmap_model(folder);
   EXPECT_THAT(model.images.at(0).point_ids, ElementsAre(-1, 42));
@@ -220,7 +222,8 @@ TEST(Colmap, TextMayHaveAByteOrderMarkAndUnsignedIds) {
 TEST(Colmap, APlyCountsWhereThereAreNoOtherPoints) {
   const fs::path folder = text_model("ply", kCamerasText, kImagesText);
   const std::string ply =
-      "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nproperty uchar red\n"
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nproperty "
+      "uchar red\n"
       "property uchar green\nproperty uchar blue\nend_header\n1000000.25 2 3 9 8 7\n";
   write_file_atomically(folder / "points3D.ply", ply);
   const ColmapModel model = read_colmap_model(folder);
@@ -241,15 +244,12 @@ TEST(Colmap, APlyAloneIsNamedForWhatItIs) {
 }
 
 TEST(Colmap, NamesWhatIsWrongInText) {
-  expect_bad(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL",
-             "CUBE");
-  expect_bad(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS",
-             "missing");
-  expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS",
-             "too many");
-  expect_bad(text_model("camera_twice", kCamerasText + "7 PINHOLE 64 48 1 2 3 4\n", ""), "cameras.txt", "camera 7", "twice");
-  expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt",
-             "line 2, QY", "zero");
+  expect_bad(text_model("model", "1 CUBE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, MODEL", "CUBE");
+  expect_bad(text_model("few", "1 PINHOLE 64 48 1 2 3\n", ""), "cameras.txt", "line 1, PARAMS", "missing");
+  expect_bad(text_model("many", "1 PINHOLE 64 48 1 2 3 4 5\n", ""), "cameras.txt", "line 1, PARAMS", "too many");
+  expect_bad(text_model("camera_twice", kCamerasText + "7 PINHOLE 64 48 1 2 3 4\n", ""), "cameras.txt", "camera 7",
+             "twice");
+  expect_bad(text_model("word", kCamerasText, "\n3 1 0 zero 0 0 0 0 7 a.jpg\n\n"), "images.txt", "line 2, QY", "zero");
 }
 
 TEST(Colmap, RefusesUnknownBinaryModelsAndHugeCounts) {
@@ -291,17 +291,14 @@ TEST(Colmap, FindsTheModelWhereNerfstudioPutsIt) {
   EXPECT_EQ(choice_of_model(scene), "");
 }
 
-TEST(Colmap, MissingFilesAreNamed) {
-  expect_bad(fresh_folder("nothing"), "", "cameras", "cameras.bin");
-}
+TEST(Colmap, MissingFilesAreNamed) { expect_bad(fresh_folder("nothing"), "", "cameras", "cameras.bin"); }
 
 TEST(Colmap, ReadsARealModel) {
   const fs::path folder = fs::path(ALIGNGS_SOURCE_DIR) / "../shared/data/kitchen_rgbd";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
   size_t models = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.path().filename() != "cameras.bin" && entry.path().filename() != "cameras.txt")
-      continue;
+    if (entry.path().filename() != "cameras.bin" && entry.path().filename() != "cameras.txt") continue;
     const ColmapModel model = read_colmap_model(entry.path().parent_path());
     EXPECT_FALSE(model.images.empty()) << entry.path();
     ++models;

@@ -48,8 +48,7 @@ class LineReader {
   T number(const char* field) {
     const std::string_view text = word(field);
     T value{};
-    if (!parse_number(text, value))
-      fail(field, "'" + std::string(text.substr(0, 40)) + "' is not such a number");
+    if (!parse_number(text, value)) fail(field, "'" + std::string(text.substr(0, 40)) + "' is not such a number");
     return value;
   }
   std::string place(const char* field) const { return "line " + std::to_string(number_) + ", " + field; }
@@ -86,14 +85,14 @@ int64_t point_id_of(LineReader& line) {
   int64_t id = 0;
   uint64_t large = 0;
   if (parse_number(text, id)) return id;
-  if (!parse_number(text, large)) line.fail("POINT3D_ID", "'" + std::string(text.substr(0, 40)) + "' is not such a number");
+  if (!parse_number(text, large))
+    line.fail("POINT3D_ID", "'" + std::string(text.substr(0, 40)) + "' is not such a number");
   return static_cast<int64_t>(large);
 }
 
 }  // namespace
 
-std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text,
-                                                    const std::filesystem::path& name) {
+std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text, const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapCamera> cameras;
   while (line.next_record()) {
@@ -102,20 +101,19 @@ std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text,
     camera.model = line.word("MODEL");
     const ColmapCameraModel* model = find_colmap_camera_model(camera.model);
     if (!model) {
-      throw_bad_input(name, line.place("MODEL"), "unknown camera model '" + camera.model.substr(0, 40) + "'", kUnknownCameraModelRemedy);
+      throw_bad_input(name, line.place("MODEL"), "unknown camera model '" + camera.model.substr(0, 40) + "'",
+                      kUnknownCameraModelRemedy);
     }
     camera.width = line.number<uint64_t>("WIDTH");
     camera.height = line.number<uint64_t>("HEIGHT");
-    for (size_t i = 0; i < model->parameters; ++i)
-      camera.params.push_back(line.number<double>("PARAMS"));
+    for (size_t i = 0; i < model->parameters; ++i) camera.params.push_back(line.number<double>("PARAMS"));
     if (!line.at_end_of_line()) line.fail("PARAMS", "too many parameters for " + camera.model);
     cameras.push_back(std::move(camera));
   }
   return cameras;
 }
 
-std::vector<ColmapImage> parse_colmap_images_text(std::string_view text,
-                                                  const std::filesystem::path& name) {
+std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapImage> images;
   while (line.next_record()) {
@@ -145,8 +143,7 @@ std::vector<ColmapImage> parse_colmap_images_text(std::string_view text,
   return images;
 }
 
-std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text,
-                                                  const std::filesystem::path& name) {
+std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text, const std::filesystem::path& name) {
   LineReader line(text, name);
   std::vector<ColmapPoint> points;
   while (line.next_record()) {

@@ -9,11 +9,8 @@
 
 namespace aligngs {
 
-std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text,
-                                                    const std::filesystem::path& name);
-std::vector<ColmapImage> parse_colmap_images_text(std::string_view text,
-                                                  const std::filesystem::path& name);
-std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text,
-                                                  const std::filesystem::path& name);
+std::vector<ColmapCamera> parse_colmap_cameras_text(std::string_view text, const std::filesystem::path& name);
+std::vector<ColmapImage> parse_colmap_images_text(std::string_view text, const std::filesystem::path& name);
+std::vector<ColmapPoint> parse_colmap_points_text(std::string_view text, const std::filesystem::path& name);
 
 }  // namespace aligngs

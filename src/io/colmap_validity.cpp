@@ -15,17 +15,13 @@ namespace fs = std::filesystem;
 constexpr uint64_t kMaxImageSide = 1'000'000;  // pixels: beyond it the file is not what it seems
 const char* const kColmapRemedy = "run the reconstruction again, or remove the entry";
 
-bool finite(const Vec3d& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+bool finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
   const std::string field = "camera " + std::to_string(camera.id);
-  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxImageSide ||
-      camera.height > kMaxImageSide) {
+  if (camera.width == 0 || camera.height == 0 || camera.width > kMaxImageSide || camera.height > kMaxImageSide) {
     throw_bad_input(name, field,
-                    "the size " + std::to_string(camera.width) + "x" +
-                        std::to_string(camera.height) + " is not valid",
+                    "the size " + std::to_string(camera.width) + "x" + std::to_string(camera.height) + " is not valid",
                     kColmapRemedy);
   }
   for (const double value : camera.params) {
@@ -34,15 +30,13 @@ void require_valid_camera(const ColmapCamera& camera, const fs::path& name) {
 }
 
 void require_valid_image(const ColmapImage& image, const fs::path& name) {
-  const std::string field =
-      "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")";
+  const std::string field = "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")";
   const double length = norm(image.rotation);
   if (image.name.empty()) throw_bad_input(name, field, "the name is missing", kColmapRemedy);
   if (!std::isfinite(length) || !finite(image.translation)) {
     throw_bad_input(name, field, "the pose is not finite", kColmapRemedy);
   }
-  constexpr double kLeastLength =
-      1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
+  constexpr double kLeastLength = 1e-6;  // a rotation's quaternion has length 1; shorter ones tell no direction
   if (length < kLeastLength) throw_bad_input(name, field, "the quaternion is zero", kColmapRemedy);
 }
 
@@ -54,8 +48,7 @@ void require_valid_colmap(const ColmapModel& model, const fs::path& cameras, con
   for (const ColmapCamera& camera : model.cameras) {
     require_valid_camera(camera, cameras);
     if (!camera_ids.insert(camera.id).second) {
-      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice",
-                      kColmapRemedy);
+      throw_bad_input(cameras, "camera " + std::to_string(camera.id), "the id occurs twice", kColmapRemedy);
     }
   }
   for (const ColmapImage& image : model.images) {
@@ -64,17 +57,14 @@ void require_valid_colmap(const ColmapModel& model, const fs::path& cameras, con
       throw_bad_input(images, "image " + std::to_string(image.id), "the id occurs twice", kColmapRemedy);
     }
     if (!camera_ids.count(image.camera_id)) {
-      throw_bad_input(images,
-                      "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")",
-                      "its camera " + std::to_string(image.camera_id) + " is not in " +
-                          cameras.filename().string(),
+      throw_bad_input(images, "image " + std::to_string(image.id) + " (" + image.name.substr(0, 200) + ")",
+                      "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(),
                       kColmapRemedy);
     }
   }
   for (const ColmapPoint& point : model.points) {
     if (!finite(point.position)) {
-      throw_bad_input(points, "point " + std::to_string(point.id), "the position is not finite",
-                      kColmapRemedy);
+      throw_bad_input(points, "point " + std::to_string(point.id), "the position is not finite", kColmapRemedy);
     }
   }
 }
@@ -95,9 +85,13 @@ void leave_out_invalid(ColmapModel& model, const fs::path& cameras, const fs::pa
       require_valid_image(image, images);
       const std::string field = "image " + std::to_string(image.id);
       const auto camera = by_id.find(image.camera_id);
-      if (camera == by_id.end()) throw_bad_input(images, field, "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(), kColmapRemedy);
+      if (camera == by_id.end())
+        throw_bad_input(images, field,
+                        "its camera " + std::to_string(image.camera_id) + " is not in " + cameras.filename().string(),
+                        kColmapRemedy);
       require_valid_camera(*camera->second, cameras);
-      if (!ids.insert(image.id).second || !names.insert(image.name).second) throw_bad_input(images, field, "it is listed twice", kColmapRemedy);
+      if (!ids.insert(image.id).second || !names.insert(image.name).second)
+        throw_bad_input(images, field, "it is listed twice", kColmapRemedy);
       good.push_back(std::move(image));
     });
   }

@@ -8,16 +8,15 @@
 namespace aligngs {
 
 void write_colmap_binary(const std::filesystem::path& folder, const ColmapModel& model) {
-  require_valid_colmap(model, folder / "cameras.bin", folder / "images.bin",
-                       folder / "points3D.bin");
+  require_valid_colmap(model, folder / "cameras.bin", folder / "images.bin", folder / "points3D.bin");
   std::string out;
   append_little(out, uint64_t(model.cameras.size()));
   for (const ColmapCamera& camera : model.cameras) {
     const ColmapCameraModel* known = find_colmap_camera_model(camera.model);
     if (!known || known->parameters != camera.params.size()) {
       throw Error({ErrorKind::kFailed,
-                   "the camera model " + camera.model + " does not have " +
-                       std::to_string(camera.params.size()) + " parameters",
+                   "the camera model " + camera.model + " does not have " + std::to_string(camera.params.size()) +
+                       " parameters",
                    folder / "cameras.bin", "camera " + std::to_string(camera.id), ""});
     }
     append_little(out, camera.id);
@@ -50,8 +49,7 @@ void write_colmap_binary(const std::filesystem::path& folder, const ColmapModel&
   append_little(out, uint64_t(model.points.size()));
   for (const ColmapPoint& point : model.points) {
     append_little(out, point.id);
-    for (const double value : {point.position.x, point.position.y, point.position.z})
-      append_little(out, value);
+    for (const double value : {point.position.x, point.position.y, point.position.z}) append_little(out, value);
     for (const uint8_t channel : point.color) append_little(out, channel);
     append_little(out, point.error);
     append_little(out, uint64_t(point.track.size()));

@@ -17,8 +17,7 @@ double number_in(ExifData* data, ExifIfd ifd, ExifTag tag) {
   const ExifEntry* entry = exif_content_get_entry(data->ifd[ifd], tag);
   if (!entry || entry->components != 1) return 0;
   const ExifByteOrder order = exif_data_get_byte_order(data);
-  if (entry->format == EXIF_FORMAT_SHORT && entry->size >= 2)
-    return exif_get_short(entry->data, order);
+  if (entry->format == EXIF_FORMAT_SHORT && entry->size >= 2) return exif_get_short(entry->data, order);
   if (entry->format == EXIF_FORMAT_RATIONAL && entry->size >= 8) {
     const ExifRational r = exif_get_rational(entry->data, order);
     return r.denominator == 0 ? 0 : double(r.numerator) / double(r.denominator);

@@ -34,9 +34,7 @@ std::string exif_with_sensor(unsigned focal, unsigned pixels_per_unit, unsigned 
   return out;
 }
 
-TEST(ExifFocalLength, WhatIsWrittenIsRead) {
-  EXPECT_EQ(exif_focal_35mm(exif_with_focal_35mm(26.3), 4000), 26);
-}
+TEST(ExifFocalLength, WhatIsWrittenIsRead) { EXPECT_EQ(exif_focal_35mm(exif_with_focal_35mm(26.3), 4000), 26); }
 
 TEST(ExifFocalLength, ComesFromTheSensorWhereItIsNotStated) {
   // 18 mm, 100 pixels per mm: 1800 pixels of 3500, of 35 mm film 18.

@@ -17,8 +17,7 @@ int exif_orientation(std::string_view exif) {
   exif_data_load_data(data.get(), reinterpret_cast<const unsigned char*>(exif.data()),
                       static_cast<unsigned>(exif.size()));
   const ExifEntry* entry = exif_content_get_entry(data->ifd[EXIF_IFD_0], EXIF_TAG_ORIENTATION);
-  if (!entry || entry->format != EXIF_FORMAT_SHORT || entry->components != 1 || entry->size < 2)
-    return 1;
+  if (!entry || entry->format != EXIF_FORMAT_SHORT || entry->components != 1 || entry->size < 2) return 1;
   const int value = exif_get_short(entry->data, exif_data_get_byte_order(data.get()));
   return value >= 1 && value <= 8 ? value : 1;
 }
@@ -52,8 +51,7 @@ bool set_exif_upright(std::string& bytes, size_t begin, size_t size) {
 Image<uint8_t> apply_orientation(Image<uint8_t> stored, int orientation) {
   if (orientation <= 1 || orientation > 8) return stored;
   const bool swap = orientation_swaps_sides(orientation);
-  const int width = swap ? stored.height : stored.width,
-            height = swap ? stored.width : stored.height;
+  const int width = swap ? stored.height : stored.width, height = swap ? stored.width : stored.height;
   // Mirrored axes of the stored picture, along its own axes, after the exchange of axes is undone.
   const bool flip_x = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool flip_y = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;

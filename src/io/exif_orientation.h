@@ -13,7 +13,8 @@ namespace aligngs {
 /// content of a JPEG APP1 segment, "Exif\0\0" included.
 int exif_orientation(std::string_view exif);
 
-/// Sets the orientation that `bytes` hold from `begin` on (content as for exif_orientation) to 1, without moving a byte.
+/// Sets the orientation that `bytes` hold from `begin` on (content as for exif_orientation) to 1, without moving a
+/// byte.
 /// false: there is no such tag.
 bool set_exif_upright(std::string& bytes, size_t begin, size_t size);
 

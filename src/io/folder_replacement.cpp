@@ -23,7 +23,8 @@ fs::path beside(const fs::path& target, const char* suffix) {
   return temporary_beside(target, suffix + std::to_string(::getpid()));
 }
 
-/// Two folders change places, or the first takes the free place of the second. False where the system or the disk cannot do that at once.
+/// Two folders change places, or the first takes the free place of the second. False where the system or the disk
+/// cannot do that at once.
 bool exchange(const fs::path& a, const fs::path& b, bool replaced) {
   return ::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), replaced ? RENAME_EXCHANGE : RENAME_NOREPLACE) == 0;
 }
@@ -61,7 +62,8 @@ void FolderReplacement::commit() {
       move_in_two_steps(replaced, error);
     }
   }
-  if (error) throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
+  if (error)
+    throw_resources(target_, "the folder cannot be put in place: " + error.message(), "check the disk and the rights");
   std::error_code ignored;
   fs::remove_all(temporary_, ignored);
   forget_temporary_path(temporary_);

@@ -10,7 +10,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kGzip = MAX_WBITS + 16;                          // zlib: write and expect gzip headers
+constexpr int kGzip = MAX_WBITS + 16;                           // zlib: write and expect gzip headers
 constexpr size_t kMost = std::numeric_limits<uInt>::max() / 2;  // bytes handed to zlib at a time
 
 struct Inflating {
@@ -61,7 +61,8 @@ std::string gzip_expanded(std::string_view bytes, const std::filesystem::path& n
     stream.avail_out = static_cast<uInt>(block.size());
     state = inflate(&stream, Z_NO_FLUSH);
     const size_t got = block.size() - stream.avail_out;
-    if (out.size() + got > limit) throw_bad_input(name, "gzip", "more than " + std::to_string(limit) + " bytes come out of it");
+    if (out.size() + got > limit)
+      throw_bad_input(name, "gzip", "more than " + std::to_string(limit) + " bytes come out of it");
     out.append(block.data(), got);
   }
   if (state != Z_STREAM_END) throw_bad_input(name, "gzip", "the stream is damaged or cut off");

@@ -26,7 +26,8 @@ uint64_t big_endian(std::string_view bytes, size_t at, size_t count) {
 
 bool is_heif(std::string_view bytes) {
   // The first box of ISO base media: its size, "ftyp", the major brand (ISO/IEC 23008-12, AV1 Image File Format).
-  constexpr std::array<std::string_view, 9> kBrands = {"heic", "heix", "heim", "heis", "hevc", "hevx", "mif1", "msf1", "avif"};
+  constexpr std::array<std::string_view, 9> kBrands = {"heic", "heix", "heim", "heis", "hevc",
+                                                       "hevx", "mif1", "msf1", "avif"};
   return bytes.size() >= 12 && bytes.substr(4, 4) == "ftyp" &&
          std::find(kBrands.begin(), kBrands.end(), bytes.substr(8, 4)) != kBrands.end();
 }
@@ -68,9 +69,9 @@ using Options = std::unique_ptr<heif_decoding_options, Releaser<heif_decoding_op
 
 void require_ok(const heif_error& error, const std::filesystem::path& name) {
   if (error.code == heif_error_Ok) return;
-  const bool unsupported = error.code == heif_error_Unsupported_feature || error.code == heif_error_Unsupported_filetype;
-  throw_bad_input(name, "HEIF data", error.message,
-                  unsupported ? "convert the picture to JPEG" : kDamagedFileRemedy);
+  const bool unsupported =
+      error.code == heif_error_Unsupported_feature || error.code == heif_error_Unsupported_filetype;
+  throw_bad_input(name, "HEIF data", error.message, unsupported ? "convert the picture to JPEG" : kDamagedFileRemedy);
 }
 
 /// The primary picture of a file.
@@ -90,7 +91,8 @@ struct Opened {
   }
 };
 
-/// Exif of a picture: four bytes tell where its TIFF header begins, counted from behind them (ISO/IEC 23008-12, annex A).
+/// Exif of a picture: four bytes tell where its TIFF header begins, counted from behind them (ISO/IEC 23008-12, annex
+/// A).
 std::string exif_of(const heif_image_handle* handle) {
   constexpr std::string_view kPrefix("Exif\0\0", 6);
   heif_item_id id = 0;
@@ -114,7 +116,9 @@ HeifHeader header_of(const Opened& file) {
 
 bool can_decode_heif() { return true; }
 
-HeifHeader parse_heif_header(std::string_view bytes, const std::filesystem::path& name) { return header_of(Opened(bytes, name)); }
+HeifHeader parse_heif_header(std::string_view bytes, const std::filesystem::path& name) {
+  return header_of(Opened(bytes, name));
+}
 
 Image<uint8_t> decode_heif(std::string_view bytes, const std::filesystem::path& name) {
   const Opened file(bytes, name);
@@ -125,18 +129,21 @@ Image<uint8_t> decode_heif(std::string_view bytes, const std::filesystem::path& 
   options->convert_hdr_to_8bit = 1;
   heif_image* decoded = nullptr;
   const bool alpha = header.channels == 4;
-  require_ok(heif_decode_image(file.handle.get(), &decoded, heif_colorspace_RGB, alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB,
-                               options.get()), name);
+  require_ok(heif_decode_image(file.handle.get(), &decoded, heif_colorspace_RGB,
+                               alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB, options.get()),
+             name);
   const Picture picture(decoded);
   int stride = 0;
   const uint8_t* rows = heif_image_get_plane_readonly(picture.get(), heif_channel_interleaved, &stride);
-  const int width = heif_image_get_width(picture.get(), heif_channel_interleaved), height = heif_image_get_height(picture.get(), heif_channel_interleaved);
+  const int width = heif_image_get_width(picture.get(), heif_channel_interleaved),
+            height = heif_image_get_height(picture.get(), heif_channel_interleaved);
   if (!rows || width != header.width || height != header.height) {
     throw_bad_input(name, "HEIF data", "the picture has another size than its header", "convert the picture to JPEG");
   }
   Image<uint8_t> image(width, height, header.channels);
   const size_t row = size_t(width) * size_t(header.channels);
-  for (int y = 0; y < height; ++y) std::memcpy(image.data.data() + size_t(y) * row, rows + size_t(y) * size_t(stride), row);
+  for (int y = 0; y < height; ++y)
+    std::memcpy(image.data.data() + size_t(y) * row, rows + size_t(y) * size_t(stride), row);
   return image;
 }
 
@@ -145,7 +152,8 @@ Image<uint8_t> decode_heif(std::string_view bytes, const std::filesystem::path& 
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& name) {
-  throw_bad_input(name, "", "this program was built without libheif and reads no HEIC", "install libheif-dev and build again, or convert the picture to JPEG");
+  throw_bad_input(name, "", "this program was built without libheif and reads no HEIC",
+                  "install libheif-dev and build again, or convert the picture to JPEG");
 }
 
 }  // namespace

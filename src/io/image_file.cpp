@@ -29,8 +29,7 @@ ImageInfo upright_info(int width, int height, int channels, int bit_depth, int o
 }
 
 /// Whether `bytes`, the first of the file, were enough.
-bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::path& name,
-             ImageInfo& info) {
+bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::path& name, ImageInfo& info) {
   switch (picture_format(bytes)) {
     case PictureFormat::kJpeg: {
       const JpegHeader header = parse_jpeg_header(bytes, name);
@@ -41,7 +40,8 @@ bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::pat
     case PictureFormat::kPng: {
       const PngHeader header = parse_png_header(bytes, name, !whole_file);
       if (!header.complete) return false;
-      info = upright_info(header.width, header.height, header.channels, header.bit_depth == 16 ? 16 : 8, header.orientation);
+      info = upright_info(header.width, header.height, header.channels, header.bit_depth == 16 ? 16 : 8,
+                          header.orientation);
       return true;
     }
     case PictureFormat::kWebp: {
@@ -56,7 +56,8 @@ bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::pat
       info = upright_info(header.width, header.height, header.channels, 8, 1);
       return true;
     }
-    case PictureFormat::kUnknown: break;
+    case PictureFormat::kUnknown:
+      break;
   }
   refuse_format(name);
 }
@@ -64,10 +65,8 @@ bool info_of(std::string_view bytes, bool whole_file, const std::filesystem::pat
 template <class T>
 void require_writable(const Image<T>& image, const std::filesystem::path& path) {
   const bool known = image.channels == 1 || image.channels == 3 || image.channels == 4;
-  if (!known || image.width <= 0 || image.height <= 0 ||
-      image.data.size() != image.pixels() * size_t(image.channels)) {
-    throw Error({ErrorKind::kFailed, "a picture to write needs pixels and 1, 3 or 4 channels", path,
-                 "", ""});
+  if (!known || image.width <= 0 || image.height <= 0 || image.data.size() != image.pixels() * size_t(image.channels)) {
+    throw Error({ErrorKind::kFailed, "a picture to write needs pixels and 1, 3 or 4 channels", path, "", ""});
   }
 }
 
@@ -79,8 +78,7 @@ std::string_view view_of(const std::vector<uint8_t>& bytes) {
 
 ImageInfo read_image_info(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::is_directory(path))
-    throw_bad_input(path, "", "cannot open", "check the path");
+  if (!file || std::filesystem::is_directory(path)) throw_bad_input(path, "", "cannot open", "check the path");
   // The header is usually within the first kilobytes, but profiles and previews may precede it.
   std::string bytes;
   ImageInfo info;
@@ -91,12 +89,10 @@ ImageInfo read_image_info(const std::filesystem::path& path) {
     bytes.resize(have + static_cast<size_t>(file.gcount()));
     const bool whole_file = bytes.size() < wanted;
     if (info_of(bytes, whole_file, path, info)) break;
-    if (whole_file)
-      throw_bad_input(path, "header", "the file ends too early", "copy or create the file again");
+    if (whole_file) throw_bad_input(path, "header", "the file ends too early", "copy or create the file again");
   }
   // The plausible file size depends on the format and is checked when the pixels are read.
-  require_plausible_image(uint64_t(info.width), uint64_t(info.height), 1, double(kMaxImagePixels),
-                          path);
+  require_plausible_image(uint64_t(info.width), uint64_t(info.height), 1, double(kMaxImagePixels), path);
   return info;
 }
 
@@ -104,39 +100,52 @@ void require_whole_picture(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
   const auto whole = [&] {
     switch (picture_format(bytes)) {
-      case PictureFormat::kJpeg: return has_end_of_jpeg(bytes);
-      case PictureFormat::kPng: return has_end_of_png(bytes);
-      case PictureFormat::kWebp: return has_end_of_webp(bytes);
-      case PictureFormat::kHeif: return has_end_of_heif(bytes);
-      case PictureFormat::kUnknown: return true;
+      case PictureFormat::kJpeg:
+        return has_end_of_jpeg(bytes);
+      case PictureFormat::kPng:
+        return has_end_of_png(bytes);
+      case PictureFormat::kWebp:
+        return has_end_of_webp(bytes);
+      case PictureFormat::kHeif:
+        return has_end_of_heif(bytes);
+      case PictureFormat::kUnknown:
+        return true;
     }
     return true;
   };
-  if (!whole()) throw_bad_input(path, "picture data", "the picture is truncated", "the file is cut or damaged; copy or create it again");
+  if (!whole())
+    throw_bad_input(path, "picture data", "the picture is truncated",
+                    "the file is cut or damaged; copy or create it again");
 }
 
 Image<uint8_t> decode_image(std::string_view bytes, const std::filesystem::path& name_for_errors) {
   Image<uint8_t> stored = decode_stored_image(bytes, name_for_errors);
   switch (picture_format(bytes)) {
-    case PictureFormat::kJpeg: return apply_orientation(std::move(stored), parse_jpeg_header(bytes, name_for_errors).orientation);
-    case PictureFormat::kPng: return apply_orientation(std::move(stored), parse_png_header(bytes, name_for_errors, false).orientation);
-    case PictureFormat::kWebp: return apply_orientation(std::move(stored), parse_webp_header(bytes, name_for_errors, false).orientation);
-    default: return stored;
+    case PictureFormat::kJpeg:
+      return apply_orientation(std::move(stored), parse_jpeg_header(bytes, name_for_errors).orientation);
+    case PictureFormat::kPng:
+      return apply_orientation(std::move(stored), parse_png_header(bytes, name_for_errors, false).orientation);
+    case PictureFormat::kWebp:
+      return apply_orientation(std::move(stored), parse_webp_header(bytes, name_for_errors, false).orientation);
+    default:
+      return stored;
   }
 }
 
-Image<uint8_t> read_image(const std::filesystem::path& path) {
-  return decode_image(read_file(path), path);
-}
+Image<uint8_t> read_image(const std::filesystem::path& path) { return decode_image(read_file(path), path); }
 
-Image<uint8_t> decode_stored_image(std::string_view bytes,
-                                   const std::filesystem::path& name_for_errors) {
+Image<uint8_t> decode_stored_image(std::string_view bytes, const std::filesystem::path& name_for_errors) {
   switch (picture_format(bytes)) {
-    case PictureFormat::kJpeg: return decode_jpeg(bytes, name_for_errors);
-    case PictureFormat::kPng: return decode_png(bytes, name_for_errors);
-    case PictureFormat::kWebp: return decode_webp(bytes, name_for_errors);
-    case PictureFormat::kHeif: return decode_heif(bytes, name_for_errors);
-    case PictureFormat::kUnknown: break;
+    case PictureFormat::kJpeg:
+      return decode_jpeg(bytes, name_for_errors);
+    case PictureFormat::kPng:
+      return decode_png(bytes, name_for_errors);
+    case PictureFormat::kWebp:
+      return decode_webp(bytes, name_for_errors);
+    case PictureFormat::kHeif:
+      return decode_heif(bytes, name_for_errors);
+    case PictureFormat::kUnknown:
+      break;
   }
   refuse_format(name_for_errors);
 }
@@ -162,28 +171,27 @@ bool is_common_picture(std::string_view bytes, const std::filesystem::path& name
 
 std::string exif_of_picture(std::string_view bytes, const std::filesystem::path& name_for_errors) {
   switch (picture_format(bytes)) {
-    case PictureFormat::kJpeg: return std::string(parse_jpeg_header(bytes, name_for_errors).exif);
-    case PictureFormat::kWebp: return parse_webp_header(bytes, name_for_errors, false).exif;
-    case PictureFormat::kHeif: return parse_heif_header(bytes, name_for_errors).exif;
-    default: return {};
+    case PictureFormat::kJpeg:
+      return std::string(parse_jpeg_header(bytes, name_for_errors).exif);
+    case PictureFormat::kWebp:
+      return parse_webp_header(bytes, name_for_errors, false).exif;
+    case PictureFormat::kHeif:
+      return parse_heif_header(bytes, name_for_errors).exif;
+    default:
+      return {};
   }
 }
 
-Image<uint16_t> decode_gray_png(std::string_view bytes,
-                                const std::filesystem::path& name_for_errors) {
-  if (!is_png(bytes))
-    throw_bad_input(name_for_errors, "", "not a PNG", "save it as 8- or 16-bit grey PNG");
+Image<uint16_t> decode_gray_png(std::string_view bytes, const std::filesystem::path& name_for_errors) {
+  if (!is_png(bytes)) throw_bad_input(name_for_errors, "", "not a PNG", "save it as 8- or 16-bit grey PNG");
   return decode_png_values(bytes, name_for_errors);
 }
 
-Image<uint16_t> read_gray_png(const std::filesystem::path& path) {
-  return decode_gray_png(read_file(path), path);
-}
+Image<uint16_t> read_gray_png(const std::filesystem::path& path) { return decode_gray_png(read_file(path), path); }
 
 std::vector<uint8_t> encode_png(const Image<uint8_t>& image) {
   require_writable(image, {});
-  return encode_png_bytes(image.data.data(), image.data.size(), image.width, image.height,
-                          image.channels, 8);
+  return encode_png_bytes(image.data.data(), image.data.size(), image.width, image.height, image.channels, 8);
 }
 
 std::vector<uint8_t> encode_jpeg(const Image<uint8_t>& rgb, int quality) {
@@ -198,9 +206,8 @@ void write_png(const std::filesystem::path& path, const Image<uint8_t>& image) {
 
 void write_png16(const std::filesystem::path& path, const Image<uint16_t>& gray) {
   require_writable(gray, path);
-  const std::vector<uint8_t> bytes =
-      encode_png_bytes(gray.data.data(), gray.data.size() * sizeof(uint16_t), gray.width,
-                       gray.height, gray.channels, 16);
+  const std::vector<uint8_t> bytes = encode_png_bytes(gray.data.data(), gray.data.size() * sizeof(uint16_t), gray.width,
+                                                      gray.height, gray.channels, 16);
   write_file_atomically(path, view_of(bytes));
 }
 

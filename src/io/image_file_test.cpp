@@ -14,9 +14,7 @@
 namespace aligngs {
 namespace {
 
-std::filesystem::path folder() {
-  return std::filesystem::path(testing::TempDir()) / "image_file_test";
-}
+std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "image_file_test"; }
 
 std::string text_of(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
@@ -40,15 +38,13 @@ std::string with_exif(const std::string& jpeg, int orientation, bool big_endian)
     return big_endian ? std::string{high, low} : std::string{low, high};
   };
   const auto u32 = [&](int v) { return big_endian ? u16(0) + u16(v) : u16(v) + u16(0); };
-  const std::string tiff =
-      (big_endian ? "MM" : "II") + u16(42) + u32(8) +  // header, offset of the first directory
-      u16(1) +                                         // one entry
-      u16(0x0112) + u16(3) + u32(1) + u16(orientation) + u16(0) +  // orientation, SHORT, one value
-      u32(0);                                                      // no further directory
+  const std::string tiff = (big_endian ? "MM" : "II") + u16(42) + u32(8) +  // header, offset of the first directory
+                           u16(1) +                                         // one entry
+                           u16(0x0112) + u16(3) + u32(1) + u16(orientation) + u16(0) +  // orientation, SHORT, one value
+                           u32(0);                                                      // no further directory
   const std::string content = std::string("Exif\0\0", 6) + tiff;
   const size_t length = content.size() + 2;
-  return jpeg.substr(0, 2) + "\xff\xe1" + std::string{char(length >> 8), char(length & 255)} +
-         content + jpeg.substr(2);
+  return jpeg.substr(0, 2) + "\xff\xe1" + std::string{char(length >> 8), char(length & 255)} + content + jpeg.substr(2);
 }
 
 void expect_bad(const std::function<void()>& action) {
@@ -69,8 +65,7 @@ TEST(Png, RoundTripsEveryChannelCount) {
     const Image<uint8_t> back = read_image(folder() / "a.png");
     ASSERT_EQ(back.channels, channels == 4 ? 4 : 3);
     ASSERT_EQ(back.width, 5);
-    for (int c = 0; c < back.channels; ++c)
-      EXPECT_EQ(back.at(4, 2, c), image.at(4, 2, channels == 1 ? 0 : c));
+    for (int c = 0; c < back.channels; ++c) EXPECT_EQ(back.at(4, 2, c), image.at(4, 2, channels == 1 ? 0 : c));
     EXPECT_EQ(read_image_info(folder() / "a.png").channels, channels);
   }
 }
@@ -89,20 +84,17 @@ TEST(Png, RoundTripsSixteenBitValues) {
 TEST(Png, GrayReaderKeepsEightBitLabels) {
   Image<uint8_t> labels(4, 1, 1);
   labels.data = {0, 7, 149, 255};
-  EXPECT_EQ(decode_gray_png(text_of(encode_png(labels)), "").data,
-            (std::vector<uint16_t>{0, 7, 149, 255}));
+  EXPECT_EQ(decode_gray_png(text_of(encode_png(labels)), "").data, (std::vector<uint16_t>{0, 7, 149, 255}));
 }
 
 TEST(Png, GrayReaderGivesPaletteIndices) {
   // 8x1, 4 bits a pixel, palette of three colours; written by an independent encoder.
   const unsigned char file[] = {
-      0x89, 'P',  'N',  'G',  13,   10,   26,   10,   0,    0,    0,    13,   'I',
-      'H',  'D',  'R',  0,    0,    0,    8,    0,    0,    0,    1,    4,    3,
-      0,    0,    0,    0x11, 0x2e, 0xf2, 0x70, 0,    0,    0,    9,    'P',  'L',
-      'T',  'E',  255,  0,    0,    0,    255,  0,    0,    0,    255,  0x2d, 0x4a,
-      0xcd, 0x8a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63,
-      0x60, 0x54, 0x10, 0x52, 0x02, 0x00, 0x00, 0xaf, 0x00, 0x56, 0x29, 0xaf, 0x4c,
-      0x9f, 0,    0,    0,    0,    'I',  'E',  'N',  'D',  0xae, 0x42, 0x60, 0x82};
+      0x89, 'P',  'N',  'G',  13,   10,   26,   10,   0,    0,    0,    13,   'I',  'H',  'D',  'R',  0,    0,    0,
+      8,    0,    0,    0,    1,    4,    3,    0,    0,    0,    0x11, 0x2e, 0xf2, 0x70, 0,    0,    0,    9,    'P',
+      'L',  'T',  'E',  255,  0,    0,    0,    255,  0,    0,    0,    255,  0x2d, 0x4a, 0xcd, 0x8a, 0x00, 0x00, 0x00,
+      0x0d, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0x54, 0x10, 0x52, 0x02, 0x00, 0x00, 0xaf, 0x00, 0x56, 0x29,
+      0xaf, 0x4c, 0x9f, 0,    0,    0,    0,    'I',  'E',  'N',  'D',  0xae, 0x42, 0x60, 0x82};
   const std::string bytes(reinterpret_cast<const char*>(file), sizeof(file));
   EXPECT_EQ(decode_gray_png(bytes, "").data, (std::vector<uint16_t>{0, 1, 2, 0, 1, 2, 2, 2}));
   const Image<uint8_t> colors = decode_image(bytes, "");
@@ -160,13 +152,11 @@ TEST(Jpeg, EveryExifOrientationComesOutUpright) {
       }
     }
     for (const bool big_endian : {false, true}) {
-      const std::string bytes =
-          with_exif(text_of(encode_jpeg(stored, 95)), test.orientation, big_endian);
+      const std::string bytes = with_exif(text_of(encode_jpeg(stored, 95)), test.orientation, big_endian);
       const Image<uint8_t> image = decode_image(bytes, "");
       ASSERT_EQ(image.width, w) << test.orientation;
       ASSERT_EQ(image.height, h);
-      for (size_t i = 0; i < image.data.size(); ++i)
-        ASSERT_NEAR(image.data[i], upright.data[i], 2) << test.orientation;
+      for (size_t i = 0; i < image.data.size(); ++i) ASSERT_NEAR(image.data[i], upright.data[i], 2) << test.orientation;
       write_file_atomically(folder() / "held.jpg", bytes);
       EXPECT_EQ(read_image_info(folder() / "held.jpg").width, w);
       EXPECT_EQ(read_image_info(folder() / "held.jpg").height, h);
@@ -194,8 +184,7 @@ TEST(Jpeg, StoredPixelsAreThoseWithoutTheTag) {
 
 TEST(Jpeg, NonsenseOrientationIsUpright) {
   for (const int orientation : {0, 9, 300}) {
-    EXPECT_EQ(decode_image(with_exif(text_of(encode_jpeg(blocks())), orientation, false), "").width,
-              16);
+    EXPECT_EQ(decode_image(with_exif(text_of(encode_jpeg(blocks())), orientation, false), "").width, 16);
   }
 }
 
@@ -237,7 +226,9 @@ TEST(Jpeg, ProgressiveIsRead) {
   const Image<uint8_t> image = blocks();
   unsigned char* out = nullptr;
   unsigned long size = 0;
-  ASSERT_EQ(tjCompress2(handle.get(), image.data.data(), 16, 0, 24, TJPF_RGB, &out, &size, TJSAMP_444, 95, TJFLAG_PROGRESSIVE), 0);
+  ASSERT_EQ(tjCompress2(handle.get(), image.data.data(), 16, 0, 24, TJPF_RGB, &out, &size, TJSAMP_444, 95,
+                        TJFLAG_PROGRESSIVE),
+            0);
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(out, tjFree);
   const std::string bytes(out, out + size);
   EXPECT_NEAR(decode_image(bytes, "").at(15, 23, 0), image.at(15, 23, 0), 2);
@@ -249,16 +240,14 @@ TEST(ImageFile, TruncatedFilesAreErrors) {
   for (size_t i = 0; i < noise.data.size(); ++i) noise.data[i] = uint8_t(i * i * 31 + i / 7);
   for (const std::string& whole : {text_of(encode_jpeg(noise)), text_of(encode_png(noise))}) {
     EXPECT_NO_THROW(decode_image(whole, "photo"));
-    for (const size_t keep :
-         {whole.size() - 1, whole.size() - 2, whole.size() / 2, size_t(30), size_t(3), size_t(0)}) {
+    for (const size_t keep : {whole.size() - 1, whole.size() - 2, whole.size() / 2, size_t(30), size_t(3), size_t(0)}) {
       expect_bad([&] { decode_image(whole.substr(0, keep), "photo"); });
     }
   }
 }
 
 TEST(ImageFile, AJpegWithTrailingBytesIsRead) {
-  EXPECT_EQ(
-      decode_image(text_of(encode_jpeg(blocks())) + "preview data of a phone", "photo").height, 24);
+  EXPECT_EQ(decode_image(text_of(encode_jpeg(blocks())) + "preview data of a phone", "photo").height, 24);
 }
 
 TEST(ImageFile, AHeaderThatPromisesTooMuchIsRefusedBeforeAllocating) {
@@ -282,8 +271,7 @@ TEST(ImageFile, OtherFilesAreRefused) {
 TEST(ImageFile, InfoIsFoundBehindALargeProfile) {
   std::string jpeg = text_of(encode_jpeg(blocks()));
   std::string profile = "\xff\xe2\xff\xff" + std::string(65533, 'p');
-  write_file_atomically(folder() / "profile.jpg",
-                        jpeg.substr(0, 2) + profile + profile + jpeg.substr(2));
+  write_file_atomically(folder() / "profile.jpg", jpeg.substr(0, 2) + profile + profile + jpeg.substr(2));
   EXPECT_EQ(read_image_info(folder() / "profile.jpg").width, 16);
 }
 
@@ -297,12 +285,10 @@ TEST(ImageFile, InfoOfALargePngNeedsOnlyItsBeginning) {
   EXPECT_EQ(read_image_info(folder() / "large.png").width, 300);
   // A private chunk of 100 kB between the header and the pixels, with its checksum.
   std::string chunk = std::string("\0\1\x86\xa0", 4) + "prVt" + std::string(100000, 'x');
-  const auto crc =
-      crc32(0, reinterpret_cast<const Bytef*>(chunk.data() + 4), unsigned(chunk.size() - 4));
+  const auto crc = crc32(0, reinterpret_cast<const Bytef*>(chunk.data() + 4), unsigned(chunk.size() - 4));
   for (int shift = 24; shift >= 0; shift -= 8) chunk += char(crc >> shift & 255);
   constexpr size_t kEndOfHeader = 33;
-  write_file_atomically(folder() / "chunk.png",
-                        png.substr(0, kEndOfHeader) + chunk + png.substr(kEndOfHeader));
+  write_file_atomically(folder() / "chunk.png", png.substr(0, kEndOfHeader) + chunk + png.substr(kEndOfHeader));
   EXPECT_EQ(read_image_info(folder() / "chunk.png").height, 200);
   EXPECT_EQ(read_image(folder() / "chunk.png").data, noise.data);
 }

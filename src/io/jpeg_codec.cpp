@@ -66,9 +66,8 @@ class SegmentWalker {
 
 /// Oddities that real cameras and editors leave and that cost no pixel.
 bool is_harmless(std::string_view warning) {
-  for (const std::string_view known :
-       {"extraneous bytes before marker", "Unknown Adobe color transform",
-        "Invalid SOS parameters for sequential JPEG"}) {
+  for (const std::string_view known : {"extraneous bytes before marker", "Unknown Adobe color transform",
+                                       "Invalid SOS parameters for sequential JPEG"}) {
     if (warning.find(known) != std::string_view::npos) return true;
   }
   return false;
@@ -86,9 +85,7 @@ Image<uint8_t> rgb_of_cmyk(const Image<uint8_t>& cmyk, bool inverted) {
 
 }  // namespace
 
-bool is_jpeg(std::string_view bytes) {
-  return bytes.substr(0, 3) == std::string_view("\xff\xd8\xff", 3);
-}
+bool is_jpeg(std::string_view bytes) { return bytes.substr(0, 3) == std::string_view("\xff\xd8\xff", 3); }
 
 bool has_end_of_jpeg(std::string_view bytes) {
   SegmentWalker walker(bytes);
@@ -135,18 +132,16 @@ Image<uint8_t> decode_jpeg(std::string_view bytes, const std::filesystem::path& 
   if (!handle) throw_resources(name, "the JPEG decoder cannot start");
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
-  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling,
-                          &colorspace) != 0) {
+  if (tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height, &subsampling, &colorspace) != 0) {
     throw_bad_input(name, "JPEG header", tjGetErrorStr2(handle.get()), kDamagedFileRemedy);
   }
   const bool cmyk = colorspace == TJCS_CMYK || colorspace == TJCS_YCCK;
   require_plausible_image(uint64_t(width), uint64_t(height), bytes.size(), kMaxPixelsPerJpegByte, name);
-  if (!has_end_of_jpeg(bytes))
-    throw_bad_input(name, "JPEG data", "the picture is truncated", kDamagedFileRemedy);
+  if (!has_end_of_jpeg(bytes)) throw_bad_input(name, "JPEG data", "the picture is truncated", kDamagedFileRemedy);
 
   Image<uint8_t> image(width, height, cmyk ? 4 : 3);
-  const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0,
-                                   height, cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
+  const int status = tjDecompress2(handle.get(), data, bytes.size(), image.data.data(), width, 0, height,
+                                   cmyk ? TJPF_CMYK : TJPF_RGB, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS);
   if (status != 0) {
     const std::string message = tjGetErrorStr2(handle.get());
     if (tjGetErrorCode(handle.get()) != TJERR_WARNING || !is_harmless(message)) {
@@ -162,12 +157,10 @@ std::vector<uint8_t> encode_jpeg_bytes(const Image<uint8_t>& image, int quality)
   const int format = image.channels == 1 ? TJPF_GRAY : image.channels == 3 ? TJPF_RGB : TJPF_RGBA;
   unsigned char* out = nullptr;
   unsigned long size = 0;
-  const int status = tjCompress2(
-      handle.get(), image.data.data(), image.width, 0, image.height, format, &out, &size,
-      image.channels == 1 ? TJSAMP_GRAY : TJSAMP_444, quality, TJFLAG_ACCURATEDCT);
+  const int status = tjCompress2(handle.get(), image.data.data(), image.width, 0, image.height, format, &out, &size,
+                                 image.channels == 1 ? TJSAMP_GRAY : TJSAMP_444, quality, TJFLAG_ACCURATEDCT);
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owner(out, tjFree);
-  if (status != 0)
-    throw_resources({}, std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
+  if (status != 0) throw_resources({}, std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
   return {out, out + size};
 }
 

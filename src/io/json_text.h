@@ -7,7 +7,8 @@
 
 namespace aligngs {
 
-/// One line, without a line break at its end. Bytes that are no UTF-8 (the name of a file may have them) become U+FFFD, numbers that
+/// One line, without a line break at its end. Bytes that are no UTF-8 (the name of a file may have them) become U+FFFD,
+/// numbers that
 /// are not finite null.
 std::string json_line(const nlohmann::json& value);
 std::string json_line(const nlohmann::ordered_json& value);
@@ -16,7 +17,8 @@ std::string json_line(const nlohmann::ordered_json& value);
 std::string json_document(const nlohmann::json& value);
 std::string json_document(const nlohmann::ordered_json& value);
 
-/// The value of a text; `is_discarded()` where the text is no JSON. NaN, Infinity and -Infinity, which Python writes although JSON has no
+/// The value of a text; `is_discarded()` where the text is no JSON. NaN, Infinity and -Infinity, which Python writes
+/// although JSON has no
 /// such words, are null.
 nlohmann::json parse_json(std::string_view text);
 nlohmann::ordered_json parse_ordered_json(std::string_view text);  // objects keep the order of their members

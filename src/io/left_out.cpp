@@ -31,10 +31,11 @@ void warn_left_out(size_t kept, const std::vector<LeftOut>& left_out, const char
   log_warning("{}", summary_of(kept, left_out, what));
 }
 
-void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out, size_t fewest, bool strict,
-                    const char* what) {
+void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out,
+                    size_t fewest, bool strict, const char* what) {
   if (left_out.empty() || (kept >= fewest && !strict)) return;
-  const auto with_remedy = std::find_if(left_out.begin(), left_out.end(), [](const LeftOut& f) { return !f.remedy.empty(); });
+  const auto with_remedy =
+      std::find_if(left_out.begin(), left_out.end(), [](const LeftOut& f) { return !f.remedy.empty(); });
   std::string remedy = with_remedy == left_out.end() ? "correct these frames" : with_remedy->remedy;
   if (kept >= fewest) remedy += "; without --strict the others are used";
   throw_bad_input(folder, what, summary_of(kept, left_out, what), remedy);

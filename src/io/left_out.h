@@ -1,4 +1,5 @@
-// One bad frame is left out with a line; the others go on. The same rule for every reader, for training and for `--strict`.
+// One bad frame is left out with a line; the others go on. The same rule for every reader, for training and for
+// `--strict`.
 #pragma once
 
 #include <cstddef>
@@ -26,10 +27,11 @@ std::string summary_of(size_t kept, const std::vector<LeftOut>& left_out, const 
 /// A warning for each, and the summary after them. Nothing when none is left out.
 void warn_left_out(size_t kept, const std::vector<LeftOut>& left_out, const char* what = "frames");
 
-/// Error{kBadInput} with the summary when fewer than `fewest` are kept and some were left out, or when `strict` is set and one
+/// Error{kBadInput} with the summary when fewer than `fewest` are kept and some were left out, or when `strict` is set
+/// and one
 /// was left out. The remedy is that of the first.
-void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out, size_t fewest, bool strict,
-                    const char* what = "frames");
+void require_enough(const std::filesystem::path& folder, size_t kept, const std::vector<LeftOut>& left_out,
+                    size_t fewest, bool strict, const char* what = "frames");
 
 /// Runs `use`; an Error{kBadInput} of it leaves the frame out, any other goes on upwards.
 template <class Use>

@@ -21,7 +21,9 @@ TEST(LeftOut, ManyAreCounted) {
 
 TEST(LeftOut, BadInputOfOneFrameLeavesItOut) {
   std::vector<LeftOut> left_out;
-  EXPECT_FALSE(use_or_leave_out("a", left_out, [] { throw_bad_input("photos/a.jpg", "JPEG data", "the picture is truncated", "copy it again"); }));
+  EXPECT_FALSE(use_or_leave_out("a", left_out, [] {
+    throw_bad_input("photos/a.jpg", "JPEG data", "the picture is truncated", "copy it again");
+  }));
   EXPECT_TRUE(use_or_leave_out("b", left_out, [] {}));
   ASSERT_EQ(left_out.size(), 1u);
   EXPECT_EQ(left_out[0].reason, "photos/a.jpg, JPEG data: the picture is truncated");

@@ -21,9 +21,7 @@ struct Format {
 
 void PrintTo(const Format& format, std::ostream* out) { *out << format.name; }
 
-std::filesystem::path folder() {
-  return std::filesystem::path(testing::TempDir()) / "malformed_test";
-}
+std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "malformed_test"; }
 
 const valid_files::ColmapFiles& model() {
   static const valid_files::ColmapFiles files = valid_files::colmap(folder());
@@ -34,22 +32,16 @@ std::vector<Format> formats() {
   namespace valid = valid_files;
   const std::string none(8, '\0');  // a COLMAP file of no entries
   return {
-      {"npy", [] { return valid::npy(folder()); },
-       [](const std::string& b) { decode_npy(b, "x"); }},
-      {"torch", [] { return valid::torch(folder()); },
-       [](const std::string& b) { decode_torch_tensor(b, "x"); }},
+      {"npy", [] { return valid::npy(folder()); }, [](const std::string& b) { decode_npy(b, "x"); }},
+      {"torch", [] { return valid::torch(folder()); }, [](const std::string& b) { decode_torch_tensor(b, "x"); }},
       {"safetensors", [] { return valid::safetensors(folder()); },
        [](const std::string& b) { decode_safetensors(b, "x"); }},
-      {"binary_ply", [] { return valid::binary_ply(folder()); },
-       [](const std::string& b) { decode_ply(b, "x"); }},
-      {"ascii_ply", [] { return valid::ascii_ply(); },
-       [](const std::string& b) { decode_ply(b, "x"); }, false},
+      {"binary_ply", [] { return valid::binary_ply(folder()); }, [](const std::string& b) { decode_ply(b, "x"); }},
+      {"ascii_ply", [] { return valid::ascii_ply(); }, [](const std::string& b) { decode_ply(b, "x"); }, false},
       {"png", [] { return valid::text_of(encode_png(valid::picture(4))); },
        [](const std::string& b) { decode_image(b, "x"); }},
-      {"gray_png", [] { return valid::gray_png16(folder()); },
-       [](const std::string& b) { decode_gray_png(b, "x"); }},
-      {"jpeg", [] { return valid::jpeg_with_exif(); },
-       [](const std::string& b) { decode_image(b, "x"); }},
+      {"gray_png", [] { return valid::gray_png16(folder()); }, [](const std::string& b) { decode_gray_png(b, "x"); }},
+      {"jpeg", [] { return valid::jpeg_with_exif(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"webp", [] { return valid::webp(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"heic", [] { return valid::heic(); }, [](const std::string& b) { decode_image(b, "x"); }},
       {"colmap_cameras", [] { return model().cameras; },
@@ -65,8 +57,7 @@ std::vector<Format> formats() {
        [](const std::string& b) { parse_colmap_images_text(b, "x"); }, false},
       {"colmap_text_points", [] { return valid::colmap_text().points; },
        [](const std::string& b) { parse_colmap_points_text(b, "x"); }, false},
-      {"toml", [] { return valid::toml(); }, [](const std::string& b) { parse_toml(b, "x"); },
-       false},
+      {"toml", [] { return valid::toml(); }, [](const std::string& b) { parse_toml(b, "x"); }, false},
   };
 }
 
@@ -85,9 +76,7 @@ bool accepts(const Format& format, const std::string& bytes, const std::string& 
 
 class Malformed : public testing::TestWithParam<Format> {};
 
-TEST_P(Malformed, TheWholeFileIsAccepted) {
-  EXPECT_TRUE(accepts(GetParam(), GetParam().valid(), "the whole file"));
-}
+TEST_P(Malformed, TheWholeFileIsAccepted) { EXPECT_TRUE(accepts(GetParam(), GetParam().valid(), "the whole file")); }
 
 TEST_P(Malformed, TruncationAtEveryByteIsAnError) {
   const std::string valid = GetParam().valid();

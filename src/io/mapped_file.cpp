@@ -73,8 +73,7 @@ struct Descriptor {
 MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) {
-    throw_bad_input(path, "", std::string("cannot open: ") + std::strerror(errno),
-                    "check the path");
+    throw_bad_input(path, "", std::string("cannot open: ") + std::strerror(errno), "check the path");
   }
   struct stat status {};
   if (::fstat(file.number, &status) != 0 || !S_ISREG(status.st_mode))
@@ -84,8 +83,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
   void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.number, 0);
   if (mapped == MAP_FAILED) {
     const std::string reason = std::string("cannot be mapped into memory: ") + std::strerror(errno);
-    if (errno == ENOMEM)
-      throw_resources(path, reason, "raise the limit of the address space (ulimit -v)");
+    if (errno == ENOMEM) throw_resources(path, reason, "raise the limit of the address space (ulimit -v)");
     throw_bad_input(path, "", reason, "copy it to a local disk");
   }
   bytes_ = static_cast<char*>(mapped);
@@ -104,8 +102,7 @@ void MappedFile::copy(uint64_t offset, size_t count, char* out) const {
                     "try again once nothing else writes the file");
   }
   const uint64_t begin = offset / kFaultAround * kFaultAround;
-  const uint64_t end =
-      std::min(size_, (offset + count + kFaultAround - 1) / kFaultAround * kFaultAround);
+  const uint64_t end = std::min(size_, (offset + count + kFaultAround - 1) / kFaultAround * kFaultAround);
   ::madvise(bytes_ + begin, end - begin, MADV_DONTNEED);  // the page cache keeps them
 }
 

@@ -90,10 +90,7 @@ TEST(MappedFileDeathTest, SignalsOfOthersStillEndTheProgram) {
         alarm(10);  // a handler that never lets go must not hang the test
         raise(SIGBUS);
       },
-      [](int status) {
-        return WIFSIGNALED(status) ? WTERMSIG(status) == SIGBUS : WEXITSTATUS(status) != 0;
-      },
-      "");
+      [](int status) { return WIFSIGNALED(status) ? WTERMSIG(status) == SIGBUS : WEXITSTATUS(status) != 0; }, "");
 }
 
 }  // namespace

@@ -18,8 +18,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kMaxHeaderBytes = size_t(1)
-                                   << 20;  // NumPy writes 118 bytes; version 2 allows 4 GiB
+constexpr size_t kMaxHeaderBytes = size_t(1) << 20;  // NumPy writes 118 bytes; version 2 allows 4 GiB
 const char* const kNpyRemedy = "write it again with numpy.save";
 
 /// Content of the header, with the dtype taken apart.
@@ -37,8 +36,7 @@ struct Layout {
 /// integers as values.
 class HeaderParser {
  public:
-  HeaderParser(std::string_view text, const std::filesystem::path& name)
-      : rest_(text), name_(name) {}
+  HeaderParser(std::string_view text, const std::filesystem::path& name) : rest_(text), name_(name) {}
 
   void parse(Layout& layout) {
     bool has_descr = false, has_order = false, has_shape = false;
@@ -48,8 +46,7 @@ class HeaderParser {
       expect(':');
       if (key == "descr") {
         if (peek() != '\'' && peek() != '"') {
-          throw_bad_input(name_, "descr", "structured arrays are not supported",
-                          "save one plain numeric array");
+          throw_bad_input(name_, "descr", "structured arrays are not supported", "save one plain numeric array");
         }
         layout.header.dtype = quoted();
         has_descr = true;
@@ -69,9 +66,7 @@ class HeaderParser {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const {
-    throw_bad_input(name_, "header", message, kNpyRemedy);
-  }
+  [[noreturn]] void fail(const std::string& message) const { throw_bad_input(name_, "header", message, kNpyRemedy); }
 
   char peek() {
     while (!rest_.empty() && is_space(rest_[0])) rest_.remove_prefix(1);
@@ -96,8 +91,7 @@ class HeaderParser {
   }
   bool boolean() {
     peek();
-    for (const auto& [word, value] :
-         {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
+    for (const auto& [word, value] : {std::pair<std::string_view, bool>{"True", true}, {"False", false}}) {
       if (rest_.substr(0, word.size()) == word) {
         rest_.remove_prefix(word.size());
         return value;
@@ -111,12 +105,9 @@ class HeaderParser {
     while (!accept(')')) {
       peek();
       size_t end = 0;
-      while (end < rest_.size() &&
-             (std::isdigit(static_cast<unsigned char>(rest_[end])) || rest_[end] == '-'))
-        ++end;
+      while (end < rest_.size() && (std::isdigit(static_cast<unsigned char>(rest_[end])) || rest_[end] == '-')) ++end;
       int64_t value = 0;
-      if (!parse_number(rest_.substr(0, end), value))
-        fail("a dimension of the shape is not an integer");
+      if (!parse_number(rest_.substr(0, end), value)) fail("a dimension of the shape is not an integer");
       rest_.remove_prefix(end);
       if (peek() == 'L') accept('L');  // written by Python 2
       values.push_back(value);
@@ -135,35 +126,29 @@ void parse_dtype(Layout& layout, const std::filesystem::path& name) {
     throw_bad_input(name, "descr", "unsupported dtype '" + dtype + "'",
                     "convert it to float16, float32, float64, an integer type or bool");
   };
-  if (dtype.size() != 3 || std::string_view("<>|=").find(dtype[0]) == std::string_view::npos)
-    refuse();
-  layout.big_endian =
-      dtype[0] == '>' || (dtype[0] == '=' && std::endian::native == std::endian::big);
+  if (dtype.size() != 3 || std::string_view("<>|=").find(dtype[0]) == std::string_view::npos) refuse();
+  layout.big_endian = dtype[0] == '>' || (dtype[0] == '=' && std::endian::native == std::endian::big);
   layout.kind = dtype[1];
   layout.item_bytes = unsigned(dtype[2] - '0');
   const unsigned n = layout.item_bytes;
-  const bool known =
-      (layout.kind == 'f' && (n == 2 || n == 4 || n == 8)) ||
-      ((layout.kind == 'i' || layout.kind == 'u') && (n == 1 || n == 2 || n == 4 || n == 8)) ||
-      (layout.kind == 'b' && n == 1);
+  const bool known = (layout.kind == 'f' && (n == 2 || n == 4 || n == 8)) ||
+                     ((layout.kind == 'i' || layout.kind == 'u') && (n == 1 || n == 2 || n == 4 || n == 8)) ||
+                     (layout.kind == 'b' && n == 1);
   if (!known) refuse();
 }
 
 /// `bytes` holds at least the beginning of the file, `file_size` is the whole file's.
 Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::filesystem::path& name) {
   constexpr std::string_view kMagic("\x93NUMPY", 6);
-  if (bytes.substr(0, kMagic.size()) != kMagic)
-    throw_bad_input(name, "magic", "not a NumPy .npy file", kNpyRemedy);
+  if (bytes.substr(0, kMagic.size()) != kMagic) throw_bad_input(name, "magic", "not a NumPy .npy file", kNpyRemedy);
   ByteReader reader(bytes, name);
   reader.take(kMagic.size(), "magic");
   const int major = reader.little<uint8_t>("version");
   reader.little<uint8_t>("version");
   if (major < 1 || major > 3) {
-    throw_bad_input(name, "version", "unsupported format version " + std::to_string(major),
-                    kNpyRemedy);
+    throw_bad_input(name, "version", "unsupported format version " + std::to_string(major), kNpyRemedy);
   }
-  const uint64_t header_bytes =
-      major == 1 ? reader.little<uint16_t>("header") : reader.little<uint32_t>("header");
+  const uint64_t header_bytes = major == 1 ? reader.little<uint16_t>("header") : reader.little<uint32_t>("header");
   if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header", "larger than 1 MiB", kNpyRemedy);
 
   Layout layout;
@@ -171,13 +156,11 @@ Layout parse_layout(std::string_view bytes, uint64_t file_size, const std::files
   parse_dtype(layout, name);
   layout.data_offset = reader.offset();
   layout.count = element_count(layout.header.shape, layout.item_bytes, name, "shape");
-  const uint64_t needed = layout.count * layout.item_bytes,
-                 present = file_size - layout.data_offset;
+  const uint64_t needed = layout.count * layout.item_bytes, present = file_size - layout.data_offset;
   if (needed != present) {
     throw_bad_input(name, "shape",
                     shape_text(layout.header.shape) + " of " + layout.header.dtype + " needs " +
-                        std::to_string(needed) + " bytes of data, the file has " +
-                        std::to_string(present),
+                        std::to_string(needed) + " bytes of data, the file has " + std::to_string(present),
                     kDamagedFileRemedy);
   }
   return layout;
@@ -212,8 +195,7 @@ std::vector<float> convert_items(const Layout& layout, const char* data, Convert
 template <class T>
 std::vector<float> convert_numbers(const Layout& layout, const char* data) {
   const bool big = layout.big_endian;
-  return convert_items(layout, data,
-                       [big](const char* p) { return static_cast<float>(load_number<T>(p, big)); });
+  return convert_items(layout, data, [big](const char* p) { return static_cast<float>(load_number<T>(p, big)); });
 }
 
 std::vector<float> convert(const Layout& layout, const char* data) {
@@ -222,9 +204,7 @@ std::vector<float> convert(const Layout& layout, const char* data) {
     case 'f':
       if (layout.item_bytes == 8) return convert_numbers<double>(layout, data);
       if (layout.item_bytes == 4) return convert_numbers<float>(layout, data);
-      return convert_items(layout, data, [big](const char* p) {
-        return half_to_float(load_number<uint16_t>(p, big));
-      });
+      return convert_items(layout, data, [big](const char* p) { return half_to_float(load_number<uint16_t>(p, big)); });
     case 'i':
       if (layout.item_bytes == 8) return convert_numbers<int64_t>(layout, data);
       if (layout.item_bytes == 4) return convert_numbers<int32_t>(layout, data);
@@ -241,14 +221,13 @@ std::vector<float> convert(const Layout& layout, const char* data) {
 }
 
 template <class T>
-void write_npy(const std::filesystem::path& path, const char* dtype,
-               const std::vector<int64_t>& shape, const T* data) {
+void write_npy(const std::filesystem::path& path, const char* dtype, const std::vector<int64_t>& shape, const T* data) {
   std::string dimensions;
   for (const int64_t n : shape) dimensions += std::to_string(n) + ", ";
   if (shape.size() > 1) dimensions.resize(dimensions.size() - 2);
   if (shape.size() == 1) dimensions.pop_back();
-  std::string header = std::string("{'descr': '") + dtype +
-                       "', 'fortran_order': False, 'shape': (" + dimensions + "), }";
+  std::string header =
+      std::string("{'descr': '") + dtype + "', 'fortran_order': False, 'shape': (" + dimensions + "), }";
   constexpr size_t kPreamble = 10, kAlignment = 64;  // bytes; the data start on a multiple of 64
   header.append((kAlignment - (kPreamble + header.size() + 1) % kAlignment) % kAlignment, ' ');
   header += '\n';
@@ -296,13 +275,11 @@ FloatArray decode_npy(const std::string& bytes, const std::filesystem::path& nam
 
 FloatArray read_npy(const std::filesystem::path& path) { return decode_npy(read_file(path), path); }
 
-void write_npy_float32(const std::filesystem::path& path, const std::vector<int64_t>& shape,
-                       const float* data) {
+void write_npy_float32(const std::filesystem::path& path, const std::vector<int64_t>& shape, const float* data) {
   write_npy(path, "<f4", shape, data);
 }
 
-void write_npy_float16(const std::filesystem::path& path, const std::vector<int64_t>& shape,
-                       const uint16_t* data) {
+void write_npy_float16(const std::filesystem::path& path, const std::vector<int64_t>& shape, const uint16_t* data) {
   write_npy(path, "<f2", shape, data);
 }
 

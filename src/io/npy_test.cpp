@@ -21,11 +21,10 @@ using testing::HasSubstr;
 std::filesystem::path folder() { return std::filesystem::path(testing::TempDir()) / "npy_test"; }
 
 /// A file as numpy.save writes it, without the padding.
-std::string npy(const std::string& descr, const std::string& shape, const std::string& data,
-                bool fortran = false, int version = 1) {
-  const std::string header = "{'descr': '" + descr +
-                             "', 'fortran_order': " + (fortran ? "True" : "False") +
-                             ", 'shape': " + shape + ", }\n";
+std::string npy(const std::string& descr, const std::string& shape, const std::string& data, bool fortran = false,
+                int version = 1) {
+  const std::string header =
+      "{'descr': '" + descr + "', 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }\n";
   std::string file = "\x93NUMPY";
   file += char(version);
   file += '\0';
@@ -61,8 +60,7 @@ void expect_bad(const std::string& bytes, const std::string& field) {
 }
 
 TEST(Npy, RoundTripsFloat32) {
-  const std::vector<float> values = {1, -2.5f, INFINITY,
-                                     4, 5,     std::numeric_limits<float>::denorm_min()};
+  const std::vector<float> values = {1, -2.5f, INFINITY, 4, 5, std::numeric_limits<float>::denorm_min()};
   write_npy_float32(folder() / "a.npy", {2, 3}, values.data());
   const FloatArray array = read_npy(folder() / "a.npy");
   EXPECT_THAT(array.shape, ElementsAre(2, 3));
@@ -78,8 +76,7 @@ TEST(Npy, RoundTripsFloat16) {
 
 TEST(Npy, DataStartOnAMultipleOf64) {
   const float value = 1;
-  for (const std::vector<int64_t>& shape :
-       {std::vector<int64_t>{}, {1}, {1, 1, 1, 1, 1, 1, 1, 1, 1}}) {
+  for (const std::vector<int64_t>& shape : {std::vector<int64_t>{}, {1}, {1, 1, 1, 1, 1, 1, 1, 1, 1}}) {
     write_npy_float32(folder() / "aligned.npy", shape, &value);
     EXPECT_EQ((std::filesystem::file_size(folder() / "aligned.npy") - sizeof(float)) % 64, 0u);
     EXPECT_EQ(read_npy(folder() / "aligned.npy").shape, shape);
@@ -87,42 +84,31 @@ TEST(Npy, DataStartOnAMultipleOf64) {
 }
 
 TEST(Npy, ReadsEveryNumericType) {
-  EXPECT_THAT(decode_npy(npy("<f8", "(2,)", bytes_of<double>({0.25, -1e3})), "").data,
-              ElementsAre(0.25f, -1e3f));
-  EXPECT_THAT(decode_npy(npy("|i1", "(2,)", bytes_of<int8_t>({-3, 4})), "").data,
-              ElementsAre(-3, 4));
-  EXPECT_THAT(decode_npy(npy("<i2", "(2,)", bytes_of<int16_t>({-300, 4})), "").data,
-              ElementsAre(-300, 4));
-  EXPECT_THAT(decode_npy(npy("<i4", "(1,)", bytes_of<int32_t>({-70000})), "").data,
-              ElementsAre(-70000));
+  EXPECT_THAT(decode_npy(npy("<f8", "(2,)", bytes_of<double>({0.25, -1e3})), "").data, ElementsAre(0.25f, -1e3f));
+  EXPECT_THAT(decode_npy(npy("|i1", "(2,)", bytes_of<int8_t>({-3, 4})), "").data, ElementsAre(-3, 4));
+  EXPECT_THAT(decode_npy(npy("<i2", "(2,)", bytes_of<int16_t>({-300, 4})), "").data, ElementsAre(-300, 4));
+  EXPECT_THAT(decode_npy(npy("<i4", "(1,)", bytes_of<int32_t>({-70000})), "").data, ElementsAre(-70000));
   EXPECT_THAT(decode_npy(npy("<i8", "(1,)", bytes_of<int64_t>({-5})), "").data, ElementsAre(-5));
   EXPECT_THAT(decode_npy(npy("|u1", "(1,)", bytes_of<uint8_t>({200})), "").data, ElementsAre(200));
-  EXPECT_THAT(decode_npy(npy("<u2", "(1,)", bytes_of<uint16_t>({65535})), "").data,
-              ElementsAre(65535));
-  EXPECT_THAT(decode_npy(npy("<u4", "(1,)", bytes_of<uint32_t>({1u << 31})), "").data,
-              ElementsAre(2147483648.f));
+  EXPECT_THAT(decode_npy(npy("<u2", "(1,)", bytes_of<uint16_t>({65535})), "").data, ElementsAre(65535));
+  EXPECT_THAT(decode_npy(npy("<u4", "(1,)", bytes_of<uint32_t>({1u << 31})), "").data, ElementsAre(2147483648.f));
   EXPECT_THAT(decode_npy(npy("<u8", "(1,)", bytes_of<uint64_t>({7})), "").data, ElementsAre(7));
-  EXPECT_THAT(decode_npy(npy("|b1", "(2,)", bytes_of<uint8_t>({1, 0})), "").data,
-              ElementsAre(1, 0));
+  EXPECT_THAT(decode_npy(npy("|b1", "(2,)", bytes_of<uint8_t>({1, 0})), "").data, ElementsAre(1, 0));
 }
 
 TEST(Npy, ReadsBigEndian) {
-  EXPECT_THAT(decode_npy(npy(">f4", "(2,)", bytes_of<float>({1.5f, -2}, true)), "").data,
-              ElementsAre(1.5f, -2));
-  EXPECT_THAT(decode_npy(npy(">i2", "(1,)", bytes_of<int16_t>({-300}, true)), "").data,
-              ElementsAre(-300));
+  EXPECT_THAT(decode_npy(npy(">f4", "(2,)", bytes_of<float>({1.5f, -2}, true)), "").data, ElementsAre(1.5f, -2));
+  EXPECT_THAT(decode_npy(npy(">i2", "(1,)", bytes_of<int16_t>({-300}, true)), "").data, ElementsAre(-300));
 }
 
 TEST(Npy, TurnsFortranOrderIntoCOrder) {
-  const FloatArray array =
-      decode_npy(npy("<f4", "(2, 3)", bytes_of<float>({1, 4, 2, 5, 3, 6}), true), "");
+  const FloatArray array = decode_npy(npy("<f4", "(2, 3)", bytes_of<float>({1, 4, 2, 5, 3, 6}), true), "");
   EXPECT_THAT(array.data, ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
 TEST(Npy, ReadsVersionsTwoAndThree) {
   for (const int version : {2, 3}) {
-    EXPECT_THAT(decode_npy(npy("<f4", "(1,)", bytes_of<float>({9}), false, version), "").data,
-                ElementsAre(9));
+    EXPECT_THAT(decode_npy(npy("<f4", "(1,)", bytes_of<float>({9}), false, version), "").data, ElementsAre(9));
   }
   expect_bad(npy("<f4", "(1,)", bytes_of<float>({9}), false, 4), "version");
 }

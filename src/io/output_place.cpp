@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Extensions of scenes, meshes, splats, pictures, tables and pages.
-constexpr std::array<std::string_view, 25> kKnownExtensions = {".ply",  ".glb",   ".gltf",  ".obj",  ".sog", ".spz",  ".splat", ".ksplat", ".usd", ".usda", ".usdc",
-                                                               ".usdz", ".stl",   ".fbx",   ".html", ".htm", ".csv",  ".json",  ".png",    ".jpg", ".jpeg", ".zip",
-                                                               ".svg", ".dxf", ".pdf"};
+constexpr std::array<std::string_view, 25> kKnownExtensions = {
+    ".ply", ".glb",  ".gltf", ".obj", ".sog",  ".spz", ".splat", ".ksplat", ".usd", ".usda", ".usdc", ".usdz", ".stl",
+    ".fbx", ".html", ".htm",  ".csv", ".json", ".png", ".jpg",   ".jpeg",   ".zip", ".svg",  ".dxf",  ".pdf"};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -38,7 +38,8 @@ bool lies_within(const fs::path& path, const fs::path& folder) {
   const fs::path around = real_place(folder);
   for (fs::path place = real_place(path);; place = place.parent_path()) {
     std::error_code error;
-    if (place == around || fs::equivalent(place, around, error)) return true;  // of what is not there: an error, and false
+    // of what is not there: an error, and false
+    if (place == around || fs::equivalent(place, around, error)) return true;
     if (place == place.parent_path()) return false;
   }
 }
@@ -59,8 +60,8 @@ void require_extension(const fs::path& file, const std::string& extension) {
   const std::string wanted = "." + extension.substr(extension.rfind('.') + 1);
   if (has == wanted || (wanted == ".html" && has == ".htm")) return;
   if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), has) == kKnownExtensions.end()) return;
-  throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written", file, "output",
-               "name a file that ends in " + wanted + ", or ask for the other format"});
+  throw Error({ErrorKind::kUsage, "the name says " + has.substr(1) + ", but " + wanted.substr(1) + " would be written",
+               file, "output", "name a file that ends in " + wanted + ", or ask for the other format"});
 }
 
 }  // namespace aligngs

@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 class OutputPlace : public testing::Test {
  protected:
   void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / "output_place" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    base_ =
+        fs::path(testing::TempDir()) / "output_place" / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(base_);
     fs::create_directories(base_ / "capture" / "images");
     fs::create_directories(base_ / "other");
@@ -36,11 +37,13 @@ TEST_F(OutputPlace, AFolderBesideTheSourceIsApart) {
 }
 
 TEST_F(OutputPlace, TheSourceWhatLiesInItAndWhatHoldsItAreNot) {
-  for (const char* output : {"capture", "capture/", "capture/scene", "capture/images/new/deep", "."}) EXPECT_FALSE(apart(output, "capture")) << output;
+  for (const char* output : {"capture", "capture/", "capture/scene", "capture/images/new/deep", "."})
+    EXPECT_FALSE(apart(output, "capture")) << output;
 }
 
 TEST_F(OutputPlace, DotsDoNotHideTheSource) {
-  for (const char* output : {"other/../capture", "./capture/.", "other/../capture/images/../scene"}) EXPECT_FALSE(apart(output, "capture")) << output;
+  for (const char* output : {"other/../capture", "./capture/.", "other/../capture/images/../scene"})
+    EXPECT_FALSE(apart(output, "capture")) << output;
   EXPECT_TRUE(apart("capture/../scene", "capture"));
 }
 
@@ -67,11 +70,18 @@ TEST_F(OutputPlace, RealPlaceKeepsWhatIsNotThereYet) {
 
 TEST(OutputExtension, ANameThatPromisesAnotherFormatIsAUsageError) {
   using Names = std::vector<std::pair<const char*, const char*>>;
-  for (const auto& [file, format] : Names{{"a.glb", "glb"}, {"a.GLB", "glb"}, {"a.labels.ply", "labels.ply"}, {"a.ply", "labels.ply"},
-                                          {"a", "spz"}, {"room.v2", "obj"}, {"page.htm", "html"}, {"folder.obj/a", "spz"}}) {
+  for (const auto& [file, format] : Names{{"a.glb", "glb"},
+                                          {"a.GLB", "glb"},
+                                          {"a.labels.ply", "labels.ply"},
+                                          {"a.ply", "labels.ply"},
+                                          {"a", "spz"},
+                                          {"room.v2", "obj"},
+                                          {"page.htm", "html"},
+                                          {"folder.obj/a", "spz"}}) {
     EXPECT_NO_THROW(require_extension(file, format)) << file;
   }
-  for (const auto& [file, format] : Names{{"a.spz", "glb"}, {"a.gltf", "glb"}, {"a.OBJ", "ply"}, {"a.ply", "splat"}, {"a.html", "sog"}}) {
+  for (const auto& [file, format] :
+       Names{{"a.spz", "glb"}, {"a.gltf", "glb"}, {"a.OBJ", "ply"}, {"a.ply", "splat"}, {"a.html", "sog"}}) {
     try {
       require_extension(file, format);
       ADD_FAILURE() << file;

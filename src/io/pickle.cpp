@@ -11,8 +11,7 @@ namespace aligngs {
 
 namespace {
 
-constexpr size_t kMaxValues =
-    1'000'000;  // 80 MB of memory; a state dict of 10 000 tensors has about 150 000
+constexpr size_t kMaxValues = 1'000'000;  // 80 MB of memory; a state dict of 10 000 tensors has about 150 000
 
 enum Operation : uint8_t {
   kMark = '(',
@@ -83,8 +82,7 @@ class PickleMachine {
       at_ = reader_.offset();
       const auto operation = reader_.little<uint8_t>("pickle");
       if (operation == kStop) return pop();
-      if (!push_scalar(operation) && !push_text(operation) && !collect(operation) &&
-          !remember(operation)) {
+      if (!push_scalar(operation) && !push_text(operation) && !collect(operation) && !remember(operation)) {
         refer(operation);
       }
     }
@@ -121,8 +119,7 @@ class PickleMachine {
   size_t floor() const { return marks_.empty() ? 0 : marks_.back(); }
   std::vector<const PickleValue*> pop_to_mark() {
     if (marks_.empty()) fail("a mark is missing");
-    std::vector<const PickleValue*> items(stack_.begin() + std::ptrdiff_t(marks_.back()),
-                                          stack_.end());
+    std::vector<const PickleValue*> items(stack_.begin() + std::ptrdiff_t(marks_.back()), stack_.end());
     stack_.resize(marks_.back());
     marks_.pop_back();
     return items;
@@ -293,8 +290,7 @@ class PickleMachine {
     const auto found = memo_.find(index);
     if (found == memo_.end()) fail("memo entry " + std::to_string(index) + " does not exist");
     // Each get costs two bytes of the file but eight of the stack; the limit on values bounds both.
-    if (stack_.size() >= kMaxValues)
-      fail("more than " + std::to_string(kMaxValues) + " values on the stack");
+    if (stack_.size() >= kMaxValues) fail("more than " + std::to_string(kMaxValues) + " values on the stack");
     stack_.push_back(found->second);
   }
 
@@ -308,16 +304,14 @@ class PickleMachine {
       case kStackGlobal: {
         const PickleValue* global = pop();
         const PickleValue* module = pop();
-        if (!global->is(PickleKind::kString) || !module->is(PickleKind::kString))
-          fail("a global without a name");
+        if (!global->is(PickleKind::kString) || !module->is(PickleKind::kString)) fail("a global without a name");
         push_global(module->text, global->text);
         return;
       }
       case kReduce: {
         const PickleValue* arguments = pop();
         const PickleValue* global = pop();
-        if (!global->is(PickleKind::kGlobal) || !arguments->is(PickleKind::kTuple))
-          fail("a call of what is no global");
+        if (!global->is(PickleKind::kGlobal) || !arguments->is(PickleKind::kTuple)) fail("a call of what is no global");
         if (global->text == "collections OrderedDict" && arguments->items.empty()) {
           push(PickleKind::kDict);
         } else {
@@ -360,8 +354,7 @@ class PickleMachine {
   void push_global(const std::string& module, const std::string& global) {
     const std::string full = module + " " + global;
     if (std::find(allowed_.begin(), allowed_.end(), full) == allowed_.end()) {
-      fail("it refers to '" + module.substr(0, 200) + "." + global.substr(0, 200) +
-           "', which is not allowed");
+      fail("it refers to '" + module.substr(0, 200) + "." + global.substr(0, 200) + "', which is not allowed");
     }
     push(PickleKind::kGlobal).text = full;
   }

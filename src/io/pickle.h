@@ -12,17 +12,17 @@ namespace aligngs {
 
 enum class PickleKind {
   kNone,
-  kBool,    ///< integer 0 or 1
-  kInt,     ///< integer
-  kBigInt,  ///< text: two's complement, little-endian, more than 8 bytes
-  kFloat,   ///< real
-  kString,  ///< text: UTF-8, unchanged
-  kBytes,   ///< text
-  kTuple,   ///< items
-  kList,    ///< items
-  kDict,    ///< items: key, value, key, value, ... in the order of insertion (OrderedDict too)
-  kGlobal,  ///< text: "module name"
-  kObject,  ///< items: the global, its argument tuple, then every state set on it; never called
+  kBool,          ///< integer 0 or 1
+  kInt,           ///< integer
+  kBigInt,        ///< text: two's complement, little-endian, more than 8 bytes
+  kFloat,         ///< real
+  kString,        ///< text: UTF-8, unchanged
+  kBytes,         ///< text
+  kTuple,         ///< items
+  kList,          ///< items
+  kDict,          ///< items: key, value, key, value, ... in the order of insertion (OrderedDict too)
+  kGlobal,        ///< text: "module name"
+  kObject,        ///< items: the global, its argument tuple, then every state set on it; never called
   kPersistentId,  ///< items: the identifier
 };
 
@@ -40,9 +40,7 @@ struct PickleValue {
   /// equal keys counts.
   const PickleValue* find(std::string_view key) const;
   /// Whether this is an object made by the given global.
-  bool is_object_of(std::string_view global) const {
-    return kind == PickleKind::kObject && items[0]->text == global;
-  }
+  bool is_object_of(std::string_view global) const { return kind == PickleKind::kObject && items[0]->text == global; }
 };
 
 class Pickle {
@@ -50,8 +48,7 @@ class Pickle {
   /// `allowed` lists the globals that may occur, as "module name". Anything else, unknown
   /// operations, and pickles of more than a million values are Error{kBadInput} naming what was
   /// met.
-  Pickle(std::string_view bytes, const std::vector<std::string>& allowed,
-         const std::filesystem::path& name_for_errors);
+  Pickle(std::string_view bytes, const std::vector<std::string>& allowed, const std::filesystem::path& name_for_errors);
   Pickle(Pickle&&) = default;
 
   const PickleValue& root() const { return *root_; }

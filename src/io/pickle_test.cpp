@@ -113,8 +113,7 @@ TEST(Pickle, RefusesTruncationAtEveryByte) {
       "aG\x3f\xf8\x00\x00\x00\x00\x00\x00X\x01\x00\x00\x00"
       "bN\x85u."s;
   EXPECT_NO_THROW(parse(whole));
-  for (size_t keep = 0; keep < whole.size(); ++keep)
-    EXPECT_THROW(parse(whole.substr(0, keep)), Error) << keep;
+  for (size_t keep = 0; keep < whole.size(); ++keep) EXPECT_THROW(parse(whole.substr(0, keep)), Error) << keep;
 }
 
 TEST(Pickle, ManyValuesAreRefusedAndCyclesAreHarmless) {

@@ -13,7 +13,8 @@ enum class PictureFormat { kUnknown, kJpeg, kPng, kWebp, kHeif };
 /// `bytes`: the first 32 bytes of a file or more.
 PictureFormat picture_format(std::string_view bytes);
 
-/// Extensions of the formats that are read, in lower case with their dot: .jpg, .jpeg, .png, .webp, .heic, .heif, .avif.
+/// Extensions of the formats that are read, in lower case with their dot: .jpg, .jpeg, .png, .webp, .heic, .heif,
+/// .avif.
 const std::vector<std::string>& picture_extensions();
 
 /// Whether the file has one of these extensions (lower case, with their dot), in any case.

@@ -38,12 +38,10 @@ double load_value(const char* bytes, PlyType type, bool big) {
 /// The values of one type that lie `stride` bytes apart.
 template <class T>
 void load_column(const char* bytes, size_t stride, bool big, size_t rows, double* out) {
-  for (size_t i = 0; i < rows; ++i)
-    out[i] = static_cast<double>(load_number<T>(bytes + i * stride, big));
+  for (size_t i = 0; i < rows; ++i) out[i] = static_cast<double>(load_number<T>(bytes + i * stride, big));
 }
 
-void load_column(PlyType type, const char* bytes, size_t stride, bool big, size_t rows,
-                 double* out) {
+void load_column(PlyType type, const char* bytes, size_t stride, bool big, size_t rows, double* out) {
   switch (type) {
     case PlyType::kInt8:
       return load_column<int8_t>(bytes, stride, big, rows, out);
@@ -81,8 +79,7 @@ void allocate_rows(PlyElement& element, uint64_t min_row_bytes, const ByteReader
   }
 }
 
-void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_types, bool big,
-                         ByteReader& reader) {
+void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_types, bool big, ByteReader& reader) {
   uint64_t row_bytes = 0;
   bool has_list = false;
   for (size_t p = 0; p < element.properties.size(); ++p) {
@@ -112,19 +109,16 @@ void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_
       PlyProperty& property = element.properties[p];
       const size_t item_bytes = ply_type_bytes(property.type);
       if (!property.is_list) {
-        if (reader.remaining() < item_bytes)
-          reader.take(item_bytes, field_name(element, property, row));
+        if (reader.remaining() < item_bytes) reader.take(item_bytes, field_name(element, property, row));
         property.values[row] = load_value(reader.take(item_bytes, "").data(), property.type, big);
         continue;
       }
       const size_t count_bytes = ply_type_bytes(count_types[p]);
-      if (reader.remaining() < count_bytes)
-        reader.take(count_bytes, field_name(element, property, row));
+      if (reader.remaining() < count_bytes) reader.take(count_bytes, field_name(element, property, row));
       const double length = load_value(reader.take(count_bytes, "").data(), count_types[p], big);
       const size_t most = reader.remaining() / item_bytes;
       if (length < 0 || length > static_cast<double>(most)) {
-        reader.fail(field_name(element, property, row),
-                    "the file cannot hold a list of that length");
+        reader.fail(field_name(element, property, row), "the file cannot hold a list of that length");
       }
       const size_t items = size_t(length), begin = property.values.size();
       const char* bytes = reader.take(items * item_bytes, "").data();
@@ -135,8 +129,8 @@ void read_binary_element(PlyElement& element, const std::vector<PlyType>& count_
   }
 }
 
-double read_ascii_value(const PlyElement& element, const PlyProperty& property, PlyType type,
-                        uint64_t row, std::string_view& text, const ByteReader& reader) {
+double read_ascii_value(const PlyElement& element, const PlyProperty& property, PlyType type, uint64_t row,
+                        std::string_view& text, const ByteReader& reader) {
   const std::string_view word = take_word(text);
   if (word.empty()) reader.fail(field_name(element, property, row), "the file ends too early");
   double value = 0;
@@ -148,8 +142,8 @@ double read_ascii_value(const PlyElement& element, const PlyProperty& property, 
 }
 
 /// `text` is the rest of the file; the reader only serves for errors and bounds.
-void read_ascii_element(PlyElement& element, const std::vector<PlyType>& count_types,
-                        std::string_view& text, const std::filesystem::path& name) {
+void read_ascii_element(PlyElement& element, const std::vector<PlyType>& count_types, std::string_view& text,
+                        const std::filesystem::path& name) {
   const ByteReader reader(text, name);
   // A value takes a digit and a separator, but for the last of the file; one byte each is a safe
   // bound.
@@ -158,18 +152,15 @@ void read_ascii_element(PlyElement& element, const std::vector<PlyType>& count_t
     for (size_t p = 0; p < element.properties.size(); ++p) {
       PlyProperty& property = element.properties[p];
       if (!property.is_list) {
-        property.values[row] =
-            read_ascii_value(element, property, property.type, row, text, reader);
+        property.values[row] = read_ascii_value(element, property, property.type, row, text, reader);
         continue;
       }
       const double length = read_ascii_value(element, property, count_types[p], row, text, reader);
       if (length < 0 || length > double(text.size())) {
-        reader.fail(field_name(element, property, row),
-                    "the file cannot hold a list of that length");
+        reader.fail(field_name(element, property, row), "the file cannot hold a list of that length");
       }
       for (double i = 0; i < length; ++i) {
-        property.values.push_back(
-            read_ascii_value(element, property, property.type, row, text, reader));
+        property.values.push_back(read_ascii_value(element, property, property.type, row, text, reader));
       }
       property.offsets.push_back(property.values.size());
     }
@@ -201,8 +192,7 @@ PlyFile decode_ply(const std::string& bytes, const std::filesystem::path& name_f
     if (header.format == PlyFormat::kAscii) {
       read_ascii_element(element, header.list_counts[e], body, name_for_errors);
     } else {
-      read_binary_element(element, header.list_counts[e], header.format == PlyFormat::kBigEndian,
-                          reader);
+      read_binary_element(element, header.list_counts[e], header.format == PlyFormat::kBigEndian, reader);
     }
   }
   return std::move(header.file);

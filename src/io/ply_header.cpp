@@ -23,16 +23,13 @@ const char* const kPlyRemedy = "check that this is a PLY file and that it was co
 /// Header lines end in "\n", "\r\n", or in old files "\r"; the first line tells which.
 class HeaderLines {
  public:
-  HeaderLines(std::string_view bytes, const std::filesystem::path& name)
-      : bytes_(bytes), name_(name) {
+  HeaderLines(std::string_view bytes, const std::filesystem::path& name) : bytes_(bytes), name_(name) {
     const size_t end = bytes.find_first_of("\r\n");
-    if (end != std::string_view::npos && bytes[end] == '\r' && bytes.substr(end + 1, 1) != "\n")
-      terminator_ = '\r';
+    if (end != std::string_view::npos && bytes[end] == '\r' && bytes.substr(end + 1, 1) != "\n") terminator_ = '\r';
   }
   std::string_view next() {
     const size_t end = bytes_.find(terminator_, position_);
-    if (end == std::string_view::npos)
-      throw_bad_input(name_, "header", "end_header is missing", kPlyRemedy);
+    if (end == std::string_view::npos) throw_bad_input(name_, "header", "end_header is missing", kPlyRemedy);
     std::string_view line = bytes_.substr(position_, end - position_);
     position_ = end + 1;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -49,8 +46,7 @@ class HeaderLines {
 
 class HeaderReader {
  public:
-  HeaderReader(std::string_view bytes, const std::filesystem::path& name)
-      : lines_(bytes, name), name_(name) {}
+  HeaderReader(std::string_view bytes, const std::filesystem::path& name) : lines_(bytes, name), name_(name) {}
 
   PlyHeader read() {
     if (trimmed(lines_.next()) != "ply") throw_bad_input(name_, "magic", "not a PLY file", kPlyRemedy);
@@ -86,8 +82,7 @@ class HeaderReader {
 
  private:
   [[noreturn]] void fail(std::string_view line, const std::string& message) const {
-    throw_bad_input(name_, "header line '" + std::string(line.substr(0, 200)) + "'", message,
-                    kPlyRemedy);
+    throw_bad_input(name_, "header line '" + std::string(line.substr(0, 200)) + "'", message, kPlyRemedy);
   }
 
   PlyType type(std::string_view line, std::string_view word) const {
@@ -130,8 +125,7 @@ class HeaderReader {
     if (word == "list") {
       property.is_list = true;
       count_type = type(line, take_word(rest));
-      if (count_type == PlyType::kFloat32 || count_type == PlyType::kFloat64)
-        fail(line, "a list length is an integer");
+      if (count_type == PlyType::kFloat32 || count_type == PlyType::kFloat64) fail(line, "a list length is an integer");
       word = take_word(rest);
     }
     property.type = type(line, word);
@@ -171,9 +165,7 @@ size_t ply_type_bytes(PlyType type) {
 }
 
 bool ply_value_fits(double value, PlyType type) {
-  const auto in = [&](double low, double high) {
-    return value >= low && value <= high && value == std::floor(value);
-  };
+  const auto in = [&](double low, double high) { return value >= low && value <= high && value == std::floor(value); };
   switch (type) {
     case PlyType::kInt8:
       return in(-128, 127);

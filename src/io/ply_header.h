@@ -13,10 +13,9 @@ enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
-  PlyFile file;  ///< elements and properties without values
-  std::vector<std::vector<PlyType>>
-      list_counts;  ///< per element and property: the type of a list's length
-  size_t body = 0;  ///< offset of the first byte after the header
+  PlyFile file;                                   ///< elements and properties without values
+  std::vector<std::vector<PlyType>> list_counts;  ///< per element and property: the type of a list's length
+  size_t body = 0;                                ///< offset of the first byte after the header
 };
 
 PlyHeader parse_ply_header(std::string_view bytes, const std::filesystem::path& name);

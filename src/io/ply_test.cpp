@@ -58,16 +58,15 @@ void expect_mesh(const PlyFile& file) {
 }
 
 TEST(Ply, ReadsAscii) {
-  expect_mesh(decode_ply(
-      "ply\nformat ascii 1.0\n" + kMeshHeader + "1.5 255\n-2e0 0\n3 0 1 0 -5\n1 7 6\n", ""));
+  expect_mesh(decode_ply("ply\nformat ascii 1.0\n" + kMeshHeader + "1.5 255\n-2e0 0\n3 0 1 0 -5\n1 7 6\n", ""));
 }
 
 TEST(Ply, ReadsBinaryOfBothByteOrders) {
   for (const bool big : {false, true}) {
     const std::string body = number(1.5f, big) + number(uint8_t(255), big) + number(-2.f, big) +
-                             number(uint8_t(0), big) + number(uint8_t(3), big) + number(0, big) +
-                             number(1, big) + number(0, big) + number(int16_t(-5), big) +
-                             number(uint8_t(1), big) + number(7, big) + number(int16_t(6), big);
+                             number(uint8_t(0), big) + number(uint8_t(3), big) + number(0, big) + number(1, big) +
+                             number(0, big) + number(int16_t(-5), big) + number(uint8_t(1), big) + number(7, big) +
+                             number(int16_t(6), big);
     const std::string format = big ? "binary_big_endian" : "binary_little_endian";
     expect_mesh(decode_ply("ply\nformat " + format + " 1.0\n" + kMeshHeader + body, ""));
   }
@@ -84,8 +83,7 @@ TEST(Ply, ReadsHeadersWithCarriageReturnsCommentsAndBlankLines) {
 }
 
 TEST(Ply, ReadsHeadersOfOldMacFiles) {
-  const PlyFile file =
-      decode_ply("ply\rformat ascii 1.0\relement v 1\rproperty int a\rend_header\r42\r", "");
+  const PlyFile file = decode_ply("ply\rformat ascii 1.0\relement v 1\rproperty int a\rend_header\r42\r", "");
   EXPECT_THAT(file.find("v")->find("a")->values, ElementsAre(42));
 }
 
@@ -97,8 +95,7 @@ TEST(Ply, ReadsEveryType) {
       "-128 255 -32768 65535 -2147483648 4294967295 nan +0.1\n",
       "");
   std::vector<double> row;
-  for (const PlyProperty& property : file.elements[0].properties)
-    row.push_back(property.values.at(0));
+  for (const PlyProperty& property : file.elements[0].properties) row.push_back(property.values.at(0));
   EXPECT_TRUE(std::isnan(row[6]));
   row.erase(row.begin() + 6);
   EXPECT_THAT(row, ElementsAre(-128, 255, -32768, 65535, -2147483648.0, 4294967295.0, 0.1));
@@ -126,8 +123,7 @@ TEST(Ply, RoundTripsWhatItWrites) {
 
 TEST(Ply, WritesListsLongerThanAByteCounts) {
   PlyFile file;
-  file.elements = {
-      {"strip", 1, {{"indices", PlyType::kInt32, true, std::vector<double>(300, 1), {0, 300}}}}};
+  file.elements = {{"strip", 1, {{"indices", PlyType::kInt32, true, std::vector<double>(300, 1), {0, 300}}}}};
   write_ply(folder() / "long.ply", file);
   EXPECT_EQ(read_ply(folder() / "long.ply").elements[0].properties[0].values.size(), 300u);
 }
@@ -144,8 +140,7 @@ TEST(Ply, RefusesToWriteWhatDoesNotFit) {
 }
 
 TEST(Ply, AnElementWithoutRowsIsFine) {
-  const PlyFile file = decode_ply(
-      "ply\nformat ascii 1.0\nelement v 0\nelement f 0\nproperty int a\nend_header\n", "");
+  const PlyFile file = decode_ply("ply\nformat ascii 1.0\nelement v 0\nelement f 0\nproperty int a\nend_header\n", "");
   EXPECT_THAT(file.find("f")->find("a")->values, IsEmpty());
 }
 
@@ -169,15 +164,11 @@ TEST(Ply, RefusesCountsThatTheFileCannotHold) {
   for (const std::string format : {"ascii", "binary_little_endian"}) {
     const std::string begin = "ply\nformat " + format + " 1.0\n";
     expect_bad(begin + "element v 18446744073709551615\nproperty int a\nend_header\n12345678");
-    expect_bad(
-        begin +
-        "element v 100000000000\nproperty int a\nproperty list uchar int b\nend_header\n12345678");
+    expect_bad(begin + "element v 100000000000\nproperty int a\nproperty list uchar int b\nend_header\n12345678");
   }
-  expect_bad(
-      "ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list int int a\nend_header\n" +
-      number(int32_t(-1), false) + "12345678");
-  expect_bad(
-      "ply\nformat ascii 1.0\nelement v 1\nproperty list int int a\nend_header\n2000000000 1\n");
+  expect_bad("ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list int int a\nend_header\n" +
+             number(int32_t(-1), false) + "12345678");
+  expect_bad("ply\nformat ascii 1.0\nelement v 1\nproperty list int int a\nend_header\n2000000000 1\n");
 }
 
 TEST(Ply, RefusesTruncatedBodiesAndWrongValues) {
@@ -186,8 +177,7 @@ TEST(Ply, RefusesTruncatedBodiesAndWrongValues) {
   expect_bad(ascii + "1\n256\n");
   expect_bad(ascii + "1\n1.5\n");
   expect_bad(ascii + "1\nx\n");
-  expect_bad(
-      "ply\nformat binary_little_endian 1.0\nelement v 2\nproperty short a\nend_header\n123");
+  expect_bad("ply\nformat binary_little_endian 1.0\nelement v 2\nproperty short a\nend_header\n123");
   expect_bad(
       "ply\nformat binary_little_endian 1.0\nelement v 1\nproperty list uchar short "
       "a\nend_header\n\x02"
@@ -196,8 +186,7 @@ TEST(Ply, RefusesTruncatedBodiesAndWrongValues) {
 
 TEST(Ply, ReadsAGaussianSceneQuickly) {
   constexpr uint64_t kRows = 100000, kColumns = 62;
-  std::string bytes =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(kRows) + "\n";
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(kRows) + "\n";
   for (uint64_t c = 0; c < kColumns; ++c) bytes += "property float c" + std::to_string(c) + "\n";
   bytes += "end_header\n";
   const size_t header = bytes.size();
@@ -206,8 +195,7 @@ TEST(Ply, ReadsAGaussianSceneQuickly) {
   std::copy_n(reinterpret_cast<const char*>(&last), sizeof(last), bytes.end() - sizeof(last));
   const auto begin = std::chrono::steady_clock::now();
   const PlyFile file = decode_ply(bytes, "");
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(file.elements[0].properties[61].values.back(), 7);
   RecordProperty("seconds", std::to_string(seconds));
   EXPECT_LT(seconds, 5.0);  // 0.05 s in a release build; sanitizers and busy machines are slower

@@ -44,12 +44,11 @@ void require_writable(const PlyElement& element, const std::filesystem::path& pa
     const auto refuse = [&](const std::string& message) {
       throw Error({ErrorKind::kFailed, message, path, element.name + "." + property.name, ""});
     };
-    const bool complete =
-        property.is_list
-            ? property.offsets.size() == element.count + 1 && property.offsets.front() == 0 &&
-                  std::is_sorted(property.offsets.begin(), property.offsets.end()) &&
-                  property.offsets.back() == property.values.size()
-            : property.values.size() == element.count;
+    const bool complete = property.is_list
+                              ? property.offsets.size() == element.count + 1 && property.offsets.front() == 0 &&
+                                    std::is_sorted(property.offsets.begin(), property.offsets.end()) &&
+                                    property.offsets.back() == property.values.size()
+                              : property.values.size() == element.count;
     if (!complete) refuse("the column does not have one entry per row");
     for (const double value : property.values) {
       if (!ply_value_fits(value, property.type)) {
@@ -69,8 +68,7 @@ void write_ply(const std::filesystem::path& path, const PlyFile& file) {
     header += "element " + element.name + " " + std::to_string(element.count) + "\n";
     for (const PlyProperty& property : element.properties) {
       header += "property ";
-      if (property.is_list)
-        header += std::string("list ") + ply_type_name(written_count_type(property)) + " ";
+      if (property.is_list) header += std::string("list ") + ply_type_name(written_count_type(property)) + " ";
       header += std::string(ply_type_name(property.type)) + " " + property.name + "\n";
     }
   }
@@ -80,16 +78,14 @@ void write_ply(const std::filesystem::path& path, const PlyFile& file) {
   constexpr size_t kBlockBytes = size_t(1) << 16;
   for (const PlyElement& element : file.elements) {
     std::vector<PlyType> count_types;
-    for (const PlyProperty& property : element.properties)
-      count_types.push_back(written_count_type(property));
+    for (const PlyProperty& property : element.properties) count_types.push_back(written_count_type(property));
     for (uint64_t row = 0; row < element.count; ++row) {
       for (size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
         const uint64_t begin = property.is_list ? property.offsets[row] : row;
         const uint64_t end = property.is_list ? property.offsets[row + 1] : row + 1;
         if (property.is_list) append_value(block, double(end - begin), count_types[p]);
-        for (uint64_t i = begin; i < end; ++i)
-          append_value(block, property.values[i], property.type);
+        for (uint64_t i = begin; i < end; ++i) append_value(block, property.values[i], property.type);
       }
       if (block.size() >= kBlockBytes) {
         out.write(block);

@@ -47,21 +47,18 @@ int samples_per_pixel(int color_type) {
 Context open_png(std::string_view bytes, const std::filesystem::path& name) {
   Context context(spng_ctx_new(0));
   if (!context) throw_resources(name, "not enough memory to decode the PNG");
-  constexpr size_t kMaxChunk = size_t(64)
-                               << 20;  // bytes of one ancillary chunk (profiles, texts), and of all
+  constexpr size_t kMaxChunk = size_t(64) << 20;  // bytes of one ancillary chunk (profiles, texts), and of all
   require(name, spng_set_chunk_limits(context.get(), kMaxChunk, kMaxChunk));
   require(name, spng_set_png_buffer(context.get(), bytes.data(), bytes.size()));
   return context;
 }
 
-spng_ihdr checked_header(spng_ctx* context, uint64_t file_bytes,
-                         const std::filesystem::path& name) {
+spng_ihdr checked_header(spng_ctx* context, uint64_t file_bytes, const std::filesystem::path& name) {
   spng_ihdr header{};
   require(name, spng_get_ihdr(context, &header));
   constexpr double kMaxDeflateRatio = 1032;  // zlib's documentation: the best deflate can do
   const double bits = double(samples_per_pixel(header.color_type)) * header.bit_depth;
-  require_plausible_image(header.width, header.height, file_bytes, kMaxDeflateRatio * 8 / bits,
-                          name);
+  require_plausible_image(header.width, header.height, file_bytes, kMaxDeflateRatio * 8 / bits, name);
   return header;
 }
 
@@ -82,9 +79,7 @@ void require_end(std::string_view bytes, const std::filesystem::path& name) {
 
 }  // namespace
 
-bool is_png(std::string_view bytes) {
-  return bytes.substr(0, 8) == std::string_view("\x89PNG\r\n\x1a\n", 8);
-}
+bool is_png(std::string_view bytes) { return bytes.substr(0, 8) == std::string_view("\x89PNG\r\n\x1a\n", 8); }
 
 bool has_end_of_png(std::string_view bytes) {
   constexpr size_t kSignature = 8, kAroundContent = 12;  // bytes: length, type and checksum of a chunk
@@ -97,8 +92,7 @@ bool has_end_of_png(std::string_view bytes) {
   return false;
 }
 
-PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name,
-                           bool prefix_only) {
+PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name, bool prefix_only) {
   const Context context = open_png(bytes, name);
   spng_ihdr ihdr{};
   int code = spng_get_ihdr(context.get(), &ihdr);
@@ -110,8 +104,7 @@ PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& 
     spng_trns transparency{};
     code = spng_get_trns(context.get(), &transparency);
     const int type = ihdr.color_type;
-    const bool alpha = code == 0 || type == SPNG_COLOR_TYPE_GRAYSCALE_ALPHA ||
-                       type == SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
+    const bool alpha = code == 0 || type == SPNG_COLOR_TYPE_GRAYSCALE_ALPHA || type == SPNG_COLOR_TYPE_TRUECOLOR_ALPHA;
     header.channels = alpha ? 4 : type == SPNG_COLOR_TYPE_GRAYSCALE ? 1 : 3;
     if (code == SPNG_ECHUNKAVAIL) code = 0;
   }
@@ -119,8 +112,7 @@ PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& 
     spng_exif exif{};
     code = spng_get_exif(context.get(), &exif);
     if (code == 0) {
-      header.orientation =
-          exif_orientation(std::string("Exif\0\0", 6) + std::string(exif.data, exif.length));
+      header.orientation = exif_orientation(std::string("Exif\0\0", 6) + std::string(exif.data, exif.length));
     } else if (code == SPNG_ECHUNKAVAIL) {
       code = 0;
     }
@@ -140,9 +132,8 @@ Image<uint8_t> decode_png(std::string_view bytes, const std::filesystem::path& n
                      header.color_type == SPNG_COLOR_TYPE_TRUECOLOR_ALPHA ||
                      spng_get_trns(context.get(), &transparency) == 0;
   Image<uint8_t> image(int(header.width), int(header.height), alpha ? 4 : 3);
-  require(name,
-          spng_decode_image(context.get(), image.data.data(), image.data.size(),
-                            alpha ? SPNG_FMT_RGBA8 : SPNG_FMT_RGB8, alpha ? SPNG_DECODE_TRNS : 0));
+  require(name, spng_decode_image(context.get(), image.data.data(), image.data.size(),
+                                  alpha ? SPNG_FMT_RGBA8 : SPNG_FMT_RGB8, alpha ? SPNG_DECODE_TRNS : 0));
   require_end(bytes, name);
   return image;
 }
@@ -150,12 +141,11 @@ Image<uint8_t> decode_png(std::string_view bytes, const std::filesystem::path& n
 Image<uint16_t> decode_png_values(std::string_view bytes, const std::filesystem::path& name) {
   const Context context = open_png(bytes, name);
   const spng_ihdr header = checked_header(context.get(), bytes.size(), name);
-  if (header.color_type != SPNG_COLOR_TYPE_GRAYSCALE &&
-      header.color_type != SPNG_COLOR_TYPE_INDEXED) {
-    throw_bad_input(name, "channels",
-                    "a PNG with one channel is needed, this one has " +
-                        std::to_string(samples_per_pixel(header.color_type)),
-                    "save it as 8- or 16-bit grey");
+  if (header.color_type != SPNG_COLOR_TYPE_GRAYSCALE && header.color_type != SPNG_COLOR_TYPE_INDEXED) {
+    throw_bad_input(
+        name, "channels",
+        "a PNG with one channel is needed, this one has " + std::to_string(samples_per_pixel(header.color_type)),
+        "save it as 8- or 16-bit grey");
   }
   size_t size = 0;
   require(name, spng_decoded_image_size(context.get(), SPNG_FMT_PNG, &size));
@@ -186,8 +176,8 @@ Image<uint16_t> decode_png_values(std::string_view bytes, const std::filesystem:
 /// zlib's: renderings become 3 % larger than with its default of 6, in a third of the time.
 constexpr int kCompressionLevel = 3;
 
-std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height,
-                                      int channels, int bit_depth) {
+std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height, int channels,
+                                      int bit_depth) {
   const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
   if (!context) throw_resources({}, "not enough memory to encode a PNG");
   spng_ihdr header{};
@@ -200,13 +190,11 @@ std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width
   int code = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
   if (code == 0) code = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, kCompressionLevel);
   if (code == 0) code = spng_set_ihdr(context.get(), &header);
-  if (code == 0)
-    code = spng_encode_image(context.get(), pixels, size, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
+  if (code == 0) code = spng_encode_image(context.get(), pixels, size, SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
   size_t encoded = 0;
   void* out = code == 0 ? spng_get_png_buffer(context.get(), &encoded, &code) : nullptr;
   const std::unique_ptr<void, void (*)(void*)> owner(out, std::free);
-  if (code != 0 || !out)
-    throw_resources({}, std::string("cannot encode a PNG: ") + spng_strerror(code));
+  if (code != 0 || !out) throw_resources({}, std::string("cannot encode a PNG: ") + spng_strerror(code));
   const auto* begin = static_cast<const uint8_t*>(out);
   return {begin, begin + encoded};
 }

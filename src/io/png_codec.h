@@ -23,14 +23,13 @@ struct PngHeader {
 };
 /// With `prefix_only`, bytes that end before the image data give complete = false instead of an
 /// error.
-PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name,
-                           bool prefix_only);
+PngHeader parse_png_header(std::string_view bytes, const std::filesystem::path& name, bool prefix_only);
 
 /// 3 channels, or 4 with transparency; orientation not applied. Missing bytes, also of the end, are
 /// Error{kBadInput}.
 Image<uint8_t> decode_png(std::string_view bytes, const std::filesystem::path& name);
 Image<uint16_t> decode_png_values(std::string_view bytes, const std::filesystem::path& name);
-std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height,
-                                      int channels, int bit_depth);
+std::vector<uint8_t> encode_png_bytes(const void* pixels, size_t size, int width, int height, int channels,
+                                      int bit_depth);
 
 }  // namespace aligngs

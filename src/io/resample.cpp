@@ -20,9 +20,8 @@ template <class T>
 void require_size(const Image<T>& image, int width, int height) {
   if (image.width <= 0 || image.height <= 0 || width <= 0 || height <= 0) {
     throw Error({ErrorKind::kFailed,
-                 "cannot resize " + std::to_string(image.width) + "x" +
-                     std::to_string(image.height) + " to " + std::to_string(width) + "x" +
-                     std::to_string(height),
+                 "cannot resize " + std::to_string(image.width) + "x" + std::to_string(image.height) + " to " +
+                     std::to_string(width) + "x" + std::to_string(height),
                  {},
                  "",
                  ""});
@@ -35,8 +34,7 @@ std::vector<Taps> bilinear_taps(int source, int target) {
     const double position = std::clamp((i + 0.5) * source / target - 0.5, 0.0, double(source - 1));
     const int first = std::min(int(position), std::max(source - 2, 0));
     const float second = float(position - first);
-    taps[size_t(i)] = {first,
-                       source > 1 ? std::vector<float>{1 - second, second} : std::vector<float>{1}};
+    taps[size_t(i)] = {first, source > 1 ? std::vector<float>{1 - second, second} : std::vector<float>{1}};
   }
   return taps;
 }
@@ -130,10 +128,8 @@ ImageF resize_area(const Image<uint8_t>& image, int width, int height) {
 
 ImageF resize_depth(const ImageF& depth, int width, int height, float jump) {
   require_size(depth, width, height);
-  if (depth.channels != 1)
-    throw Error({ErrorKind::kFailed, "a depth map has one channel", {}, "", ""});
-  const std::vector<Taps> columns = bilinear_taps(depth.width, width),
-                          rows = bilinear_taps(depth.height, height);
+  if (depth.channels != 1) throw Error({ErrorKind::kFailed, "a depth map has one channel", {}, "", ""});
+  const std::vector<Taps> columns = bilinear_taps(depth.width, width), rows = bilinear_taps(depth.height, height);
   ImageF out(width, height, 1);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -147,8 +143,7 @@ ImageF resize_depth(const ImageF& depth, int width, int height, float jump) {
           if (!(weight > 0) || !(value > 0) || !std::isfinite(value)) continue;
           // The nearest sample has the largest weight; of equally near ones the nearer surface
           // counts.
-          if (nearest < 0 || weight > weights[nearest] ||
-              (weight == weights[nearest] && value < values[nearest])) {
+          if (nearest < 0 || weight > weights[nearest] || (weight == weights[nearest] && value < values[nearest])) {
             nearest = count;
           }
           values[count] = value;

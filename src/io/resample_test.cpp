@@ -24,8 +24,7 @@ ImageF row(std::vector<float> values) {
 ImageF ramp(int width, int height) {
   ImageF image(width, height, 1);
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x)
-      image.at(x, y) = 2 * (x + 0.5f) / width + 3 * (y + 0.5f) / height;
+    for (int x = 0; x < width; ++x) image.at(x, y) = 2 * (x + 0.5f) / width + 3 * (y + 0.5f) / height;
   }
   return image;
 }
@@ -40,8 +39,7 @@ TEST(Resample, TheSameSizeIsTheSamePicture) {
 TEST(Resample, ALinearRampStaysInPlace) {
   for (const auto& [w, h] : {std::pair{20, 16}, {5, 4}, {13, 3}}) {
     const ImageF expected = ramp(w, h);
-    const ImageF bilinear = resize_bilinear(ramp(10, 8), w, h),
-                 area = resize_area(ramp(10, 8), w, h);
+    const ImageF bilinear = resize_bilinear(ramp(10, 8), w, h), area = resize_area(ramp(10, 8), w, h);
     for (int y = 1; y + 1 < h; ++y) {  // at the border bilinear sampling repeats the last pixel
       for (int x = 1; x + 1 < w; ++x) {
         EXPECT_NEAR(bilinear.at(x, y), expected.at(x, y), 1e-5);
@@ -56,20 +54,19 @@ TEST(Resample, BytesGiveWhatTheirFloatsGive) {
   for (size_t i = 0; i < bytes.data.size(); ++i) bytes.data[i] = uint8_t(i * 37);
   ImageF floats(13, 9, 3);
   for (size_t i = 0; i < bytes.data.size(); ++i) floats.data[i] = float(bytes.data[i]) / 255.0f;
-  for (const auto& [w, h] : {std::pair{5, 4}, {13, 9}, {20, 3}, {30, 25}}) EXPECT_EQ(resize_area(bytes, w, h).data, resize_area(floats, w, h).data);
+  for (const auto& [w, h] : {std::pair{5, 4}, {13, 9}, {20, 3}, {30, 25}})
+    EXPECT_EQ(resize_area(bytes, w, h).data, resize_area(floats, w, h).data);
 }
 
 TEST(Resample, AreaAveragesWhatEachPixelCovers) {
   EXPECT_THAT(resize_area(row({1, 3, 5, 9}), 2, 1).data, ElementsAre(2, 7));
   EXPECT_THAT(resize_area(row({1, 2, 4}), 2, 1).data,
               Pointwise(FloatNear(1e-6f), {(1 + 0.5f * 2) / 1.5f, (0.5f * 2 + 4) / 1.5f}));
-  EXPECT_THAT(resize_area(ramp(6, 1), 6, 4).data[6],
-              FloatNear(ramp(6, 1).data[0], 1e-6f));  // grows in y only
+  EXPECT_THAT(resize_area(ramp(6, 1), 6, 4).data[6], FloatNear(ramp(6, 1).data[0], 1e-6f));  // grows in y only
 }
 
 TEST(Resample, OnePixelBecomesAConstant) {
-  for (const float value : resize_bilinear(ImageF(1, 1, 1, 0.3f), 4, 3).data)
-    EXPECT_FLOAT_EQ(value, 0.3f);
+  for (const float value : resize_bilinear(ImageF(1, 1, 1, 0.3f), 4, 3).data) EXPECT_FLOAT_EQ(value, 0.3f);
 }
 
 TEST(Resample, ChannelsAreIndependent) {
@@ -79,8 +76,7 @@ TEST(Resample, ChannelsAreIndependent) {
 }
 
 TEST(ResizeDepth, InterpolatesOnASurface) {
-  EXPECT_THAT(resize_depth(row({2.00f, 2.04f}), 4, 1).data,
-              Pointwise(FloatNear(1e-6f), {2.00f, 2.01f, 2.03f, 2.04f}));
+  EXPECT_THAT(resize_depth(row({2.00f, 2.04f}), 4, 1).data, Pointwise(FloatNear(1e-6f), {2.00f, 2.01f, 2.03f, 2.04f}));
 }
 
 TEST(ResizeDepth, NeverMixesTwoSurfaces) {

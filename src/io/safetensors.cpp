@@ -31,10 +31,9 @@ struct DataType {
   std::string_view name;
   unsigned bytes;
 };
-constexpr DataType kDataTypes[] = {{"F64", 8},  {"I64", 8},     {"U64", 8},    {"F32", 4},
-                                   {"I32", 4},  {"U32", 4},     {"F16", 2},    {"BF16", 2},
-                                   {"I16", 2},  {"U16", 2},     {"I8", 1},     {"U8", 1},
-                                   {"BOOL", 1}, {"F8_E4M3", 1}, {"F8_E5M2", 1}};
+constexpr DataType kDataTypes[] = {{"F64", 8}, {"I64", 8}, {"U64", 8},  {"F32", 4},     {"I32", 4},
+                                   {"U32", 4}, {"F16", 2}, {"BF16", 2}, {"I16", 2},     {"U16", 2},
+                                   {"I8", 1},  {"U8", 1},  {"BOOL", 1}, {"F8_E4M3", 1}, {"F8_E5M2", 1}};
 
 /// 0 for an unknown type.
 unsigned item_bytes(std::string_view dtype) {
@@ -64,8 +63,7 @@ Json parse_header(std::string_view text, const std::filesystem::path& name) {
     Json header = Json::parse(text.begin(), text.end(), check);
     if (too_deep || !header.is_object())
       throw_bad_input(name, "header", "not a safetensors header", kDamagedFileRemedy);
-    if (!repeated.empty())
-      throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kDamagedFileRemedy);
+    if (!repeated.empty()) throw_bad_input(name, repeated.substr(0, 200), "the name occurs twice", kDamagedFileRemedy);
     return header;
   } catch (const Json::exception&) {
     throw_bad_input(name, "header", "not valid JSON", kDamagedFileRemedy);
@@ -77,16 +75,13 @@ struct Placement {
   std::string name;
 };
 
-Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorPlace& tensor,
-                       uint64_t data_bytes, const std::filesystem::path& name) {
+Placement parse_tensor(const std::string& tensor_name, const Json& entry, TensorPlace& tensor, uint64_t data_bytes,
+                       const std::filesystem::path& name) {
   const std::string field = tensor_name.substr(0, 200);
-  const auto fail = [&](const std::string& message) {
-    throw_bad_input(name, field, message, kDamagedFileRemedy);
-  };
+  const auto fail = [&](const std::string& message) { throw_bad_input(name, field, message, kDamagedFileRemedy); };
   const auto list_of = [&](const char* key) -> const Json& {
     const auto found = entry.find(key);
-    if (found == entry.end() || !found->is_array())
-      fail(std::string(key) + " is missing or not a list");
+    if (found == entry.end() || !found->is_array()) fail(std::string(key) + " is missing or not a list");
     for (const Json& value : *found) {
       if (!value.is_number_unsigned() || value.get<uint64_t>() > uint64_t(INT64_MAX)) {
         fail(std::string(key) + " holds what is no size");
@@ -106,15 +101,13 @@ Placement parse_tensor(const std::string& tensor_name, const Json& entry, Tensor
   Placement place{offsets[0].get<uint64_t>(), offsets[1].get<uint64_t>(), tensor_name};
   if (place.begin > place.end || place.end > data_bytes) fail("data_offsets reach beyond the file");
   if (element_count(tensor.shape, bytes, name, field) * bytes != place.end - place.begin) {
-    fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype +
-         " does not fill data_offsets");
+    fail("the shape " + shape_text(tensor.shape) + " of " + tensor.dtype + " does not fill data_offsets");
   }
   return place;
 }
 
 /// The tensors must fill the data one after the other, in some order.
-void require_no_holes(std::vector<Placement> places, uint64_t data_bytes,
-                      const std::filesystem::path& name) {
+void require_no_holes(std::vector<Placement> places, uint64_t data_bytes, const std::filesystem::path& name) {
   std::sort(places.begin(), places.end(), [](const Placement& a, const Placement& b) {
     return a.begin != b.begin ? a.begin < b.begin : a.end < b.end;
   });
@@ -122,22 +115,20 @@ void require_no_holes(std::vector<Placement> places, uint64_t data_bytes,
   for (const Placement& place : places) {
     if (place.begin != position) {
       throw_bad_input(name, place.name.substr(0, 200),
-                      place.begin < position ? "its data overlap another tensor's"
-                                             : "there is a hole before its data",
+                      place.begin < position ? "its data overlap another tensor's" : "there is a hole before its data",
                       kDamagedFileRemedy);
     }
     position = place.end;
   }
   if (position != data_bytes) {
-    throw_bad_input(name, "data",
-                    std::to_string(data_bytes - position) + " bytes belong to no tensor", kDamagedFileRemedy);
+    throw_bad_input(name, "data", std::to_string(data_bytes - position) + " bytes belong to no tensor",
+                    kDamagedFileRemedy);
   }
 }
 
 template <class T>
 void convert_numbers(const char* bytes, size_t count, float* out) {
-  for (size_t i = 0; i < count; ++i)
-    out[i] = static_cast<float>(load_number<T>(bytes + i * sizeof(T), false));
+  for (size_t i = 0; i < count; ++i) out[i] = static_cast<float>(load_number<T>(bytes + i * sizeof(T), false));
 }
 
 template <float (*kConvert)(uint16_t)>
@@ -148,8 +139,7 @@ void convert_halves(const char* bytes, size_t count, float* out) {
 using ConvertToFloats = void (*)(const char* bytes, size_t count, float* out);
 
 /// Error{kBadInput} for types without a conversion.
-ConvertToFloats converter_of(const std::string& dtype, const std::filesystem::path& name,
-                             const std::string& tensor) {
+ConvertToFloats converter_of(const std::string& dtype, const std::filesystem::path& name, const std::string& tensor) {
   if (dtype == "F32") return convert_numbers<float>;
   if (dtype == "F16") return convert_halves<half_to_float>;
   if (dtype == "BF16") return convert_halves<bfloat16_to_float>;
@@ -166,8 +156,7 @@ ConvertToFloats converter_of(const std::string& dtype, const std::filesystem::pa
 }
 
 /// Offsets in the result count from the start of the data.
-TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes,
-                                const std::filesystem::path& name) {
+TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes, const std::filesystem::path& name) {
   const Json header = parse_header(text, name);
   TensorDirectory directory;
   std::vector<Placement> places;
@@ -191,8 +180,7 @@ TensorDirectory parse_directory(std::string_view text, uint64_t data_bytes,
 }
 
 uint64_t checked_header_bytes(uint64_t header_bytes, const std::filesystem::path& name) {
-  if (header_bytes > kMaxHeaderBytes)
-    throw_bad_input(name, "header length", "more than 100 MB", kDamagedFileRemedy);
+  if (header_bytes > kMaxHeaderBytes) throw_bad_input(name, "header length", "more than 100 MB", kDamagedFileRemedy);
   return header_bytes;
 }
 
@@ -203,8 +191,7 @@ unsigned safetensors_item_bytes(const std::string& dtype) { return item_bytes(dt
 TensorDirectory read_safetensors_directory(const ByteSource& source) {
   constexpr uint64_t kLengthBytes = 8;
   const std::string length = source.read(0, kLengthBytes);
-  const uint64_t header_bytes =
-      checked_header_bytes(load_number<uint64_t>(length.data(), false), source.name());
+  const uint64_t header_bytes = checked_header_bytes(load_number<uint64_t>(length.data(), false), source.name());
   const std::string header = source.read(kLengthBytes, header_bytes);
   const uint64_t data_offset = kLengthBytes + header_bytes;
   TensorDirectory directory = parse_directory(header, source.size() - data_offset, source.name());
@@ -212,12 +199,10 @@ TensorDirectory read_safetensors_directory(const ByteSource& source) {
   return directory;
 }
 
-TensorFile decode_safetensors(const std::string& bytes,
-                              const std::filesystem::path& name_for_errors) {
+TensorFile decode_safetensors(const std::string& bytes, const std::filesystem::path& name_for_errors) {
   const std::filesystem::path& name = name_for_errors;
   ByteReader reader(bytes, name);
-  const uint64_t header_bytes =
-      checked_header_bytes(reader.little<uint64_t>("header length"), name);
+  const uint64_t header_bytes = checked_header_bytes(reader.little<uint64_t>("header length"), name);
   const std::string_view header = reader.take(header_bytes, "header");
   const std::string_view data = reader.take(reader.remaining(), "data");
   const TensorDirectory directory = parse_directory(header, data.size(), name);
@@ -251,10 +236,9 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
   std::vector<const std::pair<const std::string, TensorBytes>*> order;
   for (const auto& tensor : file.tensors) {
     const unsigned bytes = item_bytes(tensor.second.dtype);
-    if (bytes == 0 || element_count(tensor.second.shape, bytes, path, tensor.first) * bytes !=
-                          tensor.second.bytes.size()) {
-      throw Error(
-          {ErrorKind::kFailed, "the bytes do not fit dtype and shape", path, tensor.first, ""});
+    if (bytes == 0 ||
+        element_count(tensor.second.shape, bytes, path, tensor.first) * bytes != tensor.second.bytes.size()) {
+      throw Error({ErrorKind::kFailed, "the bytes do not fit dtype and shape", path, tensor.first, ""});
     }
     order.push_back(&tensor);
   }
@@ -267,9 +251,8 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
   uint64_t offset = 0;
   for (const auto* tensor : order) {
     const uint64_t end = offset + tensor->second.bytes.size();
-    header[tensor->first] = {{"dtype", tensor->second.dtype},
-                             {"shape", tensor->second.shape},
-                             {"data_offsets", {offset, end}}};
+    header[tensor->first] = {
+        {"dtype", tensor->second.dtype}, {"shape", tensor->second.shape}, {"data_offsets", {offset, end}}};
     offset = end;
   }
   std::string text;
@@ -286,8 +269,7 @@ void write_safetensors(const std::filesystem::path& path, const TensorFile& file
   AtomicFile out(path);
   out.write(length);
   out.write(text);
-  for (const auto* tensor : order)
-    out.write(tensor->second.bytes.data(), tensor->second.bytes.size());
+  for (const auto* tensor : order) out.write(tensor->second.bytes.data(), tensor->second.bytes.size());
   out.commit();
 }
 
@@ -295,8 +277,7 @@ TensorBytes tensor_of(const std::vector<float>& values, std::vector<int64_t> sha
   if (shape.empty()) shape = {static_cast<int64_t>(values.size())};
   if (element_count(shape, sizeof(float), {}, "shape") != values.size()) {
     throw Error({ErrorKind::kFailed,
-                 "the shape " + shape_text(shape) + " does not have " +
-                     std::to_string(values.size()) + " elements",
+                 "the shape " + shape_text(shape) + " does not have " + std::to_string(values.size()) + " elements",
                  {},
                  "shape",
                  ""});
@@ -320,8 +301,7 @@ std::vector<float> floats_of(const TensorBytes& tensor, const std::string& name_
   return values;
 }
 
-std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place,
-                               const std::string& name_for_errors) {
+std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place, const std::string& name_for_errors) {
   const ConvertToFloats convert = converter_of(place.dtype, source.name(), name_for_errors);
   const size_t bytes = item_bytes(place.dtype);
   std::vector<float> values(place.bytes / bytes);

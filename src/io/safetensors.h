@@ -10,7 +10,7 @@
 namespace aligngs {
 
 struct TensorBytes {
-  std::string dtype;           ///< "F32", "F16", "U8", "U64", "I64", ...
+  std::string dtype;  ///< "F32", "F16", "U8", "U64", "I64", ...
   std::vector<int64_t> shape;
   std::vector<uint8_t> bytes;  ///< little-endian, C order
 };
@@ -39,8 +39,7 @@ class ByteSource;
 TensorDirectory read_safetensors_directory(const ByteSource& source);
 /// One tensor of the directory, converted to float piece by piece: no copy of its bytes is made.
 /// Error{kBadInput} for types that are no numbers.
-std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place,
-                               const std::string& name_for_errors);
+std::vector<float> read_floats(const ByteSource& source, const TensorPlace& place, const std::string& name_for_errors);
 
 /// One tensor of the directory as stored in the file.
 TensorBytes read_tensor(const ByteSource& source, const TensorPlace& place);

@@ -11,9 +11,8 @@
 
 namespace aligngs {
 
-SafetensorsStream::SafetensorsStream(const std::filesystem::path& path,
-                                     const std::vector<Entry>& entries, const std::string& dtype,
-                                     const std::map<std::string, std::string>& metadata)
+SafetensorsStream::SafetensorsStream(const std::filesystem::path& path, const std::vector<Entry>& entries,
+                                     const std::string& dtype, const std::map<std::string, std::string>& metadata)
     : out_(path), path_(path), half_(dtype == "F16") {
   if (!half_ && dtype != "F32")
     throw Error({ErrorKind::kFailed, "cannot write tensors of type " + dtype, path, "dtype", ""});
@@ -24,8 +23,7 @@ SafetensorsStream::SafetensorsStream(const std::filesystem::path& path,
   for (const Entry& entry : entries) {
     const uint64_t count = element_count(entry.shape, bytes, path, entry.name);
     const uint64_t end = offset + count * bytes;
-    header[entry.name] = {
-        {"dtype", dtype}, {"shape", entry.shape}, {"data_offsets", {offset, end}}};
+    header[entry.name] = {{"dtype", dtype}, {"shape", entry.shape}, {"data_offsets", {offset, end}}};
     offset = end;
     missing_ += count;
   }
@@ -39,8 +37,7 @@ SafetensorsStream::SafetensorsStream(const std::filesystem::path& path,
 }
 
 void SafetensorsStream::append(const float* values, uint64_t count) {
-  if (count > missing_)
-    throw Error({ErrorKind::kFailed, "more values than the header announces", path_, "", ""});
+  if (count > missing_) throw Error({ErrorKind::kFailed, "more values than the header announces", path_, "", ""});
   missing_ -= count;
   constexpr uint64_t kChunk = uint64_t(1) << 16;  // values converted at a time
   std::string bytes;
@@ -59,8 +56,7 @@ void SafetensorsStream::append(const float* values, uint64_t count) {
 
 void SafetensorsStream::commit() {
   if (missing_ > 0) {
-    throw Error(
-        {ErrorKind::kFailed, std::to_string(missing_) + " values are missing", path_, "", ""});
+    throw Error({ErrorKind::kFailed, std::to_string(missing_) + " values are missing", path_, "", ""});
   }
   out_.commit();
 }

@@ -19,8 +19,7 @@ class SafetensorsStream {
   };
 
   /// Writes the header: all tensors are of one type ("F32" or "F16"), in the given order.
-  SafetensorsStream(const std::filesystem::path& path, const std::vector<Entry>& entries,
-                    const std::string& dtype,
+  SafetensorsStream(const std::filesystem::path& path, const std::vector<Entry>& entries, const std::string& dtype,
                     const std::map<std::string, std::string>& metadata = {});
 
   /// The next values, continuing where the last call ended, across tensors; converted to the type.

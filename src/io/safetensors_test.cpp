@@ -99,14 +99,11 @@ TEST(Safetensors, RefusesBadHeaders) {
   expect_bad(file_of("{}", "x"), "belong to no tensor");
   expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[1]}})", "1234"), "dtype, shape");
   expect_bad(file_of(R"({"a":{"dtype":"F99","shape":[1],"data_offsets":[0,4]}})", "1234"), "F99");
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234"),
-             "no size");
-  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[1.0],"data_offsets":[0,4]}})", "1234"),
-             "no size");
+  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[-1],"data_offsets":[0,4]}})", "1234"), "no size");
+  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[1.0],"data_offsets":[0,4]}})", "1234"), "no size");
   expect_bad(file_of(R"({"__metadata__":{"x":1}})", ""), "not a string");
   expect_bad(file_of(R"({"a":[[[[[[[[]]]]]]]]})", ""), "header");
-  expect_bad(file_of(R"({"a":{"dtype":"U8","shape":[1],"data_offsets":[0,1]},"a":{}})", "1"),
-             "twice");
+  expect_bad(file_of(R"({"a":{"dtype":"U8","shape":[1],"data_offsets":[0,1]},"a":{}})", "1"), "twice");
 }
 
 TEST(Safetensors, RefusesOffsetsThatDoNotTile) {
@@ -124,9 +121,7 @@ TEST(Safetensors, RefusesOffsetsThatDoNotTile) {
 }
 
 TEST(Safetensors, RefusesHugeShapes) {
-  expect_bad(
-      file_of(R"({"a":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})", ""),
-      "too large");
+  expect_bad(file_of(R"({"a":{"dtype":"F32","shape":[4611686018427387904,4],"data_offsets":[0,0]}})", ""), "too large");
   std::string bytes;
   append_little(bytes, uint64_t(1) << 62);
   expect_bad(bytes, "100 MB");
@@ -153,8 +148,7 @@ TEST(Safetensors, ReadsAndRefusesTheSharedFiles) {
     EXPECT_EQ(floats_of(mixed.tensors.at(name), name), floats_of(tensor, name)) << name;
   }
   for (const char* name : {"header", "offset", "overflow", "shape"}) {
-    EXPECT_THROW(read_safetensors(shared / (std::string("reject_") + name + ".safetensors")), Error)
-        << name;
+    EXPECT_THROW(read_safetensors(shared / (std::string("reject_") + name + ".safetensors")), Error) << name;
   }
 }
 

@@ -13,7 +13,10 @@ uint32_t next_character(std::string_view text, size_t& at) {
   const auto byte = [&](size_t i) { return static_cast<uint8_t>(text[i]); };
   const uint8_t first = byte(at++);
   if (first < 0x80) return first;
-  const int more = first >= 0xc2 && first <= 0xdf ? 1 : (first & 0xf0) == 0xe0 ? 2 : first >= 0xf0 && first <= 0xf4 ? 3 : 0;
+  const int more = first >= 0xc2 && first <= 0xdf   ? 1
+                   : (first & 0xf0) == 0xe0         ? 2
+                   : first >= 0xf0 && first <= 0xf4 ? 3
+                                                    : 0;
   if (more == 0 || at + more > text.size()) return kBad;
   uint32_t code = first & (0x3f >> more);
   for (int i = 0; i < more; ++i) {

@@ -6,18 +6,31 @@ namespace aligngs {
 namespace {
 
 TEST(TextEncoding, TellsUtf8FromLatin1) {
-  EXPECT_TRUE(is_utf8("K\xc3\xbc" "che_1.jpg"));
+  EXPECT_TRUE(
+      is_utf8("K\xc3\xbc"
+              "che_1.jpg"));
   EXPECT_TRUE(is_utf8("\xe2\x82\xac \xf0\x9f\x98\x80"));
-  EXPECT_FALSE(is_utf8("K\xfc" "che_1.jpg"));
-  EXPECT_FALSE(is_utf8("\xc0\xaf"));          // overlong
-  EXPECT_FALSE(is_utf8("\xed\xa0\x80"));      // half of a surrogate pair
-  EXPECT_FALSE(is_utf8("\xe2\x82"));          // cut
+  EXPECT_FALSE(
+      is_utf8("K\xfc"
+              "che_1.jpg"));
+  EXPECT_FALSE(is_utf8("\xc0\xaf"));      // overlong
+  EXPECT_FALSE(is_utf8("\xed\xa0\x80"));  // half of a surrogate pair
+  EXPECT_FALSE(is_utf8("\xe2\x82"));      // cut
 }
 
 TEST(TextEncoding, LatinOneGoesThereAndBack) {
-  EXPECT_EQ(as_utf8("K\xfc" "che"), "K\xc3\xbc" "che");
-  EXPECT_EQ(as_utf8("K\xc3\xbc" "che"), "K\xc3\xbc" "che");
-  EXPECT_EQ(latin1_of_utf8("K\xc3\xbc" "che"), "K\xfc" "che");
+  EXPECT_EQ(as_utf8("K\xfc"
+                    "che"),
+            "K\xc3\xbc"
+            "che");
+  EXPECT_EQ(as_utf8("K\xc3\xbc"
+                    "che"),
+            "K\xc3\xbc"
+            "che");
+  EXPECT_EQ(latin1_of_utf8("K\xc3\xbc"
+                           "che"),
+            "K\xfc"
+            "che");
   EXPECT_EQ(latin1_of_utf8("\xe2\x82\xac"), "");  // the euro sign has no place there
 }
 

@@ -16,9 +16,7 @@ inline std::string_view take_line(std::string_view& rest) {
   return line;
 }
 
-inline bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
-}
+inline bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
 /// Takes the next word off `rest`, skipping white space (line ends too) before it; empty at the
 /// end.

@@ -16,9 +16,7 @@ namespace {
 constexpr uint64_t kMaxFileBytes = uint64_t(16) << 20;  // settings of 16 MiB are no settings
 const char* const kTomlRemedy = "correct the file; config.toml of any run shows the form";
 
-std::string line_field(const toml::source_region& source) {
-  return "line " + std::to_string(source.begin.line);
-}
+std::string line_field(const toml::source_region& source) { return "line " + std::to_string(source.begin.line); }
 
 class Flattener {
  public:
@@ -30,8 +28,7 @@ class Flattener {
   }
 
  private:
-  [[noreturn]] void fail(const toml::node& node, const std::string& key,
-                         const std::string& message) const {
+  [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& message) const {
     throw_bad_input(name_, line_field(node.source()) + ", " + key, message, kTomlRemedy);
   }
 
@@ -39,13 +36,11 @@ class Flattener {
                  const std::string& prefix) {  // depth is bounded by the TOML parser
     for (const auto& [toml_key, node] : table) {
       const std::string key(toml_key.str());
-      if (key.empty() || key.find('.') != std::string::npos)
-        fail(node, prefix + key, "a key is empty or has a dot");
+      if (key.empty() || key.find('.') != std::string::npos) fail(node, prefix + key, "a key is empty or has a dot");
       if (const toml::table* inner = node.as_table()) {
         add_table(*inner, prefix + key + ".");
       } else {
-        out_[prefix + key] = {value_of(node, prefix + key),
-                              static_cast<int>(node.source().begin.line)};
+        out_[prefix + key] = {value_of(node, prefix + key), static_cast<int>(node.source().begin.line)};
       }
     }
   }
@@ -73,8 +68,7 @@ class Flattener {
         fail(item, key, "a list holds numbers or strings");
       }
     }
-    if (!numbers.empty() && !strings.empty())
-      fail(array, key, "a list holds either numbers or strings");
+    if (!numbers.empty() && !strings.empty()) fail(array, key, "a list holds either numbers or strings");
     if (!strings.empty()) return strings;
     return numbers;
   }
@@ -148,19 +142,15 @@ TomlTable parse_toml(std::string_view text, const std::filesystem::path& name_fo
   try {
     table = toml::parse(text, name_for_errors.string());
   } catch (const toml::parse_error& error) {
-    throw_bad_input(name_for_errors, line_field(error.source()), std::string(error.description()),
-                    kTomlRemedy);
+    throw_bad_input(name_for_errors, line_field(error.source()), std::string(error.description()), kTomlRemedy);
   }
   return Flattener(name_for_errors).flatten(table);
 }
 
-TomlTable read_toml(const std::filesystem::path& path) {
-  return parse_toml(read_file(path, kMaxFileBytes), path);
-}
+TomlTable read_toml(const std::filesystem::path& path) { return parse_toml(read_file(path, kMaxFileBytes), path); }
 
 TomlValue parse_toml_value(std::string_view text, const std::string& field_for_errors) {
-  if (text.find('\n') != std::string_view::npos)
-    throw_bad_input({}, field_for_errors, "a value of several lines");
+  if (text.find('\n') != std::string_view::npos) throw_bad_input({}, field_for_errors, "a value of several lines");
   try {
     return parse_toml("value = " + std::string(text), "").at("value").value;
   } catch (const Error& error) {
@@ -193,8 +183,8 @@ void write_toml(const std::filesystem::path& path, const std::map<std::string, T
          // on resuming
     parse_toml(text, path);
   } catch (const Error& error) {
-    throw Error({ErrorKind::kFailed, "cannot be written as TOML: " + error.details().message, path,
-                 error.details().field, ""});
+    throw Error(
+        {ErrorKind::kFailed, "cannot be written as TOML: " + error.details().message, path, error.details().field, ""});
   }
   write_file_atomically(path, text);
 }

@@ -12,8 +12,7 @@
 namespace aligngs {
 
 /// An array of integers is read as doubles; an empty array as an empty list of doubles.
-using TomlValue =
-    std::variant<bool, int64_t, double, std::string, std::vector<double>, std::vector<std::string>>;
+using TomlValue = std::variant<bool, int64_t, double, std::string, std::vector<double>, std::vector<std::string>>;
 
 struct TomlEntry {
   TomlValue value;
@@ -32,7 +31,6 @@ TomlValue parse_toml_value(std::string_view text, const std::string& field_for_e
 /// Keys sorted, grouped in [tables]; doubles are written with as many digits as they need to come
 /// back exactly.
 std::string format_toml(const std::map<std::string, TomlValue>& values);
-void write_toml(const std::filesystem::path& path,
-                const std::map<std::string, TomlValue>& values);  ///< atomic
+void write_toml(const std::filesystem::path& path, const std::map<std::string, TomlValue>& values);  ///< atomic
 
 }  // namespace aligngs

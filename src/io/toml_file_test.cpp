@@ -66,17 +66,14 @@ TEST(Toml, RoundTripsEveryKindOfValue) {
 
 TEST(Toml, DoublesComeBackExactly) {
   Random random(1);
-  std::map<std::string, TomlValue> values = {{"third", 1.0 / 3}, {"zero", -0.0},
-                                             {"one", 1.0},       {"large", 1e22},
-                                             {"least", 5e-324},  {"step", 1.6e-4}};
+  std::map<std::string, TomlValue> values = {{"third", 1.0 / 3}, {"zero", -0.0},    {"one", 1.0},
+                                             {"large", 1e22},    {"least", 5e-324}, {"step", 1.6e-4}};
   for (int i = 0; i < 200; ++i) {
-    values["random" + std::to_string(i)] =
-        random.normal() * std::pow(10.0, random.uniform(-30, 30));
+    values["random" + std::to_string(i)] = random.normal() * std::pow(10.0, random.uniform(-30, 30));
   }
   const TomlTable back = parse_toml(format_toml(values), "");
   for (const auto& [key, value] : values) EXPECT_EQ(back.at(key).value, value) << key;
-  EXPECT_TRUE(std::isnan(
-      std::get<double>(parse_toml(format_toml({{"x", double(NAN)}}), "").at("x").value)));
+  EXPECT_TRUE(std::isnan(std::get<double>(parse_toml(format_toml({{"x", double(NAN)}}), "").at("x").value)));
 }
 
 TEST(Toml, TopLevelKeysStandBeforeTheTables) {

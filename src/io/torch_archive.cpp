@@ -25,8 +25,7 @@ TorchView only_tensor(const TorchContainer& file) {
     }
   }
   if (tensors.size() != 1) {
-    throw_bad_input(file.name(), "",
-                    "it holds " + std::to_string(tensors.size()) + " tensors, one is needed",
+    throw_bad_input(file.name(), "", "it holds " + std::to_string(tensors.size()) + " tensors, one is needed",
                     "save one tensor with torch.save(tensor.detach().cpu(), path)");
   }
   return torch_view(*tensors[0], file.name());
@@ -44,14 +43,12 @@ ArrayHeader read_torch_tensor_header(const std::filesystem::path& path) {
   return {view.shape, view.storage.type->dtype};
 }
 
-FloatArray decode_torch_tensor(const std::string& bytes,
-                               const std::filesystem::path& name_for_errors) {
+FloatArray decode_torch_tensor(const std::string& bytes, const std::filesystem::path& name_for_errors) {
   const TorchContainer file(memory_source(bytes, name_for_errors));
   return file.read(only_tensor(file));
 }
 
-void write_torch_tensor(const std::filesystem::path& path, const std::vector<int64_t>& shape,
-                        const float* data) {
+void write_torch_tensor(const std::filesystem::path& path, const std::vector<int64_t>& shape, const float* data) {
   const uint64_t count = element_count(shape, sizeof(float), path, "shape");
   std::string pickle;
   const auto text = [&](std::string_view s) {
@@ -73,8 +70,7 @@ void write_torch_tensor(const std::filesystem::path& path, const std::vector<int
   pickle += "tQ";
   integer(0);
   std::vector<int64_t> strides(shape.size(), 1);
-  for (size_t i = shape.size(); i-- > 1;)
-    strides[i - 1] = strides[i] * std::max<int64_t>(shape[i], 1);
+  for (size_t i = shape.size(); i-- > 1;) strides[i - 1] = strides[i] * std::max<int64_t>(shape[i], 1);
   for (const std::vector<int64_t>* tuple : {&shape, &std::as_const(strides)}) {
     pickle += '(';
     for (const int64_t value : *tuple) integer(value);

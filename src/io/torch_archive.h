@@ -10,11 +10,9 @@ namespace aligngs {
 /// naming what was met.
 FloatArray read_torch_tensor(const std::filesystem::path& path);
 ArrayHeader read_torch_tensor_header(const std::filesystem::path& path);
-FloatArray decode_torch_tensor(const std::string& bytes,
-                               const std::filesystem::path& name_for_errors);
+FloatArray decode_torch_tensor(const std::string& bytes, const std::filesystem::path& name_for_errors);
 
 /// Writes a float32 tensor as torch.save would (stored zip); for tests and interchange.
-void write_torch_tensor(const std::filesystem::path& path, const std::vector<int64_t>& shape,
-                        const float* data);
+void write_torch_tensor(const std::filesystem::path& path, const std::vector<int64_t>& shape, const float* data);
 
 }  // namespace aligngs

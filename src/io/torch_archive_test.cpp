@@ -43,9 +43,8 @@ struct TensorPickle {
   std::vector<int32_t> size = {2, 3}, stride = {3, 1};
 
   std::string str() const {
-    return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\n" + storage + "\n" +
-           text("0") + text("cuda:0") + integer(storage_elements) + "tQ" + integer(offset) +
-           tuple(size) + tuple(stride) +
+    return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\n" + storage + "\n" + text("0") +
+           text("cuda:0") + integer(storage_elements) + "tQ" + integer(offset) + tuple(size) + tuple(stride) +
            "\x89"
            "ccollections\nOrderedDict\n)RtR";
   }
@@ -64,8 +63,7 @@ std::string storage_of(const std::vector<T>& values, bool big_endian = false) {
 const std::string kSix = storage_of<float>({1, 2, 3, 4, 5, 6});
 
 std::string archive(const std::string& pickle, const std::string& storage) {
-  return make_stored_zip(
-      {{"t/data.pkl", "\x80\x02" + pickle + "."}, {"t/data/0", storage}, {"t/version", "3\n"}});
+  return make_stored_zip({{"t/data.pkl", "\x80\x02" + pickle + "."}, {"t/data/0", storage}, {"t/version", "3\n"}});
 }
 
 void expect_bad(const std::string& bytes, const std::string& message) {
@@ -106,21 +104,17 @@ TEST(TorchArchive, ReadsEveryStorageType) {
 }
 
 TEST(TorchArchive, ReadsStridedViews) {
-  const auto read = [](TensorPickle pickle) {
-    return decode_torch_tensor(archive(pickle.str(), kSix), "").data;
-  };
-  EXPECT_THAT(read({"FloatStorage", 6, 0, {3, 2}, {1, 3}}),
-              ElementsAre(1, 4, 2, 5, 3, 6));                                          // transposed
-  EXPECT_THAT(read({"FloatStorage", 6, 1, {2, 2}, {3, 1}}), ElementsAre(2, 3, 5, 6));  // a slice
-  EXPECT_THAT(read({"FloatStorage", 6, 2, {2, 2}, {0, 1}}), ElementsAre(3, 4, 3, 4));  // expanded
-  EXPECT_THAT(read({"FloatStorage", 6, 5, {}, {}}), ElementsAre(6));                   // a scalar
-  EXPECT_THAT(read({"FloatStorage", 6, 0, {0, 3}, {3, 1}}), ElementsAre());            // empty
+  const auto read = [](TensorPickle pickle) { return decode_torch_tensor(archive(pickle.str(), kSix), "").data; };
+  EXPECT_THAT(read({"FloatStorage", 6, 0, {3, 2}, {1, 3}}), ElementsAre(1, 4, 2, 5, 3, 6));  // transposed
+  EXPECT_THAT(read({"FloatStorage", 6, 1, {2, 2}, {3, 1}}), ElementsAre(2, 3, 5, 6));        // a slice
+  EXPECT_THAT(read({"FloatStorage", 6, 2, {2, 2}, {0, 1}}), ElementsAre(3, 4, 3, 4));        // expanded
+  EXPECT_THAT(read({"FloatStorage", 6, 5, {}, {}}), ElementsAre(6));                         // a scalar
+  EXPECT_THAT(read({"FloatStorage", 6, 0, {0, 3}, {3, 1}}), ElementsAre());                  // empty
 }
 
 TEST(TorchArchive, FindsTheOneTensorOfADictOrList) {
   const std::string tensor = TensorPickle().str();
-  const std::string dict =
-      "}" + text("note") + text("logits of a view") + "s" + text("logits") + tensor + "s";
+  const std::string dict = "}" + text("note") + text("logits of a view") + "s" + text("logits") + tensor + "s";
   EXPECT_EQ(decode_torch_tensor(archive(dict, kSix), "").data.size(), 6u);
   EXPECT_EQ(decode_torch_tensor(archive("]" + tensor + "a", kSix), "").data.size(), 6u);
   expect_bad(archive("]" + tensor + "a" + tensor + "a", kSix), "2 tensors");
@@ -136,43 +130,32 @@ TEST(TorchArchive, ReadsAParameter) {
 }
 
 TEST(TorchArchive, HonoursTheByteOrderRecord) {
-  const std::string bytes =
-      make_stored_zip({{"t/data.pkl", "\x80\x02" + TensorPickle().str() + "."},
-                       {"t/byteorder", "big"},
-                       {"t/data/0", storage_of<float>({1, 2, 3, 4, 5, 6}, true)}});
+  const std::string bytes = make_stored_zip({{"t/data.pkl", "\x80\x02" + TensorPickle().str() + "."},
+                                             {"t/byteorder", "big"},
+                                             {"t/data/0", storage_of<float>({1, 2, 3, 4, 5, 6}, true)}});
   EXPECT_THAT(decode_torch_tensor(bytes, "").data, ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
 TEST(TorchArchive, RefusesViewsBeyondTheStorage) {
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 1, {2, 3}, {3, 1}}.str(), kSix),
-             "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {4, 1}}.str(), kSix),
-             "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 6, {1}, {1}}.str(), kSix),
-             "beyond the storage");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {-3, 1}}.str(), kSix),
-             "whole number");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 1, {2, 3}, {3, 1}}.str(), kSix), "beyond the storage");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {4, 1}}.str(), kSix), "beyond the storage");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 6, {1}, {1}}.str(), kSix), "beyond the storage");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {-3, 1}}.str(), kSix), "whole number");
   expect_bad(archive(TensorPickle{"FloatStorage", 6, -1, {1}, {1}}.str(), kSix), "whole number");
   expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {-2}, {1}}.str(), kSix), "whole number");
-  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {1}}.str(), kSix),
-             "different lengths");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {2, 3}, {1}}.str(), kSix), "different lengths");
 }
 
 TEST(TorchArchive, RefusesHugeViewsOfSmallStorages) {
   constexpr int32_t kLarge = 2'000'000'000;
   expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {kLarge}, {0}}.str(), kSix), "repeats");
-  expect_bad(
-      archive(TensorPickle{"FloatStorage", 6, 0, {kLarge, kLarge, kLarge}, {0, 0, 0}}.str(), kSix),
-      "too large");
+  expect_bad(archive(TensorPickle{"FloatStorage", 6, 0, {kLarge, kLarge, kLarge}, {0, 0, 0}}.str(), kSix), "too large");
 }
 
 TEST(TorchArchive, RefusesStoragesOfTheWrongSizeOrType) {
-  expect_bad(archive(TensorPickle{"FloatStorage", 7, 0, {2, 3}, {3, 1}}.str(), kSix),
-             "28 are needed");
-  expect_bad(archive(TensorPickle{"DoubleStorage", 6, 0, {2, 3}, {3, 1}}.str(), kSix),
-             "48 are needed");
-  expect_bad(archive(TensorPickle{"QInt8Storage", 6, 0, {2, 3}, {3, 1}}.str(), kSix),
-             "torch.QInt8Storage");
+  expect_bad(archive(TensorPickle{"FloatStorage", 7, 0, {2, 3}, {3, 1}}.str(), kSix), "28 are needed");
+  expect_bad(archive(TensorPickle{"DoubleStorage", 6, 0, {2, 3}, {3, 1}}.str(), kSix), "48 are needed");
+  expect_bad(archive(TensorPickle{"QInt8Storage", 6, 0, {2, 3}, {3, 1}}.str(), kSix), "torch.QInt8Storage");
   expect_bad(make_stored_zip({{"t/data.pkl", "\x80\x02" + TensorPickle().str() + "."}}), "missing");
 }
 

@@ -35,8 +35,7 @@ void TorchContainer::open_zip(std::unique_ptr<ByteSource> source) {
   for (const ZipEntry& entry : zip_->entries()) {
     constexpr std::string_view kPickle = "/data.pkl";
     const std::string_view entry_name = entry.name;
-    if (entry_name.size() > kPickle.size() &&
-        entry_name.substr(entry_name.size() - kPickle.size()) == kPickle &&
+    if (entry_name.size() > kPickle.size() && entry_name.substr(entry_name.size() - kPickle.size()) == kPickle &&
         entry_name.find('/') == entry_name.size() - kPickle.size()) {
       prefix_ = entry_name.substr(0, entry_name.size() - kPickle.size() + 1);
       pickle_.emplace(zip_->read(entry, kMaxPickleBytes), torch_globals(), name_);
@@ -86,8 +85,7 @@ void TorchContainer::open_legacy(std::unique_ptr<ByteSource> source) {
   for (const PickleValue* key : keys.root().items) {
     const auto known = element_bytes.find(key->text);
     if (!key->is(PickleKind::kString) || known == element_bytes.end())
-      throw_bad_input(name_, "storage " + key->text.substr(0, 100), "nothing refers to it",
-                      kDamagedFileRemedy);
+      throw_bad_input(name_, "storage " + key->text.substr(0, 100), "nothing refers to it", kDamagedFileRemedy);
     constexpr uint64_t kCountBytes = 8;
     const std::string text = source_->read(offset, kCountBytes);
     const uint64_t count = load_number<uint64_t>(text.data(), big_endian_);
@@ -106,10 +104,8 @@ std::string TorchContainer::storage_bytes(const TorchStorage& storage) const {
   const uint64_t needed = storage.elements * storage.type->bytes;
   const auto require_size = [&](uint64_t size) {
     if (size != needed) {
-      throw_bad_input(
-          name_, field,
-          "has " + std::to_string(size) + " bytes, " + std::to_string(needed) + " are needed",
-          kDamagedFileRemedy);
+      throw_bad_input(name_, field, "has " + std::to_string(size) + " bytes, " + std::to_string(needed) + " are needed",
+                      kDamagedFileRemedy);
     }
   };
   if (source_) {

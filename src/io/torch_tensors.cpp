@@ -21,13 +21,11 @@ const char* const kParameter = "torch._utils _rebuild_parameter";
 
 template <class T>
 void convert_numbers(const char* items, uint64_t count, bool big_endian, float* out) {
-  for (uint64_t i = 0; i < count; ++i)
-    out[i] = static_cast<float>(load_number<T>(items + i * sizeof(T), big_endian));
+  for (uint64_t i = 0; i < count; ++i) out[i] = static_cast<float>(load_number<T>(items + i * sizeof(T), big_endian));
 }
 template <float (*kConvert)(uint16_t)>
 void convert_halves(const char* items, uint64_t count, bool big_endian, float* out) {
-  for (uint64_t i = 0; i < count; ++i)
-    out[i] = kConvert(load_number<uint16_t>(items + 2 * i, big_endian));
+  for (uint64_t i = 0; i < count; ++i) out[i] = kConvert(load_number<uint16_t>(items + 2 * i, big_endian));
 }
 void convert_bools(const char* items, uint64_t count, bool, float* out) {
   for (uint64_t i = 0; i < count; ++i) out[i] = items[i] != 0 ? 1.0f : 0.0f;
@@ -45,23 +43,18 @@ constexpr TorchStorageType kStorageTypes[] = {
     {"torch ByteStorage", "uint8", 1, convert_numbers<uint8_t>},
     {"torch BoolStorage", "bool", 1, convert_bools}};
 
-[[noreturn]] void fail(const std::filesystem::path& name, const std::string& field,
-                       const std::string& message) {
+[[noreturn]] void fail(const std::filesystem::path& name, const std::string& field, const std::string& message) {
   throw_bad_input(name, field, message, kTorchRemedy);
 }
 
-int64_t integer(const PickleValue& value, const std::filesystem::path& name,
-                const std::string& field) {
-  if (!value.is(PickleKind::kInt) || value.integer < 0)
-    fail(name, field, "not a whole number of 0 or more");
+int64_t integer(const PickleValue& value, const std::filesystem::path& name, const std::string& field) {
+  if (!value.is(PickleKind::kInt) || value.integer < 0) fail(name, field, "not a whole number of 0 or more");
   return value.integer;
 }
 
-std::vector<int64_t> integers(const PickleValue& value, const std::filesystem::path& name,
-                              const std::string& field) {
+std::vector<int64_t> integers(const PickleValue& value, const std::filesystem::path& name, const std::string& field) {
   const PickleValue* tuple = &value;
-  if (tuple->is_object_of("torch Size") && tuple->items[1]->items.size() == 1)
-    tuple = tuple->items[1]->items[0];
+  if (tuple->is_object_of("torch Size") && tuple->items[1]->items.size() == 1) tuple = tuple->items[1]->items[0];
   if (!tuple->is(PickleKind::kTuple)) fail(name, field, "not a tuple");
   std::vector<int64_t> out;
   for (const PickleValue* item : tuple->items) out.push_back(integer(*item, name, field));
@@ -80,8 +73,8 @@ void require_within_storage(const TorchView& view, const std::filesystem::path& 
   }
   if (!within) {
     fail(name, "size",
-         shape_text(view.shape) + " with strides " + shape_text(view.strides) +
-             " reaches beyond the storage of " + std::to_string(elements) + " elements");
+         shape_text(view.shape) + " with strides " + shape_text(view.strides) + " reaches beyond the storage of " +
+             std::to_string(elements) + " elements");
   }
   if (view.count > std::max(elements, kMaxRepeatedElements)) {
     fail(name, "size",
@@ -119,15 +112,12 @@ std::vector<std::string> torch_globals() {
   return globals;
 }
 
-bool is_torch_tensor(const PickleValue& value) {
-  return value.is_object_of(kTensor) || value.is_object_of(kParameter);
-}
+bool is_torch_tensor(const PickleValue& value) { return value.is_object_of(kTensor) || value.is_object_of(kParameter); }
 
 TorchStorage torch_storage(const PickleValue& value, const std::filesystem::path& name) {
   // ('storage', type, key, location, number of elements[, None | (view key, offset, size)])
   const PickleValue* id = value.is(PickleKind::kPersistentId) ? value.items[0] : nullptr;
-  if (!id || !id->is(PickleKind::kTuple) || id->items.size() < 5 ||
-      id->items[0]->text != "storage") {
+  if (!id || !id->is(PickleKind::kTuple) || id->items.size() < 5 || id->items[0]->text != "storage") {
     fail(name, "storage", "not in the form that torch.save writes");
   }
   const PickleValue &type = *id->items[1], &key = *id->items[2];
@@ -161,13 +151,11 @@ TorchView torch_view(const PickleValue& tensor, const std::filesystem::path& nam
   TorchView view;
   view.storage = torch_storage(*arguments->items[0], name);
   view.offset = uint64_t(integer(*arguments->items[1], name, "storage offset"));
-  if (view.storage.view_offset > view.storage.elements)
-    fail(name, "offset of a storage view", "beyond the storage");
+  if (view.storage.view_offset > view.storage.elements) fail(name, "offset of a storage view", "beyond the storage");
   view.offset += view.storage.view_offset;
   view.shape = integers(*arguments->items[2], name, "size");
   view.strides = integers(*arguments->items[3], name, "stride");
-  if (view.shape.size() != view.strides.size())
-    fail(name, "stride", "size and stride have different lengths");
+  if (view.shape.size() != view.strides.size()) fail(name, "stride", "size and stride have different lengths");
   view.count = element_count(view.shape, sizeof(double), name, "size");
   require_within_storage(view, name);
   return view;
@@ -184,9 +172,8 @@ FloatArray torch_values(const TorchView& view, const std::string& storage, bool 
     type.convert(storage.data() + view.offset * type.bytes, view.count, big_endian, out);
     return array;
   }
-  for_each_strided(view.shape, view.strides, view.offset, [&](uint64_t i) {
-    type.convert(storage.data() + i * type.bytes, 1, big_endian, out++);
-  });
+  for_each_strided(view.shape, view.strides, view.offset,
+                   [&](uint64_t i) { type.convert(storage.data() + i * type.bytes, 1, big_endian, out++); });
   return array;
 }
 

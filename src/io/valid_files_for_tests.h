@@ -18,9 +18,7 @@
 
 namespace aligngs::valid_files {
 
-inline std::string text_of(const std::vector<uint8_t>& bytes) {
-  return {bytes.begin(), bytes.end()};
-}
+inline std::string text_of(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 inline Image<uint8_t> picture(int channels) {
   Image<uint8_t> image(9, 7, channels);
@@ -37,7 +35,9 @@ inline std::string webp() {
   return bytes;
 }
 
-inline std::string heic() { return read_file(std::filesystem::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures/plain.heic"); }
+inline std::string heic() {
+  return read_file(std::filesystem::path(ALIGNGS_SOURCE_DIR) / "tests/data/pictures/plain.heic");
+}
 
 inline std::string npy(const std::filesystem::path& folder) {
   const float values[6] = {1, 2, 3, 4, 5, 6};
@@ -64,10 +64,7 @@ inline std::string binary_ply(const std::filesystem::path& folder) {
   PlyFile file;
   file.comments = {"small"};
   file.elements = {
-      {"vertex",
-       2,
-       {{"x", PlyType::kFloat32, false, {1, 2}, {}},
-        {"label", PlyType::kUint16, false, {1, 2}, {}}}},
+      {"vertex", 2, {{"x", PlyType::kFloat32, false, {1, 2}, {}}, {"label", PlyType::kUint16, false, {1, 2}, {}}}},
       {"face", 2, {{"vertex_indices", PlyType::kInt32, true, {0, 1, 0, 1}, {0, 3, 4}}}}};
   write_ply(folder / "a.ply", file);
   return read_file(folder / "a.ply");
@@ -104,8 +101,7 @@ inline ColmapFiles colmap(const std::filesystem::path& folder) {
 }
 
 inline ColmapFiles colmap_text() {
-  return {"# cameras\n1 PINHOLE 64 48 50 50 32 24\n",
-          "2 1 0 0 0 0 0 0 1 a.jpg\n1 2 3\n3 1 0 0 0 0 0 0 1 b.jpg\n\n",
+  return {"# cameras\n1 PINHOLE 64 48 50 50 32 24\n", "2 1 0 0 0 0 0 0 1 a.jpg\n1 2 3\n3 1 0 0 0 0 0 0 1 b.jpg\n\n",
           "3 0.1 0.2 0.3 255 0 7 0.65 2 0\n"};
 }
 

@@ -40,12 +40,15 @@ std::string_view chunk_of(std::string_view bytes, std::string_view wanted, bool&
 
 bool promises_exif(std::string_view bytes) {
   constexpr size_t kFeatures = kRiffHeader + kChunkHeader;
-  return bytes.size() > kFeatures && bytes.substr(kRiffHeader, 4) == "VP8X" && (static_cast<uint8_t>(bytes[kFeatures]) & kExifFlag);
+  return bytes.size() > kFeatures && bytes.substr(kRiffHeader, 4) == "VP8X" &&
+         (static_cast<uint8_t>(bytes[kFeatures]) & kExifFlag);
 }
 
 }  // namespace
 
-bool is_webp(std::string_view bytes) { return bytes.size() >= kRiffHeader && bytes.substr(0, 4) == "RIFF" && bytes.substr(8, 4) == "WEBP"; }
+bool is_webp(std::string_view bytes) {
+  return bytes.size() >= kRiffHeader && bytes.substr(0, 4) == "RIFF" && bytes.substr(8, 4) == "WEBP";
+}
 
 bool has_end_of_webp(std::string_view bytes) { return is_webp(bytes) && bytes.size() - 8 >= size_at(bytes, 4); }
 
@@ -58,7 +61,8 @@ WebpHeader parse_webp_header(std::string_view bytes, const std::filesystem::path
     return header;
   }
   if (status != VP8_STATUS_OK) throw_bad_input(name, "WebP header", "cannot be read", kDamagedFileRemedy);
-  if (features.has_animation) throw_bad_input(name, "WebP header", "an animation is no photo", "give single pictures, or the video");
+  if (features.has_animation)
+    throw_bad_input(name, "WebP header", "an animation is no photo", "give single pictures, or the video");
   header.width = features.width;
   header.height = features.height;
   header.channels = features.has_alpha ? 4 : 3;
@@ -70,7 +74,8 @@ WebpHeader parse_webp_header(std::string_view bytes, const std::filesystem::path
     return header;
   }
   constexpr std::string_view kPrefix("Exif\0\0", 6);  // some writers keep that of JPEG, some leave it out
-  header.exif = exif.substr(0, kPrefix.size()) == kPrefix ? std::string(exif) : std::string(kPrefix) + std::string(exif);
+  header.exif =
+      exif.substr(0, kPrefix.size()) == kPrefix ? std::string(exif) : std::string(kPrefix) + std::string(exif);
   header.orientation = exif_orientation(header.exif);
   return header;
 }
@@ -82,8 +87,9 @@ Image<uint8_t> decode_webp(std::string_view bytes, const std::filesystem::path& 
   Image<uint8_t> image(header.width, header.height, header.channels);
   const auto* data = reinterpret_cast<const uint8_t*>(bytes.data());
   const int stride = image.width * image.channels;
-  const bool read = image.channels == 4 ? WebPDecodeRGBAInto(data, bytes.size(), image.data.data(), image.data.size(), stride)
-                                        : WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(), stride);
+  const bool read = image.channels == 4
+                        ? WebPDecodeRGBAInto(data, bytes.size(), image.data.data(), image.data.size(), stride)
+                        : WebPDecodeRGBInto(data, bytes.size(), image.data.data(), image.data.size(), stride);
   if (!read) throw_bad_input(name, "WebP data", "cannot be decoded", kDamagedFileRemedy);
   return image;
 }

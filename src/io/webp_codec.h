@@ -20,7 +20,8 @@ struct WebpHeader {
   std::string exif;      ///< as the content of a JPEG's APP1 segment; empty: none
   bool complete = true;  ///< false: `bytes` ended before everything above was known
 };
-/// With `prefix_only`, bytes that end too early give complete = false instead of an error. Error{kBadInput}: an animation.
+/// With `prefix_only`, bytes that end too early give complete = false instead of an error. Error{kBadInput}: an
+/// animation.
 WebpHeader parse_webp_header(std::string_view bytes, const std::filesystem::path& name, bool prefix_only);
 
 /// 3 channels, or 4 with transparency; orientation not applied. A cut file is Error{kBadInput}.

@@ -21,8 +21,9 @@ Image<uint8_t> colours(int channels) {
 
 std::string lossless(const Image<uint8_t>& image) {
   uint8_t* out = nullptr;
-  const size_t size = image.channels == 4 ? WebPEncodeLosslessRGBA(image.data.data(), image.width, image.height, 4 * image.width, &out)
-                                          : WebPEncodeLosslessRGB(image.data.data(), image.width, image.height, 3 * image.width, &out);
+  const size_t size = image.channels == 4
+                          ? WebPEncodeLosslessRGBA(image.data.data(), image.width, image.height, 4 * image.width, &out)
+                          : WebPEncodeLosslessRGB(image.data.data(), image.width, image.height, 3 * image.width, &out);
   const std::unique_ptr<uint8_t, void (*)(void*)> owner(out, WebPFree);
   return {reinterpret_cast<char*>(out), size};
 }
@@ -36,10 +37,13 @@ std::string little_endian(size_t value, int bytes) {
 std::string riff(const std::string& chunks) { return "RIFF" + little_endian(chunks.size() + 4, 4) + "WEBP" + chunks; }
 
 /// The extended form: features, the picture, EXIF at the end.
-std::string with_orientation(const std::string& simple, int width, int height, int orientation, const std::string& prefix) {
-  const std::string tiff = std::string("II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) + char(orientation) + std::string(7, '\0');
+std::string with_orientation(const std::string& simple, int width, int height, int orientation,
+                             const std::string& prefix) {
+  const std::string tiff =
+      std::string("II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0", 18) + char(orientation) + std::string(7, '\0');
   const std::string exif = prefix + tiff;
-  const std::string features = "VP8X" + little_endian(10, 4) + little_endian(0x08, 4) + little_endian(size_t(width - 1), 3) + little_endian(size_t(height - 1), 3);
+  const std::string features = "VP8X" + little_endian(10, 4) + little_endian(0x08, 4) +
+                               little_endian(size_t(width - 1), 3) + little_endian(size_t(height - 1), 3);
   return riff(features + simple.substr(12) + "EXIF" + little_endian(exif.size(), 4) + exif);
 }
 
@@ -77,14 +81,15 @@ TEST(Webp, WithoutOrientationTheStoredPixelsRemain) {
 }
 
 TEST(Webp, AnAnimationIsRefused) {
-  const std::string animation = riff("VP8X" + little_endian(10, 4) + little_endian(0x02, 4) + little_endian(5, 3) + little_endian(3, 3) + "ANIM" +
-                                     little_endian(6, 4) + std::string(6, '\0'));
+  const std::string animation = riff("VP8X" + little_endian(10, 4) + little_endian(0x02, 4) + little_endian(5, 3) +
+                                     little_endian(3, 3) + "ANIM" + little_endian(6, 4) + std::string(6, '\0'));
   EXPECT_THROW(decode_image(animation, "photo"), Error);
 }
 
 TEST(Webp, ACutFileIsRefused) {
   const std::string whole = lossless(colours(3));
-  for (const size_t keep : {whole.size() - 1, whole.size() / 2, size_t(13)}) EXPECT_THROW(decode_image(whole.substr(0, keep), "photo"), Error) << keep;
+  for (const size_t keep : {whole.size() - 1, whole.size() / 2, size_t(13)})
+    EXPECT_THROW(decode_image(whole.substr(0, keep), "photo"), Error) << keep;
 }
 
 }  // namespace

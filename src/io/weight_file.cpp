@@ -17,9 +17,7 @@ namespace {
 class SafetensorsWeights : public WeightFile {
  public:
   explicit SafetensorsWeights(std::unique_ptr<ByteSource> source)
-      : WeightFile(source->name()),
-        source_(std::move(source)),
-        directory_(read_safetensors_directory(*source_)) {
+      : WeightFile(source->name()), source_(std::move(source)), directory_(read_safetensors_directory(*source_)) {
     for (const auto& [key, place] : directory_.tensors) tensors_[key] = {place.dtype, place.shape};
   }
 
@@ -36,8 +34,7 @@ class SafetensorsWeights : public WeightFile {
 
 class TorchWeights : public WeightFile {
  public:
-  explicit TorchWeights(std::unique_ptr<ByteSource> source)
-      : WeightFile(source->name()), file_(std::move(source)) {
+  explicit TorchWeights(std::unique_ptr<ByteSource> source) : WeightFile(source->name()), file_(std::move(source)) {
     const PickleValue& dict = state_dict();
     for (size_t i = 0; i + 1 < dict.items.size(); i += 2) {
       const PickleValue &key = *dict.items[i], &value = *dict.items[i + 1];
@@ -80,8 +77,7 @@ std::shared_ptr<const WeightFile> from_source(std::unique_ptr<ByteSource> source
   constexpr uint64_t kMagicBytes = 16;
   const std::string first = source->read(0, std::min(source->size(), kMagicBytes));
   const bool zip = first.substr(0, 4) == "PK\x03\x04";
-  if (zip || TorchContainer::is_legacy(first))
-    return std::make_shared<TorchWeights>(std::move(source));
+  if (zip || TorchContainer::is_legacy(first)) return std::make_shared<TorchWeights>(std::move(source));
   return std::make_shared<SafetensorsWeights>(std::move(source));
 }
 
@@ -91,8 +87,8 @@ std::shared_ptr<const WeightFile> WeightFile::open(const std::filesystem::path& 
   return from_source(file_source(path));
 }
 
-std::shared_ptr<const WeightFile> WeightFile::from_memory(
-    std::string_view bytes, const std::filesystem::path& name_for_errors) {
+std::shared_ptr<const WeightFile> WeightFile::from_memory(std::string_view bytes,
+                                                          const std::filesystem::path& name_for_errors) {
   return from_source(memory_source(bytes, name_for_errors));
 }
 

@@ -26,8 +26,8 @@ class WeightFile {
   /// damaged, or holds no named tensor.
   static std::shared_ptr<const WeightFile> open(const std::filesystem::path& path);
   /// `bytes` must outlive the result.
-  static std::shared_ptr<const WeightFile> from_memory(
-      std::string_view bytes, const std::filesystem::path& name_for_errors);
+  static std::shared_ptr<const WeightFile> from_memory(std::string_view bytes,
+                                                       const std::filesystem::path& name_for_errors);
 
   const std::map<std::string, WeightInfo>& tensors() const { return tensors_; }
   const std::filesystem::path& name() const { return name_; }

@@ -36,28 +36,25 @@ std::string text(const std::string& s) {
 /// A pickled float tensor of one dimension, the whole of storage `key`.
 std::string tensor(const std::string& key, uint8_t elements, bool legacy = false) {
   const std::string n = "K"s + char(elements);
-  return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\nFloatStorage\n" +
-         text(key) + text("cpu") + n + (legacy ? "N" : "") + "tQK\0"s + n +
+  return "ctorch._utils\n_rebuild_tensor_v2\n((" + text("storage") + "ctorch\nFloatStorage\n" + text(key) +
+         text("cpu") + n + (legacy ? "N" : "") + "tQK\0"s + n +
          "\x85K\x01\x85\x89"s
          "ccollections\nOrderedDict\n)RtR";
 }
-std::string entry(const std::string& key, const std::string& value) {
-  return text(key) + value + "s";
-}
+std::string entry(const std::string& key, const std::string& value) { return text(key) + value + "s"; }
 std::string floats(const std::vector<float>& values) {
   std::string out;
   for (const float v : values) append_little(out, v);
   return out;
 }
 std::string archive(const std::string& root) {
-  return make_stored_zip({{"w/data.pkl", "\x80\x02" + root + "."},
-                          {"w/data/0", floats({1, 2})},
-                          {"w/data/1", floats({3, 4, 5})}});
+  return make_stored_zip(
+      {{"w/data.pkl", "\x80\x02" + root + "."}, {"w/data/0", floats({1, 2})}, {"w/data/1", floats({3, 4, 5})}});
 }
 std::string legacy(const std::string& root, const std::string& storages) {
-  return "\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19."s + "\x80\x02M\xe9\x03."s +
-         "\x80\x02}" + entry("little_endian", "\x88") + "." + "\x80\x02" + root + "." +
-         "\x80\x02](" + text("7") + text("9") + "e." + storages;
+  return "\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19."s + "\x80\x02M\xe9\x03."s + "\x80\x02}" +
+         entry("little_endian", "\x88") + "." + "\x80\x02" + root + "." + "\x80\x02](" + text("7") + text("9") + "e." +
+         storages;
 }
 std::string storage(const std::vector<float>& values) {
   std::string out;
@@ -124,16 +121,14 @@ TEST(WeightFile, ReadsAStateDict) {
 
 TEST(WeightFile, ListsOnlyTheStateDictOfACheckpoint) {
   for (const char* const key : {"state_dict", "model"}) {
-    const std::string bytes =
-        archive("}" + entry("optimizer", "}" + entry("momentum", tensor("1", 3))) +
-                entry(key, "}" + entry("a", tensor("0", 2))));
+    const std::string bytes = archive("}" + entry("optimizer", "}" + entry("momentum", tensor("1", 3))) +
+                                      entry(key, "}" + entry("a", tensor("0", 2))));
     EXPECT_THAT(WeightFile::from_memory(bytes, "")->tensors(), ElementsAre(Key("a")));
   }
 }
 
 TEST(WeightFile, ReadsTheFormatBeforeZip) {
-  const std::string root =
-      "}" + entry("a", tensor("9", 2, true)) + entry("b", tensor("7", 3, true));
+  const std::string root = "}" + entry("a", tensor("9", 2, true)) + entry("b", tensor("7", 3, true));
   const std::string bytes = legacy(root, storage({3, 4, 5}) + storage({1, 2}));
   const auto weights = WeightFile::from_memory(bytes, "");
   EXPECT_THAT(weights->read("a"), ElementsAre(1, 2));
@@ -141,8 +136,7 @@ TEST(WeightFile, ReadsTheFormatBeforeZip) {
 }
 
 TEST(WeightFile, RefusesADamagedFileOfTheFormatBeforeZip) {
-  const std::string root =
-      "}" + entry("a", tensor("9", 2, true)) + entry("b", tensor("7", 3, true));
+  const std::string root = "}" + entry("a", tensor("9", 2, true)) + entry("b", tensor("7", 3, true));
   const std::string good = legacy(root, storage({3, 4, 5}) + storage({1, 2}));
   for (size_t length = 14; length < good.size(); length += 3) {
     EXPECT_THROW(WeightFile::from_memory(good.substr(0, length), ""), Error) << length;

@@ -14,14 +14,12 @@
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kLocalSignature = 0x04034b50, kDirectorySignature = 0x02014b50,
-                   kEndSignature = 0x06054b50, kEnd64Signature = 0x06064b50,
-                   kLocator64Signature = 0x07064b50;
-constexpr uint64_t kLocalBytes = 30, kDirectoryBytes = 46, kEndBytes = 22, kLocatorBytes = 20,
-                   kEnd64Bytes = 56;
+constexpr uint32_t kLocalSignature = 0x04034b50, kDirectorySignature = 0x02014b50, kEndSignature = 0x06054b50,
+                   kEnd64Signature = 0x06064b50, kLocator64Signature = 0x07064b50;
+constexpr uint64_t kLocalBytes = 30, kDirectoryBytes = 46, kEndBytes = 22, kLocatorBytes = 20, kEnd64Bytes = 56;
 constexpr uint16_t kStored = 0, kDeflated = 8, kZip64Extra = 1, kEncryptedFlag = 1;
 constexpr uint64_t kMaxDirectoryBytes = uint64_t(256) << 20;  // millions of entries
-constexpr uint64_t kMaxDeflateRatio = 1032;  // zlib's documentation: the best deflate can do
+constexpr uint64_t kMaxDeflateRatio = 1032;                   // zlib's documentation: the best deflate can do
 
 struct Directory {
   uint64_t offset = 0, bytes = 0, entries = 0;
@@ -42,24 +40,20 @@ Directory find_directory(const ByteSource& source) {
     directory.entries = end.little<uint16_t>("number of entries");
     directory.bytes = end.little<uint32_t>("size of the directory");
     directory.offset = end.little<uint32_t>("offset of the directory");
-    if (end.little<uint16_t>("comment") != end.remaining())
-      continue;  // the signature was part of a comment
+    if (end.little<uint16_t>("comment") != end.remaining()) continue;  // the signature was part of a comment
     const uint64_t end_offset = tail_offset + at;
     if (end_offset >= kLocatorBytes) {
       const std::string locator = source.read(end_offset - kLocatorBytes, kLocatorBytes);
       if (load_number<uint32_t>(locator.data(), false) == kLocator64Signature) {
-        const std::string end64 =
-            source.read(load_number<uint64_t>(locator.data() + 8, false), kEnd64Bytes);
+        const std::string end64 = source.read(load_number<uint64_t>(locator.data() + 8, false), kEnd64Bytes);
         if (load_number<uint32_t>(end64.data(), false) != kEnd64Signature) {
           throw_bad_input(source.name(), "zip64 directory", "not where it should be", kDamagedFileRemedy);
         }
-        return {load_number<uint64_t>(end64.data() + 48, false),
-                load_number<uint64_t>(end64.data() + 40, false),
+        return {load_number<uint64_t>(end64.data() + 48, false), load_number<uint64_t>(end64.data() + 40, false),
                 load_number<uint64_t>(end64.data() + 32, false)};
       }
     }
-    if (disk != 0 || first_disk != 0)
-      throw_bad_input(source.name(), "disk", "archives in parts are not supported");
+    if (disk != 0 || first_disk != 0) throw_bad_input(source.name(), "disk", "archives in parts are not supported");
     return directory;
   }
   throw_bad_input(source.name(), "", "not a ZIP archive, or its end is missing", kDamagedFileRemedy);
@@ -82,11 +76,9 @@ void read_zip64_extra(ByteReader extra, ZipEntry& entry) {
   }
 }
 
-std::string inflate_all(const std::string& compressed, const ZipEntry& entry,
-                        const std::filesystem::path& name) {
+std::string inflate_all(const std::string& compressed, const ZipEntry& entry, const std::filesystem::path& name) {
   z_stream stream{};
-  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK)
-    throw_resources(name, "not enough memory to decompress");
+  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw_resources(name, "not enough memory to decompress");
   struct Ender {
     z_stream* stream;
     ~Ender() { inflateEnd(stream); }
@@ -113,24 +105,21 @@ std::string inflate_all(const std::string& compressed, const ZipEntry& entry,
 }
 
 uint32_t checksum_of(std::string_view content) {
-  return static_cast<uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
+  return static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
 }
 
 }  // namespace
 
 ZipArchive::ZipArchive(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {
   const Directory directory = find_directory(*source_);
-  if (directory.bytes > kMaxDirectoryBytes ||
-      directory.entries > directory.bytes / kDirectoryBytes) {
+  if (directory.bytes > kMaxDirectoryBytes || directory.entries > directory.bytes / kDirectoryBytes) {
     throw_bad_input(name(), "directory", "the number of entries cannot be right", kDamagedFileRemedy);
   }
   const std::string bytes = source_->read(directory.offset, directory.bytes);
   ByteReader reader(bytes, name());
   entries_.reserve(directory.entries);
   for (uint64_t i = 0; i < directory.entries; ++i) {
-    if (reader.little<uint32_t>("directory") != kDirectorySignature)
-      reader.fail("directory", "an entry is damaged");
+    if (reader.little<uint32_t>("directory") != kDirectorySignature) reader.fail("directory", "an entry is damaged");
     ZipEntry entry;
     reader.take(4, "directory");  // versions
     const auto flags = reader.little<uint16_t>("directory");
@@ -139,16 +128,14 @@ ZipArchive::ZipArchive(std::unique_ptr<ByteSource> source) : source_(std::move(s
     entry.checksum = reader.little<uint32_t>("directory");
     entry.compressed_size = reader.little<uint32_t>("directory");
     entry.size = reader.little<uint32_t>("directory");
-    const auto name_bytes = reader.little<uint16_t>("directory"),
-               extra_bytes = reader.little<uint16_t>("directory"),
+    const auto name_bytes = reader.little<uint16_t>("directory"), extra_bytes = reader.little<uint16_t>("directory"),
                comment_bytes = reader.little<uint16_t>("directory");
     reader.take(8, "directory");  // disk, attributes
     entry.header_offset = reader.little<uint32_t>("directory");
     entry.name = reader.take(name_bytes, "entry name");
     read_zip64_extra(ByteReader(reader.take(extra_bytes, "extra field"), name()), entry);
     reader.take(comment_bytes, "entry comment");
-    if (flags & kEncryptedFlag)
-      throw_bad_input(name(), entry.name, "encrypted entries are not supported");
+    if (flags & kEncryptedFlag) throw_bad_input(name(), entry.name, "encrypted entries are not supported");
     if (!index_.emplace(entry.name, entries_.size()).second) {
       throw_bad_input(name(), entry.name, "the archive holds this entry twice", kDamagedFileRemedy);
     }
@@ -169,23 +156,19 @@ std::string ZipArchive::read(const ZipEntry& entry, uint64_t limit) const {
   if (load_number<uint32_t>(header.data(), false) != kLocalSignature) {
     throw_bad_input(name(), entry.name, "the entry is not where the directory says", kDamagedFileRemedy);
   }
-  const uint64_t data_offset = entry.header_offset + kLocalBytes +
-                               load_number<uint16_t>(header.data() + 26, false) +
+  const uint64_t data_offset = entry.header_offset + kLocalBytes + load_number<uint16_t>(header.data() + 26, false) +
                                load_number<uint16_t>(header.data() + 28, false);
   if (entry.method != kStored && entry.method != kDeflated) {
-    throw_bad_input(name(), entry.name,
-                    "unknown compression method " + std::to_string(entry.method));
+    throw_bad_input(name(), entry.name, "unknown compression method " + std::to_string(entry.method));
   }
   const bool stored = entry.method == kStored;
-  if (stored ? entry.size != entry.compressed_size
-             : entry.size / kMaxDeflateRatio > entry.compressed_size) {
+  if (stored ? entry.size != entry.compressed_size : entry.size / kMaxDeflateRatio > entry.compressed_size) {
     throw_bad_input(name(), entry.name, "the sizes contradict each other", kDamagedFileRemedy);
   }
   std::string content = source_->read(data_offset, entry.compressed_size);
   if (!stored) content = inflate_all(content, entry, name());
   if (checksum_of(content) != entry.checksum) {
-    throw_bad_input(name(), entry.name, "the checksum does not match: the data are damaged",
-                    kDamagedFileRemedy);
+    throw_bad_input(name(), entry.name, "the checksum does not match: the data are damaged", kDamagedFileRemedy);
   }
   return content;
 }
@@ -212,16 +195,13 @@ std::string make_stored_zip(const std::vector<std::pair<std::string, std::string
   std::string out, directory;
   for (const auto& [name, content] : entries) {
     constexpr uint64_t kLimit = 0xffffffff;  // beyond it the 64-bit extension would be needed
-    if (out.size() + content.size() + kLocalBytes + name.size() + 2 * alignment > kLimit ||
-        entries.size() > 65534) {
-      throw Error(
-          {ErrorKind::kFailed, "an archive of more than 4 GiB or 65534 entries", {}, name, ""});
+    if (out.size() + content.size() + kLocalBytes + name.size() + 2 * alignment > kLimit || entries.size() > 65534) {
+      throw Error({ErrorKind::kFailed, "an archive of more than 4 GiB or 65534 entries", {}, name, ""});
     }
     // Version 2.0, no flags, stored, the earliest date (1 January 1980) so that equal content gives
     // equal bytes.
     std::string common;
-    for (const int value : {20, 0, int(kStored), 0, 0x21})
-      append_little(common, static_cast<uint16_t>(value));
+    for (const int value : {20, 0, int(kStored), 0, 0x21}) append_little(common, static_cast<uint16_t>(value));
     append_little(common, checksum_of(content));
     append_little(common, static_cast<uint32_t>(content.size()));
     append_little(common, static_cast<uint32_t>(content.size()));

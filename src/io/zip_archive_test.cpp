@@ -14,9 +14,7 @@ using testing::HasSubstr;
 
 ZipArchive open(const std::string& bytes) { return ZipArchive(memory_source(bytes, "a.zip")); }
 
-void patch(std::string& bytes, size_t at, const std::string& with) {
-  bytes.replace(at, with.size(), with);
-}
+void patch(std::string& bytes, size_t at, const std::string& with) { bytes.replace(at, with.size(), with); }
 
 template <class T>
 std::string little(T value) {
@@ -39,8 +37,7 @@ std::string deflated_zip(const std::string& content) {
   compressed.resize(stream.total_out);
   deflateEnd(&stream);
   std::string zip = make_stored_zip({{"a", compressed}});
-  const auto checksum =
-      uint32_t(crc32(0, reinterpret_cast<const Bytef*>(content.data()), unsigned(content.size())));
+  const auto checksum = uint32_t(crc32(0, reinterpret_cast<const Bytef*>(content.data()), unsigned(content.size())));
   for (const size_t common : {size_t(4), zip.find("PK\x01\x02") + 6}) {
     patch(zip, common + 4, little(uint16_t(8)));
     patch(zip, common + 10, little(checksum));
@@ -58,13 +55,12 @@ std::string as_zip64(const std::string& zip) {
   patch(entry, 20, std::string(8, '\xff'));
   patch(entry, 30, little(uint16_t(28)));
   patch(entry, 42, std::string(4, '\xff'));
-  entry += little(uint16_t(1)) + little(uint16_t(24)) + little(uint64_t(size)) +
-           little(uint64_t(size)) + little(uint64_t(0));
+  entry += little(uint16_t(1)) + little(uint16_t(24)) + little(uint64_t(size)) + little(uint64_t(size)) +
+           little(uint64_t(0));
   std::string out = zip.substr(0, directory) + entry;
   const size_t end64 = out.size();
-  out += "PK\x06\x06" + little(uint64_t(44)) + little(uint16_t(45)) + little(uint16_t(45)) +
-         little(uint64_t(0)) + little(uint64_t(1)) + little(uint64_t(1)) +
-         little(uint64_t(entry.size())) + little(uint64_t(directory));
+  out += "PK\x06\x06" + little(uint64_t(44)) + little(uint16_t(45)) + little(uint16_t(45)) + little(uint64_t(0)) +
+         little(uint64_t(1)) + little(uint64_t(1)) + little(uint64_t(entry.size())) + little(uint64_t(directory));
   out += "PK\x06\x07" + little(uint32_t(0)) + little(uint64_t(end64)) + little(uint32_t(1));
   return out + "PK\x05\x06" + std::string(4, '\0') + std::string(12, '\xff') + std::string(2, '\0');
 }

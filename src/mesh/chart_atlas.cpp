@@ -15,7 +15,9 @@ constexpr int kSteps = 400;          // a factor of some millions
 constexpr double kRoomToPack = 1.1;  // area of the picture beside that of the rectangles
 
 /// Texels of a length: its ends lie in the middle of texels.
-int texels(double length, double texel, int gutter) { return static_cast<int>(std::ceil(length / texel)) + 1 + 2 * gutter; }
+int texels(double length, double texel, int gutter) {
+  return static_cast<int>(std::ceil(length / texel)) + 1 + 2 * gutter;
+}
 
 /// Rows of rectangles, the highest first. The height that they need, or 0 when one is too wide.
 int pack(std::vector<Chart>& charts, const std::vector<uint32_t>& order, int width) {
@@ -48,7 +50,12 @@ Atlas make_atlas(const TriangleMesh& mesh, const std::vector<uint32_t>& part, co
   atlas.charts.resize(flat.size());
   atlas.texel = settings.texel;
   for (int step = 0; atlas.height == 0; ++step, atlas.texel *= kStep) {
-    if (step == kSteps) throw Error({ErrorKind::kFailed, "the charts of the mesh fit in no texture of " + std::to_string(settings.size) + " texels", {}, "--texture-size", "simplify the mesh more, or ask for a larger texture"});
+    if (step == kSteps)
+      throw Error({ErrorKind::kFailed,
+                   "the charts of the mesh fit in no texture of " + std::to_string(settings.size) + " texels",
+                   {},
+                   "--texture-size",
+                   "simplify the mesh more, or ask for a larger texture"});
     double area = 0;
     int widest = 1;
     for (size_t i = 0; i < flat.size(); ++i) {
@@ -77,8 +84,9 @@ Atlas make_atlas(const TriangleMesh& mesh, const std::vector<uint32_t>& part, co
       const uint32_t t = chart.triangles[k];
       atlas.chart_of[t] = i;
       for (size_t c = 0; c < 3; ++c) {
-        atlas.corners[t][c] = {static_cast<float>(chart.x + settings.gutter + 0.5 + flat[i].corners[k][c][0] / atlas.texel),
-                               static_cast<float>(chart.y + settings.gutter + 0.5 + flat[i].corners[k][c][1] / atlas.texel)};
+        atlas.corners[t][c] = {
+            static_cast<float>(chart.x + settings.gutter + 0.5 + flat[i].corners[k][c][0] / atlas.texel),
+            static_cast<float>(chart.y + settings.gutter + 0.5 + flat[i].corners[k][c][1] / atlas.texel)};
       }
     }
   }

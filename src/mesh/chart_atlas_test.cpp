@@ -32,10 +32,13 @@ TriangleMesh rectangle() {
   return mesh;
 }
 
-Atlas atlas_of(const TriangleMesh& mesh, const AtlasSettings& settings) { return make_atlas(mesh, std::vector<uint32_t>(mesh.triangles.size(), 0), settings); }
+Atlas atlas_of(const TriangleMesh& mesh, const AtlasSettings& settings) {
+  return make_atlas(mesh, std::vector<uint32_t>(mesh.triangles.size(), 0), settings);
+}
 
 double edge(const Atlas& atlas, size_t t, size_t i, size_t j) {
-  return std::hypot(atlas.corners[t][i][0] - atlas.corners[t][j][0], atlas.corners[t][i][1] - atlas.corners[t][j][1]) * atlas.texel;
+  return std::hypot(atlas.corners[t][i][0] - atlas.corners[t][j][0], atlas.corners[t][i][1] - atlas.corners[t][j][1]) *
+         atlas.texel;
 }
 
 TEST(ChartAtlas, AFlatPartIsOneChartOfItsOwnSize) {
@@ -87,7 +90,8 @@ TEST(ChartAtlas, NoEdgeShrinksBelowTheCosine) {
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (size_t i = 0; i < 3; ++i) {
       const size_t j = (i + 1) % 3;
-      const double length = norm((mesh.vertices[mesh.triangles[t][i]] - mesh.vertices[mesh.triangles[t][j]]).cast<double>());
+      const double length =
+          norm((mesh.vertices[mesh.triangles[t][i]] - mesh.vertices[mesh.triangles[t][j]]).cast<double>());
       EXPECT_GE(edge(atlas, t, i, j), 0.49 * length);
       EXPECT_LE(edge(atlas, t, i, j), 1.001 * length);
     }

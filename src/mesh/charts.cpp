@@ -49,7 +49,11 @@ std::vector<std::array<uint32_t, 3>> neighbours_of(const TriangleMesh& mesh, con
 class Grower {
  public:
   Grower(const TriangleMesh& mesh, const std::vector<uint32_t>& part, double texel, const AtlasSettings& settings)
-      : mesh_(mesh), settings_(settings), texel_(texel), next_(neighbours_of(mesh, part)), taken_(mesh.triangles.size(), 0) {
+      : mesh_(mesh),
+        settings_(settings),
+        texel_(texel),
+        next_(neighbours_of(mesh, part)),
+        taken_(mesh.triangles.size(), 0) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t) area_.push_back(area_normal(mesh, t));
     smooth_ = area_;
     for (int round = 0; round < kSmoothing; ++round) {
@@ -70,7 +74,8 @@ class Grower {
   std::vector<FlatChart> charts() {
     std::vector<uint32_t> seeds(area_.size());
     std::iota(seeds.begin(), seeds.end(), 0u);
-    std::stable_sort(seeds.begin(), seeds.end(), [&](uint32_t a, uint32_t b) { return norm(area_[a]) > norm(area_[b]); });
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [&](uint32_t a, uint32_t b) { return norm(area_[a]) > norm(area_[b]); });
     std::vector<FlatChart> out;
     for (const uint32_t seed : seeds) {
       // A triangle that folds over its chart is left to a chart of its own: it is still a seed.
@@ -100,7 +105,9 @@ class Grower {
   FlatChart grown(uint32_t seed) {
     FlatChart chart;
     const Vec3d first = smooth_[seed];
-    const std::vector<uint32_t> core = flood(seed, [&](uint32_t t) { return dot(smooth_[t], first) > kFirstCosine && dot(face_[t], first) > settings_.smooth_cosine; });
+    const std::vector<uint32_t> core = flood(seed, [&](uint32_t t) {
+      return dot(smooth_[t], first) > kFirstCosine && dot(face_[t], first) > settings_.smooth_cosine;
+    });
     Vec3d sum;
     for (const uint32_t t : core) {
       sum += area_[t];
@@ -108,7 +115,10 @@ class Grower {
     }
     chart.normal = unit_or(sum, face_[seed]);
     if (dot(chart.normal, face_[seed]) <= settings_.flat_cosine) chart.normal = face_[seed];
-    chart.triangles = flood(seed, [&](uint32_t t) { return dot(face_[t], chart.normal) > settings_.flat_cosine && dot(smooth_[t], chart.normal) > settings_.smooth_cosine; });
+    chart.triangles = flood(seed, [&](uint32_t t) {
+      return dot(face_[t], chart.normal) > settings_.flat_cosine &&
+             dot(smooth_[t], chart.normal) > settings_.smooth_cosine;
+    });
     project(chart);
     drop_folds(chart);
     return chart;
@@ -166,7 +176,8 @@ class Grower {
 
   /// Gives triangles back that cover a cell which another one of the chart has.
   void drop_folds(FlatChart& chart) {
-    const size_t columns = static_cast<size_t>(chart.width / texel_) + 2, rows = static_cast<size_t>(chart.height / texel_) + 2;
+    const size_t columns = static_cast<size_t>(chart.width / texel_) + 2,
+                 rows = static_cast<size_t>(chart.height / texel_) + 2;
     std::vector<uint8_t> covered(columns * rows, 0);
     size_t kept = 0;
     for (size_t k = 0; k < chart.triangles.size(); ++k) {
@@ -202,7 +213,8 @@ class Grower {
 
 }  // namespace
 
-std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<uint32_t>& part, double texel, const AtlasSettings& settings) {
+std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<uint32_t>& part, double texel,
+                                   const AtlasSettings& settings) {
   return Grower(mesh, part, texel, settings).charts();
 }
 

@@ -14,9 +14,11 @@ struct FlatChart {
 };
 
 /// Every triangle is in one chart. Two triangles of a chart never cover the same cell of a grid of `texel`.
-std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<uint32_t>& part, double texel, const AtlasSettings& settings);
+std::vector<FlatChart> flat_charts(const TriangleMesh& mesh, const std::vector<uint32_t>& part, double texel,
+                                   const AtlasSettings& settings);
 
-/// Calls body(x, y, weights of the corners) for the centres of the cells of a grid of one that lie in a triangle, or nearer to it
+/// Calls body(x, y, weights of the corners) for the centres of the cells of a grid of one that lie in a triangle, or
+/// nearer to it
 /// than `margin`.
 template <class Body>
 void for_cells(const std::array<std::array<double, 2>, 3>& c, double margin, Body&& body);

@@ -149,7 +149,9 @@ class EarCutter {
     if (dot(cross(b - a, c - b), normal_) <= 0) return false;
     for (uint32_t k = next_[next_[i]]; k != last_[i]; k = next_[k]) {
       const Vec3d p = place(k);
-      if (dot(cross(b - a, p - a), normal_) > 0 && dot(cross(c - b, p - b), normal_) > 0 && dot(cross(a - c, p - c), normal_) > 0) return false;
+      if (dot(cross(b - a, p - a), normal_) > 0 && dot(cross(c - b, p - b), normal_) > 0 &&
+          dot(cross(a - c, p - c), normal_) > 0)
+        return false;
     }
     return true;
   }
@@ -173,7 +175,8 @@ class EarCutter {
 };
 
 size_t count_open(const EdgeUse& use) {
-  return static_cast<size_t>(std::count_if(use.begin(), use.end(), [](const auto& u) { return u.second.first != u.second.second; }));
+  return static_cast<size_t>(
+      std::count_if(use.begin(), use.end(), [](const auto& u) { return u.second.first != u.second.second; }));
 }
 
 }  // namespace

@@ -13,12 +13,15 @@ struct ClosingReport {
   size_t open_edges = 0;  ///< left
 };
 
-/// Edges along which not as many triangles run in one direction as in the other. Without them the mesh is watertight. Vertices at the
+/// Edges along which not as many triangles run in one direction as in the other. Without them the mesh is watertight.
+/// Vertices at the
 /// same place are one.
 size_t open_edges(const TriangleMesh& mesh);
 
-/// Closes the borders of an oriented mesh. Vertices at the same place become one. Ears are cut off each border, the shortest
-/// first that lie inside of it. No vertex is added. A border that nothing closes without a third triangle at an edge stays open.
+/// Closes the borders of an oriented mesh. Vertices at the same place become one. Ears are cut off each border, the
+/// shortest
+/// first that lie inside of it. No vertex is added. A border that nothing closes without a third triangle at an edge
+/// stays open.
 ClosingReport close_mesh(TriangleMesh& mesh);
 
 }  // namespace aligngs

@@ -20,16 +20,16 @@ namespace {
 constexpr double kMinVoxel = 0.005, kMaxVoxel = 0.015;
 constexpr double kMinTruncation = 0.03, kMaxTruncation = 0.05;
 constexpr double kFootprintsPerVoxel = 1.5;
-constexpr double kResidualsPerVoxel = 0.75;    // finer voxels would mesh the noise of the depth, at four times the size
+constexpr double kResidualsPerVoxel = 0.75;  // finer voxels would mesh the noise of the depth, at four times the size
 constexpr double kVoxelsPerTruncation = 4;
 constexpr double kResidualsPerTruncation = 3;
-constexpr double kMinVoxelsPerTruncation = 2;  // below, the field has no slope left to interpolate
-constexpr double kMinComponentArea = 0.0025;   // m^2: 5 x 5 cm
-constexpr double kMinComponentExtent = 0.10;   // m
-constexpr double kHoleTolerance = 0.02;        // m: between a view's depth and the surface that closes a hole
-constexpr double kMaxInterpolatedWeight = 0.3; // of a photo's: it saw nothing itself
-constexpr double kMaxNearness = 4;             // (median depth / depth)^2 is capped at its square
-constexpr int kStatisticsStride = 4;           // pixels between the samples of medians
+constexpr double kMinVoxelsPerTruncation = 2;   // below, the field has no slope left to interpolate
+constexpr double kMinComponentArea = 0.0025;    // m^2: 5 x 5 cm
+constexpr double kMinComponentExtent = 0.10;    // m
+constexpr double kHoleTolerance = 0.02;         // m: between a view's depth and the surface that closes a hole
+constexpr double kMaxInterpolatedWeight = 0.3;  // of a photo's: it saw nothing itself
+constexpr double kMaxNearness = 4;              // (median depth / depth)^2 is capped at its square
+constexpr int kStatisticsStride = 4;            // pixels between the samples of medians
 
 double quantile(std::vector<double>& values, double q) {
   if (values.empty()) return 0;
@@ -103,8 +103,8 @@ class Fusion {
         }
       }
     }
-    report_.max_depth =
-        options_.max_depth > 0 ? options_.max_depth : options_.max_depth_factor * quantile(depths, options_.depth_quantile);
+    report_.max_depth = options_.max_depth > 0 ? options_.max_depth
+                                               : options_.max_depth_factor * quantile(depths, options_.depth_quantile);
     report_.median_depth = quantile(depths, 0.5);
     if (!options_.metric) {
       const double extent = options_.extent > 0 ? options_.extent : extent_of(coordinates);
@@ -132,14 +132,13 @@ class Fusion {
     report_.median_footprint = quantile(footprints, 0.5);
     report_.two_view_residual = two_view_residual(frames_, depths_, pool_);
     const double metre = report_.metre;
-    const double finest = std::max(kFootprintsPerVoxel * report_.median_footprint,
-                                   kResidualsPerVoxel * report_.two_view_residual);
-    report_.voxel =
-        options_.voxel > 0 ? options_.voxel : std::clamp(finest, kMinVoxel * metre, kMaxVoxel * metre);
+    const double finest =
+        std::max(kFootprintsPerVoxel * report_.median_footprint, kResidualsPerVoxel * report_.two_view_residual);
+    report_.voxel = options_.voxel > 0 ? options_.voxel : std::clamp(finest, kMinVoxel * metre, kMaxVoxel * metre);
     report_.truncation = options_.truncation;
     if (!(options_.truncation > 0)) {
-      const double wanted = std::max(kVoxelsPerTruncation * report_.voxel,
-                                     kResidualsPerTruncation * report_.two_view_residual);
+      const double wanted =
+          std::max(kVoxelsPerTruncation * report_.voxel, kResidualsPerTruncation * report_.two_view_residual);
       report_.truncation = std::max(std::clamp(wanted, kMinTruncation * metre, kMaxTruncation * metre),
                                     kMinVoxelsPerTruncation * report_.voxel);
     }
@@ -196,7 +195,8 @@ class Fusion {
         const float* n = frame.normal.pixel(x, y);
         const Vec3d normal{n[0], n[1], n[2]}, ray = frame.camera.ray(x + 0.5, y + 0.5);
         const double length = norm(normal);
-        if (length > 0) slope.at(x, y) = static_cast<float>(std::max(-dot(normal, ray) / length, options_.min_cosine * norm(ray)));
+        if (length > 0)
+          slope.at(x, y) = static_cast<float>(std::max(-dot(normal, ray) / length, options_.min_cosine * norm(ray)));
       }
     }
     return slope;
@@ -204,10 +204,14 @@ class Fusion {
 
   double factor_of(uint8_t support) const {
     switch (static_cast<PixelSupport>(support)) {
-      case PixelSupport::kConfirmed: return 1;
-      case PixelSupport::kSingleView: return options_.single_view_weight;
-      case PixelSupport::kContradicted: return options_.contradicted_weight;
-      case PixelSupport::kNone: break;
+      case PixelSupport::kConfirmed:
+        return 1;
+      case PixelSupport::kSingleView:
+        return options_.single_view_weight;
+      case PixelSupport::kContradicted:
+        return options_.contradicted_weight;
+      case PixelSupport::kNone:
+        break;
     }
     return 0;
   }
@@ -246,8 +250,9 @@ class Fusion {
     }
     report_.blocks = volume.blocks();
     report_.predicted_bytes = volume.predicted_bytes();
-    log_info("fusion: voxel {:.4g}, truncation {:.4g}, {} blocks, {} of {} predicted", report_.voxel, report_.truncation,
-             report_.blocks, format_bytes(report_.predicted_bytes), format_bytes(report_.budget_bytes));
+    log_info("fusion: voxel {:.4g}, truncation {:.4g}, {} blocks, {} of {} predicted", report_.voxel,
+             report_.truncation, report_.blocks, format_bytes(report_.predicted_bytes),
+             format_bytes(report_.budget_bytes));
     volume.allocate();
     // Interpolated views last: they only touch what training views have observed.
     std::vector<TsdfView> views;
@@ -279,8 +284,10 @@ class Fusion {
   ComponentLimits component_limits() const {
     ComponentLimits limits;
     const double metre = report_.metre;
-    limits.min_area = options_.min_component_area == 0 ? kMinComponentArea * metre * metre : options_.min_component_area;
-    limits.min_extent = options_.min_component_extent == 0 ? kMinComponentExtent * metre : options_.min_component_extent;
+    limits.min_area =
+        options_.min_component_area == 0 ? kMinComponentArea * metre * metre : options_.min_component_area;
+    limits.min_extent =
+        options_.min_component_extent == 0 ? kMinComponentExtent * metre : options_.min_component_extent;
     return limits;
   }
 
@@ -298,9 +305,9 @@ std::string FusionReport::text() const {
       "{} views{}, voxel {:.4g}, truncation {:.4g}, depth up to {:.4g}, two-view residual {:.4g}, pixels {:.0f} % "
       "confirmed {:.0f} % single {:.0f} % contradicted, {} blocks, {} vertices, {} triangles, {} of {} components "
       "removed, {} of {} holes closed, {:.1f} s",
-      training_views, interpolated_views ? fmt::format(" + {} interpolated", interpolated_views) : "", voxel, truncation,
-      max_depth, two_view_residual, 100 * confirmed, 100 * single_view, 100 * contradicted, blocks, vertices, triangles,
-      cleaning.removed_components, cleaning.components, holes.filled, holes.borders, seconds);
+      training_views, interpolated_views ? fmt::format(" + {} interpolated", interpolated_views) : "", voxel,
+      truncation, max_depth, two_view_residual, 100 * confirmed, 100 * single_view, 100 * contradicted, blocks,
+      vertices, triangles, cleaning.removed_components, cleaning.components, holes.filled, holes.borders, seconds);
 }
 
 FusionResult fuse_depth(const std::vector<FusionFrame>& frames, const FusionOptions& options, ThreadPool& pool) {

@@ -18,29 +18,29 @@ namespace aligngs {
 /// Lengths are in scene units; 0 means "choose from the data". The bounds below are in metres; a scene
 /// without metric units is taken for a room whose robust extent is kTypicalExtent metres.
 struct FusionOptions {
-  bool metric = false;      ///< scene units are metres
-  double extent = 0;        ///< robust extent of the scene; 0: from the depth maps. Used when not metric
-  double voxel = 0;         ///< 0: max(1.5 x median pixel footprint, 0.75 x median two-view residual), in 0.5 to 1.5 cm
-  double truncation = 0;    ///< 0: max(4 voxels, 3 x median two-view residual), within 3 and 5 cm, and >= 2 voxels
-  double max_depth = 0;     ///< 0: max_depth_factor x the quantile of depth
+  bool metric = false;    ///< scene units are metres
+  double extent = 0;      ///< robust extent of the scene; 0: from the depth maps. Used when not metric
+  double voxel = 0;       ///< 0: max(1.5 x median pixel footprint, 0.75 x median two-view residual), in 0.5 to 1.5 cm
+  double truncation = 0;  ///< 0: max(4 voxels, 3 x median two-view residual), within 3 and 5 cm, and >= 2 voxels
+  double max_depth = 0;   ///< 0: max_depth_factor x the quantile of depth
   double depth_quantile = 0.95;
   /// Cutting at the quantile itself is too near. On the real kitchen (sensor depth) that loses 6 points of recall and,
   /// as far views no longer carve, 2 of precision. F at 5 cm is 0.930, against 0.974 with 1.5, which still stops
   /// runaways.
   double max_depth_factor = 1.5;
-  double min_alpha = 0.9;   ///< of a pixel: less is a surface only half seen
-  double min_cosine = 0.17; ///< between viewing ray and surface normal: 80 degrees
-  double single_view_weight = 0.25;   ///< of surface that one view alone sees; 0 drops it
-  double contradicted_weight = 0;     ///< of surface that another view looks through
-  double interpolated_weight = 0.3;   ///< of interpolated views, at most 0.3
+  double min_alpha = 0.9;            ///< of a pixel: less is a surface only half seen
+  double min_cosine = 0.17;          ///< between viewing ray and surface normal: 80 degrees
+  double single_view_weight = 0.25;  ///< of surface that one view alone sees; 0 drops it
+  double contradicted_weight = 0;    ///< of surface that another view looks through
+  double interpolated_weight = 0.3;  ///< of interpolated views, at most 0.3
   ConsistencyOptions consistency;
-  bool carve = true;        ///< see TsdfOptions
+  bool carve = true;              ///< see TsdfOptions
   bool tangent_distance = false;  ///< distances from tangent planes, where frames have normals, instead of along rays
-  double min_weight = 1e-4; ///< of a voxel; 1 is a frontal look from the median depth
-  double min_component_area = 0;    ///< 0: 25 cm^2; negative: keep all
-  double max_hole = 0;      ///< scene units: holes up to this size are closed where views have seen surface; 0: none
-  double min_component_extent = 0;  ///< 0: 10 cm; negative: keep all
-  uint64_t max_bytes = 0;   ///< of the volume and its surface; 0: 80 % of the memory that is free now
+  double min_weight = 1e-4;       ///< of a voxel; 1 is a frontal look from the median depth
+  double min_component_area = 0;  ///< 0: 25 cm^2; negative: keep all
+  double max_hole = 0;  ///< scene units: holes up to this size are closed where views have seen surface; 0: none
+  double min_component_extent = 0;     ///< 0: 10 cm; negative: keep all
+  uint64_t max_bytes = 0;              ///< of the volume and its surface; 0: 80 % of the memory that is free now
   std::shared_ptr<TsdfDevice> device;  ///< where views are fused; none: on the CPU. The result is the same
 };
 
@@ -48,11 +48,11 @@ inline constexpr double kTypicalExtent = 3;  ///< metres: half the diagonal of a
 
 /// Chosen values and results.
 struct FusionReport {
-  double voxel = 0, truncation = 0, max_depth = 0;     ///< scene units
-  double metre = 1;                                    ///< scene units per metre, estimated when not metric
+  double voxel = 0, truncation = 0, max_depth = 0;  ///< scene units
+  double metre = 1;                                 ///< scene units per metre, estimated when not metric
   double median_footprint = 0, two_view_residual = 0, median_depth = 0;
   size_t training_views = 0, interpolated_views = 0;
-  size_t pixels = 0;                                   ///< of training views with usable depth
+  size_t pixels = 0;                                        ///< of training views with usable depth
   double confirmed = 0, single_view = 0, contradicted = 0;  ///< shares of them
   size_t blocks = 0;
   uint64_t predicted_bytes = 0, budget_bytes = 0;

@@ -13,15 +13,15 @@ namespace aligngs {
 
 /// Every map is empty or has the size of the camera.
 struct FusionFrame {
-  std::string name;          ///< for messages
+  std::string name;  ///< for messages
   Camera camera;
-  ImageF depth;              ///< H x W, camera z in scene units; 0, negative or non-finite: no value
-  ImageF color;              ///< H x W x 3, sRGB in [0, 1]; empty: the mesh stays grey where only such views look
-  ImageF normal;             ///< H x W x 3, camera frame, unit, turned to the camera; empty: fitted to the depth
-  ImageF alpha;              ///< H x W, opacity; empty: opaque
-  Image<uint16_t> label;     ///< H x W, kNoLabel = none; empty: this view has no vote
-  ImageF label_probability;  ///< H x W in [0, 1]; empty: 1
-  bool interpolated = false; ///< between training views: may refine surface that training views saw, nothing else
+  ImageF depth;               ///< H x W, camera z in scene units; 0, negative or non-finite: no value
+  ImageF color;               ///< H x W x 3, sRGB in [0, 1]; empty: the mesh stays grey where only such views look
+  ImageF normal;              ///< H x W x 3, camera frame, unit, turned to the camera; empty: fitted to the depth
+  ImageF alpha;               ///< H x W, opacity; empty: opaque
+  Image<uint16_t> label;      ///< H x W, kNoLabel = none; empty: this view has no vote
+  ImageF label_probability;   ///< H x W in [0, 1]; empty: 1
+  bool interpolated = false;  ///< between training views: may refine surface that training views saw, nothing else
 };
 
 /// Error{kBadInput} naming view and map when a map does not fit its camera, or the camera is not usable.

@@ -15,7 +15,8 @@ constexpr uint32_t kNoRow = 0xffffffffu;
 
 uint64_t key_of(uint32_t from, uint32_t to) { return uint64_t(from) << 32 | to; }
 
-/// For each vertex the next one along the border, against the direction of the border's triangles, so that fillings are oriented as
+/// For each vertex the next one along the border, against the direction of the border's triangles, so that fillings are
+/// oriented as
 /// the mesh is. Vertices where borders meet are left out.
 std::vector<uint32_t> border_steps(const TriangleMesh& mesh) {
   std::unordered_set<uint64_t> directed;
@@ -93,7 +94,8 @@ int judge(const HoleWitness& witness, const Vec3d& point, double tolerance) {
   return d <= p.z + tolerance ? 1 : -1;
 }
 
-bool seen_as_surface(const TriangleMesh& mesh, const Border& border, const std::vector<HoleWitness>& witnesses, double tolerance) {
+bool seen_as_surface(const TriangleMesh& mesh, const Border& border, const std::vector<HoleWitness>& witnesses,
+                     double tolerance) {
   int seen = 0, through = 0;
   const auto ask = [&](const Vec3d& point) {
     for (const HoleWitness& w : witnesses) {
@@ -104,7 +106,8 @@ bool seen_as_surface(const TriangleMesh& mesh, const Border& border, const std::
   };
   ask(border.middle);
   const size_t step = std::max<size_t>(1, border.vertices.size() / 4);
-  for (size_t i = 0; i < border.vertices.size(); i += step) ask((border.middle + position(mesh, border.vertices[i])) * 0.5);
+  for (size_t i = 0; i < border.vertices.size(); i += step)
+    ask((border.middle + position(mesh, border.vertices[i])) * 0.5);
   return seen > through;
 }
 
@@ -118,7 +121,8 @@ void add_filling(TriangleMesh& mesh, const Border& border) {
       for (size_t c = 0; c < 3; ++c) sum[c] += mesh.colors[v][c];
     }
     std::array<uint8_t, 3> mean{};
-    for (size_t c = 0; c < 3; ++c) mean[c] = static_cast<uint8_t>(std::lround(sum[c] / static_cast<double>(border.vertices.size())));
+    for (size_t c = 0; c < 3; ++c)
+      mean[c] = static_cast<uint8_t>(std::lround(sum[c] / static_cast<double>(border.vertices.size())));
     mesh.colors.push_back(mean);
   }
   if (!mesh.labels.empty()) mesh.labels.push_back(kNoLabel);
@@ -129,7 +133,8 @@ void add_filling(TriangleMesh& mesh, const Border& border) {
 
 }  // namespace
 
-HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses, const HoleFillingOptions& options) {
+HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
+                             const HoleFillingOptions& options) {
   HoleFillingReport report;
   if (!(options.max_size > 0)) return report;
   std::vector<uint32_t> next = border_steps(mesh);

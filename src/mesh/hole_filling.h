@@ -17,14 +17,15 @@ struct HoleWitness {
 };
 
 struct HoleFillingOptions {
-  double max_size = 0.15;       ///< scene units: the longest diagonal of the box around a hole; 0: none is filled
-  size_t max_edges = 400;       ///< of its border
-  double max_depth = 0.25;      ///< how far the border may leave its mean plane, as a share of its size
-  double tolerance = 0.02;      ///< scene units between a view's depth and the filling, along the ray, that count as the same surface
+  double max_size = 0.15;   ///< scene units: the longest diagonal of the box around a hole; 0: none is filled
+  size_t max_edges = 400;   ///< of its border
+  double max_depth = 0.25;  ///< how far the border may leave its mean plane, as a share of its size
+  /// scene units between a view's depth and the filling, along the ray, that count as the same surface
+  double tolerance = 0.02;
 };
 
 struct HoleFillingReport {
-  size_t borders = 0;    ///< closed borders of the mesh
+  size_t borders = 0;  ///< closed borders of the mesh
   size_t filled = 0;
   size_t triangles = 0;  ///< added
 };
@@ -34,6 +35,7 @@ struct HoleFillingReport {
 /// surface is closed. A border that is not star-shaped around its middle, or shares vertices with itself, stays open.
 /// Attributes of the new vertex are the means of the border's; its label is none. The mesh must be oriented; the order
 /// of borders follows that of the triangles.
-HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses, const HoleFillingOptions& options = {});
+HoleFillingReport fill_holes(TriangleMesh& mesh, const std::vector<HoleWitness>& witnesses,
+                             const HoleFillingOptions& options = {});
 
 }  // namespace aligngs

@@ -7,9 +7,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kCells = 20;         // along a side
-constexpr float kCell = 0.05f;     // metres
-constexpr float kDistance = 2;     // metres from the camera
+constexpr int kCells = 20;      // along a side
+constexpr float kCell = 0.05f;  // metres
+constexpr float kDistance = 2;  // metres from the camera
 
 /// A wall of 1 x 1 m that faces the camera at the origin, without the cells that `open(i, j)` names.
 TriangleMesh wall(const std::function<bool(int, int)>& open) {
@@ -63,7 +63,8 @@ TEST(FillHoles, AHoleThatAViewSeesAsSurfaceIsClosed) {
 TEST(FillHoles, AHoleThatViewsLookThroughStays) {
   TriangleMesh mesh = wall(middle_cell);
   const Eye through(kDistance + 1), surface(kDistance);
-  EXPECT_EQ(fill_holes(mesh, {through.witness(), surface.witness()}).filled, 0u) << "one says surface and one says hole";
+  EXPECT_EQ(fill_holes(mesh, {through.witness(), surface.witness()}).filled, 0u)
+      << "one says surface and one says hole";
   EXPECT_EQ(fill_holes(mesh, {surface.witness(), surface.witness(), through.witness()}).filled, 1u);
 }
 
@@ -84,7 +85,8 @@ TEST(FillHoles, LargeHolesStay) {
 }
 
 TEST(FillHoles, AHoleThatIsNotStarShapedStays) {
-  TriangleMesh mesh = wall([](int i, int j) { return (j == 10 && i >= 8 && i <= 10) || (i == 8 && j >= 8 && j <= 10); });
+  TriangleMesh mesh =
+      wall([](int i, int j) { return (j == 10 && i >= 8 && i <= 10) || (i == 8 && j >= 8 && j <= 10); });
   const Eye eye(kDistance);
   HoleFillingOptions larger;
   larger.max_size = 0.3;
@@ -92,7 +94,8 @@ TEST(FillHoles, AHoleThatIsNotStarShapedStays) {
 }
 
 TEST(FillHoles, HolesThatShareACornerAndNoHolesAtAllChangeNothing) {
-  TriangleMesh touching = wall([](int i, int j) { return (i == 10 && j == 10) || (i == 11 && j == 11); }), whole = wall([](int, int) { return false; });
+  TriangleMesh touching = wall([](int i, int j) { return (i == 10 && j == 10) || (i == 11 && j == 11); }),
+               whole = wall([](int, int) { return false; });
   const Eye eye(kDistance);
   EXPECT_EQ(fill_holes(touching, {eye.witness()}).filled, 0u);
   EXPECT_EQ(fill_holes(whole, {eye.witness()}).filled, 0u);

@@ -13,7 +13,7 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kCubeBlockGrain = 32;             // blocks per chunk
+constexpr size_t kCubeBlockGrain = 32;         // blocks per chunk
 constexpr int kWords = 3 * kBlockVoxels / 64;  // one bit per lattice edge that a block owns
 constexpr uint8_t kGrey = 128;                 // vertices without colour
 
@@ -26,7 +26,9 @@ struct BlockVertices {
   uint32_t first = 0;                     // number of the block's first vertex in the mesh
 
   void mark(int edge) { crossed[edge / 64] |= uint64_t(1) << (edge % 64); }
-  uint32_t count() const { return before[kWords - 1] + static_cast<uint32_t>(__builtin_popcountll(crossed[kWords - 1])); }
+  uint32_t count() const {
+    return before[kWords - 1] + static_cast<uint32_t>(__builtin_popcountll(crossed[kWords - 1]));
+  }
   void finish() {
     for (int w = 1; w < kWords; ++w) {
       before[w] = static_cast<uint16_t>(before[w - 1] + __builtin_popcountll(crossed[w - 1]));
@@ -144,8 +146,9 @@ class Extraction {
                            corners * (sizeof(Corner) + sizeof(uint32_t)) +
                            vertices * (2 * sizeof(Vec3f) + sizeof(std::array<uint8_t, 3>));
     if (bytes > volume_.max_bytes() || vertices > 0xfffffff0u) {
-      throw_resources({}, fmt::format("a mesh of {} vertices and {} triangles needs {}, the budget is {}", vertices,
-                                      corners / 3, format_bytes(bytes), format_bytes(volume_.max_bytes())),
+      throw_resources({},
+                      fmt::format("a mesh of {} vertices and {} triangles needs {}, the budget is {}", vertices,
+                                  corners / 3, format_bytes(bytes), format_bytes(volume_.max_bytes())),
                       fmt::format("use a larger voxel than {:.4g}", volume_.options().voxel));
     }
     mesh_.vertices.resize(vertices);

@@ -45,7 +45,8 @@ CleaningReport clean_mesh(TriangleMesh& mesh, const ComponentLimits& limits) {
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& c = mesh.triangles[t];
     for (const uint32_t v : c) {
-      if (v >= mesh.vertices.size()) throw_bad_input({}, "triangles", "a triangle refers to a vertex that does not exist");
+      if (v >= mesh.vertices.size())
+        throw_bad_input({}, "triangles", "a triangle refers to a vertex that does not exist");
     }
     // Sharing a vertex keeps parts together even where the triangle between them is degenerate.
     components.unite(c[0], c[1]);

@@ -10,16 +10,16 @@ namespace aligngs {
 /// A connected component goes when any of its sizes is below the limit. Small true objects are larger; "keep the
 /// largest only" would lose every wall that a doorway or an unseen strip separates from the rest.
 struct ComponentLimits {
-  double min_area = 0;       ///< squared scene units
-  double min_extent = 0;     ///< scene units, diagonal of the bounding box
+  double min_area = 0;    ///< squared scene units
+  double min_extent = 0;  ///< scene units, diagonal of the bounding box
   size_t min_triangles = 0;
 };
 
 struct CleaningReport {
   size_t degenerate_triangles = 0;
-  size_t components = 0;          ///< before
+  size_t components = 0;  ///< before
   size_t removed_components = 0;
-  size_t removed_triangles = 0;   ///< in removed components
+  size_t removed_triangles = 0;  ///< in removed components
   size_t removed_vertices = 0;
 };
 

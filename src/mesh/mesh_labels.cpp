@@ -65,8 +65,7 @@ MeshLabelingReport label_mesh(TriangleMesh& mesh, const std::vector<FusionFrame>
         if (label == kNoLabel || (!frame.alpha.empty() && !(frame.alpha.at(x, y) >= options.min_alpha))) continue;
         const double depth = valid_depth(frame.depth, x, y), z = (frame.camera.world_to_camera * vertex).z;
         if (depth == 0 || std::abs(z - depth) > options.depth_tolerance * z) continue;
-        const double weight =
-            vote_weight(frame, x, y, centres[f] - vertex, has_normals ? &mesh.normals[i] : nullptr);
+        const double weight = vote_weight(frame, x, y, centres[f] - vertex, has_normals ? &mesh.normals[i] : nullptr);
         if (weight > 0) votes.push_back({label, weight});
       }
       mesh.labels[i] = winner(votes);

@@ -10,13 +10,14 @@
 namespace aligngs {
 
 struct MeshLabelingOptions {
-  double depth_tolerance = 0.02;  ///< relative: how far a vertex may lie from the view's depth and still be what it sees
-  double min_alpha = 0.5;         ///< pixels below say nothing
+  /// relative: how far a vertex may lie from the view's depth and still be what it sees
+  double depth_tolerance = 0.02;
+  double min_alpha = 0.5;  ///< pixels below say nothing
 };
 
 struct MeshLabelingReport {
-  size_t labelled = 0;   ///< vertices with a label
-  size_t unseen = 0;     ///< kNoLabel: no view sees them, or only pixels without label
+  size_t labelled = 0;  ///< vertices with a label
+  size_t unseen = 0;    ///< kNoLabel: no view sees them, or only pixels without label
 };
 
 /// Sets mesh.labels. Each view that sees a vertex (projects into its image, depth test passed) gives its pixel's label

@@ -9,10 +9,11 @@
 namespace aligngs {
 namespace {
 
-constexpr double kLeastCosine = 0.1;    // of ray and normal: flatter, a step along the tangent plane has no bound
+constexpr double kLeastCosine = 0.1;  // of ray and normal: flatter, a step along the tangent plane has no bound
 constexpr double kConverged = 1e-10;  // squared residual relative to the first one
 
-/// Between every pixel and its neighbour to one side: how much deeper, in log depth, the normals have the pixel, and how much that counts.
+/// Between every pixel and its neighbour to one side: how much deeper, in log depth, the normals have the pixel, and
+/// how much that counts.
 struct Bonds {
   int dx = 0, dy = 0;
   std::vector<double> step, weight;
@@ -21,7 +22,8 @@ struct Bonds {
 
 class Smoother {
  public:
-  Smoother(const ImageF& depth, const ImageF& normal, const ImageF& weight, const Camera& camera, const NormalSmoothingOptions& options)
+  Smoother(const ImageF& depth, const ImageF& normal, const ImageF& weight, const Camera& camera,
+           const NormalSmoothingOptions& options)
       : options_(options), camera_(camera), normal_(normal), width_(depth.width), height_(depth.height) {
     const size_t pixels = depth.data.size();
     known_.assign(pixels, 0);
@@ -59,7 +61,9 @@ class Smoother {
   }
 
  private:
-  size_t index(int x, int y) const { return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x); }
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  }
 
   /// -n . r of the pixel's normal and a ray; 0 where that is too flat or there is no normal.
   double facing(int x, int y, const Vec3d& ray) const {
@@ -70,17 +74,20 @@ class Smoother {
   }
 
   Bonds bonds(int dx, int dy) const {
-    Bonds out{dx, dy, std::vector<double>(known_.size(), 0), std::vector<double>(known_.size(), 0), std::vector<uint8_t>(known_.size(), 0)};
+    Bonds out{dx, dy, std::vector<double>(known_.size(), 0), std::vector<double>(known_.size(), 0),
+              std::vector<uint8_t>(known_.size(), 0)};
     for (int y = 0; y + dy < height_; ++y) {
       for (int x = 0; x + dx < width_; ++x) {
         const size_t i = index(x, y);
         if (!known_[i] || !known_[index(x + dx, y + dy)]) continue;
-        const Vec3d own = camera_.ray(x + 0.5, y + 0.5), other = camera_.ray(x + dx + 0.5, y + dy + 0.5), border = (own + other) * 0.5;
+        const Vec3d own = camera_.ray(x + 0.5, y + 0.5), other = camera_.ray(x + dx + 0.5, y + dy + 0.5),
+                    border = (own + other) * 0.5;
         const double a = facing(x, y, own), a_border = facing(x, y, border);
         const double b = facing(x + dx, y + dy, other), b_border = facing(x + dx, y + dy, border);
         if (a == 0 || a_border == 0 || b == 0 || b_border == 0) continue;
         out.there[i] = 1;
-        out.step[i] = std::log(b / b_border) - std::log(a / a_border);  // on a plane z is inversely proportional to n . r
+        // on a plane z is inversely proportional to n . r
+        out.step[i] = std::log(b / b_border) - std::log(a / a_border);
       }
     }
     return out;

@@ -7,15 +7,19 @@
 namespace aligngs {
 
 struct NormalSmoothingOptions {
-  /// Pixels over which depth is averaged along the surface; 0 switches smoothing off. Square root of the weight of the normals beside the depth.
+  /// Pixels over which depth is averaged along the surface; 0 switches smoothing off. Square root of the weight of the
+  /// normals beside the depth.
   double length = 4;
-  /// Log units of depth. Neighbours whose step differs by more from what the normals say belong to different surfaces: 2.5 cm at
-  /// 2.5 m. With twice that, thin things melt into what they lie on (development bedroom: recall at 5 cm 0.945 instead of 0.952).
+  /// Log units of depth. Neighbours whose step differs by more from what the normals say belong to different surfaces:
+  /// 2.5 cm at
+  /// 2.5 m. With twice that, thin things melt into what they lie on (development bedroom: recall at 5 cm 0.945 instead
+  /// of 0.952).
   double jump = 0.01;
-  /// Log units. A pixel that the smooth surface leaves by more pulls no harder than one that it leaves by so much (Huber).
+  /// Log units. A pixel that the smooth surface leaves by more pulls no harder than one that it leaves by so much
+  /// (Huber).
   double outlier = 0.005;
-  int rounds = 3;        ///< of reweighting; the first takes the depth's own steps
-  int iterations = 60;   ///< of conjugate gradients per round: their reach is as many pixels, more than `length`
+  int rounds = 3;       ///< of reweighting; the first takes the depth's own steps
+  int iterations = 60;  ///< of conjugate gradients per round: their reach is as many pixels, more than `length`
 };
 
 /// Minimises, over l = log z, sum_i a_i (l_i - l0_i)^2 + length^2 sum_ij b_ij (l_i - l_j - g_ij)^2 over neighbours i,

@@ -44,7 +44,8 @@ TEST(NormalSmoothing, TakesNoiseAway) {
   const double before = mean_log_error(start, frame.depth);
   NormalSmoothingOptions options;
   options.outlier = 0.02;
-  const double after = mean_log_error(smooth_along_normals(start, frame.normal, {}, frame.camera, options), frame.depth);
+  const double after =
+      mean_log_error(smooth_along_normals(start, frame.normal, {}, frame.camera, options), frame.depth);
   EXPECT_LT(after, 0.25 * before) << "an average over some 12 pixels";
 }
 
@@ -102,7 +103,8 @@ TEST(NormalSmoothing, IsOffWithoutALength) {
   const FusionFrame frame = corner();
   NormalSmoothingOptions off;
   off.length = 0;
-  EXPECT_EQ(smooth_along_normals(noisy(frame.depth, 0.01), frame.normal, {}, frame.camera, off).data, noisy(frame.depth, 0.01).data);
+  EXPECT_EQ(smooth_along_normals(noisy(frame.depth, 0.01), frame.normal, {}, frame.camera, off).data,
+            noisy(frame.depth, 0.01).data);
 }
 
 }  // namespace

@@ -22,13 +22,16 @@ void share_vertices(TriangleMesh& part) {
   std::vector<uint32_t> same(part.vertices.size());
   for (uint32_t v = 0; v < same.size(); ++v) {
     std::vector<uint32_t>& others = at_place[{part.vertices[v].x, part.vertices[v].y, part.vertices[v].z}];
-    const auto found = std::find_if(others.begin(), others.end(), [&](uint32_t o) { return part.normals.empty() || dot(part.normals[o], part.normals[v]) > kSameNormal; });
+    const auto found = std::find_if(others.begin(), others.end(), [&](uint32_t o) {
+      return part.normals.empty() || dot(part.normals[o], part.normals[v]) > kSameNormal;
+    });
     same[v] = found == others.end() ? v : *found;
     if (found == others.end()) others.push_back(v);
   }
   for (auto& t : part.triangles) t = {same[t[0]], same[t[1]], same[t[2]]};
   std::erase_if(part.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-  part = keep_triangles(part, std::vector<uint8_t>(part.triangles.size(), 1));  // meshoptimizer looks at unused ones, too
+  // meshoptimizer looks at unused ones, too
+  part = keep_triangles(part, std::vector<uint8_t>(part.triangles.size(), 1));
 }
 
 /// All parts as one index buffer.
@@ -55,7 +58,8 @@ Joined join(const std::vector<TriangleMesh*>& parts) {
 }  // namespace
 
 SimplifyReport simplify_parts(const std::vector<TriangleMesh*>& parts, const SimplifyLimits& limits) {
-  if (limits.triangles == 0 && !(limits.error > 0)) throw_usage("a mesh is simplified to a number of triangles or to an error", "give one of them");
+  if (limits.triangles == 0 && !(limits.error > 0))
+    throw_usage("a mesh is simplified to a number of triangles or to an error", "give one of them");
   SimplifyReport report;
   for (TriangleMesh* part : parts) {
     report.before += part->triangles.size();
@@ -71,13 +75,15 @@ SimplifyReport simplify_parts(const std::vector<TriangleMesh*>& parts, const Sim
   const float error = limits.error > 0 ? static_cast<float>(std::min(limits.error / size, 1.0)) : 1.0f;
   std::vector<unsigned int> left(all.indices.size());
   float reached = 0;
-  left.resize(meshopt_simplify(left.data(), all.indices.data(), all.indices.size(), places, all.vertices.size(), sizeof(Vec3f), 3 * limits.triangles, error, 0, &reached));
+  left.resize(meshopt_simplify(left.data(), all.indices.data(), all.indices.size(), places, all.vertices.size(),
+                               sizeof(Vec3f), 3 * limits.triangles, error, 0, &reached));
   report.after = left.size() / 3;
   report.error = reached * size;
   for (TriangleMesh* part : parts) part->triangles.clear();
   for (size_t i = 0; i < left.size(); i += 3) {
     // A triangle has vertices of one part alone: collapses never leave it.
-    const size_t owner = static_cast<size_t>(std::upper_bound(all.first.begin(), all.first.end(), left[i]) - all.first.begin()) - 1;
+    const size_t owner =
+        static_cast<size_t>(std::upper_bound(all.first.begin(), all.first.end(), left[i]) - all.first.begin()) - 1;
     const auto local = [&](unsigned int v) { return static_cast<uint32_t>(v - all.first[owner]); };
     parts[owner]->triangles.push_back({local(left[i]), local(left[i + 1]), local(left[i + 2])});
   }

@@ -22,10 +22,15 @@ TriangleMesh sphere(uint32_t rings) {
     const uint32_t count = j == 0 || j == rings ? 1 : columns;
     for (uint32_t i = 0; i < count; ++i) {
       const double a = 2 * M_PI * i / columns;
-      mesh.vertices.push_back({float(std::sin(polar) * std::cos(a)), float(std::sin(polar) * std::sin(a)), float(std::cos(polar))});
+      mesh.vertices.push_back(
+          {float(std::sin(polar) * std::cos(a)), float(std::sin(polar) * std::sin(a)), float(std::cos(polar))});
     }
   }
-  const auto at = [&](uint32_t j, uint32_t i) { return j == 0 ? 0 : j == rings ? static_cast<uint32_t>(mesh.vertices.size() - 1) : 1 + (j - 1) * columns + i % columns; };
+  const auto at = [&](uint32_t j, uint32_t i) {
+    return j == 0       ? 0
+           : j == rings ? static_cast<uint32_t>(mesh.vertices.size() - 1)
+                        : 1 + (j - 1) * columns + i % columns;
+  };
   for (uint32_t j = 0; j < rings; ++j) {
     for (uint32_t i = 0; i < columns; ++i) {
       if (j > 0) mesh.triangles.push_back({at(j, i), at(j + 1, i), at(j, i + 1)});
@@ -166,7 +171,10 @@ TEST(CloseMesh, TwoHolesOfASphereAreClosedOutward) {
   EXPECT_EQ(report.holes, 2u);
   EXPECT_EQ(report.open_edges, 0u);
   double volume = 0;
-  for (const auto& t : mesh.triangles) volume += dot(mesh.vertices[t[0]].cast<double>(), cross(mesh.vertices[t[1]].cast<double>(), mesh.vertices[t[2]].cast<double>())) / 6;
+  for (const auto& t : mesh.triangles)
+    volume += dot(mesh.vertices[t[0]].cast<double>(),
+                  cross(mesh.vertices[t[1]].cast<double>(), mesh.vertices[t[2]].cast<double>())) /
+              6;
   EXPECT_GT(volume, 0.85 * 4 * M_PI / 3);
   EXPECT_LT(volume, 4 * M_PI / 3);
 }

@@ -13,7 +13,8 @@ std::vector<PlaneClass> bare_surfaces(const LabelSet& labels) {
   std::vector<PlaneClass> classes = plane_classes(labels);
   for (size_t c = 0; c < classes.size(); ++c) {
     const int index = static_cast<int>(c);
-    if (index != labels.find("wall") && index != labels.find("floor") && index != labels.find("ceiling")) classes[c] = {};
+    if (index != labels.find("wall") && index != labels.find("floor") && index != labels.find("ceiling"))
+      classes[c] = {};
   }
   return classes;
 }
@@ -26,19 +27,22 @@ PlaneView plane_view_of(const FusionFrame& frame) {
   out.label_share = frame.label_probability;
   out.certainty = ImageF(frame.camera.width, frame.camera.height, 1, 1.0f);
   if (!frame.alpha.empty()) {
-    for (size_t i = 0; i < out.certainty.data.size(); ++i) out.certainty.data[i] = frame.alpha.data[i] > kSolid ? 1.0f : 0.0f;
+    for (size_t i = 0; i < out.certainty.data.size(); ++i)
+      out.certainty.data[i] = frame.alpha.data[i] > kSolid ? 1.0f : 0.0f;
   }
   return out;
 }
 
-void draw_frame(FusionFrame& frame, const PlaneMeasurement& measured, const std::vector<CameraPlane>& planes, ImageF& drawn) {
+void draw_frame(FusionFrame& frame, const PlaneMeasurement& measured, const std::vector<CameraPlane>& planes,
+                ImageF& drawn) {
   for (size_t i = 0; i < drawn.data.size(); ++i) {
     const float share = std::min(1.0f, measured.weight.data[i]);
     if (!(share > 0)) continue;
     drawn.data[i] = share;
     frame.depth.data[i] *= std::exp(share * measured.log_factor.data[i]);
     if (frame.normal.empty()) continue;
-    const auto plane = std::find_if(planes.begin(), planes.end(), [&](const CameraPlane& p) { return p.number == measured.plane.data[i]; });
+    const auto plane = std::find_if(planes.begin(), planes.end(),
+                                    [&](const CameraPlane& p) { return p.number == measured.plane.data[i]; });
     if (plane == planes.end()) continue;
     float* n = frame.normal.data.data() + 3 * i;
     const Vec3d own{n[0], n[1], n[2]};
@@ -60,8 +64,8 @@ ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreemen
   return out;
 }
 
-std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels, const StructuralPlanes& options,
-                                      ThreadPool& pool) {
+std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels,
+                                      const StructuralPlanes& options, ThreadPool& pool) {
   std::vector<ImageF> drawn(frames.size());
   std::vector<PlaneView> views;
   std::vector<size_t> source;

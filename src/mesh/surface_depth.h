@@ -11,21 +11,24 @@
 
 namespace aligngs {
 
-/// Plane depth is the smooth one, for it averages planes; where planes of two surfaces are averaged, it lies on neither. Median depth
-/// is always on a surface, but on that of a single Gaussian. So plane depth where both agree to `agreement` (relative), else median
+/// Plane depth is the smooth one, for it averages planes; where planes of two surfaces are averaged, it lies on
+/// neither. Median depth
+/// is always on a surface, but on that of a single Gaussian. So plane depth where both agree to `agreement` (relative),
+/// else median
 /// depth. H x W, 0 where there is none.
 ImageF agreeing_depth(const ImageF& plane, const ImageF& median, double agreement);
 
 struct StructuralPlanes {
-  double reach = 0.03;         ///< |log(plane / depth)| at which a pixel is off the plane; it lies on it at up to half of that
-  double normal_angle = 20;    ///< degrees between the depth's own normal and the plane's
+  /// |log(plane / depth)| at which a pixel is off the plane; it lies on it at up to half of that
+  double reach = 0.03;
+  double normal_angle = 20;  ///< degrees between the depth's own normal and the plane's
 };
 
 /// Moves depth, and normals where a frame has them, to planes of the room. It moves pixels whose label is wall, floor
 /// or ceiling; the planes are fitted to such pixels of all frames. Pixels near the edge of a label, off every plane, or
 /// without a label stay. Returns per frame how far each pixel was moved, H x W in [0, 1]; empty maps for frames without
 /// labels. Planes are fitted to training views alone.
-std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels, const StructuralPlanes& options,
-                                      ThreadPool& pool);
+std::vector<ImageF> draw_to_structure(std::vector<FusionFrame>& frames, const LabelSet& labels,
+                                      const StructuralPlanes& options, ThreadPool& pool);
 
 }  // namespace aligngs

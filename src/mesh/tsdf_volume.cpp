@@ -14,12 +14,12 @@
 namespace aligngs {
 namespace {
 
-constexpr double kMaxTruncationVoxels = 64;   // bounds the blocks that one pixel can ask for
+constexpr double kMaxTruncationVoxels = 64;  // bounds the blocks that one pixel can ask for
 // Blocks from the origin: three coordinates share one 64-bit key; the margin holds the band around the surface.
 constexpr int kMaxCoordinate = (1 << 20) - 64;
-constexpr size_t kRowGrain = 8;               // image rows per chunk
-constexpr size_t kBlockGrain = 32;            // blocks per chunk
-constexpr size_t kRecentKeys = 4096;          // slots of the filter for blocks that were noted a moment ago
+constexpr size_t kRowGrain = 8;       // image rows per chunk
+constexpr size_t kBlockGrain = 32;    // blocks per chunk
+constexpr size_t kRecentKeys = 4096;  // slots of the filter for blocks that were noted a moment ago
 // Hash node, coordinate and pointer of a block. Vertices and triangles of the blocks that the surface crosses (about
 // 100 and 200 in two of five blocks), with the doubling of growing arrays.
 constexpr uint64_t kBookkeepingBytes = 80;
@@ -92,8 +92,9 @@ void TsdfVolume::require_budget(size_t count) const {
   const uint64_t needed = count * (sizeof(Block) + kBookkeepingBytes + kExtractionBytes);
   if (needed <= options_.max_bytes) return;
   // The number of blocks near a surface falls with the square of the voxel.
-  throw_resources({}, fmt::format("fusing at a voxel of {:.4g} needs more than the budget of {}", options_.voxel,
-                                  format_bytes(options_.max_bytes)),
+  throw_resources({},
+                  fmt::format("fusing at a voxel of {:.4g} needs more than the budget of {}", options_.voxel,
+                              format_bytes(options_.max_bytes)),
                   fmt::format("use a larger voxel, twice as large ({:.4g}) needs about a quarter", 2 * options_.voxel));
 }
 
@@ -116,10 +117,12 @@ void TsdfVolume::reserve(const TsdfView& view, ThreadPool& pool) {
         const Vec3d back = to_world * (ray * (d + options_.truncation));
         const double reach = block * kMaxCoordinate;
         if (!(std::abs(back.x) < reach && std::abs(back.y) < reach && std::abs(back.z) < reach)) {
-          throw_bad_input({}, "positions",
-                          fmt::format("a surface lies {:.4g} from the origin (at depth {:.4g}), a voxel of {:.4g} reaches {:.4g}", norm(back), d,
-                                      options_.voxel, reach),
-                          d < reach ? "`aligngs import` moves a scene to its origin; or use a larger voxel" : "use a larger voxel or cut the depth");
+          throw_bad_input(
+              {}, "positions",
+              fmt::format("a surface lies {:.4g} from the origin (at depth {:.4g}), a voxel of {:.4g} reaches {:.4g}",
+                          norm(back), d, options_.voxel, reach),
+              d < reach ? "`aligngs import` moves a scene to its origin; or use a larger voxel"
+                        : "use a larger voxel or cut the depth");
         }
         walk_blocks(front * (1 / block), back * (1 / block), [&](const BlockCoordinate& b) {
           const uint64_t key = key_of(b);

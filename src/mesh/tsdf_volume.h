@@ -17,10 +17,10 @@
 namespace aligngs {
 
 struct TsdfOptions {
-  double voxel = 0.01;        ///< scene units
-  double truncation = 0.04;   ///< scene units, at most 64 voxels
-  uint64_t max_bytes = 0;     ///< 0: 80 % of the memory that is free now
-  bool carve = true;          ///< views also push voxels of other views towards free space in front of their surface
+  double voxel = 0.01;       ///< scene units
+  double truncation = 0.04;  ///< scene units, at most 64 voxels
+  uint64_t max_bytes = 0;    ///< 0: 80 % of the memory that is free now
+  bool carve = true;         ///< views also push voxels of other views towards free space in front of their surface
 };
 
 /// One depth map to be fused.
@@ -29,8 +29,9 @@ struct TsdfView {
   const ImageF* depth = nullptr;   ///< H x W, scene units, <= 0 or non-finite: no value
   const ImageF* color = nullptr;   ///< H x W x 3 or nullptr
   const ImageF* weight = nullptr;  ///< H x W, >= 0; 0: the pixel is not used at all; never null
-  const ImageF* slope = nullptr;   ///< H x W, > 0: -n . r of the surface's unit normal and the ray with z = 1; nullptr: 1
-  bool observed_only = false;      ///< touch only voxels that have been observed before (interpolated views)
+  /// H x W, > 0: -n . r of the surface's unit normal and the ray with z = 1; nullptr: 1
+  const ImageF* slope = nullptr;
+  bool observed_only = false;  ///< touch only voxels that have been observed before (interpolated views)
 };
 
 /// Use: reserve() every view, look at predicted_bytes(), allocate(), integrate() every view, extract the surface.

@@ -11,14 +11,14 @@
 
 namespace aligngs {
 
-inline constexpr int kBlockSide = 8;                                       // voxels
+inline constexpr int kBlockSide = 8;  // voxels
 inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
 
 struct Voxel {
-  float tsdf = 1;                    ///< signed distance / truncation in [-1, 1]; positive in front of the surface
-  float weight = 0;                  ///< 0: never observed
-  std::array<uint16_t, 3> color{};   ///< mean sRGB, 65535 = 1
-  uint16_t color_weight = 0;         ///< in units of kColorWeightUnit, saturating; 0: no colour
+  float tsdf = 1;                   ///< signed distance / truncation in [-1, 1]; positive in front of the surface
+  float weight = 0;                 ///< 0: never observed
+  std::array<uint16_t, 3> color{};  ///< mean sRGB, 65535 = 1
+  uint16_t color_weight = 0;        ///< in units of kColorWeightUnit, saturating; 0: no colour
 };
 inline constexpr float kColorWeightUnit = 1.0f / 1024;
 
@@ -38,11 +38,11 @@ struct VoxelView {
   float truncation = 0;
   bool observed_only = false, carve = true;
 
-  double voxel = 0;             ///< scene units
+  double voxel = 0;  ///< scene units
   Rigidd world_to_camera;
-  Vec3d planes[4];              ///< through the camera centre and the image borders, normals pointing inwards
-  double radius = 0;            ///< of a block
-  double farthest = 0;          ///< a block whose centre is farther away sees nothing of this view
+  Vec3d planes[4];                  ///< through the camera centre and the image borders, normals pointing inwards
+  double radius = 0;                ///< of a block
+  double farthest = 0;              ///< a block whose centre is farther away sees nothing of this view
   Vec3f along_x, along_y, along_z;  ///< steps of a voxel in the camera frame
 
   /// Whether any voxel of the block can lie in the image and not behind everything.
@@ -56,7 +56,8 @@ struct VoxelView {
   }
   /// Centre of the block's first voxel in the camera frame.
   ALIGNGS_HD Vec3f origin(const BlockCoordinate& at) const {
-    const Vec3d p{(at.x * kBlockSide + 0.5) * voxel, (at.y * kBlockSide + 0.5) * voxel, (at.z * kBlockSide + 0.5) * voxel};
+    const Vec3d p{(at.x * kBlockSide + 0.5) * voxel, (at.y * kBlockSide + 0.5) * voxel,
+                  (at.z * kBlockSide + 0.5) * voxel};
     return (world_to_camera * p).cast<float>();
   }
   ALIGNGS_HD Vec3f row(const Vec3f& block_origin, int j, int k) const {
@@ -109,7 +110,8 @@ ALIGNGS_HD inline void fuse_voxel(const VoxelView& view, const Vec3f& p, Voxel& 
   const float weight = view.weight[pixel];
   if (!(weight > 0) || (view.observed_only && voxel.weight == 0)) return;
   const float depth = view.sample_depth(u, v, x, y);
-  // With a normal, the distance from the surface's tangent plane: along the ray, surface seen at an angle would seem farther away.
+  // With a normal, the distance from the surface's tangent plane: along the ray, surface seen at an angle would seem
+  // farther away.
   const float distance = view.slope != nullptr ? (depth - p.z) * view.slope[pixel] : depth - p.z;
   if (depth == 0 || distance < -view.truncation) return;
   const bool near = distance <= view.truncation;

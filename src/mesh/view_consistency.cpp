@@ -8,9 +8,9 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kConsistencyRows = 8;      // image rows per chunk
-constexpr int kResidualStride = 8;   // pixels between the samples of two_view_residual
-constexpr double kOccluded = 0.10;   // relative depth difference of different surfaces
+constexpr size_t kConsistencyRows = 8;  // image rows per chunk
+constexpr int kResidualStride = 8;      // pixels between the samples of two_view_residual
+constexpr double kOccluded = 0.10;      // relative depth difference of different surfaces
 
 /// The way of a pixel of one view into the image of another.
 struct Transfer {

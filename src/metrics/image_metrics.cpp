@@ -16,12 +16,12 @@
 namespace aligngs {
 namespace {
 
-constexpr int kWindow = 11;             // pixels, Wang et al. 2004
+constexpr int kWindow = 11;  // pixels, Wang et al. 2004
 constexpr int kRadius = kWindow / 2;
-constexpr double kSigma = 1.5;          // pixels
-constexpr double kC1 = 0.01 * 0.01;     // (K1 L)^2 with dynamic range L = 1
+constexpr double kSigma = 1.5;       // pixels
+constexpr double kC1 = 0.01 * 0.01;  // (K1 L)^2 with dynamic range L = 1
 constexpr double kC2 = 0.03 * 0.03;
-constexpr double kMinMse = 1e-10;       // kMaxPsnr
+constexpr double kMinMse = 1e-10;  // kMaxPsnr
 // Weight of the identity in the colour fit, as a share of the pixels: far below the noise of a photo, far above
 // rounding.
 constexpr double kIdentityWeight = 1e-6;
@@ -34,14 +34,13 @@ void require_same_size(const ImageF& a, const ImageF& b, const ImageF& mask) {
                     "render at the camera of the image");
   }
   if (!mask.empty() && (mask.width != a.width || mask.height != a.height)) {
-    throw_bad_input({}, "mask", fmt::format("a mask of {}x{} does not fit an image of {}x{}", mask.width, mask.height,
-                                            a.width, a.height));
+    throw_bad_input(
+        {}, "mask",
+        fmt::format("a mask of {}x{} does not fit an image of {}x{}", mask.width, mask.height, a.width, a.height));
   }
 }
 
-bool counts(const ImageF& mask, size_t pixel) {
-  return mask.empty() || mask.data[pixel * mask.channels] >= 0.5f;
-}
+bool counts(const ImageF& mask, size_t pixel) { return mask.empty() || mask.data[pixel * mask.channels] >= 0.5f; }
 
 /// Squared differences and how many there are.
 struct SquaredError {

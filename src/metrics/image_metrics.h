@@ -19,11 +19,11 @@ struct ImageMetricOptions {
 
 /// The numbers of one test view. A number is NaN when no pixel counts (JSON shows null).
 struct ImageScores {
-  double psnr = 0;                 ///< dB, over all channels of all pixels
-  double ssim = 0;                 ///< see ssim()
-  double psnr_affine_crossfit = 0; ///< dB, 3x4 colour fit on one half, scored on the other
-  double psnr_affine_full = 0;     ///< dB, fitted and scored on all pixels: an optimistic diagnostic
-  size_t pixels = 0;               ///< pixels that counted
+  double psnr = 0;                  ///< dB, over all channels of all pixels
+  double ssim = 0;                  ///< see ssim()
+  double psnr_affine_crossfit = 0;  ///< dB, 3x4 colour fit on one half, scored on the other
+  double psnr_affine_full = 0;      ///< dB, fitted and scored on all pixels: an optimistic diagnostic
+  size_t pixels = 0;                ///< pixels that counted
 };
 
 /// Clamped to [0, 1], rounded to multiples of 1/255 when asked; NaN becomes 0.

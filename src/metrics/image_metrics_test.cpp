@@ -28,7 +28,7 @@ TEST(Psnr, OfAConstantOffsetIsItsLogarithm) {
 TEST(Psnr, EqualImagesAndOutOfRangeValuesAreBounded) {
   const ImageF truth(4, 4, 3, 1.0f);
   EXPECT_EQ(psnr(truth, truth), kMaxPsnr);
-  EXPECT_EQ(psnr(ImageF(4, 4, 3, 7.0f), truth), kMaxPsnr);  // clamped to 1
+  EXPECT_EQ(psnr(ImageF(4, 4, 3, 7.0f), truth), kMaxPsnr);                              // clamped to 1
   EXPECT_EQ(psnr(ImageF(4, 4, 3, std::numeric_limits<float>::quiet_NaN()), truth), 0);  // counts as black
 }
 
@@ -61,7 +61,11 @@ double ssim_by_definition(const ImageF& a, const ImageF& b) {
             if (x + i < 0 || y + j < 0 || x + i >= a.width || y + j >= a.height) continue;
             const double w = weights[i + 5] * weights[j + 5] / (total * total);
             const double u = a.at(x + i, y + j, c), v = b.at(x + i, y + j, c);
-            ma += w * u; mb += w * v; aa += w * u * u; bb += w * v * v; ab += w * u * v;
+            ma += w * u;
+            mb += w * v;
+            aa += w * u * u;
+            bb += w * v * v;
+            ab += w * u * v;
           }
         sum += (2 * ma * mb + 1e-4) * (2 * (ab - ma * mb) + 9e-4) /
                ((ma * ma + mb * mb + 1e-4) * (aa - ma * ma + bb - mb * mb + 9e-4));

@@ -45,7 +45,8 @@ OneWay measure(const PointSet& from, const PointSet& to, const PointIndex& index
   }
   result.median = median_of(std::move(distances));
   result.mean = sum / static_cast<double>(nearest.size());
-  for (size_t k = 0; k < thresholds.size(); ++k) result.shares[k] = static_cast<double>(within[k]) / static_cast<double>(nearest.size());
+  for (size_t k = 0; k < thresholds.size(); ++k)
+    result.shares[k] = static_cast<double>(within[k]) / static_cast<double>(nearest.size());
   return result;
 }
 
@@ -67,7 +68,8 @@ MeshScores compare_points(const PointSet& predicted, const PointSet& truth, Thre
                           const DistanceOptions& options) {
   std::optional<PointIndex> predicted_index, truth_index;  // each is made by one thread
   pool.parallel_for(2, 1, [&](size_t begin, size_t end, int) {
-    for (size_t i = begin; i < end; ++i) i == 0 ? predicted_index.emplace(predicted.positions) : truth_index.emplace(truth.positions);
+    for (size_t i = begin; i < end; ++i)
+      i == 0 ? predicted_index.emplace(predicted.positions) : truth_index.emplace(truth.positions);
   });
   std::vector<double> thresholds = {options.threshold};
   thresholds.insert(thresholds.end(), options.finer.begin(), options.finer.end());
@@ -85,8 +87,8 @@ MeshScores compare_points(const PointSet& predicted, const PointSet& truth, Thre
   scores.normal_consistency =
       normals ? (accuracy.normal_sum + completeness.normal_sum) / static_cast<double>(normals) : kUndefined;
   for (size_t k = 0; k < thresholds.size(); ++k) {
-    scores.finer.push_back(scores_at(thresholds[k], accuracy.shares[k], completeness.shares[k], !predicted.positions.empty(),
-                                     !truth.positions.empty()));
+    scores.finer.push_back(scores_at(thresholds[k], accuracy.shares[k], completeness.shares[k],
+                                     !predicted.positions.empty(), !truth.positions.empty()));
   }
   scores.precision = scores.finer.front().precision;
   scores.recall = scores.finer.front().recall;

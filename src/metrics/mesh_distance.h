@@ -10,8 +10,8 @@
 namespace aligngs {
 
 struct DistanceOptions {
-  double threshold = 0.05;  ///< metres (units of the points); the field's 5 cm
-  bool strict = true;       ///< distance < threshold counts (NeuRIS); false: <= (GO-Surf)
+  double threshold = 0.05;         ///< metres (units of the points); the field's 5 cm
+  bool strict = true;              ///< distance < threshold counts (NeuRIS); false: <= (GO-Surf)
   std::vector<double> finer = {};  ///< metres: further thresholds, whose scores are in MeshScores::finer in this order
 };
 
@@ -26,9 +26,9 @@ struct MeshScores {
   double accuracy = 0;      ///< mean distance predicted -> truth, units of the points
   double completeness = 0;  ///< mean distance truth -> predicted
   double accuracy_median = 0, completeness_median = 0;
-  double precision = 0;     ///< share of predicted points within the threshold of the truth
-  double recall = 0;        ///< share of true points within the threshold of the prediction
-  double fscore = 0;        ///< 2 P R / (P + R), 0 when both are 0
+  double precision = 0;           ///< share of predicted points within the threshold of the truth
+  double recall = 0;              ///< share of true points within the threshold of the prediction
+  double fscore = 0;              ///< 2 P R / (P + R), 0 when both are 0
   double normal_consistency = 0;  ///< mean |n . n'| over both directions; NaN when normals were not given
   double threshold = 0;
   std::vector<ThresholdScores> finer;

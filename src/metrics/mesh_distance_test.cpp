@@ -34,8 +34,8 @@ TEST(SampleSurface, IsUniformInArea) {
     small += p.x < 1.5f;
     lower_left += p.x > 2 && p.x < 3 && p.y < 1;
   }
-  EXPECT_EQ(small, 1000);            // stratified: exact up to rounding
-  EXPECT_NEAR(lower_left, 1000, 90); // 3 sigma of a binomial
+  EXPECT_EQ(small, 1000);             // stratified: exact up to rounding
+  EXPECT_NEAR(lower_left, 1000, 90);  // 3 sigma of a binomial
   EXPECT_NEAR(samples.normals[0].z, 1, 1e-6);
 }
 

@@ -13,18 +13,18 @@
 namespace aligngs {
 namespace {
 
-constexpr double kBoxScale = 1.1;    // NeuRIS: truth box about its centre
-constexpr size_t kPointGrain = 1024; // points per chunk of visibility tests
+constexpr double kBoxScale = 1.1;     // NeuRIS: truth box about its centre
+constexpr size_t kPointGrain = 1024;  // points per chunk of visibility tests
 
 void require_input(const MeshEvaluationInput& input) {
   if (!input.predicted || !input.truth || input.truth->empty()) {
     throw_bad_input({}, "truth mesh", "there is no true surface to compare with", "put one at truth/mesh.ply");
   }
   if (input.truth_cameras.empty() || input.run_cameras.size() != input.truth_cameras.size()) {
-    throw_bad_input({}, "cameras",
-                    fmt::format("{} cameras of the run and {} true cameras", input.run_cameras.size(),
-                                input.truth_cameras.size()),
-                    "give the same views to both, at least one");
+    throw_bad_input(
+        {}, "cameras",
+        fmt::format("{} cameras of the run and {} true cameras", input.run_cameras.size(), input.truth_cameras.size()),
+        "give the same views to both, at least one");
   }
   for (const int i : input.train) {
     if (i < 0 || size_t(i) >= input.truth_cameras.size()) {
@@ -63,8 +63,8 @@ struct TruthView {
   std::vector<Image<uint8_t>> hit;
 };
 
-TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras, ThreadPool& pool,
-                        const MeshProtocolOptions& options) {
+TruthView look_at_truth(const TriangleMesh& truth, const RayScene& rays, const std::vector<Camera>& cameras,
+                        ThreadPool& pool, const MeshProtocolOptions& options) {
   TruthView view;
   view.cameras = ray_cameras(cameras, options.ray_columns);
   std::vector<uint8_t> keep(truth.triangles.size(), 0);
@@ -95,10 +95,14 @@ double area_of(const TriangleMesh& mesh) {
 
 std::string name_of(MeshAlignment alignment) {
   switch (alignment) {
-    case MeshAlignment::kNone: return "none";
-    case MeshAlignment::kCameras: return "cameras";
-    case MeshAlignment::kCamerasAndIcp: return "cameras+icp";
-    case MeshAlignment::kIcp: return "icp";
+    case MeshAlignment::kNone:
+      return "none";
+    case MeshAlignment::kCameras:
+      return "cameras";
+    case MeshAlignment::kCamerasAndIcp:
+      return "cameras+icp";
+    case MeshAlignment::kIcp:
+      return "icp";
   }
   return "none";
 }
@@ -115,10 +119,9 @@ TriangleMesh aligned_prediction(const MeshEvaluationInput& input, MeshAlignment 
     mesh = transformed(mesh, fit.similarity);
   }
   if (alignment == MeshAlignment::kIcp || alignment == MeshAlignment::kCamerasAndIcp) {
-    const SurfaceSamples target =
-        sample_surface(culled, {options.points_per_area, options.max_points, options.seed});
-    const IcpReport icp =
-        align_by_icp(thin_to_voxels(mesh.vertices, options.voxel), {target.positions, target.normals}, pool, options.icp);
+    const SurfaceSamples target = sample_surface(culled, {options.points_per_area, options.max_points, options.seed});
+    const IcpReport icp = align_by_icp(thin_to_voxels(mesh.vertices, options.voxel), {target.positions, target.normals},
+                                       pool, options.icp);
     mesh = transformed(mesh, icp.similarity);
     Similarity& s = report.similarity;
     s = {icp.similarity.scale * s.scale, icp.similarity.rotation * s.rotation, icp.similarity * s.translation};
@@ -195,8 +198,9 @@ PointSet select(const SurfaceSamples& samples, const std::vector<uint8_t>& keep)
 }
 
 /// Samples of a mesh that some camera sees; with `truth`, those where the truth is mostly missing are dropped.
-PointSet visible_samples(const SurfaceSamples& samples, const RayScene& rays, const std::vector<Camera>& cameras, const TruthView* truth,
-                         ThreadPool& pool, const MeshProtocolOptions& options, bool& capped, double& area) {
+PointSet visible_samples(const SurfaceSamples& samples, const RayScene& rays, const std::vector<Camera>& cameras,
+                         const TruthView* truth, ThreadPool& pool, const MeshProtocolOptions& options, bool& capped,
+                         double& area) {
   std::vector<Vec3d> eyes;
   for (const Camera& c : cameras) eyes.push_back(c.centre());
   const std::vector<uint8_t> keep = test_points(samples.positions, pool, [&](const Vec3f& p) {
@@ -240,12 +244,15 @@ class Evaluator {
     require_input(input);
   }
 
-  /// For protocols without ICP: a tree is built by one thread, so that it is always the same, but two trees can be at once.
+  /// For protocols without ICP: a tree is built by one thread, so that it is always the same, but two trees can be at
+  /// once.
   void prepare(MeshAlignment alignment) {
     pool_.parallel_for(2, 1, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
-        if (i == 0) truth();
-        else align(alignment, {});
+        if (i == 0)
+          truth();
+        else
+          align(alignment, {});
       }
     });
   }
@@ -255,7 +262,8 @@ class Evaluator {
     const TruthView& truth = truth_seen_by(culling);
     const Surface& predicted = prediction(truth, alignment, result.alignment_report);
     const std::vector<uint8_t> inside = triangles_in(scaled_box(truth.culled.vertices, kBoxScale), predicted.mesh);
-    const TriangleMesh mesh = keep_triangles(predicted.mesh, first_hit_triangles(predicted.rays, inside, truth.cameras, pool_));
+    const TriangleMesh mesh =
+        keep_triangles(predicted.mesh, first_hit_triangles(predicted.rays, inside, truth.cameras, pool_));
     const std::vector<uint8_t> keep =
         test_points(mesh.vertices, pool_, [&](const Vec3f& v) { return inside_truth_masks(v, truth); });
     std::vector<Vec3f> vertices;
@@ -274,10 +282,10 @@ class Evaluator {
     const std::vector<Camera> cameras = culling_cameras(input_, culling, options_.max_cameras);
     const TruthView& seen = truth_seen_by(culling);
     Surface& mesh = prediction(seen, alignment, result.alignment_report);
-    const PointSet predicted = visible_samples(mesh.sampled(options_), mesh.rays, cameras, &seen, pool_, options_, result.capped,
-                                               result.predicted_area);
-    const PointSet expected =
-        visible_samples(truth().sampled(options_), truth().rays, cameras, nullptr, pool_, options_, result.capped, result.truth_area);
+    const PointSet predicted = visible_samples(mesh.sampled(options_), mesh.rays, cameras, &seen, pool_, options_,
+                                               result.capped, result.predicted_area);
+    const PointSet expected = visible_samples(truth().sampled(options_), truth().rays, cameras, nullptr, pool_,
+                                              options_, result.capped, result.truth_area);
     result.scores = compare_points(predicted, expected, pool_, {options_.threshold, false, options_.finer_thresholds});
     return result;
   }
@@ -308,7 +316,8 @@ class Evaluator {
   const TruthView& truth_seen_by(CullingViews culling) {
     std::optional<TruthView>& view = culling == CullingViews::kAll ? by_all_ : by_training_;
     if (!view) {
-      view = look_at_truth(truth().mesh, truth().rays, culling_cameras(input_, culling, options_.max_cameras), pool_, options_);
+      view = look_at_truth(truth().mesh, truth().rays, culling_cameras(input_, culling, options_.max_cameras), pool_,
+                           options_);
     }
     return *view;
   }
@@ -363,8 +372,8 @@ TriangleMesh transformed(const TriangleMesh& mesh, const Similarity& similarity)
 TriangleMesh cull_to_first_hits(const TriangleMesh& mesh, const std::vector<Camera>& cameras, ThreadPool& pool,
                                 const MeshProtocolOptions& options) {
   const RayScene rays(mesh);
-  return keep_triangles(
-      mesh, first_hit_triangles(rays, std::vector<uint8_t>(mesh.triangles.size(), 1), ray_cameras(cameras, options.ray_columns), pool));
+  return keep_triangles(mesh, first_hit_triangles(rays, std::vector<uint8_t>(mesh.triangles.size(), 1),
+                                                  ray_cameras(cameras, options.ray_columns), pool));
 }
 
 MeshProtocolResult evaluate_neuris_vertices(const MeshEvaluationInput& input, CullingViews culling,

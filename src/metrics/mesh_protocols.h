@@ -32,30 +32,31 @@ struct MeshEvaluationInput {
   std::vector<Camera> run_cameras;          ///< every view as the run knows it
   std::vector<Camera> truth_cameras;        ///< the same views, true poses
   std::vector<int> train;                   ///< indices of the training views
-  std::vector<uint8_t> structural;          ///< per class of the truth's labels: 1 for walls, floor and ceiling; may be empty
+  /// per class of the truth's labels: 1 for walls, floor and ceiling; may be empty
+  std::vector<uint8_t> structural;
 };
 
 struct MeshProtocolOptions {
-  double threshold = 0.05;        ///< metres
+  double threshold = 0.05;                              ///< metres
   std::vector<double> finer_thresholds = {0.01, 0.02};  ///< metres: scores beside those at `threshold`
-  double voxel = 0.02;            ///< metres, thinning of vertices
-  int ray_columns = 320;          ///< width of the images through which surfaces are looked at: NeuRIS halves 640
-  double points_per_area = 1e4;   ///< per m^2: 1 per cm^2
-  size_t max_points = 4'000'000;  ///< cap of the area samples
+  double voxel = 0.02;                                  ///< metres, thinning of vertices
+  int ray_columns = 320;              ///< width of the images through which surfaces are looked at: NeuRIS halves 640
+  double points_per_area = 1e4;       ///< per m^2: 1 per cm^2
+  size_t max_points = 4'000'000;      ///< cap of the area samples
   double occlusion_tolerance = 0.02;  ///< metres a point may lie behind the first surface (GO-Surf)
   /// A predicted sample is dropped if more than this share of the views that see it see no true surface there. The
   /// truth has holes (windows, screens, black counters), which must not count as errors. 0.7 is GO-Surf's
   /// --remove_missing_depth; 1 switches it off.
   double max_missing_truth = 0.7;
-  size_t max_cameras = 300;       ///< evenly strided when there are more (GO-Surf)
-  uint64_t seed = 1;              ///< of the area samples
+  size_t max_cameras = 300;  ///< evenly strided when there are more (GO-Surf)
+  uint64_t seed = 1;         ///< of the area samples
   IcpOptions icp;
 };
 
 /// Alignment of the predicted mesh before measuring.
 struct AlignmentReport {
-  Similarity similarity;         ///< predicted -> truth
-  double camera_rmse = 0;        ///< metres, of the camera centres; 0 without camera alignment
+  Similarity similarity;   ///< predicted -> truth
+  double camera_rmse = 0;  ///< metres, of the camera centres; 0 without camera alignment
   bool cameras_well_posed = true;
   std::optional<IcpReport> icp;
 };
@@ -88,9 +89,10 @@ MeshProtocolResult evaluate_area_samples(const MeshEvaluationInput& input, Culli
 
 /// metrics.json: geometry.* is `headline`, geometry.variants[] are the others.
 struct MeshEvaluation {
-  MeshProtocolResult headline;  ///< NeuRIS vertices, all poses; aligned on cameras unless the scene is metric: then that is a variant
+  /// NeuRIS vertices, all poses; aligned on cameras unless the scene is metric: then that is a variant
+  MeshProtocolResult headline;
   std::vector<MeshProtocolResult> variants;
-  SurfaceQuality surface;       ///< with the alignment of the headline
+  SurfaceQuality surface;  ///< with the alignment of the headline
 };
 MeshEvaluation evaluate_mesh(const MeshEvaluationInput& input, bool metric_scene, bool with_icp, ThreadPool& pool,
                              const MeshProtocolOptions& options = {});

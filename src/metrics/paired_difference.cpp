@@ -9,9 +9,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kDraws = 10000;        // the interval's ends move by less than 1 % of its width between seeds
-constexpr double kTail = 0.025;      // 95 % interval
-constexpr uint64_t kSeed = 20251024; // any constant: an interval is to be the same whenever it is computed
+constexpr int kDraws = 10000;         // the interval's ends move by less than 1 % of its width between seeds
+constexpr double kTail = 0.025;       // 95 % interval
+constexpr uint64_t kSeed = 20251024;  // any constant: an interval is to be the same whenever it is computed
 
 }  // namespace
 

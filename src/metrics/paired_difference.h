@@ -7,15 +7,16 @@
 namespace aligngs {
 
 struct PairedDifference {
-  size_t pairs = 0;       ///< pairs in which both are numbers
-  double mean = 0;        ///< of b - a; NaN without pairs
+  size_t pairs = 0;          ///< pairs in which both are numbers
+  double mean = 0;           ///< of b - a; NaN without pairs
   double low = 0, high = 0;  ///< 95 % interval of the mean; both the mean for one pair, NaN without pairs
 
   /// The interval has pairs enough to mean something and lies on one side of zero.
   bool beyond_noise() const { return pairs >= 3 && (low > 0 || high < 0); }
 };
 
-/// Percentile bootstrap (Efron 1979) over the pairs, 10 000 draws with a fixed seed: the same pairs give the same interval.
+/// Percentile bootstrap (Efron 1979) over the pairs, 10 000 draws with a fixed seed: the same pairs give the same
+/// interval.
 /// `a` and `b` have equal length; pairs with a NaN are left out.
 PairedDifference paired_difference(const std::vector<double>& a, const std::vector<double>& b);
 

@@ -75,8 +75,9 @@ MeshLabelScores compare_mesh_labels(const TriangleMesh& predicted, const Triangl
   const TriangleMesh* meshes[] = {&predicted, &truth};
   for (const TriangleMesh* mesh : meshes) {
     if (mesh->labels.size() != mesh->vertices.size()) {
-      throw_bad_input({}, "label", mesh == &truth ? "the true mesh has no label per vertex"
-                                                  : "the predicted mesh has no label per vertex");
+      throw_bad_input(
+          {}, "label",
+          mesh == &truth ? "the true mesh has no label per vertex" : "the predicted mesh has no label per vertex");
     }
   }
   const LabelledPoints points = thin_labelled(truth.vertices, truth.labels, options.voxel);
@@ -92,10 +93,13 @@ MeshLabelScores compare_mesh_labels(const TriangleMesh& predicted, const Triangl
   MeshLabelScores scores;
   scores.all = all.scores(options.min_share);
   scores.covered = covered.scores(options.min_share);
-  scores.coverage = scores.all.samples ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples) : kUndefined;
+  scores.coverage = scores.all.samples
+                        ? static_cast<double>(scores.covered.samples) / static_cast<double>(scores.all.samples)
+                        : kUndefined;
   for (int c = 0; c < classes; ++c) {
     const bool counts = std::isfinite(scores.all.iou[static_cast<size_t>(c)]);
-    scores.class_coverage.push_back(counts ? static_cast<double>(covered.of_class(c)) / static_cast<double>(all.of_class(c)) : kUndefined);
+    scores.class_coverage.push_back(
+        counts ? static_cast<double>(covered.of_class(c)) / static_cast<double>(all.of_class(c)) : kUndefined);
   }
   return scores;
 }

@@ -15,13 +15,13 @@ namespace aligngs {
 /// the labelled pixels ("count"), and all classes of the truth ("present"). The second weighs small objects as much as
 /// the wall.
 struct SemanticScores {
-  double miou = 0;           ///< mean over the classes that count
-  double present_miou = 0;   ///< mean over the classes present in the truth
-  double accuracy = 0;       ///< share of labelled pixels (points) with the right class
-  int classes = 0;           ///< number of classes that count in miou
-  int present_classes = 0;   ///< number of classes that present_miou is the mean over
-  uint64_t samples = 0;      ///< labelled pixels (points)
-  std::vector<double> iou;   ///< per class; NaN where the class does not count
+  double miou = 0;                  ///< mean over the classes that count
+  double present_miou = 0;          ///< mean over the classes present in the truth
+  double accuracy = 0;              ///< share of labelled pixels (points) with the right class
+  int classes = 0;                  ///< number of classes that count in miou
+  int present_classes = 0;          ///< number of classes that present_miou is the mean over
+  uint64_t samples = 0;             ///< labelled pixels (points)
+  std::vector<double> iou;          ///< per class; NaN where the class does not count
   std::vector<double> present_iou;  ///< per class; NaN where the truth has none of it
 };
 
@@ -63,7 +63,8 @@ struct MeshLabelScores {
   SemanticScores all;      ///< a truth vertex without predicted surface nearby counts as wrong
   SemanticScores covered;  ///< only truth vertices with a predicted vertex within the threshold
   double coverage = 0;     ///< share of truth vertices with a predicted vertex within the threshold
-  std::vector<double> class_coverage;  ///< the same of each class, NaN of those that `all` leaves out: lamps and legs are what meshes lose
+  /// the same of each class, NaN of those that `all` leaves out: lamps and legs are what meshes lose
+  std::vector<double> class_coverage;
 };
 
 /// For each thinned, labelled vertex of `truth` the label of the nearest vertex of `predicted`. Both in the same

@@ -14,13 +14,13 @@ struct SurfaceSamples {
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;
   std::vector<uint32_t> triangles;  ///< on which each lies
-  double area = 0;    ///< of the whole mesh, squared units
-  bool capped = false;  ///< fewer points than the density asks for, because of the cap
+  double area = 0;                  ///< of the whole mesh, squared units
+  bool capped = false;              ///< fewer points than the density asks for, because of the cap
 };
 
 struct SamplingOptions {
-  double points_per_area = 1e4;     ///< per square unit: 1 per cm^2 when units are metres (GO-Surf)
-  size_t max_points = 4'000'000;    ///< cap: 400 m^2 at that density, about 100 MB
+  double points_per_area = 1e4;   ///< per square unit: 1 per cm^2 when units are metres (GO-Surf)
+  size_t max_points = 4'000'000;  ///< cap: 400 m^2 at that density, about 100 MB
   uint64_t seed = 1;
 };
 

@@ -14,12 +14,17 @@ namespace aligngs {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr size_t kPointGrain = 512;          // samples per chunk of work
-constexpr int kRayColumns = 320;             // of the images through which the prediction is culled, as the mesh protocols have it
-constexpr double kSeenTolerance = 0.005;     // metres that a true sample may lie behind its own surface: rounding of single precision
-constexpr double kPlaneOfContour = 0.02;     // metres: rays beside a point that end this far from its tangent plane meet another surface
+constexpr size_t kPointGrain = 512;  // samples per chunk of work
+// of the images through which the prediction is culled, as the mesh protocols have it
+constexpr int kRayColumns = 320;
+// metres that a true sample may lie behind its own surface: rounding of single precision
+constexpr double kSeenTolerance = 0.005;
+// metres: rays beside a point that end this far from its tangent plane meet another surface
+constexpr double kPlaneOfContour = 0.02;
 
-Vec3d corner(const TriangleMesh& mesh, size_t triangle, int i) { return mesh.vertices[mesh.triangles[triangle][i]].cast<double>(); }
+Vec3d corner(const TriangleMesh& mesh, size_t triangle, int i) {
+  return mesh.vertices[mesh.triangles[triangle][i]].cast<double>();
+}
 
 /// Unit; zero for a degenerate triangle.
 Vec3d face_normal(const TriangleMesh& mesh, size_t triangle) {
@@ -41,7 +46,8 @@ AngleSummary summary_of(std::vector<WeightedAngle> angles) {
     sum += double(a.weight) * a.degrees;
   }
   if (!(total > 0)) return {kUndefined, kUndefined};
-  std::sort(angles.begin(), angles.end(), [](const WeightedAngle& a, const WeightedAngle& b) { return a.degrees < b.degrees; });
+  std::sort(angles.begin(), angles.end(),
+            [](const WeightedAngle& a, const WeightedAngle& b) { return a.degrees < b.degrees; });
   double passed = 0;
   for (const WeightedAngle& a : angles) {
     passed += a.weight;
@@ -58,7 +64,11 @@ Camera at_ray_columns(const Camera& camera) {
 class Measurement {
  public:
   Measurement(const SurfaceQualityInput& input, ThreadPool& pool, const SurfaceQualityOptions& options)
-      : input_(input), options_(options), pool_(pool), truth_(*input.truth), truth_rays_(*input.truth_rays),
+      : input_(input),
+        options_(options),
+        pool_(pool),
+        truth_(*input.truth),
+        truth_rays_(*input.truth_rays),
         predicted_rays_(*input.predicted_rays) {
     for (const Camera& c : input.cameras) cameras_.push_back(at_ray_columns(c));
     for (const Camera& c : input.training) training_.push_back(at_ray_columns(c));
@@ -66,7 +76,8 @@ class Measurement {
 
   SurfaceQuality run() {
     const std::vector<uint8_t> all(input_.predicted->triangles.size(), 1);
-    const TriangleMesh seen = keep_triangles(*input_.predicted, first_hit_triangles(predicted_rays_, all, cameras_, pool_));
+    const TriangleMesh seen =
+        keep_triangles(*input_.predicted, first_hit_triangles(predicted_rays_, all, cameras_, pool_));
     measure_normals(seen);
     measure_roughness(seen);
     measure_pinholes();
@@ -89,7 +100,8 @@ class Measurement {
       for (size_t i = begin; i < end; ++i) {
         const auto hit = truth_rays_.nearest(samples.positions[i].cast<double>(), options_.reach);
         if (!hit) continue;
-        angles[i] = static_cast<float>(angle_degrees(std::abs(dot(samples.normals[i].cast<double>(), face_normal(truth_, hit->triangle)))));
+        angles[i] = static_cast<float>(
+            angle_degrees(std::abs(dot(samples.normals[i].cast<double>(), face_normal(truth_, hit->triangle)))));
         on_structure[i] = structural(hit->triangle);
       }
     });
@@ -111,8 +123,8 @@ class Measurement {
     const double least = std::cos(options_.planar_degrees / kDegrees);
     for (int k = 0; k < 8; ++k) {
       const double angle = k * std::numbers::pi / 4;
-      const auto beside = truth_rays_.nearest(at.position + (u * std::cos(angle) + v * std::sin(angle)) * options_.planar_radius,
-                                              options_.planar_distance);
+      const auto beside = truth_rays_.nearest(
+          at.position + (u * std::cos(angle) + v * std::sin(angle)) * options_.planar_radius, options_.planar_distance);
       if (!beside || std::abs(dot(face_normal(truth_, beside->triangle), n)) < least) return false;
     }
     return true;
@@ -148,7 +160,8 @@ class Measurement {
         const Vec3d n0 = face_normal(seen, edge.triangle), n1 = face_normal(seen, other);
         if (!(norm(n0) > 0) || !(norm(n1) > 0)) continue;
         const auto hit = truth_rays_.nearest((a + b) * 0.5, options_.reach);
-        if (hit && planar_at(*hit)) angles[k] = {static_cast<float>(angle_degrees(dot(n0, n1))), static_cast<float>(norm(b - a))};
+        if (hit && planar_at(*hit))
+          angles[k] = {static_cast<float>(angle_degrees(dot(n0, n1))), static_cast<float>(norm(b - a))};
       }
     });
     std::erase_if(angles, [](const WeightedAngle& a) { return !(a.weight > 0); });
@@ -157,7 +170,8 @@ class Measurement {
   }
 
   /// Whether the rays a few pixels beside the point's end on its tangent plane as well.
-  bool away_from_contours(const Camera& camera, const Vec3d& eye, const Vec2d& uv, const Vec3d& point, const Vec3d& normal) const {
+  bool away_from_contours(const Camera& camera, const Vec3d& eye, const Vec2d& uv, const Vec3d& point,
+                          const Vec3d& normal) const {
     for (int k = 0; k < 4; ++k) {
       const double du = k == 0 ? options_.contour_pixels : k == 1 ? -options_.contour_pixels : 0;
       const double dv = k == 2 ? options_.contour_pixels : k == 3 ? -options_.contour_pixels : 0;
@@ -224,7 +238,8 @@ class Measurement {
 
 }  // namespace
 
-SurfaceQuality measure_surface(const SurfaceQualityInput& input, ThreadPool& pool, const SurfaceQualityOptions& options) {
+SurfaceQuality measure_surface(const SurfaceQualityInput& input, ThreadPool& pool,
+                               const SurfaceQualityOptions& options) {
   return Measurement(input, pool, options).run();
 }
 

@@ -10,9 +10,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kCells = 40;        // along a side of the wall
-constexpr float kHalf = 1;        // metres: half a side
-constexpr float kDistance = 2;    // metres from the cameras
+constexpr int kCells = 40;      // along a side of the wall
+constexpr float kHalf = 1;      // metres: half a side
+constexpr float kDistance = 2;  // metres from the cameras
 
 /// A wall of 2 x 2 m before the cameras, `kCells` x `kCells` squares of two triangles. `depth(x, y)` is in metres.
 /// Cells that `missing(i, j)` names are left out.
@@ -110,7 +110,8 @@ TEST_F(SurfaceQualityTest, PinholesAreTheShareOfTheWallThatIsMissing) {
 
 TEST_F(SurfaceQualityTest, AWallThatIsShiftedBySevenCentimetresIsPassedThrough) {
   EXPECT_NEAR(measure(wall([](float, float) { return kDistance + 0.07f; }), wall(flat)).pinholes, 1, 0.05);
-  TriangleMesh wider = wall([](float, float) { return kDistance + 0.03f; });  // seen past the true wall's edges nothing is missing
+  // seen past the true wall's edges nothing is missing
+  TriangleMesh wider = wall([](float, float) { return kDistance + 0.03f; });
   for (Vec3f& v : wider.vertices) v = {1.1f * v.x, 1.1f * v.y, v.z};
   EXPECT_EQ(measure(wider, wall(flat)).pinholes, 0);
 }
@@ -120,7 +121,8 @@ TEST_F(SurfaceQualityTest, AContourThatIsAPixelOffIsNoHole) {
   const auto with_board = [](float half) {
     TriangleMesh mesh = wall(flat);
     const auto first = static_cast<uint32_t>(mesh.vertices.size());
-    for (const auto& [x, y] : {std::pair{-half, -half}, {half, -half}, {-half, half}, {half, half}}) mesh.vertices.push_back({x, y, kDistance - 0.4f});
+    for (const auto& [x, y] : {std::pair{-half, -half}, {half, -half}, {-half, half}, {half, half}})
+      mesh.vertices.push_back({x, y, kDistance - 0.4f});
     mesh.triangles.push_back({first, first + 2, first + 1});
     mesh.triangles.push_back({first + 1, first + 2, first + 3});
     return mesh;
@@ -132,8 +134,9 @@ TEST_F(SurfaceQualityTest, AContourThatIsAPixelOffIsNoHole) {
 TEST_F(SurfaceQualityTest, StructureIsWhatTheTruthCallsSo) {
   TriangleMesh truth = wall(flat);
   for (const Vec3f& v : truth.vertices) truth.labels.push_back(v.x < 0 ? 1 : 0);
-  const SurfaceQuality q =
-      measure(wall([](float x, float) { return x < 0 ? kDistance : kDistance + 0.02f * x; }, [](int i, int j) { return i > 30 && j > 30; }), truth);
+  const SurfaceQuality q = measure(wall([](float x, float) { return x < 0 ? kDistance : kDistance + 0.02f * x; },
+                                        [](int i, int j) { return i > 30 && j > 30; }),
+                                   truth);
   EXPECT_NEAR(q.structure_normal_error.median, 0, 0.01);
   EXPECT_GT(q.normal_error.mean, 0.3);
   EXPECT_EQ(q.structure_pinholes, 0);

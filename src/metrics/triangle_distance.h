@@ -15,7 +15,8 @@ inline Vec3d nearest_on_segment(const Vec3d& p, const Vec3d& a, const Vec3d& b) 
   return a + along * t;
 }
 
-/// Nearest to `p` on the triangle `a`, `b`, `c`: the foot of the perpendicular where it lies inside, else a point of an edge.
+/// Nearest to `p` on the triangle `a`, `b`, `c`: the foot of the perpendicular where it lies inside, else a point of an
+/// edge.
 /// A degenerate triangle is its edges.
 inline Vec3d nearest_on_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   const Vec3d normal = cross(b - a, c - a);

@@ -33,7 +33,7 @@ RTCRay make_ray(const Vec3d& origin, const Vec3d& direction, float end) {
 struct RayScene::Handle {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  const float* vertices = nullptr;     // Embree's own buffers: three numbers a row
+  const float* vertices = nullptr;  // Embree's own buffers: three numbers a row
   const uint32_t* indices = nullptr;
 
   Handle() {
@@ -56,8 +56,8 @@ RayScene::RayScene(const TriangleMesh& mesh) : handle_(std::make_unique<Handle>(
     RTCGeometry geometry = rtcNewGeometry(handle_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                  3 * sizeof(float), mesh.vertices.size()));
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
+    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                                                   3 * sizeof(uint32_t), mesh.triangles.size()));
     if (!vertices || !indices) {
       rtcReleaseGeometry(geometry);
       throw_resources({}, "not enough memory to cast rays at this mesh", "use a larger voxel for a smaller mesh");
@@ -149,7 +149,8 @@ std::optional<SurfacePoint> RayScene::nearest(const Vec3d& point, double reach) 
     const Vec3d found = nearest_on_triangle(s.from, corner[0], corner[1], corner[2]);
     const double distance = norm(found - s.from);
     // The first of equally near triangles in the list, so that the answer does not depend on the tree.
-    if (distance > s.best.distance || (distance == s.best.distance && arguments->primID >= s.best.triangle)) return false;
+    if (distance > s.best.distance || (distance == s.best.distance && arguments->primID >= s.best.triangle))
+      return false;
     s.best = {found, arguments->primID, distance};
     arguments->query->radius = std::nextafter(static_cast<float>(distance), kInfinity);
     return true;
@@ -167,8 +168,8 @@ std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point
   return uv;
 }
 
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there, const std::vector<Camera>& cameras,
-                                         ThreadPool& pool) {
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
+                                         const std::vector<Camera>& cameras, ThreadPool& pool) {
   std::vector<uint8_t> hit(there.size(), 0);
   for (const Camera& camera : cameras) {
     for (const uint32_t t : scene.cast(camera, pool, &there).triangle.data) {

@@ -29,7 +29,8 @@ struct SurfacePoint {
   double distance = 0;  ///< from the point that was asked for, units
 };
 
-/// A mesh prepared for rays and for searches of the nearest point. Both sides of a triangle are hit. Keeps its own copy of the geometry.
+/// A mesh prepared for rays and for searches of the nearest point. Both sides of a triangle are hit. Keeps its own copy
+/// of the geometry.
 class RayScene {
  public:
   explicit RayScene(const TriangleMesh& mesh);
@@ -41,7 +42,8 @@ class RayScene {
   FirstHits cast(const Camera& camera, ThreadPool& pool, const std::vector<uint8_t>* there = nullptr) const;
   /// Whether the segment from `eye` to `point`, shortened by `tolerance` (units) at the point, meets no surface.
   bool sees(const Vec3d& eye, const Vec3d& point, double tolerance) const;
-  /// The surface point that is nearest to `point`, if one lies within `reach` (units, > 0). Degenerate triangles count as
+  /// The surface point that is nearest to `point`, if one lies within `reach` (units, > 0). Degenerate triangles count
+  /// as
   /// the segments or points that they are.
   std::optional<SurfacePoint> nearest(const Vec3d& point, double reach) const;
 
@@ -53,9 +55,10 @@ class RayScene {
 /// Image point of a world point that lies in front of the camera and inside its image.
 std::optional<Vec2d> project_into_image(const Camera& camera, const Vec3d& point);
 
-/// Per triangle 1 when it is the first hit, of the triangles that `there` marks 1, of the ray of some pixel of some camera.
-std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there, const std::vector<Camera>& cameras,
-                                         ThreadPool& pool);
+/// Per triangle 1 when it is the first hit, of the triangles that `there` marks 1, of the ray of some pixel of some
+/// camera.
+std::vector<uint8_t> first_hit_triangles(const RayScene& scene, const std::vector<uint8_t>& there,
+                                         const std::vector<Camera>& cameras, ThreadPool& pool);
 
 /// The mesh of the triangles marked 1 and the vertices that they use; attributes follow.
 TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::vector<uint8_t>& keep);

@@ -36,13 +36,12 @@ AttentionOperands::AttentionOperands(const Compute& compute, const AttentionShap
   keys_ = AlignedBytes(streams * size_t(padded_keys_) * dim * item);
   values_ = AlignedBytes(streams * size_t(padded_keys_) * dim * item);
   // Padding has to be finite: it is multiplied by zero.
-  for (AlignedBytes* bytes : {&queries_, &keys_, &values_})
-    std::memset(bytes->get(), 0, bytes->size());
+  for (AlignedBytes* bytes : {&queries_, &keys_, &values_}) std::memset(bytes->get(), 0, bytes->size());
 }
 
 void AttentionOperands::set_query(int64_t sequence, int64_t head, int64_t index, const float* x) {
-  const int64_t base = (sequence * shape_.heads + head) * padded_queries_ * padded_dim_ +
-                       index / kPanel * kPanel * padded_dim_;
+  const int64_t base =
+      (sequence * shape_.heads + head) * padded_queries_ * padded_dim_ + index / kPanel * kPanel * padded_dim_;
   const int64_t column = index % kPanel;
   if (amx_) {
     uint16_t* out = reinterpret_cast<uint16_t*>(queries_.get()) + base;
@@ -87,8 +86,8 @@ void AttentionOperands::set_value_row(int64_t sequence, int64_t index, const flo
   for (int64_t h = 0; h < shape_.heads; ++h) set_value(sequence, h, index, x + h * shape_.head_dim);
 }
 
-void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t count,
-                                        const uint8_t* masked, float* out, Scratch& scratch) const {
+void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t count, const uint8_t* masked, float* out,
+                                        Scratch& scratch) const {
   const int64_t dim = padded_dim_;
   const float* q = reinterpret_cast<const float*>(queries_.get()) + stream * padded_queries_ * dim;
   const float* k = reinterpret_cast<const float*>(keys_.get()) + stream * padded_keys_ * dim;
@@ -104,8 +103,7 @@ void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t c
   for (int64_t begin = 0; begin < shape_.keys; begin += kKeyBlock) {
     const int64_t n = std::min(kKeyBlock, shape_.keys - begin);
     for (int64_t p = 0; p < panels; ++p) {
-      multiply_panel(
-          {k + begin * dim, dim, n, dim, q + (first + p * kPanel) * dim, scores, kPanel, false});
+      multiply_panel({k + begin * dim, dim, n, dim, q + (first + p * kPanel) * dim, scores, kPanel, false});
       if (masked) {
         for (int64_t i = 0; i < std::min(kPanel, count - p * kPanel); ++i) {
           const uint8_t* row = masked + (first + p * kPanel + i) * shape_.keys + begin;
@@ -127,11 +125,8 @@ void AttentionOperands::attend_portable(int64_t stream, int64_t first, int64_t c
   }
 }
 
-void AttentionOperands::attend_amx(int64_t stream, int64_t first, int64_t count, float* out,
-                                   Scratch& scratch) const {
-  const auto halves = [](const AlignedBytes& bytes) {
-    return reinterpret_cast<const uint16_t*>(bytes.get());
-  };
+void AttentionOperands::attend_amx(int64_t stream, int64_t first, int64_t count, float* out, Scratch& scratch) const {
+  const auto halves = [](const AlignedBytes& bytes) { return reinterpret_cast<const uint16_t*>(bytes.get()); };
   AmxAttentionBlock block;
   block.queries = halves(queries_) + (stream * padded_queries_ + first) * padded_dim_;
   block.keys = halves(keys_) + stream * padded_keys_ * padded_dim_;
@@ -144,12 +139,10 @@ void AttentionOperands::attend_amx(int64_t stream, int64_t first, int64_t count,
   amx_attention(block, scratch);
 }
 
-void attention(Compute& compute, const AttentionOperands& operands, float* out,
-               const uint8_t* masked) {
+void attention(Compute& compute, const AttentionOperands& operands, float* out, const uint8_t* masked) {
   const AttentionShape& shape = operands.shape();
   if ((shape.masks > 0) != (masked != nullptr))
-    throw Error(
-        {ErrorKind::kFailed, "a mask is given or missing against the shape", {}, "attention", ""});
+    throw Error({ErrorKind::kFailed, "a mask is given or missing against the shape", {}, "attention", ""});
   // Queries that share each block of keys while it is in the cache.
   constexpr int64_t kQueryBlock = 256, kFewQueries = 64;
   const int64_t block = operands.amx_ ? kQueryBlock : kFewQueries;

@@ -36,8 +36,8 @@ class AttentionOperands {
 
  private:
   friend void attention(Compute&, const AttentionOperands&, float*, const uint8_t*);
-  void attend_portable(int64_t stream, int64_t first, int64_t count, const uint8_t* masked,
-                       float* out, Scratch& scratch) const;
+  void attend_portable(int64_t stream, int64_t first, int64_t count, const uint8_t* masked, float* out,
+                       Scratch& scratch) const;
   void attend_amx(int64_t stream, int64_t first, int64_t count, float* out, Scratch& scratch) const;
 
   AttentionShape shape_;
@@ -49,7 +49,6 @@ class AttentionOperands {
 
 /// out [sequences * queries, heads * head_dim]. masked [sequences, masks, queries, keys], or null:
 /// not zero where a query does not attend to a key (every query has at least one key left).
-void attention(Compute& compute, const AttentionOperands& operands, float* out,
-               const uint8_t* masked = nullptr);
+void attention(Compute& compute, const AttentionOperands& operands, float* out, const uint8_t* masked = nullptr);
 
 }  // namespace aligngs::nn

@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "nn/tensor.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -59,8 +59,7 @@ struct Inputs {
           for (int64_t d = 0; d < shape.head_dim; ++d) {
             double sum = 0;
             for (int64_t j = 0; j < shape.keys; ++j) {
-              sum += weight[size_t(j)] *
-                     double(v[size_t((s * shape.keys + j) * width() + h * shape.head_dim + d)]);
+              sum += weight[size_t(j)] * double(v[size_t((s * shape.keys + j) * width() + h * shape.head_dim + d)]);
             }
             out[size_t(at + d)] = float(sum / total);
           }

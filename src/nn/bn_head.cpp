@@ -21,17 +21,16 @@ BnHeadNetwork::BnHeadNetwork(const Compute& compute, const Weights& backbone, co
   std::vector<int> index = options.in_index;
   if (index.empty()) {
     const int64_t count = inputs / vit_.channels();
-    for (int64_t i = int64_t(layers.size()) - count; i < int64_t(layers.size()); ++i)
-      index.push_back(int(i));
+    for (int64_t i = int64_t(layers.size()) - count; i < int64_t(layers.size()); ++i) index.push_back(int(i));
   }
   for (const int i : index) {
     if (i < 0 || i >= int(layers.size())) {
-      throw Error({ErrorKind::kWeights,
-                   std::to_string(inputs) + " inputs do not fit a backbone of " +
-                       std::to_string(vit_.channels()) + " channels",
-                   {},
-                   "decode_head.conv_seg.weight",
-                   "use the head that belongs to this backbone"});
+      throw Error(
+          {ErrorKind::kWeights,
+           std::to_string(inputs) + " inputs do not fit a backbone of " + std::to_string(vit_.channels()) + " channels",
+           {},
+           "decode_head.conv_seg.weight",
+           "use the head that belongs to this backbone"});
     }
     layers_.push_back(layers[size_t(i)]);
   }
@@ -39,8 +38,7 @@ BnHeadNetwork::BnHeadNetwork(const Compute& compute, const Weights& backbone, co
     throw Error({ErrorKind::kWeights,
                  "shape (" + std::to_string(outputs) + ", " +
                      std::to_string(vit_.channels() * int64_t(layers_.size())) +
-                     ", 1, 1) expected for this backbone, " + std::to_string(inputs) +
-                     " inputs found",
+                     ", 1, 1) expected for this backbone, " + std::to_string(inputs) + " inputs found",
                  {},
                  "decode_head.conv_seg.weight",
                  "use the head that belongs to this backbone"});
@@ -72,8 +70,7 @@ FeatureMap BnHeadNetwork::grid_logits(Compute& compute, const FeatureMap& image)
 
 FeatureMap BnHeadNetwork::predict(Compute& compute, const FeatureMap& window) const {
   // The map of the padded window is stretched to the window, as published.
-  return resize_bilinear_map(compute, grid_logits(compute, window), window.height, window.width,
-                             false);
+  return resize_bilinear_map(compute, grid_logits(compute, window), window.height, window.width, false);
 }
 
 }  // namespace aligngs::nn

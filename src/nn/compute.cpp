@@ -36,8 +36,7 @@ std::shared_ptr<MatrixBackend> matrices_of(const ComputeOptions& options) {
 AlignedBytes::AlignedBytes(size_t bytes) : size_(bytes) {
   constexpr size_t kAlignment = 64;  // a cache line, and a vector of AVX-512
   const size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
-  memory_.reset(
-      static_cast<char*>(std::aligned_alloc(kAlignment, rounded > 0 ? rounded : kAlignment)));
+  memory_.reset(static_cast<char*>(std::aligned_alloc(kAlignment, rounded > 0 ? rounded : kAlignment)));
   if (!memory_) throw std::bad_alloc();
 }
 
@@ -65,18 +64,16 @@ Compute::Compute(ThreadPool& pool, const ComputeOptions& options)
 
 Compute::~Compute() = default;
 
-void Compute::for_rows(int64_t rows, int64_t chunk,
-                       const std::function<void(int64_t, int64_t, Scratch&)>& body) {
+void Compute::for_rows(int64_t rows, int64_t chunk, const std::function<void(int64_t, int64_t, Scratch&)>& body) {
   // A chunk streams all weights through the cache once: long chunks use them more often, short ones
   // share few rows among the threads evenly.
   constexpr int64_t kManyRows = 4096, kLong = 256, kShort = 128;
   if (chunk <= 0) chunk = rows >= kManyRows ? kLong : kShort;
-  pool_.parallel_for(static_cast<size_t>(rows), static_cast<size_t>(chunk),
-                     [&](size_t begin, size_t end, int worker) {
-                       Scratch& own = scratch(worker);
-                       const Scratch::Frame frame(own);
-                       body(static_cast<int64_t>(begin), static_cast<int64_t>(end - begin), own);
-                     });
+  pool_.parallel_for(static_cast<size_t>(rows), static_cast<size_t>(chunk), [&](size_t begin, size_t end, int worker) {
+    Scratch& own = scratch(worker);
+    const Scratch::Frame frame(own);
+    body(static_cast<int64_t>(begin), static_cast<int64_t>(end - begin), own);
+  });
 }
 
 }  // namespace aligngs::nn

@@ -66,8 +66,8 @@ using DeviceFactory = std::function<std::shared_ptr<NetworkDevice>()>;
 /// The resources of this machine that may be used.
 struct ComputeOptions {
   Precision precision = Precision::kFloat32;
-  bool onednn = true;  ///< when built with it; otherwise the portable kernels
-  bool amx = true;     ///< when the processor has it
+  bool onednn = true;                               ///< when built with it; otherwise the portable kernels
+  bool amx = true;                                  ///< when the processor has it
   std::shared_ptr<NetworkDevice> device = nullptr;  ///< runs the operators; none: the processor does
 };
 
@@ -92,8 +92,7 @@ class Compute {
 
   /// Calls body(first row, number of rows, scratch) on chunks that depend on `rows` alone, so that
   /// results do not depend on the number of threads. chunk == 0: chosen for products of matrices.
-  void for_rows(int64_t rows, int64_t chunk,
-                const std::function<void(int64_t, int64_t, Scratch&)>& body);
+  void for_rows(int64_t rows, int64_t chunk, const std::function<void(int64_t, int64_t, Scratch&)>& body);
 
  private:
   ThreadPool& pool_;

@@ -29,27 +29,22 @@ FeatureMap with_cls(const VitTokens& tokens, size_t layer) {
 
 class DptDepth : public DepthNetwork {
  public:
-  DptDepth(const Compute& compute, const Weights& backbone, const Weights& head,
-           const DepthOptions& options)
+  DptDepth(const Compute& compute, const Weights& backbone, const Weights& head, const DepthOptions& options)
       : DepthNetwork(compute, backbone, options) {
     if (options_.layers.empty()) options_.layers = published_depther_layers(vit_.depth());
-    if (options_.layers.size() != 4)
-      throw_usage("a DPT head reads four layers", "correct the list of layers");
+    if (options_.layers.size() != 4) throw_usage("a DPT head reads four layers", "correct the list of layers");
     const int64_t c = vit_.channels();
     const int64_t features = head.dimension("convs.0.conv.weight", 0);
     for (int j = 0; j < 4; ++j) {
       const std::string n = std::to_string(j);
-      readouts_.emplace_back(compute, head, "reassemble_blocks.readout_projects." + n + ".0", c,
-                             2 * c);
-      levels_.emplace_back(
-          compute, head, j,
-          DptLevel::Names{"reassemble_blocks.projects." + n + ".conv",
-                          "reassemble_blocks.resize_layers." + n, "convs." + n + ".conv"},
-          c, features);
+      readouts_.emplace_back(compute, head, "reassemble_blocks.readout_projects." + n + ".0", c, 2 * c);
+      levels_.emplace_back(compute, head, j,
+                           DptLevel::Names{"reassemble_blocks.projects." + n + ".conv",
+                                           "reassemble_blocks.resize_layers." + n, "convs." + n + ".conv"},
+                           c, features);
       const std::string p = "fusion_blocks." + n + ".";
       const auto unit = [&](const std::string& name) {
-        return ResidualUnit(compute, head, p + name + ".conv1.conv", p + name + ".conv2.conv",
-                            features, false);
+        return ResidualUnit(compute, head, p + name + ".conv1.conv", p + name + ".conv2.conv", features, false);
       };
       Fusion fusion;
       if (j > 0) fusion.unit1 = unit("res_conv_unit1");
@@ -84,8 +79,7 @@ class DptDepth : public DepthNetwork {
       }
       out = fusion.unit2(compute, out);
       // As in VGGT's head, the 1x1 convolution is done before the resizing it commutes with.
-      out = resize_bilinear_map(compute, fusion.project(compute, out), 2 * out.height,
-                                2 * out.width, true);
+      out = resize_bilinear_map(compute, fusion.project(compute, out), 2 * out.height, 2 * out.width, true);
     }
     out = output1_(compute, project_(compute, out, {false, Activation::kRelu}));
     out = resize_bilinear_map(compute, out, 2 * out.height, 2 * out.width, true);
@@ -109,14 +103,12 @@ class DptDepth : public DepthNetwork {
 /// Depth as the mean of bins; one or four layers of the backbone.
 class LinearDepth : public DepthNetwork {
  public:
-  LinearDepth(const Compute& compute, const Weights& backbone, const Weights& head,
-              const DepthOptions& options)
+  LinearDepth(const Compute& compute, const Weights& backbone, const Weights& head, const DepthOptions& options)
       : DepthNetwork(compute, backbone, options) {
     const int64_t inputs = head.dimension("conv_depth.weight", 1);
     const int64_t layers = inputs / (2 * vit_.channels());
     if (options_.layers.empty()) {
-      options_.layers =
-          layers == 4 ? published_depther_layers(vit_.depth()) : std::vector<int>{int(vit_.depth()) - 1};
+      options_.layers = layers == 4 ? published_depther_layers(vit_.depth()) : std::vector<int>{int(vit_.depth()) - 1};
     }
     bins_ = Linear(compute, head, "conv_depth", head.dimension("conv_depth.weight", 0),
                    2 * vit_.channels() * int64_t(options_.layers.size()));
@@ -127,12 +119,12 @@ class LinearDepth : public DepthNetwork {
     FeatureMap joined(tokens.grid_height, tokens.grid_width, bins_.inputs());
     for (size_t j = 0; j < options_.layers.size(); ++j) {
       const FeatureMap map = with_cls(tokens, j);
-      copy_block(joined.data, {int64_t(j) * map.channels, joined.channels}, map.data, {0, map.channels},
-                 map.places(), map.channels);
+      copy_block(joined.data, {int64_t(j) * map.channels, joined.channels}, map.data, {0, map.channels}, map.places(),
+                 map.channels);
     }
     // The 1x1 convolution commutes with the resizing of its input.
-    const FeatureMap logits = resize_bilinear_map(compute, bins_(compute, joined),
-                                                  4 * joined.height, 4 * joined.width, false);
+    const FeatureMap logits =
+        resize_bilinear_map(compute, bins_(compute, joined), 4 * joined.height, 4 * joined.width, false);
     FeatureMap out(logits.height, logits.width, 1);
     const int64_t bins = logits.channels;
     for (int64_t p = 0; p < logits.places(); ++p) {
@@ -141,8 +133,8 @@ class LinearDepth : public DepthNetwork {
       for (int64_t k = 0; k < bins; ++k) {
         constexpr double kFloor = 0.1;  // every bin keeps some weight
         const double weight = std::max(double(l[k]), 0.0) + kFloor;
-        const double depth = options_.min_depth + (options_.max_depth - options_.min_depth) *
-                                                      double(k) / double(bins - 1);
+        const double depth =
+            options_.min_depth + (options_.max_depth - options_.min_depth) * double(k) / double(bins - 1);
         total += weight;
         mean += weight * depth;
       }
@@ -157,8 +149,7 @@ class LinearDepth : public DepthNetwork {
 
 }  // namespace
 
-DepthNetwork::DepthNetwork(const Compute& compute, const Weights& backbone,
-                           const DepthOptions& options)
+DepthNetwork::DepthNetwork(const Compute& compute, const Weights& backbone, const DepthOptions& options)
     : options_(options), vit_(compute, backbone, options.vit) {
   if (!(options.min_depth < options.max_depth))
     throw_usage("the smallest depth is not below the largest", "correct the range of depth");
@@ -166,17 +157,15 @@ DepthNetwork::DepthNetwork(const Compute& compute, const Weights& backbone,
 
 FeatureMap DepthNetwork::operator()(Compute& compute, const FeatureMap& image) const {
   FeatureMap depth = head(compute, centre_padded(image, vit_.patch()));
-  for (float& v : depth.data)
-    v = std::clamp(v, float(options_.min_depth), float(options_.max_depth));
+  for (float& v : depth.data) v = std::clamp(v, float(options_.min_depth), float(options_.max_depth));
   // The map of the padded image is stretched to the image, as published.
   return resize_bilinear_map(compute, depth, image.height, image.width, false);
 }
 
-std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone,
-                                                 const Weights& head, const DepthOptions& options) {
+std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone, const Weights& head,
+                                                 const DepthOptions& options) {
   const Weights weights = head.sub("decode_head.");
-  if (weights.has("conv_depth.weight"))
-    return std::make_unique<LinearDepth>(compute, backbone, weights, options);
+  if (weights.has("conv_depth.weight")) return std::make_unique<LinearDepth>(compute, backbone, weights, options);
   return std::make_unique<DptDepth>(compute, backbone, weights, options);
 }
 

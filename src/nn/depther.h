@@ -37,8 +37,7 @@ class DepthNetwork {
 
 /// backbone: a plain DINOv2 file; head: tensors "decode_head.*". The tensors decide which of the
 /// heads it is. Hugging Face files: see huggingface.h.
-std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone,
-                                                 const Weights& head,
+std::unique_ptr<DepthNetwork> make_depth_network(const Compute& compute, const Weights& backbone, const Weights& head,
                                                  const DepthOptions& options = {});
 
 }  // namespace aligngs::nn

@@ -25,17 +25,14 @@ FeatureMap ResidualUnit::operator()(Compute& compute, const FeatureMap& x) const
   return y;
 }
 
-DptLevel::DptLevel(const Compute& compute, const Weights& weights, int level, const Names& names,
-                   int64_t inputs, int64_t features)
+DptLevel::DptLevel(const Compute& compute, const Weights& weights, int level, const Names& names, int64_t inputs,
+                   int64_t features)
     : level_(level) {
   const int64_t channels = weights.dimension(names.project + ".weight", 0);
   project_ = Linear(compute, weights, names.project, channels, inputs);
-  if (level == 0)
-    grow_ = TransposedConvolution(compute, weights, names.resize, channels, channels, 4);
-  if (level == 1)
-    grow_ = TransposedConvolution(compute, weights, names.resize, channels, channels, 2);
-  if (level == 3)
-    shrink_ = Convolution(compute, weights, names.resize, {channels, channels, 3, 2, 1});
+  if (level == 0) grow_ = TransposedConvolution(compute, weights, names.resize, channels, channels, 4);
+  if (level == 1) grow_ = TransposedConvolution(compute, weights, names.resize, channels, channels, 2);
+  if (level == 3) shrink_ = Convolution(compute, weights, names.resize, {channels, channels, 3, 2, 1});
   features_ = Convolution(compute, weights, names.features, {features, channels, 3, 1, 1});
 }
 

@@ -14,8 +14,8 @@ class ResidualUnit {
   ResidualUnit() = default;
   /// Convolutions `first` and `second` of channels -> channels. rectified_skip: the skip carries
   /// relu(x), as VGGT's in-place ReLU makes it; otherwise x.
-  ResidualUnit(const Compute& compute, const Weights& weights, const std::string& first,
-               const std::string& second, int64_t channels, bool rectified_skip);
+  ResidualUnit(const Compute& compute, const Weights& weights, const std::string& first, const std::string& second,
+               int64_t channels, bool rectified_skip);
   FeatureMap operator()(Compute& compute, const FeatureMap& x) const;
 
  private:
@@ -30,8 +30,8 @@ class DptLevel {
   struct Names {
     std::string project, resize, features;
   };
-  DptLevel(const Compute& compute, const Weights& weights, int level, const Names& names,
-           int64_t inputs, int64_t features);
+  DptLevel(const Compute& compute, const Weights& weights, int level, const Names& names, int64_t inputs,
+           int64_t features);
 
   FeatureMap project(Compute& compute, const FeatureMap& x) const { return project_(compute, x); }
   FeatureMap resize(Compute& compute, FeatureMap x) const;

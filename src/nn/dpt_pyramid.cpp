@@ -29,17 +29,17 @@ DptPyramid::DptPyramid(const Compute& compute, const Weights& weights, const Opt
   if (options.normed_and_placed) norm_ = LayerNorm(weights, "norm", inputs_, kBatchNormEps);
   for (size_t j = 0; j < kLevels; ++j) {
     const std::string n = std::to_string(j);
-    levels_.emplace_back(compute, weights, int(j),
-                         DptLevel::Names{"projects." + n, "resize_layers." + n,
-                                         "scratch.layer" + std::to_string(j + 1) + "_rn"},
-                         inputs_, features_);
+    levels_.emplace_back(
+        compute, weights, int(j),
+        DptLevel::Names{"projects." + n, "resize_layers." + n, "scratch.layer" + std::to_string(j + 1) + "_rn"},
+        inputs_, features_);
   }
 }
 
 std::vector<FeatureMap> DptPyramid::operator()(Compute& compute, std::vector<FeatureMap> layers, double aspect) const {
   if (layers.size() != kLevels)
-    throw Error({ErrorKind::kFailed, "a dense head is given " + std::to_string(layers.size()) + " layers",
-                 {}, "layers", ""});
+    throw Error(
+        {ErrorKind::kFailed, "a dense head is given " + std::to_string(layers.size()) + " layers", {}, "layers", ""});
   std::vector<FeatureMap> out;
   for (size_t j = 0; j < kLevels; ++j) {
     FeatureMap map = std::move(layers[j]);

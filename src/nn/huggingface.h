@@ -8,8 +8,7 @@
 namespace aligngs::nn {
 
 /// A DINOv2 backbone (facebook/dinov2-*); `prefix` is "" or "backbone.".
-Weights dinov2_from_huggingface(const std::shared_ptr<const WeightFile>& file,
-                                const std::string& prefix = "");
+Weights dinov2_from_huggingface(const std::shared_ptr<const WeightFile>& file, const std::string& prefix = "");
 
 /// The head of facebook/dpt-dinov2-*, as "decode_head.*". Tensors that its network never uses are
 /// left out.

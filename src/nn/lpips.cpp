@@ -11,8 +11,7 @@ constexpr int kSmallest = 16;  // pixels: four times halved, one is left
 
 /// torchvision's indices of the convolutions; a ReLU follows each, a pooling each stage.
 const std::vector<std::vector<int>>& stage_layers() {
-  static const std::vector<std::vector<int>> layers = {
-      {0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
+  static const std::vector<std::vector<int>> layers = {{0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
   return layers;
 }
 
@@ -50,19 +49,16 @@ Lpips::Lpips(const Compute& compute, const Weights& vgg16, const Weights& linear
       inputs = outputs;
     }
     stages_.push_back(std::move(stage));
-    weights_.push_back(
-        linear.load("lin" + std::to_string(s) + ".model.1.weight", {1, inputs, 1, 1}));
+    weights_.push_back(linear.load("lin" + std::to_string(s) + ".model.1.weight", {1, inputs, 1, 1}));
   }
 }
 
-std::vector<FeatureMap> Lpips::features(Compute& compute, const ImageF& image,
-                                        LpipsInput input) const {
+std::vector<FeatureMap> Lpips::features(Compute& compute, const ImageF& image, LpipsInput input) const {
   std::vector<FeatureMap> out;
   FeatureMap x = normalised(image, input);
   for (size_t s = 0; s < stages_.size(); ++s) {
     if (s > 0) x = max_pool_2x2(compute, x);
-    for (const Convolution& convolution : stages_[s])
-      x = convolution(compute, x, {false, Activation::kRelu});
+    for (const Convolution& convolution : stages_[s]) x = convolution(compute, x, {false, Activation::kRelu});
     out.push_back(x);
     scale_to_unit_length(out.back());
   }
@@ -70,8 +66,8 @@ std::vector<FeatureMap> Lpips::features(Compute& compute, const ImageF& image,
 }
 
 double Lpips::distance(Compute& compute, const ImageF& a, const ImageF& b, LpipsInput input) const {
-  if (a.width != b.width || a.height != b.height || a.channels != 3 || b.channels != 3 ||
-      a.width < kSmallest || a.height < kSmallest) {
+  if (a.width != b.width || a.height != b.height || a.channels != 3 || b.channels != 3 || a.width < kSmallest ||
+      a.height < kSmallest) {
     throw_bad_input({}, "images", "LPIPS compares two RGB images of one size of at least 16 x 16");
   }
   const std::vector<FeatureMap> fa = features(compute, a, input), fb = features(compute, b, input);

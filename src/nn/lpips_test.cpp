@@ -5,13 +5,12 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
 
-const std::vector<std::vector<int>> kStages = {
-    {0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
+const std::vector<std::vector<int>> kStages = {{0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
 const std::vector<int64_t> kWidths = {4, 6, 8, 5, 7};  // narrow, for speed
 
 TensorList vgg_tensors() {
@@ -84,8 +83,8 @@ struct PlainLpips {
   }
 };
 
-double plain_distance(const MemoryWeights& vgg, const MemoryWeights& linear, const ImageF& a,
-                      const ImageF& b, bool canonical) {
+double plain_distance(const MemoryWeights& vgg, const MemoryWeights& linear, const ImageF& a, const ImageF& b,
+                      bool canonical) {
   PlainLpips plain{vgg, a.width, a.height};
   const double shift[3] = {-0.030, -0.088, -0.188}, scale[3] = {0.458, 0.448, 0.450};
   const auto planes_of = [&](const ImageF& image) {

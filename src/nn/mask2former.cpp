@@ -25,16 +25,15 @@ void add_and_norm(Compute& compute, Matrix& x, const Matrix& update, const Layer
 
 }  // namespace
 
-Mask2Former::Mask2Former(Compute& compute, const Weights& weights,
-                         const Mask2FormerOptions& options)
+Mask2Former::Mask2Former(Compute& compute, const Weights& weights, const Mask2FormerOptions& options)
     : backbone_(compute, weights.sub("backbone."), options.adapter) {
   ComputeOptions exact;
   exact.onednn = compute.matrices()->name() != "portable";
   exact.device = compute.options().device;
   exact_ = std::make_unique<Compute>(compute.pool(), exact);
   const Weights head = weights.sub("decode_head.");
-  pixel_decoder_ = std::make_unique<PixelDecoder>(
-      compute, head.sub("pixel_decoder."), PixelDecoder::Options{options.groups, options.heads});
+  pixel_decoder_ = std::make_unique<PixelDecoder>(compute, head.sub("pixel_decoder."),
+                                                  PixelDecoder::Options{options.groups, options.heads});
   const int64_t heads = options.heads > 0 ? options.heads : pixel_decoder_->heads();
   const int64_t f = pixel_decoder_->features();
   const int64_t queries = head.dimension("query_feat.weight", 0);
@@ -62,9 +61,8 @@ Mask2Former::Mask2Former(Compute& compute, const Weights& weights,
 }
 
 Matrix Mask2Former::mask_embedding(Compute& compute, const Matrix& normed) const {
-  return mask_embed3_(
-      compute,
-      mask_embed2_(compute, mask_embed1_(compute, normed, Activation::kRelu), Activation::kRelu));
+  return mask_embed3_(compute,
+                      mask_embed2_(compute, mask_embed1_(compute, normed, Activation::kRelu), Activation::kRelu));
 }
 
 FeatureMap Mask2Former::mask_logits(const Matrix& embedding, const FeatureMap& features) const {
@@ -81,13 +79,11 @@ Mask2Former::Prediction Mask2Former::decode(Compute& compute, const PixelDecoder
     const FeatureMap& memory = pixels.memories[i];
     values[i] = FeatureMap(memory).take_rows();
     for (int64_t p = 0; p < values[i].rows; ++p) {
-      for (int64_t k = 0; k < f; ++k)
-        values[i].row(p)[k] += level_embed_[i * size_t(f) + size_t(k)];
+      for (int64_t k = 0; k < f; ++k) values[i].row(p)[k] += level_embed_[i * size_t(f) + size_t(k)];
     }
     keys[i] = sum(values[i], sine_encoding(memory.height, memory.width, f / 2).take_rows());
     // Mask logits are a product with these features, which commutes with resizing them.
-    level_features[i] =
-        resize_bilinear_map(compute, pixels.mask_features, memory.height, memory.width, false);
+    level_features[i] = resize_bilinear_map(compute, pixels.mask_features, memory.height, memory.width, false);
   }
   Matrix q = query_feat_;
   const auto predict = [&](const Matrix& normed) {
@@ -100,27 +96,22 @@ Mask2Former::Prediction Mask2Former::decode(Compute& compute, const PixelDecoder
     const Layer& layer = layers_[l];
     const size_t level = l % 3;
     const int64_t places = keys[level].rows;
-    const FeatureMap logits =
-        hooks.masks
-            ? resize_bilinear_map(compute, hooks.masks(int(l)), level_features[level].height,
-                                  level_features[level].width, false)
-            : mask_logits(mask_embedding(*exact_, normed), level_features[level]);
+    const FeatureMap logits = hooks.masks
+                                  ? resize_bilinear_map(compute, hooks.masks(int(l)), level_features[level].height,
+                                                        level_features[level].width, false)
+                                  : mask_logits(mask_embedding(*exact_, normed), level_features[level]);
     // Masked where sigmoid(logit) < 0.5; a query that would see nothing sees everything.
     std::vector<uint8_t> masked(size_t(queries * places));
     for (int64_t i = 0; i < queries; ++i) {
       uint8_t* row = masked.data() + i * places;
       for (int64_t p = 0; p < places; ++p) row[p] = logits.data[size_t(p * queries + i)] < 0;
-      if (std::find(row, row + places, uint8_t(0)) == row + places)
-        std::fill_n(row, places, uint8_t(0));
+      if (std::find(row, row + places, uint8_t(0)) == row + places) std::fill_n(row, places, uint8_t(0));
     }
-    add_and_norm(
-        compute, q,
-        layer.cross(*exact_, sum(q, query_embed_), keys[level], values[level], 1, masked.data()),
-        layer.norm1);
+    add_and_norm(compute, q, layer.cross(*exact_, sum(q, query_embed_), keys[level], values[level], 1, masked.data()),
+                 layer.norm1);
     const Matrix placed = sum(q, query_embed_);
     add_and_norm(compute, q, layer.self(*exact_, placed, placed, q), layer.norm2);
-    add_and_norm(compute, q, layer.fc2(*exact_, layer.fc1(*exact_, q, Activation::kRelu)),
-                 layer.norm3);
+    add_and_norm(compute, q, layer.fc2(*exact_, layer.fc1(*exact_, q, Activation::kRelu)), layer.norm3);
     normed = post_norm_(compute, q);
     if (hooks.visit) hooks.visit(int(l) + 1, predict(normed));
   }
@@ -150,9 +141,7 @@ FeatureMap Mask2Former::predict(Compute& compute, const FeatureMap& window) cons
   const int64_t height = up(window.height), width = up(window.width);
   const bool fits = height == window.height && width == window.width;
   return resize_bilinear_map(
-      compute,
-      quarter_scores(compute,
-                     fits ? window : resize_bilinear_map(compute, window, height, width, false)),
+      compute, quarter_scores(compute, fits ? window : resize_bilinear_map(compute, window, height, width, false)),
       window.height, window.width, false);
 }
 

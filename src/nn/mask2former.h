@@ -51,8 +51,7 @@ class Mask2Former : public SegmentationNetwork {
   Prediction decode(Compute& compute, const PixelDecoder::Output& pixels) const {
     return decode(compute, pixels, DecodingHooks());
   }
-  Prediction decode(Compute& compute, const PixelDecoder::Output& pixels,
-                    const DecodingHooks& hooks) const;
+  Prediction decode(Compute& compute, const PixelDecoder::Output& pixels, const DecodingHooks& hooks) const;
   FeatureMap scores_of(const Prediction& prediction) const;
 
  private:

@@ -18,7 +18,9 @@ double measure_matrix_rate(Compute& compute) {
   Matrix x(kRows, kWidth);
   for (int64_t i = 0; i < kRows * kWidth; ++i) x.data[size_t(i)] = float(random.normal());
   using Clock = std::chrono::steady_clock;
-  const auto seconds_since = [](Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  const auto seconds_since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
   double best = 1e9;
   for (const auto start = Clock::now(); seconds_since(start) < kSeconds;) {
     const auto begin = Clock::now();

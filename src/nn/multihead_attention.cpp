@@ -6,13 +6,11 @@
 
 namespace aligngs::nn {
 
-MultiheadAttention::MultiheadAttention(const Compute& compute, const Weights& weights,
-                                       int64_t channels, int64_t heads)
+MultiheadAttention::MultiheadAttention(const Compute& compute, const Weights& weights, int64_t channels, int64_t heads)
     : heads_(heads), out_(compute, weights, "out_proj", channels, channels) {
   if (heads <= 0 || channels % heads != 0) {
     throw Error({ErrorKind::kWeights,
-                 std::to_string(channels) + " channels do not divide into " +
-                     std::to_string(heads) + " heads",
+                 std::to_string(channels) + " channels do not divide into " + std::to_string(heads) + " heads",
                  {},
                  "in_proj_weight",
                  "set the number of heads"});
@@ -23,14 +21,12 @@ MultiheadAttention::MultiheadAttention(const Compute& compute, const Weights& we
   for (int64_t i = 0; i < 3; ++i) {
     const auto rows = weight.begin() + i * channels * channels;
     const auto entries = bias.begin() + i * channels;
-    *parts[i] = Linear(compute, {rows, rows + channels * channels}, channels, channels,
-                       {entries, entries + channels});
+    *parts[i] = Linear(compute, {rows, rows + channels * channels}, channels, channels, {entries, entries + channels});
   }
 }
 
-Matrix MultiheadAttention::operator()(Compute& compute, const Matrix& query, const Matrix& key,
-                                      const Matrix& value, int64_t masks,
-                                      const uint8_t* masked) const {
+Matrix MultiheadAttention::operator()(Compute& compute, const Matrix& query, const Matrix& key, const Matrix& value,
+                                      int64_t masks, const uint8_t* masked) const {
   const int64_t channels = query.columns, dim = channels / heads_;
   if (NetworkDevice* const device = compute.device()) {
     const Matrix q = query_(compute, query), k = key_(compute, key), v = value_(compute, value);

@@ -10,8 +10,8 @@
 #include "nn/bn_head.h"
 #include "nn/depther.h"
 #include "nn/mask2former.h"
-#include "nn/test_weights.h"
 #include "nn/vggt.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -43,8 +43,7 @@ VggtOptions small_vggt_options() {
 std::shared_ptr<MemoryWeights> small_vggt_weights() {
   TensorList tensors = vggt_tensors(small_vggt());
   for (SafetensorsStream::Entry& tensor : tensors) {
-    if (tensor.name.find(".q_norm.") != std::string::npos ||
-        tensor.name.find(".k_norm.") != std::string::npos)
+    if (tensor.name.find(".q_norm.") != std::string::npos || tensor.name.find(".k_norm.") != std::string::npos)
       tensor.shape = {16};
   }
   return MemoryWeights::random(tensors);
@@ -108,17 +107,15 @@ TEST_F(NetworksTest, TheNumberOfThreadsChangesNoBitOfVggt) {
   for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
     ThreadPool one(1), three(3);
     Compute a(one, {precision, true, true}), b(three, {precision, true, true});
-    EXPECT_EQ(run_vggt(a, 2, {true, false})[1].depth.data,
-              run_vggt(b, 2, {true, false})[1].depth.data);
+    EXPECT_EQ(run_vggt(a, 2, {true, false})[1].depth.data, run_vggt(b, 2, {true, false})[1].depth.data);
   }
 }
 
 TEST_F(NetworksTest, ImagesOfAWrongSizeAreBadInput) {
-  const Vit vit(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))),
-                {2, {}, 0.1, 1e-6f, false});
-  for (const auto& images : {std::vector<FeatureMap>{random_image(28, 30)},
-                             std::vector<FeatureMap>{random_image(28, 28), random_image(28, 42)},
-                             std::vector<FeatureMap>{}}) {
+  const Vit vit(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))), {2, {}, 0.1, 1e-6f, false});
+  for (const auto& images :
+       {std::vector<FeatureMap>{random_image(28, 30)},
+        std::vector<FeatureMap>{random_image(28, 28), random_image(28, 42)}, std::vector<FeatureMap>{}}) {
     try {
       vit(compute_, images);
       FAIL() << "accepted";
@@ -147,9 +144,8 @@ TEST_F(NetworksTest, DepthLiesInItsRangeAtTheSizeOfTheImage) {
   DepthOptions options;
   options.vit.heads = 2;
   options.max_depth = 2;
-  const auto network =
-      make_depth_network(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))),
-                         Weights(MemoryWeights::random(dpt_head_tensors(kVit, 8))), options);
+  const auto network = make_depth_network(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))),
+                                          Weights(MemoryWeights::random(dpt_head_tensors(kVit, 8))), options);
   const FeatureMap depth = (*network)(compute_, random_image(45, 33));
   EXPECT_EQ(depth.height, 45);
   EXPECT_EQ(depth.width, 33);
@@ -164,8 +160,7 @@ TEST_F(NetworksTest, AHeadOfAnotherBackboneIsRefused) {
   head->set("decode_head.conv_seg.weight", {3, 48, 1, 1}, std::vector<float>(3 * 48));
   BnHeadOptions options;
   options.vit.heads = 2;
-  EXPECT_THROW(BnHeadNetwork(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))),
-                             Weights(head), options),
+  EXPECT_THROW(BnHeadNetwork(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))), Weights(head), options),
                Error);
 }
 
@@ -188,8 +183,8 @@ TEST_F(NetworksTest, Mask2FormerScoresEveryClassAtTheSizeOfTheWindow) {
   Mask2FormerOptions options;
   options.adapter.vit.heads = 3;
   options.groups = 8;
-  const Mask2Former network(
-      compute_, Weights(MemoryWeights::random(mask2former_tensors(small_mask2former()))), options);
+  const Mask2Former network(compute_, Weights(MemoryWeights::random(mask2former_tensors(small_mask2former()))),
+                            options);
   EXPECT_EQ(network.classes(), 5);
   const FeatureMap scores = network.predict(compute_, random_image(50, 70));
   EXPECT_EQ(scores.height, 50);
@@ -209,8 +204,7 @@ TEST_F(NetworksTest, SegmentationGivesProbabilitiesOfThePhotograph) {
                                            {"decode_head.bn.running_var", {32}}});
   BnHeadOptions options;
   options.vit.heads = 2;
-  const BnHeadNetwork network(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))),
-                              Weights(head), options);
+  const BnHeadNetwork network(compute_, Weights(MemoryWeights::random(dinov2_tensors(kVit))), Weights(head), options);
   Image<uint8_t> photo(40, 30, 3);
   for (size_t i = 0; i < photo.data.size(); ++i) photo.data[i] = uint8_t(i * 37);
   SegmentationPlan plan;
@@ -271,8 +265,8 @@ TEST(RandomWeights, HaveTheNamesAndShapesOfThePublishedFiles) {
       expected.erase(found);
     }
     for (const auto& left : expected) {
-      const bool unused = left.first.find("track_head.") == 0 ||
-                          left.first.find("num_batches_tracked") != std::string::npos;
+      const bool unused =
+          left.first.find("track_head.") == 0 || left.first.find("num_batches_tracked") != std::string::npos;
       EXPECT_TRUE(unused) << file << " also has " << left.first;
     }
   }
@@ -284,8 +278,7 @@ TEST(RandomWeights, AreWrittenAndTheSameForTheSameSeed) {
   const TensorList tensors = dinov2_tensors(kVit);
   write_random_weights(folder / "a.safetensors", tensors, 3);
   write_random_weights(folder / "b.safetensors", tensors, 3);
-  const Weights a = Weights::open(folder / "a.safetensors"),
-                b = Weights::open(folder / "b.safetensors");
+  const Weights a = Weights::open(folder / "a.safetensors"), b = Weights::open(folder / "b.safetensors");
   for (const SafetensorsStream::Entry& tensor : tensors)
     ASSERT_EQ(a.load(tensor.name, tensor.shape), b.load(tensor.name, tensor.shape));
 }

@@ -21,8 +21,7 @@ PixelDecoder::PixelDecoder(const Compute& compute, const Weights& weights, const
   // would go straight into the mask logits, whose sign decides the attention of queries.
   for (size_t i = 0; i < 3; ++i) {
     const std::string n = "input_convs." + std::to_string(i);
-    inputs_[i] =
-        Linear(compute, weights, n + ".conv", f, weights.dimension(n + ".conv.weight", 1), true);
+    inputs_[i] = Linear(compute, weights, n + ".conv", f, weights.dimension(n + ".conv.weight", 1), true);
     input_norms_[i] = GroupNorm(weights, n + ".gn", f, options.groups);
   }
   level_encoding_ = weights.load("level_encoding.weight", {3, f});
@@ -31,21 +30,20 @@ PixelDecoder::PixelDecoder(const Compute& compute, const Weights& weights, const
   for (int i = 0; i < depth; ++i) {
     const Weights w = weights.sub("encoder.layers." + std::to_string(i) + ".");
     const int64_t hidden = w.dimension("ffns.0.layers.0.0.weight", 0);
-    layers_.push_back({DeformableAttention(compute, w.sub("attentions.0."), 3, options.heads),
-                       LayerNorm(w, "norms.0", f, kPixelDecoderNormEps), LayerNorm(w, "norms.1", f, kPixelDecoderNormEps),
-                       Linear(compute, w, "ffns.0.layers.0.0", hidden, f),
-                       Linear(compute, w, "ffns.0.layers.1", f, hidden)});
+    layers_.push_back(
+        {DeformableAttention(compute, w.sub("attentions.0."), 3, options.heads),
+         LayerNorm(w, "norms.0", f, kPixelDecoderNormEps), LayerNorm(w, "norms.1", f, kPixelDecoderNormEps),
+         Linear(compute, w, "ffns.0.layers.0.0", hidden, f), Linear(compute, w, "ffns.0.layers.1", f, hidden)});
   }
-  lateral_ = Linear(compute, weights, "lateral_convs.0.conv", f,
-                    weights.dimension("lateral_convs.0.conv.weight", 1), true);
+  lateral_ =
+      Linear(compute, weights, "lateral_convs.0.conv", f, weights.dimension("lateral_convs.0.conv.weight", 1), true);
   lateral_norm_ = GroupNorm(weights, "lateral_convs.0.gn", f, options.groups);
   output_ = Convolution(compute, weights, "output_convs.0.conv", {f, f, 3, 1, 1});
   output_norm_ = GroupNorm(weights, "output_convs.0.gn", f, options.groups);
   mask_feature_ = Linear(compute, weights, "mask_feature", f, f, true);
 }
 
-PixelDecoder::Output PixelDecoder::operator()(Compute& compute,
-                                              const std::array<FeatureMap, 4>& maps) const {
+PixelDecoder::Output PixelDecoder::operator()(Compute& compute, const std::array<FeatureMap, 4>& maps) const {
   const int64_t f = features_;
   std::vector<MapSize> sizes;
   int64_t places = 0;

@@ -24,8 +24,7 @@ Distribution distribution_of(const std::string& name, const std::vector<int64_t>
   if (ends_with(name, "pose_branch.fc2.weight") || name.find("cam_dec.fc_") != std::string::npos) return {0, 0.002};
   if (ends_with(name, "pixel_mean")) return {0.45, 0.03};
   if (ends_with(name, "pixel_std")) return {0.225, 0.003};
-  if (ends_with(name, "running_var") || (ends_with(name, ".weight") && shape.size() == 1))
-    return {1, 0.1};
+  if (ends_with(name, "running_var") || (ends_with(name, ".weight") && shape.size() == 1)) return {1, 0.1};
   if (name.find("gamma") != std::string::npos) return {0.1, 0.02};
   if (shape.size() == 1) return {0, 0.02};  // biases, running means
   double inputs = 1;
@@ -102,8 +101,7 @@ void add_adapter(TensorNames& names, const Mask2FormerSize& size) {
       extractors.push_back(p + "extra_extractors.1.");
     }
     for (const std::string& e : extractors) {
-      for (const char* const norm : {"query_norm", "feat_norm", "ffn_norm"})
-        names.norm(e + norm, c);
+      for (const char* const norm : {"query_norm", "feat_norm", "ffn_norm"}) names.norm(e + norm, c);
       add_deformable(names, e + "attn.", {c, c / 2, size.deform_heads, 1});
       names.linear(e + "ffn.fc1", c / 4, c);
       names.add(e + "ffn.dwconv.dwconv.weight", {c / 4, 1, 3, 3});
@@ -129,8 +127,7 @@ VitSize vit_size(char letter, int64_t registers) {
     case 'g':
       return {1536, 40, true, registers, 37};
     default:
-      throw_usage(std::string("no vision transformer of size '") + letter + "'",
-                  "use s, b, l or g");
+      throw_usage(std::string("no vision transformer of size '") + letter + "'", "use s, b, l or g");
   }
 }
 
@@ -165,8 +162,7 @@ TensorList dpt_head_tensors(const VitSize& size, int64_t features) {
     names.convolution(p + "project.conv", f, f, 1);
     for (const char* const unit : {"res_conv_unit1.", "res_conv_unit2."}) {
       if (j == 0 && unit[13] == '1') continue;
-      for (const char* const conv : {"conv1.conv", "conv2.conv"})
-        names.convolution(p + unit + conv, f, f, 3, false);
+      for (const char* const conv : {"conv1.conv", "conv2.conv"}) names.convolution(p + unit + conv, f, f, 3, false);
     }
   }
   constexpr int64_t kLast = 32;
@@ -192,8 +188,7 @@ TensorList linear_depth_tensors(int64_t inputs, int64_t bins) {
 
 TensorList vgg16_tensors(const std::vector<int64_t>& widths) {
   TensorNames names("");
-  const std::vector<std::vector<int>> stages = {
-      {0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
+  const std::vector<std::vector<int>> stages = {{0, 2}, {5, 7}, {10, 12, 14}, {17, 19, 21}, {24, 26, 28}};
   int64_t inputs = 3;
   for (size_t s = 0; s < stages.size(); ++s) {
     for (const int index : stages[s]) {
@@ -245,8 +240,7 @@ TensorList mask2former_tensors(const Mask2FormerSize& size) {
   backbone.add("cls_token", {1, 1, c});
   backbone.convolution("patch_embed.proj", c, 3, 14);
   for (int64_t i = 0; i < size.backbone.depth; ++i) {
-    add_block(backbone, "blocks." + std::to_string(i) + ".",
-              {c, size.backbone.hidden(), true, true});
+    add_block(backbone, "blocks." + std::to_string(i) + ".", {c, size.backbone.hidden(), true, true});
   }
   add_adapter(backbone, size);
 
@@ -291,8 +285,7 @@ TensorList mask2former_tensors(const Mask2FormerSize& size) {
   return backbone.list;
 }
 
-void write_random_weights(const std::filesystem::path& path, const TensorList& tensors,
-                          uint64_t seed) {
+void write_random_weights(const std::filesystem::path& path, const TensorList& tensors, uint64_t seed) {
   SafetensorsStream out(path, tensors, "F16", {{"source", "random values"}});
   Random random(seed);
   std::vector<float> values;

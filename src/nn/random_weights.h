@@ -85,7 +85,6 @@ TensorList lingbot_tensors(const LingbotSize& size = {});        ///< LibreYOLO'
 /// Writes them to a safetensors file in half precision, one after the other. Values are such that
 /// activations stay of the order of one, and VGGT's cameras are ones that photographs could have;
 /// equal seeds give equal files.
-void write_random_weights(const std::filesystem::path& path, const TensorList& tensors,
-                          uint64_t seed);
+void write_random_weights(const std::filesystem::path& path, const TensorList& tensors, uint64_t seed);
 
 }  // namespace aligngs::nn

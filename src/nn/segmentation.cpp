@@ -50,16 +50,15 @@ std::vector<int> argmax_channels(const FeatureMap& map) {
   return labels;
 }
 
-FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network,
-                               const FeatureMap& normalised, const SlidingWindow& window,
-                               int64_t height, int64_t width) {
-  const FeatureMap logits = slide(
-      normalised, window, [&](const FeatureMap& part) { return network.predict(compute, part); });
+FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network, const FeatureMap& normalised,
+                               const SlidingWindow& window, int64_t height, int64_t width) {
+  const FeatureMap logits =
+      slide(normalised, window, [&](const FeatureMap& part) { return network.predict(compute, part); });
   return resize_bilinear_map(compute, logits, height, width, false);
 }
 
-FeatureMap segment(Compute& compute, const SegmentationNetwork& network,
-                   const Image<uint8_t>& photo, const SegmentationPlan& plan) {
+FeatureMap segment(Compute& compute, const SegmentationNetwork& network, const Image<uint8_t>& photo,
+                   const SegmentationPlan& plan) {
   FeatureMap mean(photo.height, photo.width, network.classes());
   const float share = 1.0f / float(plan.ratios.size() * (plan.flip ? 2 : 1));
   for (const double ratio : plan.ratios) {
@@ -69,9 +68,8 @@ FeatureMap segment(Compute& compute, const SegmentationNetwork& network,
     if (resize.long_side < 1 << 20) resize.long_side = int(resize.long_side * ratio);
     const FeatureMap image = normalised_image(segmentation_image(photo, resize));
     for (int mirrored = 0; mirrored <= int(plan.flip); ++mirrored) {
-      FeatureMap probabilities =
-          segmentation_logits(compute, network, mirrored ? flip_horizontally(image) : image,
-                              plan.window, photo.height, photo.width);
+      FeatureMap probabilities = segmentation_logits(compute, network, mirrored ? flip_horizontally(image) : image,
+                                                     plan.window, photo.height, photo.width);
       softmax_channels(compute, probabilities);
       if (mirrored) probabilities = flip_horizontally(probabilities);
       for (size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += share * probabilities.data[i];

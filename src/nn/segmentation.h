@@ -31,12 +31,11 @@ SegmentationPlan multi_scale_plan(bool augmented);
 SegmentationPlan mask2former_plan();
 
 /// Averaged over windows, at height x width: logits or scores.
-FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network,
-                               const FeatureMap& normalised, const SlidingWindow& window,
-                               int64_t height, int64_t width);
+FeatureMap segmentation_logits(Compute& compute, const SegmentationNetwork& network, const FeatureMap& normalised,
+                               const SlidingWindow& window, int64_t height, int64_t width);
 /// Probabilities [height, width, classes] at the size of the photograph (RGB of 8 bits).
-FeatureMap segment(Compute& compute, const SegmentationNetwork& network,
-                   const Image<uint8_t>& photo, const SegmentationPlan& plan);
+FeatureMap segment(Compute& compute, const SegmentationNetwork& network, const Image<uint8_t>& photo,
+                   const SegmentationPlan& plan);
 
 void softmax_channels(Compute& compute, FeatureMap& map);
 /// The channel of the largest value per place; the first of equal ones.

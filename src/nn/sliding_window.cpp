@@ -11,26 +11,22 @@ namespace {
 std::vector<int64_t> starts(int64_t length, int64_t crop, int64_t stride) {
   std::vector<int64_t> out;
   const int64_t count = std::max<int64_t>(length - crop + stride - 1, 0) / stride + 1;
-  for (int64_t i = 0; i < count; ++i)
-    out.push_back(std::max<int64_t>(std::min(i * stride + crop, length) - crop, 0));
+  for (int64_t i = 0; i < count; ++i) out.push_back(std::max<int64_t>(std::min(i * stride + crop, length) - crop, 0));
   return out;
 }
 
 }  // namespace
 
-FeatureMap crop_map(const FeatureMap& map, int64_t top, int64_t left, int64_t height,
-                    int64_t width) {
+FeatureMap crop_map(const FeatureMap& map, int64_t top, int64_t left, int64_t height, int64_t width) {
   FeatureMap out(height, width, map.channels);
-  for (int64_t y = 0; y < height; ++y)
-    std::copy_n(map.at(top + y, left), width * map.channels, out.at(y, 0));
+  for (int64_t y = 0; y < height; ++y) std::copy_n(map.at(top + y, left), width * map.channels, out.at(y, 0));
   return out;
 }
 
 FeatureMap flip_horizontally(const FeatureMap& map) {
   FeatureMap out(map.height, map.width, map.channels);
   for (int64_t y = 0; y < map.height; ++y) {
-    for (int64_t x = 0; x < map.width; ++x)
-      std::copy_n(map.at(y, map.width - 1 - x), map.channels, out.at(y, x));
+    for (int64_t x = 0; x < map.width; ++x) std::copy_n(map.at(y, map.width - 1 - x), map.channels, out.at(y, x));
   }
   return out;
 }

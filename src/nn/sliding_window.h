@@ -18,8 +18,7 @@ struct SlidingWindow {
 FeatureMap slide(const FeatureMap& image, const SlidingWindow& window,
                  const std::function<FeatureMap(const FeatureMap&)>& predict);
 
-FeatureMap crop_map(const FeatureMap& map, int64_t top, int64_t left, int64_t height,
-                    int64_t width);
+FeatureMap crop_map(const FeatureMap& map, int64_t top, int64_t left, int64_t height, int64_t width);
 FeatureMap flip_horizontally(const FeatureMap& map);
 
 }  // namespace aligngs::nn

@@ -55,8 +55,7 @@ TEST(SlidingWindow, AnImageSmallerThanTheWindowIsOneWindow) {
 }
 
 TEST(SlidingWindow, AWindowWithoutAStrideIsRefused) {
-  EXPECT_THROW(slide(columns(9, 9), {4, 4, 0, 0}, [](const FeatureMap& part) { return part; }),
-               Error);
+  EXPECT_THROW(slide(columns(9, 9), {4, 4, 0, 0}, [](const FeatureMap& part) { return part; }), Error);
 }
 
 TEST(SlidingWindow, FlippingTwiceChangesNothing) {

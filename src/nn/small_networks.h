@@ -6,7 +6,7 @@
 #include "nn/da3/da3.h"
 #include "nn/da3/metric.h"
 #include "nn/eomt/eomt.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 

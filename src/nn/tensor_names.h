@@ -13,15 +13,12 @@ namespace aligngs::nn {
 class TensorNames {
  public:
   explicit TensorNames(std::string prefix) : prefix_(std::move(prefix)) {}
-  void add(const std::string& name, std::vector<int64_t> shape) {
-    list.push_back({prefix_ + name, std::move(shape)});
-  }
+  void add(const std::string& name, std::vector<int64_t> shape) { list.push_back({prefix_ + name, std::move(shape)}); }
   void linear(const std::string& name, int64_t outputs, int64_t inputs) {
     add(name + ".weight", {outputs, inputs});
     add(name + ".bias", {outputs});
   }
-  void convolution(const std::string& name, int64_t outputs, int64_t inputs, int64_t kernel,
-                   bool bias = true) {
+  void convolution(const std::string& name, int64_t outputs, int64_t inputs, int64_t kernel, bool bias = true) {
     add(name + ".weight", {outputs, inputs, kernel, kernel});
     if (bias) add(name + ".bias", {outputs});
   }

@@ -11,8 +11,7 @@ namespace {
 
 constexpr float kHeadNormEps = 1e-5f;  // of q_norm and k_norm, in VGGT and DA3
 
-std::vector<float> layer_scale(const Weights& weights, const char* name, const char* other,
-                               int64_t channels) {
+std::vector<float> layer_scale(const Weights& weights, const char* name, const char* other, int64_t channels) {
   if (weights.has(name)) return weights.load(name, {channels});
   if (weights.has(other)) return weights.load(other, {channels});
   return {};
@@ -28,12 +27,10 @@ void pair_within_axes(std::vector<float>& values, int64_t heads, int64_t dim, in
   }
 }
 
-Linear load_qkv(const Compute& compute, const Weights& weights,
-                const TransformerBlock::Config& config) {
+Linear load_qkv(const Compute& compute, const Weights& weights, const TransformerBlock::Config& config) {
   const std::string name = "attn.qkv", mask_name = name + ".bias_mask";
   const int64_t c = config.channels;
-  if (!config.halves_paired && !weights.has(mask_name))
-    return Linear(compute, weights, name, 3 * c, c);
+  if (!config.halves_paired && !weights.has(mask_name)) return Linear(compute, weights, name, 3 * c, c);
   std::vector<float> weight = weights.load(name + ".weight", {3 * c, c}), bias;
   if (weights.has(name + ".bias")) bias = weights.load(name + ".bias", {3 * c});
   if (weights.has(mask_name) && !bias.empty()) {
@@ -55,20 +52,16 @@ Linear load_qkv(const Compute& compute, const Weights& weights,
   return Linear(compute, weight, 3 * c, c, std::move(bias));
 }
 
-const float* or_null(const Values& values) {
-  return values.empty() ? nullptr : values.data();
-}
+const float* or_null(const Values& values) { return values.empty() ? nullptr : values.data(); }
 
 }  // namespace
 
-TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weights,
-                                   const Config& config)
+TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weights, const Config& config)
     : config_(config) {
   const int64_t c = config.channels;
   if (config.heads <= 0 || c % config.heads != 0) {
     throw Error({ErrorKind::kWeights,
-                 std::to_string(c) + " channels do not divide into " +
-                     std::to_string(config.heads) + " heads",
+                 std::to_string(c) + " channels do not divide into " + std::to_string(config.heads) + " heads",
                  {},
                  "attn",
                  "set the number of heads"});
@@ -108,8 +101,8 @@ TransformerBlock::TransformerBlock(const Compute& compute, const Weights& weight
   fc1_ = Linear(compute, weight, 2 * hidden, c, std::move(bias));
 }
 
-void TransformerBlock::attend(Compute& compute, const Matrix& x, int64_t sequences,
-                              const TokenPlaces* places, Matrix& out) const {
+void TransformerBlock::attend(Compute& compute, const Matrix& x, int64_t sequences, const TokenPlaces* places,
+                              Matrix& out) const {
   const int64_t c = config_.channels, tokens = x.rows / sequences, dim = c / config_.heads;
   AttentionOperands operands(compute, {sequences, config_.heads, dim, tokens, tokens});
   compute.for_rows(x.rows, 0, [&](int64_t begin, int64_t count, Scratch& scratch) {
@@ -137,13 +130,13 @@ void TransformerBlock::attend(Compute& compute, const Matrix& x, int64_t sequenc
   attention(compute, operands, out.data.data());
 }
 
-void TransformerBlock::forward_on(NetworkDevice& device, Compute& compute, Matrix& x,
-                                  int64_t sequences, const TokenPlaces* places) const {
+void TransformerBlock::forward_on(NetworkDevice& device, Compute& compute, Matrix& x, int64_t sequences,
+                                  const TokenPlaces* places) const {
   const int64_t c = config_.channels, tokens = x.rows / sequences, dim = c / config_.heads;
   const auto add = [&](const Linear& linear, const Matrix& from, const Values& scale) {
     const Matrix update = linear.product_on(device, from);
-    device.add_scaled(x.data.change_on(device), update.data.on(device), x.rows, c,
-                      linear.bias_values().on(device), scale.on(device));
+    device.add_scaled(x.data.change_on(device), update.data.on(device), x.rows, c, linear.bias_values().on(device),
+                      scale.on(device));
   };
   Matrix qkv = qkv_(compute, norm1_(compute, x));
   HeadPreparation heads{x.rows, config_.heads, dim};
@@ -183,8 +176,7 @@ void TransformerBlock::forward_on(NetworkDevice& device, Compute& compute, Matri
   add(fc2_, gated, scale2_);
 }
 
-void TransformerBlock::forward(Compute& compute, Matrix& x, int64_t sequences,
-                               const TokenPlaces* places) const {
+void TransformerBlock::forward(Compute& compute, Matrix& x, int64_t sequences, const TokenPlaces* places) const {
   if (NetworkDevice* const device = compute.device()) {
     forward_on(*device, compute, x, sequences, places);
     return;

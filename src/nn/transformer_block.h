@@ -34,12 +34,10 @@ class TransformerBlock {
   TransformerBlock(const Compute& compute, const Weights& weights, const Config& config);
 
   /// x [sequences * tokens, channels]; attention within each sequence.
-  void forward(Compute& compute, Matrix& x, int64_t sequences,
-               const TokenPlaces* places = nullptr) const;
+  void forward(Compute& compute, Matrix& x, int64_t sequences, const TokenPlaces* places = nullptr) const;
 
  private:
-  void attend(Compute& compute, const Matrix& x, int64_t sequences, const TokenPlaces* places,
-              Matrix& out) const;
+  void attend(Compute& compute, const Matrix& x, int64_t sequences, const TokenPlaces* places, Matrix& out) const;
   void forward_on(NetworkDevice& device, Compute& compute, Matrix& x, int64_t sequences,
                   const TokenPlaces* places) const;
 

@@ -17,8 +17,7 @@ std::mutex& transfer_mutex() {
 
 }  // namespace
 
-Values::Values(std::vector<float> values)
-    : size_(values.size()), host_(std::move(values)), state_(kHost) {}
+Values::Values(std::vector<float> values) : size_(values.size()), host_(std::move(values)), state_(kHost) {}
 
 Values::Values(const Values& other) : size_(other.size_) {
   if (other.state_ == kDevice) {  // stays there

@@ -6,8 +6,7 @@
 
 namespace aligngs::nn {
 
-Vggt::Vggt(Compute& compute, const Weights& weights, const VggtOptions& options)
-    : layers_(options.layers) {
+Vggt::Vggt(Compute& compute, const Weights& weights, const VggtOptions& options) : layers_(options.layers) {
   ComputeOptions exact;
   exact.precision = Precision::kFloat32;
   exact.onednn = compute.matrices()->name() != "portable";
@@ -31,8 +30,7 @@ Vggt::Vggt(Compute& compute, const Weights& weights, const VggtOptions& options)
 Matrix Vggt::camera_tokens(const AggregatedTokens& tokens) {
   const Matrix& last = tokens.layers.back();
   Matrix out(tokens.frames, last.columns);
-  for (int64_t f = 0; f < tokens.frames; ++f)
-    std::copy_n(last.row(f * tokens.per_frame()), last.columns, out.row(f));
+  for (int64_t f = 0; f < tokens.frames; ++f) std::copy_n(last.row(f * tokens.per_frame()), last.columns, out.row(f));
   return out;
 }
 
@@ -53,8 +51,7 @@ void Vggt::operator()(Compute& compute, std::vector<FeatureMap> images, const Vg
   constexpr int64_t kPatch = 14;
   for (int64_t f = 0; f < tokens.frames; ++f) {
     VggtFrame frame;
-    frame.camera =
-        decode_pose(poses[size_t(f)], tokens.grid_width * kPatch, tokens.grid_height * kPatch);
+    frame.camera = decode_pose(poses[size_t(f)], tokens.grid_width * kPatch, tokens.grid_height * kPatch);
     if (request.depth) frame.depth = (*depth_head_)(compute, tokens, f);
     if (request.points) frame.points = (*point_head_)(compute, tokens, f);
     take(f, std::move(frame));
@@ -67,11 +64,10 @@ FeatureMap unproject_depth(const FeatureMap& depth, const VggtCamera& camera) {
     for (int64_t u = 0; u < depth.width; ++u) {
       const double z = double(depth.at(v, u)[0]);
       const double p[3] = {(double(u) - camera.cx) * z / camera.fx - camera.translation[0],
-                           (double(v) - camera.cy) * z / camera.fy - camera.translation[1],
-                           z - camera.translation[2]};
+                           (double(v) - camera.cy) * z / camera.fy - camera.translation[1], z - camera.translation[2]};
       for (size_t i = 0; i < 3; ++i) {
-        points.at(v, u)[i] = float(camera.rotation[i] * p[0] + camera.rotation[3 + i] * p[1] +
-                                   camera.rotation[6 + i] * p[2]);
+        points.at(v, u)[i] =
+            float(camera.rotation[i] * p[0] + camera.rotation[3 + i] * p[1] + camera.rotation[6 + i] * p[2]);
       }
     }
   }

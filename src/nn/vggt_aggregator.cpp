@@ -25,8 +25,7 @@ VggtAggregator::VggtAggregator(const Compute& compute, const Weights& weights, i
   const std::vector<float> others = weights.load("register_token", {1, 2, registers, c});
   for (int k = 0; k < 2; ++k) {
     special_[k].assign(camera.begin() + k * c, camera.begin() + (k + 1) * c);
-    special_[k].insert(special_[k].end(), others.begin() + k * registers * c,
-                       others.begin() + (k + 1) * registers * c);
+    special_[k].insert(special_[k].end(), others.begin() + k * registers * c, others.begin() + (k + 1) * registers * c);
   }
   const int depth = weights.count("frame_blocks.");
   if (depth == 0) weights.shape("frame_blocks.0.norm1.weight");  // throws: missing
@@ -39,8 +38,7 @@ VggtAggregator::VggtAggregator(const Compute& compute, const Weights& weights, i
 }
 
 AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<FeatureMap> images,
-                                            const std::vector<int>& keep,
-                                            bool keep_patch_tokens) const {
+                                            const std::vector<int>& keep, bool keep_patch_tokens) const {
   for (FeatureMap& image : images) normalise_unit_image(image);
   const int64_t c = channels();
   AggregatedTokens out;
@@ -63,8 +61,7 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
     for (int64_t f = 0; f < out.frames; ++f) {
       const Block from{((f + 1) * encoded.per_image() - patches) * c, 0};
       copy_block(x.data, {(f * out.per_frame() + out.special) * c, 0}, normed.data, from, 1, patches * c);
-      if (keep_patch_tokens)
-        copy_block(out.patch_tokens.data, {f * patches * c, 0}, normed.data, from, 1, patches * c);
+      if (keep_patch_tokens) copy_block(out.patch_tokens.data, {f * patches * c, 0}, normed.data, from, 1, patches * c);
     }
   }
   // Special tokens are at (0, 0), patches from (1, 1) on.
@@ -92,8 +89,7 @@ AggregatedTokens VggtAggregator::operator()(Compute& compute, std::vector<Featur
   for (size_t k = 0; k < keep.size(); ++k) {
     if (out.layers[k].rows == 0) {
       throw Error({ErrorKind::kWeights,
-                   "layer " + std::to_string(keep[k]) + " is wanted of a trunk of " +
-                       std::to_string(depth()),
+                   "layer " + std::to_string(keep[k]) + " is wanted of a trunk of " + std::to_string(depth()),
                    {},
                    "aggregator",
                    "these are not the weights of this network"});

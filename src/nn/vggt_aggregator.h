@@ -28,8 +28,8 @@ class VggtAggregator {
 
   /// Images in [0, 1], one size, sides multiples of 14; the first frame defines the world.
   /// `keep`: layers to return.
-  AggregatedTokens operator()(Compute& compute, std::vector<FeatureMap> images,
-                              const std::vector<int>& keep, bool keep_patch_tokens = false) const;
+  AggregatedTokens operator()(Compute& compute, std::vector<FeatureMap> images, const std::vector<int>& keep,
+                              bool keep_patch_tokens = false) const;
 
  private:
   int64_t heads_ = 0;

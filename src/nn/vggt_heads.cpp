@@ -9,8 +9,8 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kVggtHeadNormEps = 1e-5f;           // of the LayerNorms with weights
-constexpr float kModulatedEps = 1e-6f;  // of the one without
+constexpr float kVggtHeadNormEps = 1e-5f;  // of the LayerNorms with weights
+constexpr float kModulatedEps = 1e-6f;     // of the one without
 constexpr int kIterations = 4;
 
 }  // namespace
@@ -35,8 +35,7 @@ VggtCameraHead::VggtCameraHead(const Compute& compute, const Weights& weights, i
   }
 }
 
-std::vector<std::vector<PoseEncoding>> VggtCameraHead::operator()(
-    Compute& compute, const Matrix& camera_tokens) const {
+std::vector<std::vector<PoseEncoding>> VggtCameraHead::operator()(Compute& compute, const Matrix& camera_tokens) const {
   const int64_t frames = camera_tokens.rows, c = channels_;
   const Matrix z = token_norm_(compute, camera_tokens);
   Matrix plain(frames, c);  // z normalised without weights
@@ -46,8 +45,7 @@ std::vector<std::vector<PoseEncoding>> VggtCameraHead::operator()(
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Matrix given = pose;
     if (iteration == 0) {
-      for (int64_t f = 0; f < frames; ++f)
-        std::copy(empty_pose_.begin(), empty_pose_.end(), given.row(f));
+      for (int64_t f = 0; f < frames; ++f) std::copy(empty_pose_.begin(), empty_pose_.end(), given.row(f));
     }
     const Matrix modulation = modulation_(compute, embed_pose_(compute, given, Activation::kSilu));
     Matrix y = z;
@@ -57,8 +55,7 @@ std::vector<std::vector<PoseEncoding>> VggtCameraHead::operator()(
         y.row(f)[i] += shift[2 * c + i] * (plain.row(f)[i] * (1 + shift[c + i]) + shift[i]);
     }
     for (const TransformerBlock& block : trunk_) block.forward(compute, y, 1);
-    const Matrix delta =
-        branch2_(compute, branch1_(compute, trunk_norm_(compute, y), Activation::kGelu));
+    const Matrix delta = branch2_(compute, branch1_(compute, trunk_norm_(compute, y), Activation::kGelu));
     // The next iteration is given the pose without the ReLU of its fields of view.
     for (size_t i = 0; i < pose.data.size(); ++i) pose.data[i] += delta.data[i];
     std::vector<PoseEncoding> encodings(static_cast<size_t>(frames));
@@ -74,27 +71,22 @@ std::vector<std::vector<PoseEncoding>> VggtCameraHead::operator()(
 }
 
 float dense_value(DenseActivation activation, float v) {
-  return activation == DenseActivation::kDepth ? std::exp(v)
-                                               : std::copysign(std::expm1(std::abs(v)), v);
+  return activation == DenseActivation::kDepth ? std::exp(v) : std::copysign(std::expm1(std::abs(v)), v);
 }
 float dense_confidence(float v) { return 1 + std::exp(v); }
 
-VggtDenseHead::VggtDenseHead(const Compute& compute, const Weights& weights,
-                             DenseActivation activation)
-    : activation_(activation),
-      pyramid_(compute, weights, {true}),
-      fusion_(compute, weights, {"", true}) {
+VggtDenseHead::VggtDenseHead(const Compute& compute, const Weights& weights, DenseActivation activation)
+    : activation_(activation), pyramid_(compute, weights, {true}), fusion_(compute, weights, {"", true}) {
   const int64_t features = pyramid_.features();
   const int64_t half = weights.dimension("scratch.output_conv1.weight", 0);
   const int64_t last = weights.dimension("scratch.output_conv2.0.weight", 0);
   output1_ = Convolution(compute, weights, "scratch.output_conv1", {half, features, 3, 1, 1});
   output2_ = Convolution(compute, weights, "scratch.output_conv2.0", {last, half, 3, 1, 1});
-  output3_ = Linear(compute, weights, "scratch.output_conv2.2",
-                    weights.dimension("scratch.output_conv2.2.weight", 0), last);
+  output3_ =
+      Linear(compute, weights, "scratch.output_conv2.2", weights.dimension("scratch.output_conv2.2.weight", 0), last);
 }
 
-FeatureMap VggtDenseHead::operator()(Compute& compute, const AggregatedTokens& tokens,
-                                     int64_t frame) const {
+FeatureMap VggtDenseHead::operator()(Compute& compute, const AggregatedTokens& tokens, int64_t frame) const {
   constexpr int64_t kPatch = 14;
   const double aspect = double(tokens.grid_width) / double(tokens.grid_height);
   std::vector<FeatureMap> levels;
@@ -102,15 +94,13 @@ FeatureMap VggtDenseHead::operator()(Compute& compute, const AggregatedTokens& t
   for (size_t j = 0; j < std::min(kLevels, tokens.layers.size()); ++j) {
     const Matrix& layer = tokens.layers[j];
     FeatureMap map(tokens.grid_height, tokens.grid_width, layer.columns);
-    copy_block(map.data, {}, layer.data,
-               {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
+    copy_block(map.data, {}, layer.data, {(frame * tokens.per_frame() + tokens.special) * layer.columns, 0}, 1,
                map.places() * layer.columns);
     levels.push_back(std::move(map));
   }
   FeatureMap out = fusion_(compute, pyramid_(compute, std::move(levels), aspect));
   out = output1_(compute, out);
-  out = resize_bilinear_map(compute, out, tokens.grid_height * kPatch, tokens.grid_width * kPatch,
-                            true);
+  out = resize_bilinear_map(compute, out, tokens.grid_height * kPatch, tokens.grid_width * kPatch, true);
   add_uv_embedding(out, aspect);
   out = output3_(compute, output2_(compute, out, {false, Activation::kRelu}));
   for (int64_t i = 0; i < out.places(); ++i) {

@@ -17,8 +17,7 @@ class VggtCameraHead {
 
   /// camera_tokens [frames, 2 * channels]: token 0 of each frame of the last layer. One list of
   /// encodings per iteration; the last one counts.
-  std::vector<std::vector<PoseEncoding>> operator()(Compute& compute,
-                                                    const Matrix& camera_tokens) const;
+  std::vector<std::vector<PoseEncoding>> operator()(Compute& compute, const Matrix& camera_tokens) const;
 
  private:
   int64_t channels_ = 0;

@@ -17,8 +17,8 @@ std::array<double, 9> rotation_from_xyzw(const std::array<double, 4>& q) {
 
 std::array<double, 4> xyzw_from_rotation(const std::array<double, 9>& m) {
   // The largest of the four components is well conditioned; the others follow from it.
-  const std::array<double, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8],
-                                         1 - m[0] - m[4] + m[8], 1 + m[0] + m[4] + m[8]};
+  const std::array<double, 4> squares = {1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8], 1 - m[0] - m[4] + m[8],
+                                         1 + m[0] + m[4] + m[8]};
   const auto largest = size_t(std::max_element(squares.begin(), squares.end()) - squares.begin());
   const double four = 2 * std::sqrt(std::max(squares[largest], 1e-30));  // 4 |component|
   std::array<double, 4> q{};

@@ -27,8 +27,7 @@ TEST(VggtPose, RotationsAndQuaternionsAreInverse) {
 }
 
 TEST(VggtPose, TheLengthOfAQuaternionDoesNotMatter) {
-  const auto a = rotation_from_xyzw({0.1, -0.2, 0.3, 0.9}),
-             b = rotation_from_xyzw({0.2, -0.4, 0.6, 1.8});
+  const auto a = rotation_from_xyzw({0.1, -0.2, 0.3, 0.9}), b = rotation_from_xyzw({0.2, -0.4, 0.6, 1.8});
   for (size_t i = 0; i < 9; ++i) EXPECT_NEAR(a[i], b[i], 1e-12);
 }
 
@@ -38,8 +37,7 @@ TEST(VggtPose, AQuaternionOfLengthZeroIsNoRotation) {
 
 TEST(VggtPose, FocalLengthsFollowFromTheFieldsOfView) {
   const double right_angle = std::acos(-1.0) / 2;
-  const VggtCamera camera =
-      decode_pose({1, 2, 3, 0, 0, 0, 1, float(right_angle), float(right_angle)}, 200, 100);
+  const VggtCamera camera = decode_pose({1, 2, 3, 0, 0, 0, 1, float(right_angle), float(right_angle)}, 200, 100);
   EXPECT_NEAR(camera.fx, 100, 1e-4);
   EXPECT_NEAR(camera.fy, 50, 1e-4);
   EXPECT_THAT(camera.translation, testing::ElementsAre(1, 2, 3));

@@ -31,8 +31,7 @@ std::vector<float> VitTokens::cls(const Matrix& of, int64_t image) const {
   return row;
 }
 
-Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& options)
-    : options_(options) {
+Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& options) : options_(options) {
   const char* const kPatch = "patch_embed.proj.weight";
   channels_ = weights.dimension(kPatch, 0);
   const int64_t c = channels_, patch = weights.dimension(kPatch, 2);
@@ -42,14 +41,16 @@ Vit::Vit(const Compute& compute, const Weights& weights, const VitOptions& optio
   cls_ = weights.load("cls_token", {1, 1, c});
   if (weights.has("register_tokens"))
     registers_ = weights.load("register_tokens", {1, weights.dimension("register_tokens", 1), c});
-  rule_ = options_.position.value_or(registers_.empty() ? PositionRule::kScaleOffset
-                                                        : PositionRule::kAntialiased);
+  rule_ = options_.position.value_or(registers_.empty() ? PositionRule::kScaleOffset : PositionRule::kAntialiased);
   load_positions(weights);
   if (options_.rotated) {
     periods_ = weights.load("rope_embed.periods", {c / std::max<int64_t>(options_.heads, 1) / 4});
     for (const float period : periods_) {
       if (!(period > 0)) {
-        throw Error({ErrorKind::kWeights, "a period is not positive", {}, "rope_embed.periods",
+        throw Error({ErrorKind::kWeights,
+                     "a period is not positive",
+                     {},
+                     "rope_embed.periods",
                      "these are not the weights of this network, or they are damaged"});
       }
     }
@@ -70,12 +71,12 @@ void Vit::load_positions(const Weights& weights) {
   const Shape shape = weights.shape("pos_embed");
   const int64_t places = shape.size() >= 2 ? shape[shape.size() - 2] : 0;
   if (square_side(places - own) == 0) {
-    throw Error({ErrorKind::kWeights,
-                 "shape " + shape_text(shape) + " found, expected a square number of places" +
-                     (own > 0 ? " and one more" : ""),
-                 {},
-                 "pos_embed",
-                 "these are not the weights of this network"});
+    throw Error(
+        {ErrorKind::kWeights,
+         "shape " + shape_text(shape) + " found, expected a square number of places" + (own > 0 ? " and one more" : ""),
+         {},
+         "pos_embed",
+         "these are not the weights of this network"});
   }
   const std::vector<float> values =
       weights.load("pos_embed", shape.size() == 2 ? Shape{places, c} : Shape{1, places, c});
@@ -99,8 +100,7 @@ std::optional<TokenPlaces> Vit::rotation(int64_t grid_height, int64_t grid_width
   TokenPlaces places{Rope2d(channels_ / options_.heads, angles), {}};
   places.places.resize(size_t(1 + int64_t(registers_.size()) / channels_));
   for (int64_t y = 0; y < grid_height; ++y) {
-    for (int64_t x = 0; x < grid_width; ++x)
-      places.places.push_back({int(1 + y), int(1 + grid_height + x)});
+    for (int64_t x = 0; x < grid_width; ++x) places.places.push_back({int(1 + y), int(1 + grid_height + x)});
   }
   return places;
 }
@@ -111,10 +111,10 @@ Matrix Vit::positions(Compute& compute, int64_t grid_height, int64_t grid_width)
   if (grid_height == side && grid_width == side) return position_;
   if (rule_ == PositionRule::kPatchTable) {
     throw_bad_input({}, "images",
-                    "a grid of " + std::to_string(grid_width) + " x " +
-                        std::to_string(grid_height) + " patches does not suit the network",
-                    "it takes images of " + std::to_string(side * patch()) + " x " +
-                        std::to_string(side * patch()) + " pixels only");
+                    "a grid of " + std::to_string(grid_width) + " x " + std::to_string(grid_height) +
+                        " patches does not suit the network",
+                    "it takes images of " + std::to_string(side * patch()) + " x " + std::to_string(side * patch()) +
+                        " pixels only");
   }
   FeatureMap trained(side, side, channels_);
   std::copy_n(position_.row(1), trained.data.size(), trained.data.data());
@@ -148,13 +148,12 @@ VitTokens Vit::embed(Compute& compute, const std::vector<FeatureMap>& images) co
   const FeatureMap& first = images.front();
   for (const FeatureMap& image : images) {
     const bool whole = image.height % patch() == 0 && image.width % patch() == 0;
-    if (image.height != first.height || image.width != first.width || image.height < patch() ||
-        image.width < patch() || !(whole || options_.patches_cut)) {
-      throw_bad_input(
-          {}, "images",
-          "a size of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-              " does not suit the network",
-          "all images must have one size, sides multiples of " + std::to_string(patch()));
+    if (image.height != first.height || image.width != first.width || image.height < patch() || image.width < patch() ||
+        !(whole || options_.patches_cut)) {
+      throw_bad_input({}, "images",
+                      "a size of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                          " does not suit the network",
+                      "all images must have one size, sides multiples of " + std::to_string(patch()));
     }
   }
   out.grid_height = first.height / patch();
@@ -180,8 +179,7 @@ VitTokens Vit::embed(Compute& compute, const std::vector<FeatureMap>& images) co
   return out;
 }
 
-VitTokens Vit::operator()(Compute& compute, const std::vector<FeatureMap>& images,
-                          const std::vector<int>& keep) const {
+VitTokens Vit::operator()(Compute& compute, const std::vector<FeatureMap>& images, const std::vector<int>& keep) const {
   VitTokens out = embed(compute, images);
   const std::optional<TokenPlaces> places = rotation(out.grid_height, out.grid_width);
   out.blocks.resize(keep.size());
@@ -194,8 +192,7 @@ VitTokens Vit::operator()(Compute& compute, const std::vector<FeatureMap>& image
   for (size_t k = 0; k < keep.size(); ++k) {
     if (out.blocks[k].rows == 0) {
       throw Error({ErrorKind::kWeights,
-                   "block " + std::to_string(keep[k]) + " is wanted of a network of " +
-                       std::to_string(blocks_.size()),
+                   "block " + std::to_string(keep[k]) + " is wanted of a network of " + std::to_string(blocks_.size()),
                    {},
                    "blocks",
                    "these are not the weights of this network"});

@@ -13,12 +13,12 @@ namespace aligngs::nn {
 
 /// How the trained position embedding is brought to another grid.
 enum class PositionRule {
-  kScaleOffset,  ///< bicubic, called with a scale factor of (grid + 0.1) / trained (no registers)
-  kAntialiased,  ///< antialiased bicubic by size (registers, VGGT)
+  kScaleOffset,             ///< bicubic, called with a scale factor of (grid + 0.1) / trained (no registers)
+  kAntialiased,             ///< antialiased bicubic by size (registers, VGGT)
   kAntialiasedScaleOffset,  ///< antialiased bicubic with such a scale factor
-  kPlain,        ///< bicubic by size (Mask2Former's backbone)
-  kPatchTable,   ///< a table of the patches alone that is never resized (EoMT)
-  kNone          ///< nothing is added (LingBot-Vision, whose queries and keys turn instead)
+  kPlain,                   ///< bicubic by size (Mask2Former's backbone)
+  kPatchTable,              ///< a table of the patches alone that is never resized (EoMT)
+  kNone                     ///< nothing is added (LingBot-Vision, whose queries and keys turn instead)
 };
 
 /// Settings that the weights do not hold. The defaults are those of the published models.
@@ -27,8 +27,8 @@ struct VitOptions {
   std::optional<PositionRule> position;  ///< default: by the presence of registers
   double position_offset = 0.1;          ///< of the rules with a scale factor
   float eps = 1e-6f;                     ///< of the LayerNorms
-  bool patches_cut = false;  ///< sides need not be multiples of the patch; the rest is cut
-  float norm_eps = 0;        ///< of the final norm; 0: as in the blocks
+  bool patches_cut = false;              ///< sides need not be multiples of the patch; the rest is cut
+  float norm_eps = 0;                    ///< of the final norm; 0: as in the blocks
   /// Queries and keys of the patches turn with their place, by rope_embed.periods of the weights.
   bool rotated = false;
 };
@@ -77,7 +77,7 @@ class Vit {
   int64_t channels_ = 0;
   Convolution patch_embed_;
   std::vector<float> cls_, registers_;
-  Matrix position_;  ///< cls, then the trained square grid
+  Matrix position_;             ///< cls, then the trained square grid
   std::vector<float> periods_;  ///< of the rotation
   std::vector<TransformerBlock> blocks_;
   LayerNorm norm_;

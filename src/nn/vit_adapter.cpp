@@ -23,14 +23,12 @@ VitOptions adapted(VitOptions options) {
 }
 
 /// A 3x3 convolution without bias whose batch norm is folded in.
-Convolution normed_convolution(const Compute& compute, const Weights& weights,
-                               const std::string& convolution, const std::string& norm,
-                               int64_t stride) {
+Convolution normed_convolution(const Compute& compute, const Weights& weights, const std::string& convolution,
+                               const std::string& norm, int64_t stride) {
   const int64_t outputs = weights.dimension(convolution + ".weight", 0);
   const BatchNorm folded(weights, norm, outputs);
   return Convolution(compute, weights, convolution,
-                     {outputs, weights.dimension(convolution + ".weight", 1), 3, stride, 1, true},
-                     &folded);
+                     {outputs, weights.dimension(convolution + ".weight", 1), 3, stride, 1, true}, &folded);
 }
 
 Matrix rows_below(const Matrix& above, const Matrix& below) {
@@ -49,8 +47,7 @@ Matrix rows_of(const Matrix& m, int64_t first, int64_t count) {
 
 }  // namespace
 
-VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
-                       const AdapterOptions& options)
+VitAdapter::VitAdapter(const Compute& compute, const Weights& weights, const AdapterOptions& options)
     : vit_(compute, weights, adapted(options.vit)) {
   const int64_t c = channels();
   for (size_t i = 0; i < 3; ++i) {
@@ -76,23 +73,17 @@ VitAdapter::VitAdapter(const Compute& compute, const Weights& weights,
     const Weights injector = w.sub("injector.");
     interaction.injector = {
         LayerNorm(injector, "query_norm", c, kAdapterNormEps), LayerNorm(injector, "feat_norm", c, kAdapterNormEps),
-        DeformableAttention(compute, injector.sub("attn."), 3, options.deformable_heads),
-        injector.load("gamma", {c})};
+        DeformableAttention(compute, injector.sub("attn."), 3, options.deformable_heads), injector.load("gamma", {c})};
     const auto extractor = [&](const std::string& name) {
-      interaction.extractors.push_back(
-          make_extractor(compute, w.sub(name), options.deformable_heads));
+      interaction.extractors.push_back(make_extractor(compute, w.sub(name), options.deformable_heads));
     };
     extractor("extractor.");
-    for (int e = 0; e < w.count("extra_extractors."); ++e)
-      extractor("extra_extractors." + std::to_string(e) + ".");
+    for (int e = 0; e < w.count("extra_extractors."); ++e) extractor("extra_extractors." + std::to_string(e) + ".");
     const int depth = int(vit_.depth());
-    interaction.first_block =
-        options.blocks.empty() ? i * depth / count : options.blocks.at(size_t(i))[0];
-    interaction.last_block =
-        options.blocks.empty() ? (i + 1) * depth / count - 1 : options.blocks.at(size_t(i))[1];
+    interaction.first_block = options.blocks.empty() ? i * depth / count : options.blocks.at(size_t(i))[0];
+    interaction.last_block = options.blocks.empty() ? (i + 1) * depth / count - 1 : options.blocks.at(size_t(i))[1];
     if (interaction.first_block < 0 || interaction.last_block >= depth)
-      throw_usage("an interaction names a block that the backbone lacks",
-                  "correct the list of blocks");
+      throw_usage("an interaction names a block that the backbone lacks", "correct the list of blocks");
     interactions_.push_back(std::move(interaction));
   }
 }
@@ -109,8 +100,7 @@ VitAdapter::Extractor VitAdapter::make_extractor(const Compute& compute, const W
           DepthwiseConvolution(weights, "ffn.dwconv.dwconv", hidden)};
 }
 
-std::array<FeatureMap, 4> VitAdapter::spatial_prior(Compute& compute,
-                                                    const FeatureMap& image) const {
+std::array<FeatureMap, 4> VitAdapter::spatial_prior(Compute& compute, const FeatureMap& image) const {
   const Convolution::Options relu{false, Activation::kRelu};
   FeatureMap x = stem_[0](compute, image, relu);
   for (size_t i = 1; i < 3; ++i) x = stem_[i](compute, x, relu);
@@ -123,9 +113,8 @@ std::array<FeatureMap, 4> VitAdapter::spatial_prior(Compute& compute,
   return out;
 }
 
-void VitAdapter::inject(Compute& compute, const Injector& injector, Matrix& tokens,
-                        const Matrix& prior, const Matrix& reference,
-                        const std::vector<MapSize>& sizes) const {
+void VitAdapter::inject(Compute& compute, const Injector& injector, Matrix& tokens, const Matrix& prior,
+                        const Matrix& reference, const std::vector<MapSize>& sizes) const {
   const Matrix update = injector.attention(compute, injector.query_norm(compute, tokens), reference,
                                            injector.feature_norm(compute, prior), sizes);
   if (NetworkDevice* const device = compute.device()) {
@@ -133,13 +122,11 @@ void VitAdapter::inject(Compute& compute, const Injector& injector, Matrix& toke
                        injector.gamma.on(*device));
     return;
   }
-  add_scaled(tokens.data.data(), update.data.data(), tokens.rows, tokens.columns, nullptr,
-             injector.gamma.data());
+  add_scaled(tokens.data.data(), update.data.data(), tokens.rows, tokens.columns, nullptr, injector.gamma.data());
 }
 
-void VitAdapter::extract(Compute& compute, const Extractor& extractor, Matrix& prior,
-                         const Matrix& tokens, const Matrix& reference,
-                         const std::vector<MapSize>& sizes, const MapSize& grid) const {
+void VitAdapter::extract(Compute& compute, const Extractor& extractor, Matrix& prior, const Matrix& tokens,
+                         const Matrix& reference, const std::vector<MapSize>& sizes, const MapSize& grid) const {
   Matrix update = extractor.attention(compute, extractor.query_norm(compute, prior), reference,
                                       extractor.feature_norm(compute, tokens), {grid});
   add_values(prior.data, update.data);
@@ -152,8 +139,7 @@ void VitAdapter::extract(Compute& compute, const Extractor& extractor, Matrix& p
       extractor.depthwise.apply_on(*device, hidden.data.on(*device) + first * hidden.columns, size.height, size.width,
                                    mixed.data.change_on(*device) + first * mixed.columns);
     } else {
-      extractor.depthwise.apply(compute, hidden.row(first), size.height, size.width,
-                                mixed.row(first));
+      extractor.depthwise.apply(compute, hidden.row(first), size.height, size.width, mixed.row(first));
     }
     first += size.places();
   }
@@ -170,8 +156,8 @@ std::array<FeatureMap, 4> VitAdapter::operator()(Compute& compute, const Feature
   if (image.height < kMultiple || image.width < kMultiple || image.height % kMultiple != 0 ||
       image.width % kMultiple != 0) {
     throw_bad_input({}, "image",
-                    "a size of " + std::to_string(image.width) + " x " +
-                        std::to_string(image.height) + " does not suit the network",
+                    "a size of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                        " does not suit the network",
                     "both sides must be multiples of 32");
   }
   const int64_t c = channels();
@@ -186,8 +172,7 @@ std::array<FeatureMap, 4> VitAdapter::operator()(Compute& compute, const Feature
       for (int64_t k = 0; k < c; ++k) rows.row(r)[k] += embed[k];
     }
     prior = rows_below(prior, rows);
-    prior_reference =
-        rows_below(prior_reference, reference_points(sizes.back().height, sizes.back().width));
+    prior_reference = rows_below(prior_reference, reference_points(sizes.back().height, sizes.back().width));
   }
   const VitTokens embedded = vit_.embed(compute, {image});
   const MapSize grid{embedded.grid_height, embedded.grid_width};
@@ -214,8 +199,8 @@ std::array<FeatureMap, 4> VitAdapter::operator()(Compute& compute, const Feature
   add_map(maps[0], up_(compute, maps[1]));
   for (size_t i = 0; i < 4; ++i) {
     const Matrix& output = outputs[std::min(i, outputs.size() - 1)];
-    add_map(maps[i], resize_bilinear_map(compute, FeatureMap(grid.height, grid.width, output),
-                                         maps[i].height, maps[i].width, false));
+    add_map(maps[i], resize_bilinear_map(compute, FeatureMap(grid.height, grid.width, output), maps[i].height,
+                                         maps[i].width, false));
     norms_[i].apply(compute, maps[i]);
   }
   return maps;

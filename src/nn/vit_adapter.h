@@ -45,14 +45,12 @@ class VitAdapter {
     std::vector<Extractor> extractors;
     int first_block = 0, last_block = 0;
   };
-  Extractor make_extractor(const Compute& compute, const Weights& weights,
-                           int64_t deformable_heads) const;
+  Extractor make_extractor(const Compute& compute, const Weights& weights, int64_t deformable_heads) const;
   std::array<FeatureMap, 4> spatial_prior(Compute& compute, const FeatureMap& image) const;
-  void inject(Compute& compute, const Injector& injector, Matrix& tokens, const Matrix& prior,
-              const Matrix& reference, const std::vector<MapSize>& sizes) const;
+  void inject(Compute& compute, const Injector& injector, Matrix& tokens, const Matrix& prior, const Matrix& reference,
+              const std::vector<MapSize>& sizes) const;
   void extract(Compute& compute, const Extractor& extractor, Matrix& prior, const Matrix& tokens,
-               const Matrix& reference, const std::vector<MapSize>& sizes,
-               const MapSize& grid) const;
+               const Matrix& reference, const std::vector<MapSize>& sizes, const MapSize& grid) const;
 
   Vit vit_;
   std::array<Convolution, 3> stem_;

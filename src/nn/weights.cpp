@@ -44,8 +44,7 @@ bool Weights::has(const std::string& name) const { return table_->count(prefix_ 
 const std::vector<Weights::Part>& Weights::parts(const std::string& name) const {
   const auto found = table_->find(prefix_ + name);
   if (found == table_->end()) {
-    const std::filesystem::path file =
-        table_->empty() ? "" : table_->begin()->second.front().file->name();
+    const std::filesystem::path file = table_->empty() ? "" : table_->begin()->second.front().file->name();
     throw Error({ErrorKind::kWeights, "the tensor is missing", file, prefix_ + name, kRemedy});
   }
   return found->second;
@@ -56,18 +55,15 @@ Shape Weights::shape(const std::string& name) const {
   const auto shape_of = [](const Part& part) {
     const auto found = part.file->tensors().find(part.stored);
     if (found == part.file->tensors().end()) {
-      throw Error(
-          {ErrorKind::kWeights, "the tensor is missing", part.file->name(), part.stored, kRemedy});
+      throw Error({ErrorKind::kWeights, "the tensor is missing", part.file->name(), part.stored, kRemedy});
     }
     return found->second.shape;
   };
   Shape shape = shape_of(stored.front());
   for (size_t i = 1; i < stored.size(); ++i) {
     const Shape next = shape_of(stored[i]);
-    if (next.empty() ||
-        Shape(next.begin() + 1, next.end()) != Shape(shape.begin() + 1, shape.end())) {
-      throw Error({ErrorKind::kWeights,
-                   "shape " + shape_text(next) + " does not continue " + shape_text(shape),
+    if (next.empty() || Shape(next.begin() + 1, next.end()) != Shape(shape.begin() + 1, shape.end())) {
+      throw Error({ErrorKind::kWeights, "shape " + shape_text(next) + " does not continue " + shape_text(shape),
                    stored[i].file->name(), stored[i].stored, kRemedy});
     }
     shape[0] += next[0];
@@ -79,8 +75,7 @@ int64_t Weights::dimension(const std::string& name, size_t axis) const {
   const Shape found = shape(name);
   if (axis >= found.size()) {
     throw Error({ErrorKind::kWeights,
-                 "shape " + shape_text(found) + " has fewer than " + std::to_string(axis + 1) +
-                     " dimensions",
+                 "shape " + shape_text(found) + " has fewer than " + std::to_string(axis + 1) + " dimensions",
                  parts(name).front().file->name(), prefix_ + name, kRemedy});
   }
   return found[axis];
@@ -90,11 +85,9 @@ std::vector<float> Weights::load(const std::string& name, const Shape& expected)
   const Shape found = shape(name);
   const std::vector<Part>& stored = parts(name);
   const auto fail = [&](const std::string& message) {
-    throw Error(
-        {ErrorKind::kWeights, message, stored.front().file->name(), prefix_ + name, kRemedy});
+    throw Error({ErrorKind::kWeights, message, stored.front().file->name(), prefix_ + name, kRemedy});
   };
-  if (found != expected)
-    fail("shape " + shape_text(expected) + " expected, " + shape_text(found) + " found");
+  if (found != expected) fail("shape " + shape_text(expected) + " expected, " + shape_text(found) + " found");
   std::vector<float> values = stored.front().file->read(stored.front().stored);
   for (size_t i = 1; i < stored.size(); ++i) {
     const std::vector<float> more = stored[i].file->read(stored[i].stored);
@@ -118,8 +111,8 @@ int Weights::count(const std::string& prefix) const {
 
 std::vector<std::string> Weights::names() const {
   std::vector<std::string> names;
-  for (auto i = table_->lower_bound(prefix_);
-       i != table_->end() && i->first.compare(0, prefix_.size(), prefix_) == 0; ++i) {
+  for (auto i = table_->lower_bound(prefix_); i != table_->end() && i->first.compare(0, prefix_.size(), prefix_) == 0;
+       ++i) {
     names.push_back(i->first.substr(prefix_.size()));
   }
   return names;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -24,8 +24,7 @@ std::shared_ptr<MemoryWeights> file() {
   return weights;
 }
 
-void expect_weights_error(const std::function<void()>& work, const std::string& field,
-                          const std::string& message) {
+void expect_weights_error(const std::function<void()>& work, const std::string& field, const std::string& message) {
   try {
     work();
     FAIL() << "accepted";
@@ -83,9 +82,8 @@ TEST(Weights, RefusesToJoinWhatDoesNotFit) {
 
 TEST(Weights, RenamesAndLeavesOut) {
   Weights weights;
-  weights.add_all(file(), [](const std::string& name) {
-    return name.rfind("blocks.", 0) == 0 ? "layers." + name.substr(7) : "";
-  });
+  weights.add_all(
+      file(), [](const std::string& name) { return name.rfind("blocks.", 0) == 0 ? "layers." + name.substr(7) : ""; });
   EXPECT_THAT(weights.names(), ElementsAre("layers.0.w", "layers.1.w", "layers.10.w"));
 }
 

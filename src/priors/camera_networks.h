@@ -13,11 +13,13 @@ struct CameraNetwork {
   std::string reason;  ///< for its place in the order, one line
 };
 
-/// All networks that find cameras, the preferred first. Accuracy of the poses decides among those that anyone may use; those
+/// All networks that find cameras, the preferred first. Accuracy of the poses decides among those that anyone may use;
+/// those
 /// with terms that not everyone can accept come after them.
 const std::vector<CameraNetwork>& camera_networks();
 
-/// The first that is installed; null: none. One that is not free to use in every way is taken only where no other is installed.
+/// The first that is installed; null: none. One that is not free to use in every way is taken only where no other is
+/// installed.
 const CameraNetwork* best_camera_network(const ModelStore& store);
 
 /// "--method" of a network that finds cameras: "vggt" or "da3".

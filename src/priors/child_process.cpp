@@ -36,7 +36,7 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
                       const std::function<void(const std::string&)>& on_line) {
   constexpr size_t kLastCharacters = 2000;
   constexpr int kPollMilliseconds = 200;  // how soon a stop request is seen
-  constexpr int kPollsToEnd = 4;  // 0.8 s to end after SIGTERM, well within kGraceSeconds (core/stop_signal.h)
+  constexpr int kPollsToEnd = 4;          // 0.8 s to end after SIGTERM, well within kGraceSeconds (core/stop_signal.h)
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw_resources({}, std::strerror(errno));
   posix_spawn_file_actions_t actions;
@@ -53,8 +53,8 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
   close(ends[1]);
   if (failed != 0) {
     close(ends[0]);
-    throw Error({ErrorKind::kFailed, "cannot start it: " + std::string(std::strerror(failed)),
-                 arguments[0], "", "install it, and see that it is in PATH"});
+    throw Error({ErrorKind::kFailed, "cannot start it: " + std::string(std::strerror(failed)), arguments[0], "",
+                 "install it, and see that it is in PATH"});
   }
   std::ofstream out(log, std::ios::app);
   ChildResult result;
@@ -85,8 +85,10 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;
     for (ssize_t i = 0; i < n; ++i) {
-      if (buffer[i] == '\n') take();
-      else line += buffer[i];
+      if (buffer[i] == '\n')
+        take();
+      else
+        line += buffer[i];
     }
   }
   if (!line.empty()) take();
@@ -96,7 +98,10 @@ ChildResult run_child(const std::vector<std::string>& arguments, const fs::path&
   }
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (stopped || stop_requested()) {
-    throw Error({ErrorKind::kInterrupted, "stopped while " + arguments[0] + " was running", {}, "",
+    throw Error({ErrorKind::kInterrupted,
+                 "stopped while " + arguments[0] + " was running",
+                 {},
+                 "",
                  "run the same command again"});
   }
   if (result.last_lines.size() > kLastCharacters)

@@ -9,7 +9,7 @@
 namespace aligngs {
 
 struct ChildResult {
-  int status = -1;  ///< exit status; 128 + signal when a signal ended it
+  int status = -1;         ///< exit status; 128 + signal when a signal ended it
   std::string last_lines;  ///< of its output, at most about 2000 characters
 };
 

@@ -33,15 +33,13 @@ TEST(ChildProcess, ExitStatusAndSignalAreTold) {
 
 TEST(ChildProcess, ArgumentsAreNotShellText) {
   std::string got;
-  run_child({"printf", "%s\\n", "a b; $HOME"}, log_of("text"),
-            [&](const std::string& line) { got = line; });
+  run_child({"printf", "%s\\n", "a b; $HOME"}, log_of("text"), [&](const std::string& line) { got = line; });
   EXPECT_EQ(got, "a b; $HOME");
 }
 
 TEST(ChildProcess, OnlyTheEndOfLongOutputIsReturned) {
   const ChildResult result =
-      run_child({"sh", "-c", "i=0; while [ $i -lt 2000 ]; do echo line $i; i=$((i+1)); done"},
-                log_of("long"));
+      run_child({"sh", "-c", "i=0; while [ $i -lt 2000 ]; do echo line $i; i=$((i+1)); done"}, log_of("long"));
   EXPECT_LE(result.last_lines.size(), 2000u);
   EXPECT_THAT(result.last_lines, testing::EndsWith("line 1999\n"));
 }

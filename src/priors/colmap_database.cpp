@@ -86,8 +86,10 @@ class SqliteFile {
     for (size_t i = 0; i < cells; ++i) {
       const size_t cell = start + size_t(big_endian(pointers + 2 * i, 2));
       if (cell >= end) fail("page", "a row outside of it");
-      if (type == kInterior) walk(big_endian(cell, 4), columns, visit);
-      else row(cell, end, columns, visit);
+      if (type == kInterior)
+        walk(big_endian(cell, 4), columns, visit);
+      else
+        row(cell, end, columns, visit);
     }
     if (type == kInterior) walk(big_endian(header + 8, 4), columns, visit);
   }
@@ -148,8 +150,7 @@ ColmapDatabase decode_colmap_database(std::string_view bytes, const fs::path& na
     if (row.size() == 2 && row[1].integer) features[id] = *row[1].integer;
   });
   file.for_rows("images", 2, [&](int64_t id, const std::vector<Value>& row) {
-    if (row.size() == 2 && row[1].text)
-      database.photos.push_back({uint32_t(id), *row[1].text, features[id]});
+    if (row.size() == 2 && row[1].text) database.photos.push_back({uint32_t(id), *row[1].text, features[id]});
   });
   std::map<int64_t, ColmapDatabase::Pair> pairs;
   const auto pair_of = [&](int64_t id) -> ColmapDatabase::Pair& {
@@ -165,13 +166,10 @@ ColmapDatabase decode_colmap_database(std::string_view bytes, const fs::path& na
     if (row.size() == 2 && row[1].integer) pair_of(id).verified = *row[1].integer;
   });
   for (const auto& entry : pairs) database.pairs.push_back(entry.second);
-  std::sort(database.photos.begin(), database.photos.end(),
-            [](const auto& a, const auto& b) { return a.id < b.id; });
+  std::sort(database.photos.begin(), database.photos.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return database;
 }
 
-ColmapDatabase read_colmap_database(const fs::path& path) {
-  return decode_colmap_database(read_file(path), path);
-}
+ColmapDatabase read_colmap_database(const fs::path& path) { return decode_colmap_database(read_file(path), path); }
 
 }  // namespace aligngs

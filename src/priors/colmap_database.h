@@ -26,7 +26,6 @@ struct ColmapDatabase {
 
 /// Reads the numbers alone, not the features. Error{kBadInput} when it is no such file or damaged.
 ColmapDatabase read_colmap_database(const std::filesystem::path& path);
-ColmapDatabase decode_colmap_database(std::string_view bytes,
-                                      const std::filesystem::path& name_for_errors);
+ColmapDatabase decode_colmap_database(std::string_view bytes, const std::filesystem::path& name_for_errors);
 
 }  // namespace aligngs

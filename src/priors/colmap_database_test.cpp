@@ -16,9 +16,9 @@ class SqliteBuilder {
     bool is_text = false;
     int64_t integer = 0;
     std::string text;
-    Value(int64_t i) : integer(i) {}                                 // NOLINT
-    Value(const char* t) : is_text(true), text(t) {}                 // NOLINT
-    Value(std::string t) : is_text(true), text(std::move(t)) {}      // NOLINT
+    Value(int64_t i) : integer(i) {}                             // NOLINT
+    Value(const char* t) : is_text(true), text(t) {}             // NOLINT
+    Value(std::string t) : is_text(true), text(std::move(t)) {}  // NOLINT
   };
   struct Row {
     int64_t id = 0;
@@ -27,8 +27,7 @@ class SqliteBuilder {
 
   void table(const std::string& name, const std::vector<Row>& rows) {
     pages_.push_back(leaf(rows, 0));
-    schema_.push_back({int64_t(schema_.size() + 1),
-                       {"table", name, name, int64_t(pages_.size() + 1), "CREATE TABLE"}});
+    schema_.push_back({int64_t(schema_.size() + 1), {"table", name, name, int64_t(pages_.size() + 1), "CREATE TABLE"}});
   }
   std::string file() const {
     std::string header("SQLite format 3\0", 16);
@@ -97,10 +96,9 @@ std::string example() {
                               {2, {int64_t(0), int64_t(4000)}},
                               {3, {int64_t(0), int64_t(3000)}},
                               {4, {int64_t(0), int64_t(12)}}});
-  builder.table("matches", {{pair_id(1, 2), {int64_t(0), int64_t(300)}},
-                            {pair_id(1, 3), {int64_t(0), int64_t(40)}}});
-  builder.table("two_view_geometries", {{pair_id(1, 2), {int64_t(0), int64_t(250)}},
-                                        {pair_id(1, 3), {int64_t(0), int64_t(9)}}});
+  builder.table("matches", {{pair_id(1, 2), {int64_t(0), int64_t(300)}}, {pair_id(1, 3), {int64_t(0), int64_t(40)}}});
+  builder.table("two_view_geometries",
+                {{pair_id(1, 2), {int64_t(0), int64_t(250)}}, {pair_id(1, 3), {int64_t(0), int64_t(9)}}});
   return builder.file();
 }
 

@@ -14,7 +14,8 @@ ColmapOptions::ColmapOptions(std::string_view help) {
   }
 }
 
-void ColmapOptions::add(std::vector<std::string>& arguments, std::initializer_list<const char*> names, const std::string& value) const {
+void ColmapOptions::add(std::vector<std::string>& arguments, std::initializer_list<const char*> names,
+                        const std::string& value) const {
   for (const char* const name : names) {
     const bool oldest = name == *std::prev(names.end());
     if (!knows(name) && !(names_.empty() && oldest)) continue;

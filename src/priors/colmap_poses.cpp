@@ -32,27 +32,23 @@ struct Attempt {
 
 class ColmapRun {
  public:
-  ColmapRun(fs::path work, const ColmapPosesOptions& options)
-      : work_(std::move(work)), options_(options) {}
+  ColmapRun(fs::path work, const ColmapPosesOptions& options) : work_(std::move(work)), options_(options) {}
 
-  void step(const Attempt& attempt, const std::string& name, uint64_t total,
-            const std::string& mark, Arguments more, bool may_fail = false) const {
+  void step(const Attempt& attempt, const std::string& name, uint64_t total, const std::string& mark, Arguments more,
+            bool may_fail = false) const {
     Arguments arguments = {"colmap", name};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Progress progress(options_.progress, fmt::format("colmap {} ({})", name, attempt.name), total);
     uint64_t done = 0;
-    const ChildResult result =
-        run_child(arguments, work_ / "colmap.log", [&](const std::string& line) {
-          if (line.find(mark) != std::string::npos)
-            progress.update(std::min(++done, std::max<uint64_t>(total, 1) - 1));
-        });
+    const ChildResult result = run_child(arguments, work_ / "colmap.log", [&](const std::string& line) {
+      if (line.find(mark) != std::string::npos) progress.update(std::min(++done, std::max<uint64_t>(total, 1) - 1));
+    });
     if (result.status == 0 || (may_fail && result.status < 128)) {
       progress.update(total);
       return;
     }
     throw Error({ErrorKind::kFailed,
-                 fmt::format("`colmap {}` ended with status {}:\n{}", name, result.status,
-                             result.last_lines),
+                 fmt::format("`colmap {}` ended with status {}:\n{}", name, result.status, result.last_lines),
                  work_ / "colmap.log", "", "see the end of this file"});
   }
 
@@ -77,8 +73,7 @@ struct AttemptResult {
   fs::path database;
 };
 
-AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t photos,
-                          bool one_camera) {
+AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t photos, bool one_camera) {
   const fs::path database = run.work() / (std::string(attempt.name) + ".db");
   const fs::path sparse = run.work() / attempt.name;
   fs::remove(database);
@@ -92,7 +87,8 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
   const ColmapOptions extractor = run.options_of("feature_extractor");
   extractor.add(extract, {"ImageReader.camera_model"}, "SIMPLE_RADIAL");
   extractor.add(extract, {"ImageReader.single_camera"}, one_camera ? "1" : "0");
-  if (fs::is_directory(run.work() / kMaskFolder)) extractor.add(extract, {"ImageReader.mask_path"}, (run.work() / kMaskFolder).string());
+  if (fs::is_directory(run.work() / kMaskFolder))
+    extractor.add(extract, {"ImageReader.mask_path"}, (run.work() / kMaskFolder).string());
   extractor.add(extract, {"FeatureExtraction.use_gpu", "SiftExtraction.use_gpu"}, "0");
   extractor.add(extract, {"FeatureExtraction.num_threads", "SiftExtraction.num_threads"}, run.threads());
   extractor.add(extract, {"SiftExtraction.max_num_features"}, choose("4096", "6000"));
@@ -116,8 +112,8 @@ AttemptResult run_attempt(const ColmapRun& run, const Attempt& attempt, size_t p
   const ColmapOptions mapper = run.options_of("mapper");
   mapper.add(map, {"Mapper.num_threads"}, run.threads());
   mapper.add(map, {"Mapper.min_model_size"}, "3");
-  mapper.add(map, {"Mapper.init_min_tri_angle"}, choose("8", "4"));  // degrees; default 16
-  mapper.add(map, {"Mapper.init_min_num_inliers"}, choose("60", "40"));  // default 100
+  mapper.add(map, {"Mapper.init_min_tri_angle"}, choose("8", "4"));          // degrees; default 16
+  mapper.add(map, {"Mapper.init_min_num_inliers"}, choose("60", "40"));      // default 100
   mapper.add(map, {"Mapper.abs_pose_min_num_inliers"}, choose("20", "15"));  // default 30
   run.step(attempt, "mapper", photos, "Registering image", map, true);
   AttemptResult result;
@@ -160,8 +156,7 @@ std::string why_unplaced(const ColmapDatabase& database, const std::string& phot
   }
   if (!self) return "COLMAP could not read it";
   if (self->features < kFewFeatures) {
-    return fmt::format("only {} features were found in it: too dark, too blurred or without texture",
-                       self->features);
+    return fmt::format("only {} features were found in it: too dark, too blurred or without texture", self->features);
   }
   // The strongest connection with a placed photo, and with any.
   int64_t best = 0, best_placed = 0;
@@ -174,29 +169,34 @@ std::string why_unplaced(const ColmapDatabase& database, const std::string& phot
     if (other_placed && pair.verified > best_placed) best_placed = pair.verified, with_placed = other;
   }
   if (best == 0) {
-    return fmt::format("it shares nothing with any other photo ({} features, none agree): "
-                       "no overlap", self->features);
+    return fmt::format(
+        "it shares nothing with any other photo ({} features, none agree): "
+        "no overlap",
+        self->features);
   }
   if (best < kFewestVerified) {
-    return fmt::format("its best partner {} shares only {} points with it ({} are needed): too "
-                       "little overlap", with, best, kFewestVerified);
+    return fmt::format(
+        "its best partner {} shares only {} points with it ({} are needed): too "
+        "little overlap",
+        with, best, kFewestVerified);
   }
   if (placed.empty()) {
-    return fmt::format("it shares {} points with {}, too few for a first pair of cameras", best,
-                       with);
+    return fmt::format("it shares {} points with {}, too few for a first pair of cameras", best, with);
   }
   if (best_placed >= kFewestVerified) {
-    return fmt::format("it shares {} points with {}, but its position could not be told from them",
-                       best_placed, with_placed);
+    return fmt::format("it shares {} points with {}, but its position could not be told from them", best_placed,
+                       with_placed);
   }
-  return fmt::format("it overlaps with {} ({} points), which is not connected with the others",
-                     with, best);
+  return fmt::format("it overlaps with {} ({} points), which is not connected with the others", with, best);
 }
 
 ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,
                                    const ColmapPosesOptions& options) {
   if (find_program("colmap").empty()) {
-    throw Error({ErrorKind::kFailed, "the program colmap is not in PATH", {}, "--method colmap",
+    throw Error({ErrorKind::kFailed,
+                 "the program colmap is not in PATH",
+                 {},
+                 "--method colmap",
                  "apt-get install colmap, or use --method vggt"});
   }
   setenv("QT_QPA_PLATFORM", "offscreen", 0);  // it links to Qt, and there may be no screen
@@ -207,8 +207,8 @@ ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::p
   const ColmapRun run(work, options);
   AttemptResult best = run_attempt(run, {"quick", false}, photos.size(), one_camera);
   if (best.largest.images.size() < photos.size()) {
-    log_info("{} of {} photos placed; trying again with more sensitive features",
-             best.largest.images.size(), photos.size());
+    log_info("{} of {} photos placed; trying again with more sensitive features", best.largest.images.size(),
+             photos.size());
     AttemptResult second = run_attempt(run, {"thorough", true}, photos.size(), one_camera);
     if (second.largest.images.size() >= best.largest.images.size()) best = std::move(second);
   }

@@ -21,9 +21,9 @@ struct ColmapPosesOptions {
 };
 
 struct ColmapPoses {
-  ColmapModel model;  ///< the largest one; no images when there is none
+  ColmapModel model;              ///< the largest one; no images when there is none
   std::vector<LeftOut> unplaced;  ///< photos that have no camera, and why
-  int other_models = 0;  ///< smaller ones, not connected with it
+  int other_models = 0;           ///< smaller ones, not connected with it
   double reprojection_error = 0;  ///< mean over its points, pixels
 };
 
@@ -31,8 +31,7 @@ struct ColmapPoses {
 /// its messages to `work`/colmap.log. A second attempt with slower, more sensitive features follows
 /// when not all photos could be placed; the better one counts. Error{kFailed} when the program is
 /// missing or fails.
-ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos,
-                                   const std::filesystem::path& work,
+ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const std::filesystem::path& work,
                                    const ColmapPosesOptions& options);
 
 /// The points whose reprojection error is small enough to start from.

@@ -79,8 +79,8 @@ Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
   inputs.images.resize(photos.size());
   inputs.placements.resize(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
-    inputs.images[i] = nn::da3_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), {},
-                                     &inputs.placements[i]);
+    inputs.images[i] =
+        nn::da3_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), {}, &inputs.placements[i]);
   });
   std::vector<double> pixels;
   for (const Image<uint8_t>& image : inputs.images) pixels.push_back(double(image.pixels()));
@@ -89,8 +89,9 @@ Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
   size_t cut = 0;
   for (size_t i = 0; i < photos.size(); ++i) cut += double(inputs.images[i].pixels()) < kWorthALine * pixels[i];
   if (cut > 0) {
-    log_warning("the network sees only the middle of {} of {} photos, because their shapes differ; vggt sees all of them",
-                cut, photos.size());
+    log_warning(
+        "the network sees only the middle of {} of {} photos, because their shapes differ; vggt sees all of them", cut,
+        photos.size());
   }
   return inputs;
 }
@@ -120,12 +121,14 @@ void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& file, nn::Pr
   const nn::Weights weights = nn::da3_part(file, "da3_metric");
   const uint64_t pixels = uint64_t(width) * uint64_t(height);
   budget.add("weights of the metric network", weight_bytes(weights, precision == nn::Precision::kBfloat16 ? 2 : 4));
-  budget.add("one photo in its dense head", kDensePerFeature * uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0)) * pixels);
+  budget.add("one photo in its dense head",
+             kDensePerFeature * uint64_t(weights.dimension("head.scratch.layer1_rn.weight", 0)) * pixels);
   constexpr uint64_t kMapsPerPixel = 3 + 8;  // input as bytes; depth and sky as floats
   budget.add("photos and their metric depth", frames * kMapsPerPixel * pixels);
 }
 
-void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs, const ProgressStyle& style) {
+void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs,
+                      const ProgressStyle& style) {
   Progress progress(style, "metres (Depth Anything 3)", inputs.images.size());
   inputs.metric.clear();
   for (const Image<uint8_t>& image : inputs.images) {
@@ -180,7 +183,10 @@ std::vector<PredictedView> da3_depth_of_cameras(nn::Compute& compute, const nn::
   });
   const nn::CameraAlignment fit = nn::align_given_cameras(request.cameras, predicted);
   if (!(fit.scale > 0) || !std::isfinite(fit.scale)) {
-    throw Error({ErrorKind::kFailed, "the network's cameras have no common scale with the given ones", {}, "depth",
+    throw Error({ErrorKind::kFailed,
+                 "the network's cameras have no common scale with the given ones",
+                 {},
+                 "depth",
                  "use depth of single photos, e.g. --depth dpt-s; check the weights with `aligngs models verify`"});
   }
   for (PredictedView& view : views) {

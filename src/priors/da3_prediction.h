@@ -17,7 +17,8 @@ namespace aligngs {
 struct Da3Inputs {
   std::vector<Image<uint8_t>> images;  ///< all of one size
   std::vector<nn::ImagePlacement> placements;
-  std::vector<nn::FeatureMap> metric;  ///< [H, W, 2] of each by the metric network, see add_metric_depth(); may be empty
+  /// [H, W, 2] of each by the metric network, see add_metric_depth(); may be empty
+  std::vector<nn::FeatureMap> metric;
 };
 /// Longest side 504, as its program prepares them. Photos of several shapes are cut to what all have, in the middle.
 Da3Inputs da3_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
@@ -31,7 +32,8 @@ void add_da3_metric_memory(MemoryBudget& budget, const nn::Weights& weights, nn:
                            int width, int height);
 
 /// Fills inputs.metric, sky included.
-void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs, const ProgressStyle& style);
+void add_metric_depth(nn::Compute& compute, const nn::Da3Metric& network, Da3Inputs& inputs,
+                      const ProgressStyle& style);
 
 struct Da3Views {
   std::vector<PredictedView> views;

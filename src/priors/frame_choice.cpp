@@ -34,7 +34,8 @@ double laplacian_of(const Image<uint8_t>& gray) {
   double sum = 0;
   for (int y = 1; y + 1 < gray.height; ++y) {
     for (int x = 1; x + 1 < gray.width; ++x) {
-      sum += std::abs(4 * gray.at(x, y) - gray.at(x - 1, y) - gray.at(x + 1, y) - gray.at(x, y - 1) - gray.at(x, y + 1));
+      sum +=
+          std::abs(4 * gray.at(x, y) - gray.at(x - 1, y) - gray.at(x + 1, y) - gray.at(x, y - 1) - gray.at(x, y + 1));
     }
   }
   return sum / std::max(1, (gray.width - 2) * (gray.height - 2));

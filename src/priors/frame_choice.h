@@ -11,7 +11,8 @@ namespace aligngs {
 
 /// Measures of a frame, from a small copy.
 struct FrameFeatures {
-  double sharpness = 0;   ///< mean absolute Laplacian over the mean grey value; a blurred frame has less than its neighbours
+  /// mean absolute Laplacian over the mean grey value; a blurred frame has less than its neighbours
+  double sharpness = 0;
   double brightness = 0;  ///< mean grey value, 0 to 1
   double change = 0;      ///< from the frame before: 0 the same picture, 1 nothing in common; 0 for the first
 };
@@ -26,7 +27,8 @@ class FrameMeter {
   std::vector<float> before_;  ///< the frame before, small, mean 0 and variance 1: exposure plays no part in the change
 };
 
-/// Indices of at most `count` frames, in order. The way of the camera (change, and time for a quarter) is cut into `count`
+/// Indices of at most `count` frames, in order. The way of the camera (change, and time for a quarter) is cut into
+/// `count`
 /// equal pieces; the sharpest frame of each is taken. All frames when there are not more than `count`.
 std::vector<size_t> choose_frames(const std::vector<FrameFeatures>& frames, size_t count);
 

@@ -15,7 +15,8 @@ using testing::ElementsAre;
 Image<uint8_t> waves(double shift, double gain = 1, double contrast = 1) {
   Image<uint8_t> image(96, 72, 1);
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) image.at(x, y) = uint8_t(gain * (80 + 60 * contrast * std::sin((x + shift) * 0.4) * std::cos(y * 0.1)));
+    for (int x = 0; x < image.width; ++x)
+      image.at(x, y) = uint8_t(gain * (80 + 60 * contrast * std::sin((x + shift) * 0.4) * std::cos(y * 0.1)));
   }
   return image;
 }
@@ -60,7 +61,9 @@ TEST(FrameMeter, AFrameWithoutPixelsIsAnError) {
   EXPECT_THROW(meter.measure(Image<uint8_t>(8, 8, 3)), Error);
 }
 
-TEST(ChooseFrames, FewFramesAreAllTaken) { EXPECT_THAT(choose_frames(std::vector<FrameFeatures>(3), 5), ElementsAre(0, 1, 2)); }
+TEST(ChooseFrames, FewFramesAreAllTaken) {
+  EXPECT_THAT(choose_frames(std::vector<FrameFeatures>(3), 5), ElementsAre(0, 1, 2));
+}
 
 TEST(ChooseFrames, TheSharpestOfEachPieceIsTaken) {
   std::vector<FrameFeatures> frames(12, {1, 0.5, 0.1});

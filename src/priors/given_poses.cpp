@@ -39,8 +39,7 @@ fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
   for (const fs::path& place : {folder.parent_path(), above}) {
     if (has_cameras(place)) return place;
   }
-  throw_bad_input(photos, "--method given",
-                  fmt::format("no cameras are here or in {}", above.string()),
+  throw_bad_input(photos, "--method given", fmt::format("no cameras are here or in {}", above.string()),
                   "put sparse/ (COLMAP) or transforms.json beside the photos, or say where with --cameras");
 }
 
@@ -54,7 +53,8 @@ GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, con
     reasons.emplace(view_name_of(frame.name), frame);
   }
   poses.capture.left_out.clear();
-  if (without_photo > 0) poses.capture.notes.push_back(fmt::format("{} of the given cameras have no photo here", without_photo));
+  if (without_photo > 0)
+    poses.capture.notes.push_back(fmt::format("{} of the given cameras have no photo here", without_photo));
   if (!poses.capture.frames.empty()) finish_capture(poses.capture);
   for (const LeftOut& frame : poses.capture.left_out) reasons.emplace(frame.name, frame);
   poses.capture.left_out.clear();
@@ -68,7 +68,8 @@ GivenPoses read_given_poses(const fs::path& cameras, const fs::path& photos, con
       return entry.first == photo.name || fs::path(entry.first).filename().string() == ending;
     });
     const bool told = known != reasons.end() && known->second.reason != PhotoLookup::kMissing;
-    poses.unplaced.push_back({photo.name, told ? known->second.reason : "the given cameras hold none for it", told ? known->second.remedy : ""});
+    poses.unplaced.push_back({photo.name, told ? known->second.reason : "the given cameras hold none for it",
+                              told ? known->second.remedy : ""});
   }
   return poses;
 }

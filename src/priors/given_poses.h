@@ -11,16 +11,18 @@ namespace aligngs {
 
 /// Place of the cameras for photos in `photos`: `given` (a folder, or a transforms.json) when it is not empty. Else the
 /// folder of the photos, then the one above it. Error{kBadInput} naming the places when there are none.
-std::filesystem::path find_given_cameras(const std::filesystem::path& photos,
-                                         const std::filesystem::path& given);
+std::filesystem::path find_given_cameras(const std::filesystem::path& photos, const std::filesystem::path& given);
 
 struct GivenPoses {
-  Capture capture;                ///< a frame per photo with a camera; cameras without a photo are only counted, in its notes
+  /// a frame per photo with a camera; cameras without a photo are only counted, in its notes
+  Capture capture;
   std::vector<LeftOut> unplaced;  ///< photos without a camera, or with one that does not fit
 };
 
-/// The photos are found below `photos` by the rules of PhotoLookup. A camera may be for another size of the same aspect; EXIF
-/// orientation is left alone where the stored pixels fit it (photo_fit.h). `listed`: the photos that should have a camera.
+/// The photos are found below `photos` by the rules of PhotoLookup. A camera may be for another size of the same
+/// aspect; EXIF
+/// orientation is left alone where the stored pixels fit it (photo_fit.h). `listed`: the photos that should have a
+/// camera.
 GivenPoses read_given_poses(const std::filesystem::path& cameras, const std::filesystem::path& photos,
                             const std::vector<Photo>& listed);
 

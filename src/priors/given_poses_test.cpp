@@ -22,8 +22,7 @@ class GivenPosesTest : public testing::Test {
  protected:
   void SetUp() override {
     capture = fs::path(testing::TempDir()) /
-              ("given_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name())) /
-              "capture";
+              ("given_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name())) / "capture";
     fs::remove_all(capture.parent_path());
     fs::create_directories(capture / "images");
     for (int i = 0; i < 4; ++i)
@@ -59,8 +58,8 @@ class GivenPosesTest : public testing::Test {
     std::ofstream out(capture / "transforms.json");
     out << R"({"fl_x": 70, "w": 80, "h": 40, "test_filenames": ["images/d.png"], "frames": [)";
     for (int i = 0; i < 4; ++i) {
-      out << (i ? "," : "") << R"({"file_path": "images/)" << name_of(i)
-          << R"(.png", "transform_matrix": [[1,0,0,)" << i << "],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}";
+      out << (i ? "," : "") << R"({"file_path": "images/)" << name_of(i) << R"(.png", "transform_matrix": [[1,0,0,)"
+          << i << "],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}";
     }
     out << "]}";
   }
@@ -107,7 +106,8 @@ TEST_F(GivenPosesTest, CamerasFollowPhotosThatAreShrunk) {
 
 TEST_F(GivenPosesTest, PhotosHeldUpsideDownKeepTheirStoredPixels) {
   write_model(80, 40, 4);  // its names end in .png
-  const std::string held("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0", 32);  // EXIF orientation 3
+  // EXIF orientation 3
+  const std::string held("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0", 32);
   for (int i = 0; i < 4; ++i) {
     Image<uint8_t> picture(80, 40, 3, 60);
     for (int y = 0; y < 20; ++y) std::fill_n(picture.pixel(0, y), 3 * 80, uint8_t(200));

@@ -16,6 +16,7 @@
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/stop_signal.h"
+#include "core/version.h"
 
 #if defined(ALIGNGS_WITH_CURL)
 #include <curl/curl.h>
@@ -32,10 +33,10 @@ fs::path part_of(const fs::path& target) { return target.string() + ".part"; }
 bool can_download() { return false; }
 
 uint64_t download_to_part(const DownloadRequest& request) {
-  throw Error({ErrorKind::kFailed, "this program was built without libcurl and cannot download",
-               request.target, "",
-               "fetch " + request.url + " another way and `aligngs models import` it, or install "
-               "libcurl4-openssl-dev and build again"});
+  throw Error({ErrorKind::kFailed, "this program was built without libcurl and cannot download", request.target, "",
+               "fetch " + request.url +
+                   " another way and `aligngs models import` it, or install "
+                   "libcurl4-openssl-dev and build again"});
 }
 
 #else
@@ -55,8 +56,7 @@ class PartFile {
     fs::create_directories(path_.parent_path(), error);
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
-      throw_resources(path_, std::strerror(errno),
-                      "choose a folder that you may write to with ALIGNGS_MODELS");
+      throw_resources(path_, std::strerror(errno), "choose a folder that you may write to with ALIGNGS_MODELS");
     }
   }
   ~PartFile() { close(descriptor_); }
@@ -108,8 +108,8 @@ struct Transfer {
   const DownloadRequest* request = nullptr;
   PartFile* part = nullptr;
   CURL* curl = nullptr;
-  uint64_t offset = 0;    ///< bytes that were there before
-  uint64_t received = 0;  ///< of the body
+  uint64_t offset = 0;       ///< bytes that were there before
+  uint64_t received = 0;     ///< of the body
   uint64_t range_total = 0;  ///< of Content-Range
   std::string etag;
   bool begun = false;
@@ -139,8 +139,7 @@ size_t on_header(char* data, size_t size, size_t count, void* user) {
   if (!etag.empty()) transfer.etag = etag;
   const std::string range = header_value(line, "content-range:");
   const size_t slash = range.find('/');
-  if (slash != std::string::npos)
-    transfer.range_total = std::strtoull(range.c_str() + slash + 1, nullptr, 10);
+  if (slash != std::string::npos) transfer.range_total = std::strtoull(range.c_str() + slash + 1, nullptr, 10);
   return size * count;
 }
 
@@ -164,14 +163,11 @@ size_t on_body(char* data, size_t size, size_t count, void* user) {
     return 0;
   }
   transfer.received += size * count;
-  if (transfer.request->progress)
-    transfer.request->progress(transfer.offset + transfer.received, transfer.total());
+  if (transfer.request->progress) transfer.request->progress(transfer.offset + transfer.received, transfer.total());
   return size * count;
 }
 
-int on_progress(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-  return stop_requested() ? 1 : 0;
-}
+int on_progress(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t) { return stop_requested() ? 1 : 0; }
 
 struct CurlFree {
   void operator()(CURL* curl) const { curl_easy_cleanup(curl); }
@@ -186,8 +182,7 @@ void set_protocols(CURL* curl, const std::string& url) {
   curl_easy_setopt(curl, CURLOPT_REDIR_PROTOCOLS_STR, secure ? "https" : "http,https");
 #else
   curl_easy_setopt(curl, CURLOPT_PROTOCOLS, long(CURLPROTO_HTTP | CURLPROTO_HTTPS));
-  curl_easy_setopt(curl, CURLOPT_REDIR_PROTOCOLS,
-                   long(secure ? CURLPROTO_HTTPS : CURLPROTO_HTTP | CURLPROTO_HTTPS));
+  curl_easy_setopt(curl, CURLOPT_REDIR_PROTOCOLS, long(secure ? CURLPROTO_HTTPS : CURLPROTO_HTTP | CURLPROTO_HTTPS));
 #endif
 }
 
@@ -216,8 +211,7 @@ Outcome outcome_of(CURLcode code, const Transfer& transfer, const char* detail) 
     return {false, status >= kServerError, fmt::format("the server answered {}", status)};
   }
   const std::string text = *detail ? detail : curl_easy_strerror(code);
-  if (total > have && have > 0)
-    return {false, true, fmt::format("{} (after {} of {} bytes)", text, have, total)};
+  if (total > have && have > 0) return {false, true, fmt::format("{} (after {} of {} bytes)", text, have, total)};
   return {false, true, text};
 }
 
@@ -250,12 +244,12 @@ uint64_t download_to_part(const DownloadRequest& request) {
     char detail[CURL_ERROR_SIZE] = "";
     curl_easy_reset(curl.get());
     curl_easy_setopt(curl.get(), CURLOPT_URL, request.url.c_str());
-    curl_easy_setopt(curl.get(), CURLOPT_USERAGENT, "aligngs/" ALIGNGS_VERSION);
+    curl_easy_setopt(curl.get(), CURLOPT_USERAGENT, (std::string("aligngs/") + version()).c_str());
     curl_easy_setopt(curl.get(), CURLOPT_FOLLOWLOCATION, 1L);
     curl_easy_setopt(curl.get(), CURLOPT_MAXREDIRS, 10L);
     set_protocols(curl.get(), request.url);
     curl_easy_setopt(curl.get(), CURLOPT_NOSIGNAL, 1L);
-    curl_easy_setopt(curl.get(), CURLOPT_CONNECTTIMEOUT, 30L);  // seconds
+    curl_easy_setopt(curl.get(), CURLOPT_CONNECTTIMEOUT, 30L);     // seconds
     curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_LIMIT, 1000L);  // bytes per second ...
     curl_easy_setopt(curl.get(), CURLOPT_LOW_SPEED_TIME, 60L);     // ... for so long: given up
     curl_easy_setopt(curl.get(), CURLOPT_ERRORBUFFER, detail);
@@ -295,8 +289,8 @@ uint64_t download_to_part(const DownloadRequest& request) {
     }
     farthest = std::max(farthest, part.size());
     if (!outcome.worth_retrying || attempt >= request.attempts) {
-      throw Error({ErrorKind::kFailed, request.url + ": " + outcome.reason, part_of(request.target),
-                   "", remedy_for(transfer.status())});
+      throw Error({ErrorKind::kFailed, request.url + ": " + outcome.reason, part_of(request.target), "",
+                   remedy_for(transfer.status())});
     }
     log_warning("{}; trying again in {:.0f} s", outcome.reason, pause);
     std::this_thread::sleep_for(std::chrono::duration<double>(pause));
@@ -305,10 +299,10 @@ uint64_t download_to_part(const DownloadRequest& request) {
   part.flush();
   const uint64_t bytes = part.size();
   if (request.expected_bytes > 0 && bytes != request.expected_bytes) {
-    throw Error({ErrorKind::kFailed,
-                 fmt::format("{}: the file has {} bytes, the published one {}", request.url, bytes,
-                             request.expected_bytes),
-                 part_of(request.target), "", "remove this file and try again, or another mirror"});
+    throw Error(
+        {ErrorKind::kFailed,
+         fmt::format("{}: the file has {} bytes, the published one {}", request.url, bytes, request.expected_bytes),
+         part_of(request.target), "", "remove this file and try again, or another mirror"});
   }
   return bytes;
 }

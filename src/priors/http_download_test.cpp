@@ -27,8 +27,7 @@ class HttpDownload : public testing::Test {
   void SetUp() override {
     if (!can_download()) GTEST_SKIP() << "built without libcurl";
     folder = fs::path(testing::TempDir()) /
-             ("http_download_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+             ("http_download_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     set_log_level(LogLevel::kSilent);
   }
@@ -133,9 +132,7 @@ TEST_F(HttpDownload, APartLongerThanTheFileIsThrownAway) {
 }
 
 TEST_F(HttpDownload, AServerThatAlwaysBreaksOffIsGivenUp) {
-  LoopbackServer server([&](const std::string&, int) {
-    return LoopbackAnswer{body, "\"1\"", 200, false, 50'000};
-  });
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{body, "\"1\"", 200, false, 50'000}; });
   DownloadRequest r = request(server);
   r.attempts = 3;
   std::string text;
@@ -145,9 +142,7 @@ TEST_F(HttpDownload, AServerThatAlwaysBreaksOffIsGivenUp) {
 }
 
 TEST_F(HttpDownload, AMissingFileIsNotAskedForTwice) {
-  LoopbackServer server([&](const std::string&, int) {
-    return LoopbackAnswer{"", "\"1\"", 404};
-  });
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"", "\"1\"", 404}; });
   std::string text;
   EXPECT_EQ(kind_of(request(server), &text), ErrorKind::kFailed);
   EXPECT_THAT(text, HasSubstr("404"));
@@ -155,9 +150,7 @@ TEST_F(HttpDownload, AMissingFileIsNotAskedForTwice) {
 }
 
 TEST_F(HttpDownload, AGatedFileSaysWhatToDo) {
-  LoopbackServer server([&](const std::string&, int) {
-    return LoopbackAnswer{"", "\"1\"", 401};
-  });
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"", "\"1\"", 401}; });
   std::string text;
   EXPECT_EQ(kind_of(request(server), &text), ErrorKind::kFailed);
   EXPECT_THAT(text, HasSubstr("HF_TOKEN"));

@@ -21,23 +21,21 @@ namespace aligngs {
 struct LoopbackAnswer {
   std::string body;
   std::string etag = "\"1\"";
-  int status = 200;          ///< other than 200: no body
-  bool ranges = true;        ///< honour Range and If-Range
+  int status = 200;             ///< other than 200: no body
+  bool ranges = true;           ///< honour Range and If-Range
   size_t cut_after = SIZE_MAX;  ///< bytes of this answer's body after which the connection closes
 };
 
 class LoopbackServer {
  public:
   /// `answer` is asked per request, with the path and the number of requests before it.
-  explicit LoopbackServer(std::function<LoopbackAnswer(const std::string&, int)> answer)
-      : answer_(std::move(answer)) {
+  explicit LoopbackServer(std::function<LoopbackAnswer(const std::string&, int)> answer) : answer_(std::move(answer)) {
     listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t length = sizeof(address);
-    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), length) != 0 ||
-        listen(listener_, 8) != 0 ||
+    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), length) != 0 || listen(listener_, 8) != 0 ||
         getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &length) != 0) {
       std::abort();
     }
@@ -80,8 +78,7 @@ class LoopbackServer {
   static void send_all(int connection, const std::string& bytes) {
     size_t sent = 0;
     while (sent < bytes.size()) {
-      const ssize_t n =
-          send(connection, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
+      const ssize_t n = send(connection, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
       if (n <= 0) return;
       sent += size_t(n);
     }
@@ -102,15 +99,13 @@ class LoopbackServer {
       requests_.push_back(request);
     }
     const size_t path = request.find(' ') + 1;
-    const LoopbackAnswer answer =
-        answer_(request.substr(path, request.find(' ', path) - path), before);
+    const LoopbackAnswer answer = answer_(request.substr(path, request.find(' ', path) - path), before);
     std::string head, body;
     const std::string range = header(request, "Range"), condition = header(request, "If-Range");
     const std::string total = std::to_string(answer.body.size());
     if (answer.status != 200) {
       head = "HTTP/1.1 " + std::to_string(answer.status) + " Refused\r\nContent-Length: 0\r\n";
-    } else if (answer.ranges && range.rfind("bytes=", 0) == 0 &&
-               (condition.empty() || condition == answer.etag)) {
+    } else if (answer.ranges && range.rfind("bytes=", 0) == 0 && (condition.empty() || condition == answer.etag)) {
       const size_t begin = std::strtoull(range.c_str() + 6, nullptr, 10);
       if (begin >= answer.body.size()) {
         head = "HTTP/1.1 416 Range\r\nContent-Range: bytes */" + total + "\r\nContent-Length: 0\r\n";

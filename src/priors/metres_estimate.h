@@ -1,4 +1,5 @@
-// Metres for cameras and depth of arbitrary units: what a network of one photo says of each photo, and one scale for the
+// Metres for cameras and depth of arbitrary units: what a network of one photo says of each photo, and one scale for
+// the
 // room.
 //
 // The scale is an estimate. Photos that disagree widen its spread, and up to half of them may be wrong.
@@ -14,9 +15,9 @@
 namespace aligngs {
 
 struct MetresEstimate {
-  double scale = 1;    ///< metres per unit of the cameras, > 0
-  double spread = 0;   ///< of the photos' own scales about it: standard deviation of the logarithm (from the median)
-  size_t photos = 0;   ///< that had a scale of their own
+  double scale = 1;   ///< metres per unit of the cameras, > 0
+  double spread = 0;  ///< of the photos' own scales about it: standard deviation of the logarithm (from the median)
+  size_t photos = 0;  ///< that had a scale of their own
 };
 
 /// The logarithm of one photo's metres per unit, robustly over its pixels. Pixels are ground of which the any-view

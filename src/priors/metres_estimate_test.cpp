@@ -41,7 +41,7 @@ TEST(MetresEstimate, APhotoTellsItsScaleThroughTheFocalLength) {
 TEST(MetresEstimate, SkyAndUnsurePixelsDoNotCount) {
   Photo p = photo_of(2.5);
   for (int64_t i = 0; i < kWidth * kHeight / 4; ++i) {
-    p.metric.data[size_t(2 * i)] = 500;    // sky, a hundred metres off
+    p.metric.data[size_t(2 * i)] = 500;  // sky, a hundred metres off
     p.metric.data[size_t(2 * i + 1)] = 1;
     p.frame.depth.data[size_t(2 * (kWidth * kHeight - 1 - i))] = 40;  // unsure
     p.frame.depth.data[size_t(2 * (kWidth * kHeight - 1 - i) + 1)] = 1;

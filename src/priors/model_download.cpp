@@ -22,8 +22,8 @@ namespace {
 
 constexpr uint64_t kProgressUnit = 1'000'000;
 
-[[noreturn]] void wrong_file(const fs::path& path, const std::string& field,
-                             const std::string& message, const std::string& remedy) {
+[[noreturn]] void wrong_file(const fs::path& path, const std::string& field, const std::string& message,
+                             const std::string& remedy) {
   throw Error({ErrorKind::kWeights, message, path, field, remedy});
 }
 
@@ -52,13 +52,11 @@ class FolderLock {
     const fs::path path = folder / ".lock";
     descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
-      throw_resources(path, std::strerror(errno),
-                      "choose a folder that you may write to with ALIGNGS_MODELS");
+      throw_resources(path, std::strerror(errno), "choose a folder that you may write to with ALIGNGS_MODELS");
     }
     if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
     close(descriptor_);
-    throw Error({ErrorKind::kFailed, "another aligngs is fetching this model", folder, "",
-                 "wait for it to end"});
+    throw Error({ErrorKind::kFailed, "another aligngs is fetching this model", folder, "", "wait for it to end"});
   }
   ~FolderLock() { close(descriptor_); }
   FolderLock(const FolderLock&) = delete;
@@ -74,10 +72,9 @@ void require_space(const fs::path& folder, const fs::path& part, uint64_t bytes)
   const uint64_t have = error ? 0 : uint64_t(there);
   const fs::space_info space = fs::space(folder, error);
   if (error || bytes <= have || space.available >= bytes - have) return;
-  throw_resources(folder,
-                  fmt::format("{} are free and {} are needed", format_bytes(space.available),
-                              format_bytes(bytes - have)),
-                  "free space there, or choose another folder with ALIGNGS_MODELS");
+  throw_resources(
+      folder, fmt::format("{} are free and {} are needed", format_bytes(space.available), format_bytes(bytes - have)),
+      "free space there, or choose another folder with ALIGNGS_MODELS");
 }
 
 std::string url_of(const ModelFile& file, const std::string& mirror) {
@@ -96,8 +93,7 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   request.expected_bytes = file.exact_size ? file.bytes : 0;
   request.attempts = options.attempts;
   request.first_pause = options.first_pause;
-  if (request.url.rfind("https://huggingface.co/", 0) == 0)
-    request.bearer_token = options.huggingface_token;
+  if (request.url.rfind("https://huggingface.co/", 0) == 0) request.bearer_token = options.huggingface_token;
   std::error_code ignored;
   const uintmax_t there = fs::file_size(part, ignored);
   const uint64_t start = ignored ? 0 : uint64_t(there);
@@ -106,8 +102,8 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   request.progress = [&](uint64_t done, uint64_t total) {
     if (!bar) {
       const uint64_t all = (total > 0 ? total : file.bytes) / kProgressUnit;
-      bar = std::make_unique<Progress>(options.progress, "download " + file.name + " (MB)",
-                                       std::max<uint64_t>(all, 1), start / kProgressUnit);
+      bar = std::make_unique<Progress>(options.progress, "download " + file.name + " (MB)", std::max<uint64_t>(all, 1),
+                                       start / kProgressUnit);
     }
     if (bar->due()) bar->update(done / kProgressUnit, format_bytes(done));
   };
@@ -118,8 +114,7 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
   record.sha256 = sha256_of_file(part);
   std::string problem;
   if (!digest_agrees(file, record.sha256)) {
-    problem = fmt::format("its SHA-256 is {}, the published one begins {}", record.sha256,
-                          file.sha256);
+    problem = fmt::format("its SHA-256 is {}, the published one begins {}", record.sha256, file.sha256);
   } else {
     problem = probe_problem(part, file);
   }
@@ -144,8 +139,7 @@ void download_file(const ModelStore& store, const PublishedModel& model, const M
 
 }  // namespace
 
-void download_model(const ModelStore& store, const PublishedModel& model,
-                    const ModelDownloadOptions& options) {
+void download_model(const ModelStore& store, const PublishedModel& model, const ModelDownloadOptions& options) {
   std::vector<const ModelFile*> missing;
   for (const ModelFile& file : model.files) {
     if (!store.find(model, file)) missing.push_back(&file);
@@ -154,14 +148,15 @@ void download_model(const ModelStore& store, const PublishedModel& model,
   if (store.options().offline) {
     throw Error({ErrorKind::kWeights,
                  "the weights of \"" + model.name + "\" are not here and the network is forbidden",
-                 {}, "", how_to_get(store, model)});
+                 {},
+                 "",
+                 how_to_get(store, model)});
   }
   const FolderLock lock(store.options().folder / model.name);
   for (const ModelFile* file : missing) download_file(store, model, *file, options);
 }
 
-fs::path import_model_file(const ModelStore& store, const PublishedModel& model,
-                           const fs::path& source) {
+fs::path import_model_file(const ModelStore& store, const PublishedModel& model, const fs::path& source) {
   if (!fs::is_regular_file(source)) throw_bad_input(source, "", "there is no such file", "check the path");
   const ModelFile* found = nullptr;
   std::string problems;
@@ -171,8 +166,7 @@ fs::path import_model_file(const ModelStore& store, const PublishedModel& model,
       found = &file;
       break;
     }
-    if (problems.find(problem) == std::string::npos)
-      problems += (problems.empty() ? "" : "; ") + problem;
+    if (problems.find(problem) == std::string::npos) problems += (problems.empty() ? "" : "; ") + problem;
   }
   if (!found) {
     wrong_file(source, "", "these are not the weights of \"" + model.name + "\": " + problems,
@@ -181,8 +175,7 @@ fs::path import_model_file(const ModelStore& store, const PublishedModel& model,
   ModelStore::Record record;
   record.sha256 = sha256_of_file(source);
   if (!digest_agrees(*found, record.sha256)) {
-    wrong_file(source, "sha256",
-               fmt::format("it is {}, the published one begins {}", record.sha256, found->sha256),
+    wrong_file(source, "sha256", fmt::format("it is {}, the published one begins {}", record.sha256, found->sha256),
                "the file is damaged or another one: download it again");
   }
   const fs::path target = store.own_path(model, *found);

@@ -23,7 +23,7 @@ std::string dinov2_url(char letter, const std::string& file) {
 struct Dinov2Size {
   char letter;
   const char* title;
-  const char* word;  ///< in names on Hugging Face
+  const char* word;             ///< in names on Hugging Face
   uint64_t backbone_megabytes;  ///< float32
   uint64_t channels;
   uint64_t dpt_megabytes;  ///< the file holds the optimiser's state as well: three times the head
@@ -39,8 +39,14 @@ PublishedModel backbone(const Dinov2Size& size) {
   model.name = std::string("dinov2-") + size.letter;
   model.purpose = std::string("image features (") + size.title + "): backbone of the heads below";
   model.licence = apache();
-  model.files = {{file, dinov2_url(size.letter, file), "", {}, size.backbone_megabytes * kMegabyte,
-                  false, "", "blocks.0.attn.qkv.weight"}};
+  model.files = {{file,
+                  dinov2_url(size.letter, file),
+                  "",
+                  {},
+                  size.backbone_megabytes * kMegabyte,
+                  false,
+                  "",
+                  "blocks.0.attn.qkv.weight"}};
   return model;
 }
 
@@ -61,11 +67,14 @@ PublishedModel vggt() {
   PublishedModel model;
   model.name = "vggt-1b";
   model.purpose = "cameras, depth and points from photos alone (VGGT-1B)";
-  model.licence = {"CC-BY-NC-4.0", "https://huggingface.co/facebook/VGGT-1B",
-                   "non-commercial use only", false, false};
+  model.licence = {"CC-BY-NC-4.0", "https://huggingface.co/facebook/VGGT-1B", "non-commercial use only", false, false};
   model.files = {{"model.safetensors",
                   "https://huggingface.co/facebook/VGGT-1B/resolve/main/model.safetensors",
-                  "facebook/VGGT-1B", {"model.pt"}, 5026 * kMegabyte, false, "",
+                  "facebook/VGGT-1B",
+                  {"model.pt"},
+                  5026 * kMegabyte,
+                  false,
+                  "",
                   "aggregator.camera_token"}};
   return model;
 }
@@ -76,11 +85,14 @@ PublishedModel commercial_vggt() {
   model.purpose = "the same network, trained for commercial use";
   model.licence = {"VGGT License v1", "https://huggingface.co/facebook/VGGT-1B-Commercial",
                    "commercial use allowed under an acceptable-use policy, no military use", true};
-  model.files = {
-      {"vggt_1B_commercial.pt",
-       "https://huggingface.co/facebook/VGGT-1B-Commercial/resolve/main/vggt_1B_commercial.pt",
-       "facebook/VGGT-1B-Commercial", {"model.safetensors", "model.pt"}, 5026 * kMegabyte, false,
-       "", "aggregator.camera_token"}};
+  model.files = {{"vggt_1B_commercial.pt",
+                  "https://huggingface.co/facebook/VGGT-1B-Commercial/resolve/main/vggt_1B_commercial.pt",
+                  "facebook/VGGT-1B-Commercial",
+                  {"model.safetensors", "model.pt"},
+                  5026 * kMegabyte,
+                  false,
+                  "",
+                  "aggregator.camera_token"}};
   return model;
 }
 
@@ -89,10 +101,21 @@ PublishedModel lingbot_map() {
   PublishedModel model;
   model.name = "lingbot-map";
   model.purpose = "cameras and depth from photos alone (LingBot-Map stage 1, the network of VGGT)";
-  model.licence = {"Apache-2.0", "https://huggingface.co/robbyant/lingbot-map", "as declared by the publisher", false, true,
-                   "whether these weights started from VGGT-1B, which is non-commercial, is not known: the publisher has not answered"};
-  model.files = {{"lingbot-map-stage1.pt", "https://huggingface.co/robbyant/lingbot-map/resolve/main/lingbot-map-stage1.pt",
-                  "robbyant/lingbot-map", {}, 4632 * kMegabyte, false, "", "aggregator.camera_token"}};
+  model.licence = {"Apache-2.0",
+                   "https://huggingface.co/robbyant/lingbot-map",
+                   "as declared by the publisher",
+                   false,
+                   true,
+                   "whether these weights started from VGGT-1B, which is non-commercial, is not known: the publisher "
+                   "has not answered"};
+  model.files = {{"lingbot-map-stage1.pt",
+                  "https://huggingface.co/robbyant/lingbot-map/resolve/main/lingbot-map-stage1.pt",
+                  "robbyant/lingbot-map",
+                  {},
+                  4632 * kMegabyte,
+                  false,
+                  "",
+                  "aggregator.camera_token"}};
   return model;
 }
 
@@ -102,8 +125,7 @@ PublishedModel mask2former() {
   model.purpose = "150 classes of ADE20K, the method's teacher (ViT-g + Mask2Former)";
   model.licence = apache();
   const std::string file = "dinov2_vitg14_ade20k_m2f.pth";
-  model.files = {{file, dinov2_url('g', file), "", {}, 6900 * kMegabyte, false, "",
-                  "decode_head.query_feat.weight"}};
+  model.files = {{file, dinov2_url('g', file), "", {}, 6900 * kMegabyte, false, "", "decode_head.query_feat.weight"}};
   return model;
 }
 
@@ -112,15 +134,24 @@ PublishedModel lpips() {
   model.name = "lpips-vgg";
   model.purpose = "the image metric LPIPS v0.1 on VGG16 (nvs.lpips of metrics.json)";
   model.licence = {"BSD-3-Clause (VGG16), BSD-2-Clause (LPIPS)",
-                   "https://github.com/richzhang/PerceptualSimilarity/blob/master/LICENSE", "",
-                   false};
+                   "https://github.com/richzhang/PerceptualSimilarity/blob/master/LICENSE", "", false};
   model.files = {{"vgg16-397923af.pth",
-                  "https://download.pytorch.org/models/vgg16-397923af.pth", "", {}, 553433881, true,
-                  "397923af", "features.0.weight"},
+                  "https://download.pytorch.org/models/vgg16-397923af.pth",
+                  "",
+                  {},
+                  553433881,
+                  true,
+                  "397923af",
+                  "features.0.weight"},
                  {"vgg.pth",
                   "https://raw.githubusercontent.com/richzhang/PerceptualSimilarity/master/lpips/"
                   "weights/v0.1/vgg.pth",
-                  "", {}, 7289, false, "", "lin0.model.1.weight"}};
+                  "",
+                  {},
+                  7289,
+                  false,
+                  "",
+                  "lin0.model.1.weight"}};
   return model;
 }
 
@@ -132,10 +163,16 @@ PublishedModel da3(const std::string& name, const std::string& repository, const
   PublishedModel model;
   model.name = name;
   model.purpose = purpose;
-  model.licence = {commercial ? "Apache-2.0" : "CC-BY-NC-4.0", page, commercial ? "" : "non-commercial use only",
-                   false, commercial};
-  model.files = {{"model.safetensors", page + "/resolve/main/model.safetensors", "depth-anything/" + repository, {},
-                  bytes, exact, "", probe}};
+  model.licence = {commercial ? "Apache-2.0" : "CC-BY-NC-4.0", page, commercial ? "" : "non-commercial use only", false,
+                   commercial};
+  model.files = {{"model.safetensors",
+                  page + "/resolve/main/model.safetensors",
+                  "depth-anything/" + repository,
+                  {},
+                  bytes,
+                  exact,
+                  "",
+                  probe}};
   return model;
 }
 
@@ -158,8 +195,15 @@ PublishedModel eomt(const std::string& name, const std::string& repository, cons
   model.name = name;
   model.purpose = purpose;
   model.licence = {"MIT", page, "the licence of the code; look at the page for that of the weights", false};
-  model.files = {{"pytorch_model.bin", page + "/resolve/main/pytorch_model.bin", "tue-mps/" + repository,
-                  {"model.safetensors"}, bytes, false, "", "network.q.weight", "query.weight"}};
+  model.files = {{"pytorch_model.bin",
+                  page + "/resolve/main/pytorch_model.bin",
+                  "tue-mps/" + repository,
+                  {"model.safetensors"},
+                  bytes,
+                  false,
+                  "",
+                  "network.q.weight",
+                  "query.weight"}};
   return model;
 }
 
@@ -169,8 +213,14 @@ PublishedModel lingbot() {
   model.name = "lingbot-s";
   model.purpose = "150 classes, a light choice (LingBot-Vision-S with a linear head)";
   model.licence = {"Apache-2.0", "https://huggingface.co/" + repository, "", false};
-  model.files = {{file, "https://huggingface.co/" + repository + "/resolve/main/" + file, repository, {},
-                  87 * kMegabyte, false, "", "backbone.rope_embed.periods"}};
+  model.files = {{file,
+                  "https://huggingface.co/" + repository + "/resolve/main/" + file,
+                  repository,
+                  {},
+                  87 * kMegabyte,
+                  false,
+                  "",
+                  "backbone.rope_embed.periods"}};
   return model;
 }
 
@@ -186,8 +236,7 @@ std::vector<PublishedModel> make_models() {
   models.push_back(lingbot());
   for (const Dinov2Size& size : kDinov2Sizes) {
     models.push_back(head(size, "ade20k-linear", "ade20k_linear", "150 classes, the light choice",
-                          (kClasses + 4) * size.channels * kFloatBytes + kHeadOverhead,
-                          "decode_head.conv_seg.weight"));
+                          (kClasses + 4) * size.channels * kFloatBytes + kHeadOverhead, "decode_head.conv_seg.weight"));
   }
   for (const Dinov2Size& size : kDinov2Sizes) {
     models.push_back(head(size, "ade20k-ms", "ade20k_ms", "150 classes from four layers",
@@ -204,8 +253,7 @@ std::vector<PublishedModel> make_models() {
   }
   for (const Dinov2Size& size : kDinov2Sizes) {
     constexpr uint64_t kBins = 256, kLayers = 4;
-    models.push_back(head(size, "nyu-linear4", "nyu_linear4",
-                          "metric depth of one photo, linear head",
+    models.push_back(head(size, "nyu-linear4", "nyu_linear4", "metric depth of one photo, linear head",
                           kBins * 2 * size.channels * kLayers * kFloatBytes + kHeadOverhead,
                           "decode_head.conv_depth.weight"));
   }

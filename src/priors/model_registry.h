@@ -9,10 +9,10 @@
 namespace aligngs {
 
 struct ModelLicence {
-  std::string id;    ///< SPDX where there is one
-  std::string url;   ///< the text
-  std::string note;  ///< what it means for a user, one sentence; may be empty
-  bool gated = false;  ///< the publisher wants a form filled in first
+  std::string id;             ///< SPDX where there is one
+  std::string url;            ///< the text
+  std::string note;           ///< what it means for a user, one sentence; may be empty
+  bool gated = false;         ///< the publisher wants a form filled in first
   bool commercial = true;     ///< whether commercial use is allowed
   std::string question = {};  ///< what is not clear about the terms, one sentence; shown before a download
 };
@@ -20,13 +20,13 @@ struct ModelLicence {
 struct ModelFile {
   std::string name;  ///< in the folder of the model
   std::string url;
-  std::string huggingface;         ///< repository "owner/name" whose cache may hold it; may be empty
-  std::vector<std::string> also;   ///< other names of a file there with the same tensors
+  std::string huggingface;        ///< repository "owner/name" whose cache may hold it; may be empty
+  std::vector<std::string> also;  ///< other names of a file there with the same tensors
   uint64_t bytes = 0;
-  bool exact_size = false;         ///< false: `bytes` is rounded
-  std::string sha256;              ///< published digest or its first digits; empty: none is published
-  std::string probe;               ///< a tensor that tells such a file from others
-  std::string other_probe = {};    ///< the same in another layout of names; may be empty
+  bool exact_size = false;       ///< false: `bytes` is rounded
+  std::string sha256;            ///< published digest or its first digits; empty: none is published
+  std::string probe;             ///< a tensor that tells such a file from others
+  std::string other_probe = {};  ///< the same in another layout of names; may be empty
 };
 
 struct PublishedModel {

@@ -57,15 +57,13 @@ std::string huggingface_folder(const std::string& repository) {
 std::vector<fs::path> snapshots(const fs::path& repository) {
   std::vector<fs::path> found;
   std::error_code error;
-  for (fs::directory_iterator at(repository / "snapshots", error), end; !error && at != end;
-       at.increment(error)) {
+  for (fs::directory_iterator at(repository / "snapshots", error), end; !error && at != end; at.increment(error)) {
     found.push_back(at->path());
   }
   std::sort(found.begin(), found.end());
   std::string main;
   std::ifstream(repository / "refs" / "main") >> main;
-  std::stable_partition(found.begin(), found.end(),
-                        [&](const fs::path& p) { return p.filename() == main; });
+  std::stable_partition(found.begin(), found.end(), [&](const fs::path& p) { return p.filename() == main; });
   return found;
 }
 
@@ -85,11 +83,9 @@ ModelStoreOptions ModelStoreOptions::from_environment(bool offline) {
   const auto first_of = [](fs::path a, fs::path b) { return a.empty() ? b : a; };
   const auto below = [](const fs::path& a, const char* b) { return a.empty() ? a : a / b; };
   ModelStoreOptions options;
-  options.folder = first_of(folder_variable("ALIGNGS_MODELS"),
-                            cache_folder() / "aligngs" / "models");
-  options.huggingface = {first_of(
-      folder_variable("HF_HUB_CACHE"),
-      first_of(below(folder_variable("HF_HOME"), "hub"), cache_folder() / "huggingface" / "hub"))};
+  options.folder = first_of(folder_variable("ALIGNGS_MODELS"), cache_folder() / "aligngs" / "models");
+  options.huggingface = {first_of(folder_variable("HF_HUB_CACHE"), first_of(below(folder_variable("HF_HOME"), "hub"),
+                                                                            cache_folder() / "huggingface" / "hub"))};
   options.torch = {first_of(below(folder_variable("TORCH_HOME"), "hub/checkpoints"),
                             cache_folder() / "torch" / "hub" / "checkpoints")};
   options.offline = offline || is_set("ALIGNGS_OFFLINE") || is_set("HF_HUB_OFFLINE");
@@ -112,14 +108,12 @@ fs::path ModelStore::own_path(const PublishedModel& model, const ModelFile& file
   return options_.folder / model.name / file.name;
 }
 
-std::optional<LocatedModelFile> ModelStore::find(const PublishedModel& model,
-                                                 const ModelFile& file) const {
+std::optional<LocatedModelFile> ModelStore::find(const PublishedModel& model, const ModelFile& file) const {
   if (!file.huggingface.empty()) {
     for (const fs::path& cache : options_.huggingface) {
       for (const fs::path& snapshot : snapshots(cache / huggingface_folder(file.huggingface))) {
         for (const std::string& name : huggingface_names(file)) {
-          if (is_file(snapshot / name))
-            return LocatedModelFile{snapshot / name, ModelPlace::kHuggingFace};
+          if (is_file(snapshot / name)) return LocatedModelFile{snapshot / name, ModelPlace::kHuggingFace};
         }
       }
     }
@@ -161,8 +155,11 @@ bool ModelStore::installed(const PublishedModel& model) const {
 
 std::vector<fs::path> ModelStore::require(const PublishedModel& model) const {
   if (!installed(model)) {
-    throw Error({ErrorKind::kWeights, "the weights of \"" + model.name + "\" are not on this machine",
-                 {}, "", how_to_get(*this, model)});
+    throw Error({ErrorKind::kWeights,
+                 "the weights of \"" + model.name + "\" are not on this machine",
+                 {},
+                 "",
+                 how_to_get(*this, model)});
   }
   std::vector<fs::path> paths;
   for (const ModelFile& file : model.files) paths.push_back(find(model, file)->path);
@@ -177,10 +174,8 @@ std::string how_to_get(const ModelStore& store, const PublishedModel& model) {
       if (store.find(*part, file)) continue;
       bytes += file.bytes;
       for (const fs::path& path : store.places(*part, file)) looked += "\n    " + path.string();
-      const std::string licence =
-          part->licence.id + (part->licence.note.empty() ? "" : ", " + part->licence.note);
-      if (licences.find(licence) == std::string::npos)
-        licences += (licences.empty() ? "" : "; ") + licence;
+      const std::string licence = part->licence.id + (part->licence.note.empty() ? "" : ", " + part->licence.note);
+      if (licences.find(licence) == std::string::npos) licences += (licences.empty() ? "" : "; ") + licence;
     }
   }
   return fmt::format(
@@ -188,9 +183,8 @@ std::string how_to_get(const ModelStore& store, const PublishedModel& model) {
       "  or put a file you have in place: aligngs models import {} FILE\n"
       "  looked for it at:{}",
       model.name, format_bytes(bytes), licences,
-      store.options().offline ? "; you are offline (--offline, ALIGNGS_OFFLINE or HF_HUB_OFFLINE)"
-                              : "",
-      model.name, looked);
+      store.options().offline ? "; you are offline (--offline, ALIGNGS_OFFLINE or HF_HUB_OFFLINE)" : "", model.name,
+      looked);
 }
 
 std::string sha256_of_file(const fs::path& path) {
@@ -238,8 +232,7 @@ std::string ModelStore::digest(const PublishedModel& model, const ModelFile& fil
   return fresh.sha256;
 }
 
-std::optional<ModelStore::Record> ModelStore::record(const PublishedModel& model,
-                                                     const ModelFile& file) const {
+std::optional<ModelStore::Record> ModelStore::record(const PublishedModel& model, const ModelFile& file) const {
   const fs::path path = own_path(model, file).string() + ".json";
   if (!is_file(path)) return std::nullopt;
   const Json json = parse_json(read_file(path, uint64_t(1) << 16));
@@ -260,11 +253,9 @@ std::optional<ModelStore::Record> ModelStore::record(const PublishedModel& model
   return out;
 }
 
-void ModelStore::write_record(const PublishedModel& model, const ModelFile& file,
-                              const Record& record) const {
-  const Json json = {{"path", record.path},     {"sha256", record.sha256},
-                     {"source", record.source}, {"bytes", record.bytes},
-                     {"modified", record.modified}, {"licence_accepted", record.licence}};
+void ModelStore::write_record(const PublishedModel& model, const ModelFile& file, const Record& record) const {
+  const Json json = {{"path", record.path},   {"sha256", record.sha256},     {"source", record.source},
+                     {"bytes", record.bytes}, {"modified", record.modified}, {"licence_accepted", record.licence}};
   write_file_atomically(own_path(model, file).string() + ".json", json_document(json));
 }
 

@@ -42,8 +42,7 @@ class ModelStore {
   /// the user's other programs read as well, then ours, then torch's.
   std::optional<LocatedModelFile> find(const PublishedModel& model, const ModelFile& file) const;
   /// Every path that find() looks at, in its order ("*" for any revision).
-  std::vector<std::filesystem::path> places(const PublishedModel& model,
-                                            const ModelFile& file) const;
+  std::vector<std::filesystem::path> places(const PublishedModel& model, const ModelFile& file) const;
   /// Whether all files of the model and of what it needs are there.
   bool installed(const PublishedModel& model) const;
   /// The files of the model itself. Error{kWeights} when a file of it, or of a model that it needs,
@@ -52,8 +51,7 @@ class ModelStore {
 
   /// SHA-256 of a file that find() returned: the recorded one while its size and time stay, or the
   /// name of Hugging Face's blob. Otherwise computed (and recorded) now.
-  std::string digest(const PublishedModel& model, const ModelFile& file,
-                     const LocatedModelFile& located) const;
+  std::string digest(const PublishedModel& model, const ModelFile& file, const LocatedModelFile& located) const;
 
   /// The record beside a file: `<file>.json` in our folder, also for files that lie elsewhere.
   struct Record {

@@ -24,8 +24,7 @@ class Models : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
-             ("models_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+             ("models_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     set_log_level(LogLevel::kSilent);
     options.folder = folder / "own";
@@ -33,8 +32,8 @@ class Models : public testing::Test {
     options.torch = {folder / "checkpoints"};
     model.name = "toy";
     model.licence = {"MIT", "https://example.org/licence", "", false};
-    model.files = {{"toy.safetensors", "http://127.0.0.1:1/toy.safetensors", "acme/toy",
-                    {"model.pt"}, 1000, false, "", "wanted"}};
+    model.files = {
+        {"toy.safetensors", "http://127.0.0.1:1/toy.safetensors", "acme/toy", {"model.pt"}, 1000, false, "", "wanted"}};
   }
   void TearDown() override { set_log_level(LogLevel::kInfo); }
 
@@ -172,15 +171,13 @@ TEST_F(Models, EnvironmentChoosesTheFolders) {
 
 TEST_F(Models, ImportPutsAFileInPlace) {
   put(folder / "anything.bin");
-  EXPECT_EQ(import_model_file(store(), model, folder / "anything.bin"),
-            store().own_path(model, file()));
+  EXPECT_EQ(import_model_file(store(), model, folder / "anything.bin"), store().own_path(model, file()));
   EXPECT_TRUE(store().installed(model));
 }
 
 TEST_F(Models, ImportRefusesOtherWeights) {
   put(folder / "other.safetensors", "unwanted");
-  EXPECT_THAT(error_of(ErrorKind::kWeights,
-                       [&] { import_model_file(store(), model, folder / "other.safetensors"); }),
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { import_model_file(store(), model, folder / "other.safetensors"); }),
               HasSubstr("wanted"));
   EXPECT_FALSE(store().installed(model));
 }
@@ -188,8 +185,7 @@ TEST_F(Models, ImportRefusesOtherWeights) {
 TEST_F(Models, ImportRefusesAFileThatIsNotThePublishedOne) {
   model.files[0].sha256 = "0000";
   put(folder / "file.safetensors");
-  error_of(ErrorKind::kWeights,
-           [&] { import_model_file(store(), model, folder / "file.safetensors"); });
+  error_of(ErrorKind::kWeights, [&] { import_model_file(store(), model, folder / "file.safetensors"); });
   EXPECT_FALSE(store().installed(model));
 }
 
@@ -250,16 +246,14 @@ TEST_F(ModelsFromAServer, AWrongDigestIsRefusedAndRemoved) {
   const std::string body = bytes_of_a_good_file();
   model.files[0].sha256 = "00000000";
   LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{body}; });
-  EXPECT_THAT(
-      error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
-      HasSubstr("SHA-256"));
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
+              HasSubstr("SHA-256"));
   EXPECT_FALSE(store().installed(model));
   EXPECT_FALSE(fs::exists(part_of(store().own_path(model, file()))));
 }
 
 TEST_F(ModelsFromAServer, AWebPageInPlaceOfWeightsIsRefused) {
-  LoopbackServer server(
-      [&](const std::string&, int) { return LoopbackAnswer{"<html>please log in</html>"}; });
+  LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"<html>please log in</html>"}; });
   error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); });
   EXPECT_FALSE(store().installed(model));
 }
@@ -279,9 +273,8 @@ TEST_F(ModelsFromAServer, ATruncatedFileStaysForTheNextTime) {
 TEST_F(ModelsFromAServer, OfflineNeverAsks) {
   options.offline = true;
   LoopbackServer server([&](const std::string&, int) { return LoopbackAnswer{"never"}; });
-  EXPECT_THAT(
-      error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
-      HasSubstr("offline"));
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { download_model(store(), model, from(server)); }),
+              HasSubstr("offline"));
   EXPECT_TRUE(server.requests().empty());
 }
 

@@ -20,9 +20,7 @@ uint64_t matrix_bytes(const NetworkMemoryOptions& options) {
 
 uint64_t round_up(int64_t n, int64_t unit) { return uint64_t((n + unit - 1) / unit * unit); }
 
-bool contains(const std::string& text, const char* part) {
-  return text.find(part) != std::string::npos;
-}
+bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
 /// Matrices as they lie packed; `exact` says which stay in float32. Vectors are small either way.
 uint64_t weight_bytes(const nn::Weights& weights, const NetworkMemoryOptions& options,
@@ -46,17 +44,13 @@ uint64_t transformer_bytes(const nn::Weights& backbone, uint64_t tokens, uint64_
   const auto channels = uint64_t(backbone.dimension("cls_token", 2));
   uint64_t widest = 4 * channels;
   if (backbone.has("blocks.0.mlp.w12.weight"))
-    widest =
-        uint64_t(backbone.dimension("blocks.0.mlp.w12.weight", 0)) * 3 / 2;  // and its gated half
+    widest = uint64_t(backbone.dimension("blocks.0.mlp.w12.weight", 0)) * 3 / 2;  // and its gated half
   const uint64_t rows = uint64_t(options.threads) * kRows * (widest + 4 * channels) * kFloat;
-  return tokens * channels *
-             ((kStream + kept_layers) * kFloat + kOperands * matrix_bytes(options)) +
-         rows;
+  return tokens * channels * ((kStream + kept_layers) * kFloat + kOperands * matrix_bytes(options)) + rows;
 }
 
 void add_overhead(MemoryBudget& budget, uint64_t work_bytes) {
-  budget.add("what the allocator keeps, and the program",
-             uint64_t(kAllocatorShare * double(work_bytes)) + kProgram);
+  budget.add("what the allocator keeps, and the program", uint64_t(kAllocatorShare * double(work_bytes)) + kProgram);
 }
 
 void add_work(MemoryBudget& budget, const char* what, uint64_t bytes) {
@@ -66,8 +60,8 @@ void add_work(MemoryBudget& budget, const char* what, uint64_t bytes) {
 
 }  // namespace
 
-void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights,
-                            const NetworkInput& window, const NetworkMemoryOptions& options) {
+void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights, const NetworkInput& window,
+                            const NetworkMemoryOptions& options) {
   // As nn/mask2former.cpp and nn/pixel_decoder.cpp have it: the decoder and what leads to the mask
   // logits are float32 whatever the precision.
   const auto exact = [](const std::string& name) {
@@ -78,11 +72,9 @@ void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights,
   budget.add("weights of the network", weight_bytes(weights, options, exact));
   const nn::Weights backbone = weights.sub("backbone.");
   const auto channels = uint64_t(backbone.dimension("cls_token", 2));
-  const auto features =
-      uint64_t(weights.dimension("decode_head.pixel_decoder.mask_feature.weight", 0));
+  const auto features = uint64_t(weights.dimension("decode_head.pixel_decoder.mask_feature.weight", 0));
   constexpr int64_t kCoarsest = 32;
-  const uint64_t width = round_up(window.width, kCoarsest),
-                 height = round_up(window.height, kCoarsest);
+  const uint64_t width = round_up(window.width, kCoarsest), height = round_up(window.height, kCoarsest);
   const uint64_t quarter = width / 4 * (height / 4);
   const uint64_t coarser = quarter / 4 + quarter / 16 + quarter / 64;
   const uint64_t tokens = width / kPatch * (height / kPatch) + 1;
@@ -91,8 +83,7 @@ void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights,
   // and the operand of the convolution between them.
   constexpr uint64_t kCopies = 3;
   const uint64_t maps = (quarter + coarser) * channels * kFloat;
-  const uint64_t decoder =
-      features * (kCopies * coarser * kFloat + quarter * (2 * kFloat + matrix_bytes(options)));
+  const uint64_t decoder = features * (kCopies * coarser * kFloat + quarter * (2 * kFloat + matrix_bytes(options)));
   budget.add("maps of the backbone", maps);
   budget.add("maps of the pixel decoder", decoder);
   const uint64_t rest = transformer_bytes(backbone, tokens, 0, options);
@@ -102,28 +93,22 @@ void add_mask2former_memory(MemoryBudget& budget, const nn::Weights& weights,
 
 void add_bn_head_memory(MemoryBudget& budget, const nn::Weights& backbone, const nn::Weights& head,
                         const NetworkInput& window, const NetworkMemoryOptions& options) {
-  const uint64_t weights =
-      weight_bytes(backbone, options, never) + weight_bytes(head, options, never);
+  const uint64_t weights = weight_bytes(backbone, options, never) + weight_bytes(head, options, never);
   budget.add("weights of the network", weights);
   const auto channels = uint64_t(backbone.dimension("cls_token", 2));
   const auto classes = uint64_t(head.dimension("decode_head.conv_seg.weight", 0));
   const uint64_t layers = uint64_t(head.dimension("decode_head.conv_seg.weight", 1)) / channels;
-  const uint64_t places =
-      round_up(window.width, kPatch) / kPatch * (round_up(window.height, kPatch) / kPatch);
+  const uint64_t places = round_up(window.width, kPatch) / kPatch * (round_up(window.height, kPatch) / kPatch);
   constexpr uint64_t kJoined = 2;  // the layers kept, and all of them side by side
   add_work(budget, "tokens and values of one window",
-           transformer_bytes(backbone, places + 1, kJoined * layers, options) +
-               places * classes * kFloat +
+           transformer_bytes(backbone, places + 1, kJoined * layers, options) + places * classes * kFloat +
                uint64_t(window.width) * uint64_t(window.height) * classes * kFloat);
 }
 
-void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
-                              const nn::Weights& head, const NetworkInput& image,
-                              const NetworkMemoryOptions& options) {
-  budget.add("weights of the network",
-             weight_bytes(backbone, options, never) + weight_bytes(head, options, never));
-  const uint64_t places =
-      round_up(image.width, kPatch) / kPatch * (round_up(image.height, kPatch) / kPatch);
+void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone, const nn::Weights& head,
+                              const NetworkInput& image, const NetworkMemoryOptions& options) {
+  budget.add("weights of the network", weight_bytes(backbone, options, never) + weight_bytes(head, options, never));
+  const uint64_t places = round_up(image.width, kPatch) / kPatch * (round_up(image.height, kPatch) / kPatch);
   const auto channels = uint64_t(backbone.dimension("cls_token", 2));
   uint64_t layers = 4, per_place = 0;
   if (head.has("decode_head.conv_depth.weight")) {
@@ -138,14 +123,12 @@ void add_depth_network_memory(MemoryBudget& budget, const nn::Weights& backbone,
     const auto input = uint64_t(head.dimension("decode_head.conv_depth.head.0.weight", 0));
     const auto output = uint64_t(head.dimension("decode_head.conv_depth.head.2.weight", 0));
     constexpr uint64_t kFinest = 256, kLevels = 22;
-    per_place = kFinest * (input * (kFloat + matrix_bytes(options)) + output * kFloat) +
-                kLevels * features * kFloat;
+    per_place = kFinest * (input * (kFloat + matrix_bytes(options)) + output * kFloat) + kLevels * features * kFloat;
   }
   constexpr uint64_t kImages = 5;  // photo, normalised, padded, depth twice: floats per pixel
   const uint64_t pixels = uint64_t(image.width) * uint64_t(image.height);
   add_work(budget, "tokens and maps of one photo",
-           transformer_bytes(backbone, places + 1, layers, options) + places * per_place +
-               kImages * pixels * kFloat);
+           transformer_bytes(backbone, places + 1, layers, options) + places * per_place + kImages * pixels * kFloat);
 }
 
 void add_eomt_memory(MemoryBudget& budget, const nn::Weights& weights, double aspect,
@@ -188,34 +171,29 @@ void add_lingbot_memory(MemoryBudget& budget, const nn::Weights& weights, const 
                uint64_t(window.width) * uint64_t(window.height) * 3 * kFloat);
 }
 
-NetworkInput largest_planned_image(const nn::SegmentationPlan& plan, int photo_width,
-                                   int photo_height) {
+NetworkInput largest_planned_image(const nn::SegmentationPlan& plan, int photo_width, int photo_height) {
   NetworkInput largest;
   for (const double ratio : plan.ratios) {
     nn::SegmentationResize resize = plan.resize;
     resize.short_side = int(resize.short_side * ratio);
     const nn::ImageSize size = nn::segmentation_size(photo_width, photo_height, resize);
-    if (int64_t(size.width) * size.height > largest.width * largest.height)
-      largest = {size.width, size.height};
+    if (int64_t(size.width) * size.height > largest.width * largest.height) largest = {size.width, size.height};
   }
   return largest;
 }
 
 NetworkInput planned_window(const nn::SegmentationPlan& plan, const NetworkInput& image) {
   if (plan.window.crop_width <= 0 || plan.window.crop_height <= 0) return image;
-  return {std::min(plan.window.crop_width, image.width),
-          std::min(plan.window.crop_height, image.height)};
+  return {std::min(plan.window.crop_width, image.width), std::min(plan.window.crop_height, image.height)};
 }
 
-void add_sliding_memory(MemoryBudget& budget, const nn::SegmentationPlan& plan,
-                        const NetworkInput& image, int64_t classes) {
+void add_sliding_memory(MemoryBudget& budget, const nn::SegmentationPlan& plan, const NetworkInput& image,
+                        int64_t classes) {
   const NetworkInput window = planned_window(plan, image);
   const uint64_t pixels = uint64_t(image.width) * uint64_t(image.height);
-  constexpr uint64_t kImages =
-      3;  // resized, normalised, one window of it: floats of three channels
+  constexpr uint64_t kImages = 3;  // resized, normalised, one window of it: floats of three channels
   uint64_t bytes = kImages * 3 * pixels * kFloat;
-  if (window.width < image.width || window.height < image.height)
-    bytes += pixels * uint64_t(classes) * kFloat;
+  if (window.width < image.width || window.height < image.height) bytes += pixels * uint64_t(classes) * kFloat;
   budget.add("values of the whole photo", bytes);
 }
 

@@ -20,8 +20,7 @@ constexpr double kGigabyte = 1e9;
 class HeaderOnly : public WeightFile {
  public:
   explicit HeaderOnly(const nn::TensorList& tensors) : WeightFile("header.test") {
-    for (const SafetensorsStream::Entry& tensor : tensors)
-      tensors_[tensor.name] = {"F16", tensor.shape};
+    for (const SafetensorsStream::Entry& tensor : tensors) tensors_[tensor.name] = {"F16", tensor.shape};
   }
   std::vector<float> read(const std::string& tensor) const override {
     ADD_FAILURE() << tensor << " was read";
@@ -29,9 +28,7 @@ class HeaderOnly : public WeightFile {
   }
 };
 
-nn::Weights published(const nn::TensorList& tensors) {
-  return nn::Weights(std::make_shared<HeaderOnly>(tensors));
-}
+nn::Weights published(const nn::TensorList& tensors) { return nn::Weights(std::make_shared<HeaderOnly>(tensors)); }
 nn::Weights backbone(char size) { return published(nn::dinov2_tensors(nn::vit_size(size))); }
 
 double gigabytes(const MemoryBudget& budget) { return double(budget.total()) / kGigabyte; }
@@ -48,8 +45,8 @@ TEST(NetworkMemory, AgreesWithMeasuredPeaks) {
   expect_near(m2f, 5.87);
 
   MemoryBudget dpt;
-  add_depth_network_memory(dpt, backbone('l'), published(nn::dpt_head_tensors(nn::vit_size('l'))),
-                           {640, 480}, kBfloat16);
+  add_depth_network_memory(dpt, backbone('l'), published(nn::dpt_head_tensors(nn::vit_size('l'))), {640, 480},
+                           kBfloat16);
   expect_near(dpt, 1.22);
 
   MemoryBudget vggt;
@@ -91,9 +88,7 @@ TEST(NetworkMemory, AugmentationShowsLargerImages) {
 }
 
 TEST(NetworkMemory, GrowsWithTheNetworkThePrecisionAndTheImage) {
-  const auto head_of = [](char size) {
-    return published(nn::bn_head_tensors(nn::vit_size(size).channels));
-  };
+  const auto head_of = [](char size) { return published(nn::bn_head_tensors(nn::vit_size(size).channels)); };
   const auto needed = [&](char size, NetworkInput window, NetworkMemoryOptions options) {
     MemoryBudget budget;
     add_bn_head_memory(budget, backbone(size), head_of(size), window, options);
@@ -108,8 +103,7 @@ TEST(NetworkMemory, GrowsWithTheNetworkThePrecisionAndTheImage) {
 TEST(NetworkMemory, AFileOfAnotherNetworkIsAnError) {
   MemoryBudget budget;
   EXPECT_THROW(add_mask2former_memory(budget, backbone('s'), {896, 896}, kBfloat16), Error);
-  EXPECT_THROW(add_bn_head_memory(budget, backbone('s'), backbone('s'), {512, 512}, kBfloat16),
-               Error);
+  EXPECT_THROW(add_bn_head_memory(budget, backbone('s'), backbone('s'), {512, 512}, kBfloat16), Error);
 }
 
 }  // namespace

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Pictures that are not read.
-const std::vector<std::string> kUnread = {".tif", ".tiff", ".dng", ".cr2", ".cr3", ".nef", ".arw", ".jxl", ".bmp", ".gif"};
+const std::vector<std::string> kUnread = {".tif", ".tiff", ".dng", ".cr2", ".cr3",
+                                          ".nef", ".arw",  ".jxl", ".bmp", ".gif"};
 
 fs::path folder_with_photos(const fs::path& folder) {
   if (!list_files(folder, picture_extensions()).empty()) return folder;
@@ -44,7 +45,8 @@ std::vector<fs::path> pictures_of(const fs::path& folder) {
       files.push_back(entry->path());
     }
   }
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return natural_less(a.string(), b.string()); });
+  std::sort(files.begin(), files.end(),
+            [](const fs::path& a, const fs::path& b) { return natural_less(a.string(), b.string()); });
   return files;
 }
 
@@ -78,8 +80,8 @@ Photo prepare(const Photo& photo, const fs::path& folder, int max_side) {
   const std::vector<uint8_t> small = encode_jpeg_bytes(image, kQuality);
   // Relative to the sides, the focal length of the shrunk picture is that of the stored one.
   const auto focal = exif_focal_35mm(exif_of_picture(bytes, photo.file), std::max(photo.width, photo.height));
-  write_file_atomically(out.file, focal ? with_exif(small, exif_with_focal_35mm(*focal))
-                                        : std::string(small.begin(), small.end()));
+  write_file_atomically(
+      out.file, focal ? with_exif(small, exif_with_focal_35mm(*focal)) : std::string(small.begin(), small.end()));
   return out;
 }
 
@@ -89,8 +91,9 @@ fs::path mask_place(const Photo& prepared, const fs::path& folder) {
 }
 
 void prepare_mask(const fs::path& mask, const Photo& photo, const Photo& prepared, const fs::path& folder) {
-  write_png(mask_place(prepared, folder), mask.empty() ? Image<uint8_t>(prepared.width, prepared.height, 1, 255)
-                                                       : read_mask(mask, photo.file, true, prepared.width, prepared.height));
+  write_png(mask_place(prepared, folder), mask.empty()
+                                              ? Image<uint8_t>(prepared.width, prepared.height, 1, 255)
+                                              : read_mask(mask, photo.file, true, prepared.width, prepared.height));
 }
 
 }  // namespace
@@ -132,14 +135,14 @@ PhotoList list_photos(const fs::path& given) {
     return list;
   }
   if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");
-  throw_bad_input(list.folder, "",
-                  list.photos.empty() ? "there is no photo here (JPEG, PNG, WebP or HEIC)" : "one photo is not enough",
-                  unread.empty() ? "give the folder that holds the photos of the room"
-                                 : "convert these to JPEG first:" + unread);
+  throw_bad_input(
+      list.folder, "",
+      list.photos.empty() ? "there is no photo here (JPEG, PNG, WebP or HEIC)" : "one photo is not enough",
+      unread.empty() ? "give the folder that holds the photos of the room" : "convert these to JPEG first:" + unread);
 }
 
-std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder,
-                                  int max_side, ThreadPool& pool) {
+std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const fs::path& folder, int max_side,
+                                  ThreadPool& pool) {
   fs::create_directories(folder);
   std::vector<Photo> prepared(photos.size());
   std::vector<fs::path> masks;

@@ -11,18 +11,19 @@
 namespace aligngs {
 
 struct Photo {
-  std::string name;            ///< what the view will be called: its path below the folder, without extension, in UTF-8
+  std::string name;  ///< what the view will be called: its path below the folder, without extension, in UTF-8
   std::filesystem::path file;
-  int width = 0, height = 0;   ///< pixels, upright
+  int width = 0, height = 0;  ///< pixels, upright
 };
 
 struct PhotoList {
-  std::filesystem::path folder;   ///< that holds the photos: the given one or its images/
+  std::filesystem::path folder;  ///< that holds the photos: the given one or its images/
   std::vector<Photo> photos;
   std::vector<LeftOut> left_out;  ///< hidden, empty, cut and unreadable files, and second ones of a name
 };
 
-/// Pictures (io/picture_format.h) of the folder, in natural order (2 before 10). If it holds none, those of its images/,
+/// Pictures (io/picture_format.h) of the folder, in natural order (2 before 10). If it holds none, those of its
+/// images/,
 /// else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures in formats
 /// that are not read (TIFF, raw, ...) are named in the error or a warning.
 PhotoList list_photos(const std::filesystem::path& folder);
@@ -32,10 +33,10 @@ bool has_photos(const std::filesystem::path& folder);
 
 /// Copies into `folder` under <name>.jpg or .png. Unchanged if upright and no side exceeds `max_side` pixels. Else
 /// turned and resized (JPEG of quality 95, with the focal length that the camera wrote into it). The result lists the
-/// copies. Masks (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without. No photo with a mask:
+/// copies. Masks (scene/photo_mask.h) go to masks/ beside `folder`, a white one for a photo without. No photo with a
+/// mask:
 /// none is written.
-std::vector<Photo> prepare_photos(const std::vector<Photo>& photos,
-                                  const std::filesystem::path& folder, int max_side,
+std::vector<Photo> prepare_photos(const std::vector<Photo>& photos, const std::filesystem::path& folder, int max_side,
                                   ThreadPool& pool);
 
 }  // namespace aligngs

@@ -21,8 +21,7 @@ class PhotoFolder : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
-             ("photos_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+             ("photos_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
@@ -43,10 +42,12 @@ class PhotoFolder : public testing::Test {
   /// A JPEG whose EXIF says that the camera was held on its side (orientation 6).
   void write_turned(const fs::path& file, int width, int height) const {
     const std::vector<uint8_t> jpeg = encode_jpeg(picture(width, height));
-    const std::string exif("\xff\xe1\x00\x22"
-                           "Exif\0\0"
-                           "MM\0*\0\0\0\x08"
-                           "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 36);
+    const std::string exif(
+        "\xff\xe1\x00\x22"
+        "Exif\0\0"
+        "MM\0*\0\0\0\x08"
+        "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+        36);
     std::string bytes(jpeg.begin(), jpeg.end());
     write_file_atomically(file, bytes.substr(0, 2) + exif + bytes.substr(2));
   }
@@ -97,9 +98,11 @@ TEST_F(PhotoFolder, MasksComeAlongUprightAndWhiteWhereThereIsNone) {
   mask.at(0, 0) = 255;  // of the stored pixels; upright, it is the upper right one
   write_png(folder / "masks" / "a.png", mask);
   ThreadPool pool(2);
-  const std::vector<Photo> prepared = prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool);
+  const std::vector<Photo> prepared =
+      prepare_photos(list_photos(folder).photos, folder / "work" / "images", 1600, pool);
   ASSERT_EQ(prepared.size(), 2u);
-  const Image<uint8_t> turned = read_image(folder / "work" / "masks" / "a.jpg.png"), white = read_image(folder / "work" / "masks" / "b.jpg.png");
+  const Image<uint8_t> turned = read_image(folder / "work" / "masks" / "a.jpg.png"),
+                       white = read_image(folder / "work" / "masks" / "b.jpg.png");
   EXPECT_EQ(find_mask(prepared[0].file), folder / "work" / "masks" / "a.jpg.png");
   EXPECT_EQ(turned.width, 24);
   EXPECT_EQ(turned.at(23, 0), 255);

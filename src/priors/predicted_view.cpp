@@ -53,19 +53,16 @@ void finish_views(std::vector<PredictedView>& views, const ViewPredictionOptions
   if (options.shared_focal) {
     std::vector<double> relative;  // to the longer side, so that photos turned upright agree
     for (const PredictedView& view : views) {
-      relative.push_back((view.camera.fx + view.camera.fy) / 2 /
-                         std::max(view.camera.width, view.camera.height));
+      relative.push_back((view.camera.fx + view.camera.fy) / 2 / std::max(view.camera.width, view.camera.height));
     }
     const double median = double(float(median_of(relative)));
     for (PredictedView& view : views) {
-      view.camera.fx = view.camera.fy =
-          median * std::max(view.camera.width, view.camera.height);
+      view.camera.fx = view.camera.fy = median * std::max(view.camera.width, view.camera.height);
     }
   }
 }
 
-Camera camera_of_photo(const nn::NetworkCamera& predicted, const nn::ImagePlacement& placement,
-                       int width, int height) {
+Camera camera_of_photo(const nn::NetworkCamera& predicted, const nn::ImagePlacement& placement, int width, int height) {
   // Pixel i of the photo covers [i, i + 1); u = x * scale + offset holds for such coordinates, and
   // the network's principal point is the middle of its input.
   Camera camera;
@@ -81,8 +78,7 @@ Camera camera_of_photo(const nn::NetworkCamera& predicted, const nn::ImagePlacem
   return camera;
 }
 
-PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& placement, int width,
-                        int height) {
+PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& placement, int width, int height) {
   constexpr float kJump = 0.05f;  // relative step of depth that separates surfaces
   const double part_width = width * placement.scale_x, part_height = height * placement.scale_y;
   const double scale = std::max(part_width, part_height) / std::max(width, height);
@@ -102,13 +98,11 @@ PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& p
       const int64_t x1 = std::min(x0 + 1, depth.width - 1), y1 = std::min(y0 + 1, depth.height - 1);
       const float fx = float(left - double(x0)), fy = float(top - double(y0));
       const float weights[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-      const float* corners[4] = {depth.at(y0, x0), depth.at(y0, x1), depth.at(y1, x0),
-                                 depth.at(y1, x1)};
+      const float* corners[4] = {depth.at(y0, x0), depth.at(y0, x1), depth.at(y1, x0), depth.at(y1, x1)};
       float z = 0, confidence = 0;
       bool one_surface = true;
       for (int k = 0; k < 4; ++k) {
-        one_surface = one_surface && is_depth(corners[k][0]) &&
-                      std::abs(corners[k][0] - nearest) <= kJump * nearest;
+        one_surface = one_surface && is_depth(corners[k][0]) && std::abs(corners[k][0] - nearest) <= kJump * nearest;
         z += weights[k] * corners[k][0];
         confidence += weights[k] * corners[k][1];
       }

@@ -24,7 +24,7 @@ struct ViewPredictionOptions {
   bool shared_focal = false;
   ProgressStyle progress;
   bool camera_to_world = false;  ///< the network's poses are camera to world (LingBot-Map), not world to camera
-  bool from_rays = false;  ///< Depth Anything 3: cameras from its rays, not from its camera decoder
+  bool from_rays = false;        ///< Depth Anything 3: cameras from its rays, not from its camera decoder
 };
 
 /// A view of `photo` from the network's camera and its map [H, W, 2] of depth and confidence. Error{kFailed} names the
@@ -35,16 +35,14 @@ PredictedView view_of_photo(const Photo& photo, const nn::NetworkCamera& camera,
 void finish_views(std::vector<PredictedView>& views, const ViewPredictionOptions& options);
 
 /// The camera of a photo of width x height from the camera of the network's input.
-Camera camera_of_photo(const nn::NetworkCamera& predicted, const nn::ImagePlacement& placement,
-                       int width, int height);
+Camera camera_of_photo(const nn::NetworkCamera& predicted, const nn::ImagePlacement& placement, int width, int height);
 
 /// The part of the network's map that shows the photo, resampled to the photo's aspect; its longer
 /// side is that of the part. Bilinear within a surface, the nearest value across a step of depth.
 struct PhotoMaps {
   ImageF depth, confidence;
 };
-PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& placement, int width,
-                        int height);
+PhotoMaps maps_of_photo(const nn::FeatureMap& depth, const nn::ImagePlacement& placement, int width, int height);
 
 /// The value below which `percent` % of the positive values of all maps lie; 0 without any.
 float confidence_at(const std::vector<PredictedView>& views, double percent);

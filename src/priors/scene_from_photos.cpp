@@ -63,19 +63,19 @@ class WorkFolder {
   fs::path path_;
 };
 
-bool is_test(size_t index, int test_every) {
-  return test_every > 0 && index % size_t(test_every) == 0;
-}
+bool is_test(size_t index, int test_every) { return test_every > 0 && index % size_t(test_every) == 0; }
 
 /// The photos that have cameras must be enough to train on. If not, the error gives the outcome of every photo.
-void require_enough_placed(const fs::path& folder, const std::vector<Photo>& photos, const std::vector<LeftOut>& unplaced,
-                           bool strict, const std::string& remedy) {
+void require_enough_placed(const fs::path& folder, const std::vector<Photo>& photos,
+                           const std::vector<LeftOut>& unplaced, bool strict, const std::string& remedy) {
   const auto reason_of = [&](const Photo& photo) {
-    const auto without = std::find_if(unplaced.begin(), unplaced.end(), [&](const LeftOut& u) { return u.name == photo.name; });
+    const auto without =
+        std::find_if(unplaced.begin(), unplaced.end(), [&](const LeftOut& u) { return u.name == photo.name; });
     return without == unplaced.end() ? std::string() : without->reason;
   };
   const size_t all = photos.size();
-  const auto placed = static_cast<size_t>(std::count_if(photos.begin(), photos.end(), [&](const Photo& photo) { return reason_of(photo).empty(); }));
+  const auto placed = static_cast<size_t>(
+      std::count_if(photos.begin(), photos.end(), [&](const Photo& photo) { return reason_of(photo).empty(); }));
   if (placed >= kFewestPlaced && 2 * placed >= all) {
     require_enough(folder, placed, unplaced, 0, strict, "photos");
     return;
@@ -83,11 +83,13 @@ void require_enough_placed(const fs::path& folder, const std::vector<Photo>& pho
   std::string reasons;
   for (const Photo& photo : photos) {
     const std::string reason = reason_of(photo);
-    reasons += fmt::format("\n    {}: {}", photo.name, !reason.empty() ? reason : fmt::format("placed, but only {} photos hang together", placed));
+    reasons += fmt::format("\n    {}: {}", photo.name,
+                           !reason.empty() ? reason : fmt::format("placed, but only {} photos hang together", placed));
   }
-  const auto advised = std::find_if(unplaced.begin(), unplaced.end(), [](const LeftOut& u) { return !u.remedy.empty(); });
-  throw_bad_input(folder, "poses",
-                  fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons), advised == unplaced.end() ? remedy : advised->remedy);
+  const auto advised =
+      std::find_if(unplaced.begin(), unplaced.end(), [](const LeftOut& u) { return !u.remedy.empty(); });
+  throw_bad_input(folder, "poses", fmt::format("only {} of {} photos could be placed:{}", placed, all, reasons),
+                  advised == unplaced.end() ? remedy : advised->remedy);
 }
 
 CapturedCloud captured(const PointCloud& cloud) {
@@ -98,8 +100,8 @@ CapturedCloud captured(const PointCloud& cloud) {
 }
 
 /// Undistorts and writes photos with cameras.
-void import_photos(const Capture& capture, const fs::path& source, const fs::path& scene, const ScenePhotosOptions& options,
-                   bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
+void import_photos(const Capture& capture, const fs::path& source, const fs::path& scene,
+                   const ScenePhotosOptions& options, bool depth_prior, ThreadPool& pool, ScenePhotosReport& report) {
   for (const std::string& note : capture.notes) log_info("{}", note);
   ImportOptions import;
   import.max_side = options.max_side;
@@ -111,13 +113,13 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
   import.test_views = 0;
   if (options.test_every > 0 || (capture.train.empty() && capture.test.empty())) {
     for (size_t i = 0; i < capture.frames.size(); ++i) {
-      (is_test(i, options.test_every) ? import.test_names : import.train_names)
-          .push_back(capture.frames[i].name);
+      (is_test(i, options.test_every) ? import.test_names : import.train_names).push_back(capture.frames[i].name);
     }
   }
   const ImportReport imported = import_capture(capture, scene, import, pool);
   for (const LeftOut& frame : imported.left_out) {
-    const bool known = std::any_of(report.unplaced.begin(), report.unplaced.end(), [&](const LeftOut& u) { return view_name_of(u.name) == frame.name; });
+    const bool known = std::any_of(report.unplaced.begin(), report.unplaced.end(),
+                                   [&](const LeftOut& u) { return view_name_of(u.name) == frame.name; });
     if (!known) report.unplaced.push_back(frame);
   }
   report.placed = imported.train + imported.test;
@@ -126,9 +128,8 @@ void import_photos(const Capture& capture, const fs::path& source, const fs::pat
   report.test = imported.test;
 }
 
-void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, WorkFolder& work,
-                     const fs::path& scene, const ScenePhotosOptions& options, ThreadPool& pool,
-                     ScenePhotosReport& report) {
+void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, WorkFolder& work, const fs::path& scene,
+                     const ScenePhotosOptions& options, ThreadPool& pool, ScenePhotosReport& report) {
   ColmapPosesOptions colmap;
   colmap.shared_camera = options.shared_camera;
   colmap.threads = options.threads;
@@ -143,9 +144,10 @@ void scene_by_colmap(const fs::path& source, const std::vector<Photo>& photos, W
   report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
   report.placed = poses.model.images.size();
   report.reprojection_error = poses.reprojection_error;
-  require_enough_placed(source, photos, poses.unplaced, options.strict,
-                 "take sharp, evenly lit photos from different places, each sharing about 60 % with a neighbour; "
-                 "or try --method vggt or da3, which need less overlap");
+  require_enough_placed(
+      source, photos, poses.unplaced, options.strict,
+      "take sharp, evenly lit photos from different places, each sharing about 60 % with a neighbour; "
+      "or try --method vggt or da3, which need less overlap");
   write_colmap_binary(work.path() / "sparse", poses.model);
   Capture capture = read_colmap_capture(work.path());
   capture.layout = "photos, cameras by COLMAP";
@@ -160,12 +162,13 @@ void scene_by_given_poses(const fs::path& source, const fs::path& cameras, const
   GivenPoses poses = read_given_poses(cameras, listed.folder, listed.photos);
   report.unplaced.insert(report.unplaced.end(), poses.unplaced.begin(), poses.unplaced.end());
   require_enough_placed(source, listed.photos, poses.unplaced, options.strict,
-                 "give the photos that the cameras were found for, or another --method");
+                        "give the photos that the cameras were found for, or another --method");
   poses.capture.layout = "photos, cameras given (" + poses.capture.layout + ")";
   import_photos(poses.capture, source, scene, options, true, pool, report);
   if (report.points == 0) {
-    log_warning("there are no points, which training starts from: a COLMAP model with points3D, or ply_file_path in "
-                "transforms.json, brings them");
+    log_warning(
+        "there are no points, which training starts from: a COLMAP model with points3D, or ply_file_path in "
+        "transforms.json, brings them");
   }
 }
 
@@ -193,8 +196,8 @@ void drop_masked_depth(std::vector<PredictedView>& views, const std::vector<Phot
   }
 }
 
-PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<Photo>& photos,
-                    size_t max_points, ThreadPool& pool) {
+PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<Photo>& photos, size_t max_points,
+                    ThreadPool& pool) {
   // Confidence has no upper limit: relative to what the better half of the pixels reach.
   const float reference = std::max(confidence_at(views, 75), 1e-6f);
   std::vector<ImageF> colors(views.size()), weights(views.size());
@@ -209,8 +212,8 @@ PointCloud cloud_of(const std::vector<PredictedView>& views, const std::vector<P
   });
   for (size_t i = 0; i < views.size(); ++i) {
     const PredictedView& view = views[i];
-    cloud_views.push_back({view.camera.resized(view.depth.width, view.depth.height), &view.depth,
-                           &colors[i], &weights[i]});
+    cloud_views.push_back(
+        {view.camera.resized(view.depth.width, view.depth.height), &view.depth, &colors[i], &weights[i]});
   }
   DepthCloudOptions options;
   options.min_confidence = 0;  // what is unsure is left out already
@@ -232,7 +235,8 @@ std::vector<PredictedView> views_by_vggt(const std::vector<Photo>& photos, const
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Vggt network(compute, weights);
   const bool camera_to_world = options.model == "lingbot-map";
-  return predict_vggt_views(compute, network, photos, std::move(inputs), {options.shared_focal, options.progress, camera_to_world});
+  return predict_vggt_views(compute, network, photos, std::move(inputs),
+                            {options.shared_focal, options.progress, camera_to_world});
 }
 
 /// The network that tells metres; null where none is wanted or installed. Reports the second.
@@ -247,9 +251,11 @@ const PublishedModel* metric_model(const ModelStore& store, const ScenePhotosOpt
 }
 
 /// Before the other network is loaded, so that the two never lie in memory together.
-void add_metres(nn::Compute& compute, const nn::Weights& weights, Da3Inputs& inputs, const ScenePhotosOptions& options) {
+void add_metres(nn::Compute& compute, const nn::Weights& weights, Da3Inputs& inputs,
+                const ScenePhotosOptions& options) {
   MemoryBudget budget(options.memory_limit);
-  add_da3_metric_memory(budget, weights, options.precision, inputs.images.size(), inputs.images[0].width, inputs.images[0].height);
+  add_da3_metric_memory(budget, weights, options.precision, inputs.images.size(), inputs.images[0].width,
+                        inputs.images[0].height);
   require_memory(budget, "the metric network", inputs.images.size());
   add_metric_depth(compute, nn::Da3Metric(compute, weights), inputs, options.progress);
 }
@@ -273,8 +279,10 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
   const PublishedModel& model = published_model(options.model);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   Da3Views predicted;
-  if (options.method == PosesMethod::kDa3) predicted = views_by_da3(photos, weights, store, options, pool);
-  else predicted.views = views_by_vggt(photos, weights, options, pool);
+  if (options.method == PosesMethod::kDa3)
+    predicted = views_by_da3(photos, weights, store, options, pool);
+  else
+    predicted.views = views_by_vggt(photos, weights, options, pool);
   std::vector<PredictedView>& views = predicted.views;
   drop_unsure_depth(views, options.drop_percent);
   drop_masked_depth(views, photos);
@@ -305,15 +313,15 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
     parts.description.metric = true;
     parts.description.units_estimate = {options.metric_model, metres->spread, int(metres->photos)};
     report.metres = metres;
-    log_info("metres are an estimate of {}: {:.4f} m per unit of the cameras, {} photos spread by {:.1f} %", options.metric_model,
-             metres->scale, metres->photos, 100 * metres->spread);
+    log_info("metres are an estimate of {}: {:.4f} m per unit of the cameras, {} photos spread by {:.1f} %",
+             options.metric_model, metres->scale, metres->photos, 100 * metres->spread);
   }
   const LocatedModelFile located = *store.find(model, model.files[0]);
-  parts.priors.depth =
-      PriorJson{model.name, store.digest(model, model.files[0], located),
-                {{"drop_percent", fmt::format("{:g}", options.drop_percent)},
-                 {"shared_focal", options.shared_focal ? "yes" : "no"},
-                 {"confidence", "pred_confidence/"}}};
+  parts.priors.depth = PriorJson{model.name,
+                                 store.digest(model, model.files[0], located),
+                                 {{"drop_percent", fmt::format("{:g}", options.drop_percent)},
+                                  {"shared_focal", options.shared_focal ? "yes" : "no"},
+                                  {"confidence", "pred_confidence/"}}};
   parts.priors.depth_scale = DepthScale::kScene;  // the cameras are those of the same pass
   writer.finish(parts);
   report.placed = views.size();
@@ -325,23 +333,27 @@ void scene_by_network(const std::vector<Photo>& photos, const fs::path& scene, c
 /// Frames of a video as a folder of photos.
 void take_frames(const fs::path& video, const fs::path& folder, const ScenePhotosOptions& options) {
   const VideoFramesReport taken = take_video_frames(video, folder, {options.video_views, options.progress});
-  log_info("{}: {} of {} frames taken, {} long", video.string(), taken.frames, taken.looked_at, format_duration(taken.seconds));
+  log_info("{}: {} of {} frames taken, {} long", video.string(), taken.frames, taken.looked_at,
+           format_duration(taken.seconds));
   constexpr double kWalk = 1.3;  // brightness of frames with one exposure differs by less, by what they show
   if (taken.exposure_walk > kWalk) {
-    log_info("the frames' brightness changes by a factor of {:.1f}, perhaps by automatic exposure; a locked exposure gives better colours", taken.exposure_walk);
+    log_info(
+        "the frames' brightness changes by a factor of {:.1f}, perhaps by automatic exposure; a locked exposure gives "
+        "better colours",
+        taken.exposure_walk);
   }
 }
 
 }  // namespace
 
-ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene,
-                                         const ModelStore& store,
+ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene, const ModelStore& store,
                                          const ScenePhotosOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   require_scene_place(scene, options.overwrite, {source, options.cameras});
   const bool video = is_video_name(source) && !fs::is_directory(source);
   if (video && options.method == PosesMethod::kGiven) {
-    throw_usage("--method given needs the photos that the cameras were found for, not a video", "give the folder of these photos, or another --method");
+    throw_usage("--method given needs the photos that the cameras were found for, not a video",
+                "give the folder of these photos, or another --method");
   }
   if (uses_network(options.method)) store.require(published_model(options.model));
   std::optional<WorkFolder> work;
@@ -351,8 +363,7 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
   }
   const PhotoList listed = list_photos(video ? work->path() / "frames" : source);
   fs::path cameras;
-  if (options.method == PosesMethod::kGiven)
-    cameras = find_given_cameras(listed.folder, options.cameras);
+  if (options.method == PosesMethod::kGiven) cameras = find_given_cameras(listed.folder, options.cameras);
   if (!uses_network(options.method) && listed.photos.size() < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
                     fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
@@ -367,8 +378,7 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
     scene_by_given_poses(source, cameras, listed, scene, options, pool, report);
   } else {
     if (!work) work.emplace(scene);
-    const std::vector<Photo> photos =
-        prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);
+    const std::vector<Photo> photos = prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);
     if (uses_network(options.method)) {
       report.method = options.model;
       scene_by_network(photos, scene, store, options, pool, report);

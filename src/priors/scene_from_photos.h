@@ -21,25 +21,27 @@ inline bool uses_network(PosesMethod method) { return method == PosesMethod::kVg
 
 struct ScenePhotosOptions {
   PosesMethod method = PosesMethod::kVggt;
-  int max_side = 1600;  ///< pixels; larger photos are shrunk, as 3DGS' tools do
-  int test_every = 0;   ///< every n-th photo is kept for testing; 0: all train
-  int video_views = 40; ///< frames to take of a video, at most
+  int max_side = 1600;   ///< pixels; larger photos are shrunk, as 3DGS' tools do
+  int test_every = 0;    ///< every n-th photo is kept for testing; 0: all train
+  int video_views = 40;  ///< frames to take of a video, at most
   bool overwrite = false;
-  bool strict = false;  ///< a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
+  /// a photo that cannot be used, or without a camera, is Error{kBadInput} instead of being left out
+  bool strict = false;
 
   // VGGT and Depth Anything 3.
-  std::string model = "vggt-1b";   ///< name of the weights, of the method's network
-  double drop_percent = 20;        ///< depth of the lowest confidence that is not used, percent of all
+  std::string model = "vggt-1b";  ///< name of the weights, of the method's network
+  double drop_percent = 20;       ///< depth of the lowest confidence that is not used, percent of all
   bool shared_focal = false;
-  bool camera_from_rays = false;   ///< Depth Anything 3
-  /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left out where
+  bool camera_from_rays = false;  ///< Depth Anything 3
+  /// Depth Anything 3: name of the network that tells metres; empty: none. With metric_model_needed false it is left
+  /// out where
   /// its weights are not installed.
   std::string metric_model = "da3metric-large";
   bool metric_model_needed = false;
-  size_t max_points = 250000;      ///< of the cloud
+  size_t max_points = 250000;  ///< of the cloud
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
-  uint64_t memory_limit = 0;       ///< bytes; 0: 80 % of what is free
+  uint64_t memory_limit = 0;           ///< bytes; 0: 80 % of what is free
 
   // Given: a COLMAP model's folder or a transforms.json; empty: looked for beside the photos.
   std::filesystem::path cameras;
@@ -54,19 +56,19 @@ struct ScenePhotosOptions {
 struct ScenePhotosReport {
   std::string method;  ///< "vggt-1b", "da3-base", "colmap", "given"
   size_t photos = 0, placed = 0, points = 0, train = 0, test = 0;
-  std::vector<LeftOut> unplaced;  ///< photos that are not in the scene, and why
-  double reprojection_error = 0;  ///< pixels; COLMAP
+  std::vector<LeftOut> unplaced;         ///< photos that are not in the scene, and why
+  double reprojection_error = 0;         ///< pixels; COLMAP
   std::optional<MetresEstimate> metres;  ///< Depth Anything 3 beside a metric network
   double seconds = 0;
 };
 
 /// `photos`: a folder, or a video, whose frames become photos (priors/video_frames.h).
-/// Error{kUsage} when the scene exists, or for a video with given cameras. Error{kWeights} when the network's weights are
-/// missing. Error{kResources} when memory is too small. Error{kBadInput}, with a reason per photo, when fewer than three
+/// Error{kUsage} when the scene exists, or for a video with given cameras. Error{kWeights} when the network's weights
+/// are
+/// missing. Error{kResources} when memory is too small. Error{kBadInput}, with a reason per photo, when fewer than
+/// three
 /// photos or fewer than half could be placed.
-ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos,
-                                         const std::filesystem::path& scene,
-                                         const ModelStore& store,
-                                         const ScenePhotosOptions& options);
+ScenePhotosReport make_scene_from_photos(const std::filesystem::path& photos, const std::filesystem::path& scene,
+                                         const ModelStore& store, const ScenePhotosOptions& options);
 
 }  // namespace aligngs

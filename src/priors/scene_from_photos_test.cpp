@@ -27,8 +27,7 @@ class FromPhotos : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
-             ("from_photos_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+             ("from_photos_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder / "photos");
     store_options.folder = folder / "models";
@@ -97,12 +96,10 @@ class FromPhotos : public testing::Test {
     nn::write_random_weights(weights_of("dinov2-s"), nn::dinov2_tensors(size), 1);
     nn::write_random_weights(weights_of("ade20k-linear-s"), nn::bn_head_tensors(size.channels), 2);
     nn::write_random_weights(weights_of("ade20k-ms-s"), nn::bn_head_tensors(4 * size.channels), 2);
-    nn::write_random_weights(weights_of("nyu-linear4-s"),
-                             nn::linear_depth_tensors(4 * 2 * size.channels), 3);
+    nn::write_random_weights(weights_of("nyu-linear4-s"), nn::linear_depth_tensors(4 * 2 * size.channels), 3);
   }
   ScenePhotosReport make() const {
-    return make_scene_from_photos(folder / "photos", folder / "scene", ModelStore(store_options),
-                                  options);
+    return make_scene_from_photos(folder / "photos", folder / "scene", ModelStore(store_options), options);
   }
   template <class F>
   static std::string error_of(ErrorKind kind, F work) {
@@ -189,7 +186,8 @@ TEST_F(FromPhotos, AMetricNetworkBesideItMakesMetres) {
   ASSERT_EQ(metres.data.size(), depth.data.size());
   for (size_t i = 0; i < depth.data.size(); ++i) {
     // Half floats; depth of the sky and unsure depth are no values.
-    if (depth.data[i] > 0 && metres.data[i] > 0) EXPECT_NEAR(metres.data[i] / depth.data[i], report.metres->scale, 2e-3 * report.metres->scale);
+    if (depth.data[i] > 0 && metres.data[i] > 0)
+      EXPECT_NEAR(metres.data[i] / depth.data[i], report.metres->scale, 2e-3 * report.metres->scale);
   }
 }
 
@@ -302,8 +300,7 @@ TEST_F(FromPhotos, EveryNthPhotoIsKeptForTesting) {
 
 TEST_F(FromPhotos, WithoutWeightsNothingIsWritten) {
   three_photos();
-  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { make(); }),
-              HasSubstr("aligngs models download vggt-1b"));
+  EXPECT_THAT(error_of(ErrorKind::kWeights, [&] { make(); }), HasSubstr("aligngs models download vggt-1b"));
   EXPECT_FALSE(fs::exists(folder / "scene"));
 }
 
@@ -341,8 +338,7 @@ TEST_F(FromPhotos, LinearSemanticsAreLogitsThatTheSceneLoads) {
   install_linear();
   make();
   const ModelStore store(store_options);
-  const ScenePriorsReport report =
-      fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill);
+  const ScenePriorsReport report = fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill);
   EXPECT_EQ(report.written, 3u);
   const Scene scene = open_scene(folder / "scene");
   EXPECT_TRUE(scene.has_semantics());
@@ -365,9 +361,9 @@ TEST_F(FromPhotos, EomtAndLingbotFillSemanticsAsWhatTheyAre) {
     SemanticKind kind;
     int height;  ///< one value per 8 pixels of the short side that the network is shown
   };
-  for (const Expected& e : {Expected{"eomt-l", SemanticKind::kScores, 8},
-                            Expected{"eomt-l-panoptic", SemanticKind::kScores, 8},
-                            Expected{"lingbot-s", SemanticKind::kLogits, 64}}) {
+  for (const Expected& e :
+       {Expected{"eomt-l", SemanticKind::kScores, 8}, Expected{"eomt-l-panoptic", SemanticKind::kScores, 8},
+        Expected{"lingbot-s", SemanticKind::kLogits, 64}}) {
     fill.overwrite = true;
     EXPECT_EQ(fill_semantics(folder / "scene", store, semantic_model(e.name), fill).written, 3u);
     const Scene scene = open_scene(folder / "scene");
@@ -390,8 +386,7 @@ TEST_F(FromPhotos, MapsOfTheSameNetworkAreKept) {
   const ModelStore store(store_options);
   fill_semantics(folder / "scene", store, semantic_model("linear-s"), fill);
   EXPECT_TRUE(fill_semantics(folder / "scene", store, semantic_model("linear"), fill).was_there);
-  error_of(ErrorKind::kUsage,
-           [&] { fill_semantics(folder / "scene", store, semantic_model("ms-s"), fill); });
+  error_of(ErrorKind::kUsage, [&] { fill_semantics(folder / "scene", store, semantic_model("ms-s"), fill); });
 }
 
 TEST_F(FromPhotos, MetricDepthReplacesTheOtherWhenAskedFor) {
@@ -420,8 +415,7 @@ TEST_F(FromPhotos, VggtFillsTheDepthOfASceneWithOtherPoses) {
   install_vggt();
   make();
   fill.overwrite = true;
-  const ScenePriorsReport report =
-      fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
+  const ScenePriorsReport report = fill_depth(folder / "scene", ModelStore(store_options), depth_model("vggt"), fill);
   EXPECT_EQ(report.written, 3u);
   EXPECT_TRUE(fs::exists(folder / "scene" / "pred_confidence" / "a.npy"));
   EXPECT_EQ(open_scene(folder / "scene").depth_scale, DepthScale::kOwn);
@@ -448,8 +442,7 @@ TEST_F(FromPhotos, NetworksThatDoNotFitInMemoryAreRefusedBeforeAnythingIsReplace
 }
 
 TEST_F(FromPhotos, AnUnknownNetworkIsAUsageError) {
-  for (const char* name : {"linear-x", "m3f", "ms-", ""})
-    EXPECT_THROW(semantic_model(name), Error) << name;
+  for (const char* name : {"linear-x", "m3f", "ms-", ""}) EXPECT_THROW(semantic_model(name), Error) << name;
   EXPECT_THROW(depth_model("dpt-xl"), Error);
   EXPECT_EQ(semantic_model("ms-l").name, "ade20k-ms-l");
 }
@@ -478,8 +471,10 @@ TEST_F(FromPhotos, AutoPicksAnyNetworkThatIsTheOnlyOne) {
     const PublishedModel* chosen = choose(store);
     return chosen ? chosen->name : "none";
   };
-  for (const std::string& word : semantic_choices()) EXPECT_EQ(picked(semantic_model(word), installed_semantic_model), semantic_model(word).name);
-  for (const std::string& word : depth_choices()) EXPECT_EQ(picked(depth_model(word), installed_depth_model), depth_model(word).name);
+  for (const std::string& word : semantic_choices())
+    EXPECT_EQ(picked(semantic_model(word), installed_semantic_model), semantic_model(word).name);
+  for (const std::string& word : depth_choices())
+    EXPECT_EQ(picked(depth_model(word), installed_depth_model), depth_model(word).name);
 }
 
 }  // namespace

@@ -53,8 +53,7 @@ Standing standing(const Scene& scene, const std::string& what, fs::path View::*m
   for (const int i : scene.train) there += !(scene.views[size_t(i)].*map).empty();
   if (overwrite) return Standing::kReplace;
   if (there == 0) return Standing::kAbsent;
-  if (noted && noted->model == model)
-    return there == scene.train.size() ? Standing::kKeep : Standing::kReplace;
+  if (noted && noted->model == model) return there == scene.train.size() ? Standing::kKeep : Standing::kReplace;
   throw_usage(fmt::format("{} has {} already (by {})", scene.folder.string(), what,
                           noted && !noted->model.empty() ? noted->model : "files of unknown origin"),
               "--overwrite replaces it");
@@ -93,8 +92,10 @@ class PriorFill {
     const StopDeferral until_done;
     write_priors_json(scene_.folder / "priors.json", unknown);
     maps_.commit();
-    if (confidence_) confidence_->commit();
-    else if (entry == &PriorsJson::depth) fs::remove_all(scene_.folder / "pred_confidence");  // of the depth that went
+    if (confidence_)
+      confidence_->commit();
+    else if (entry == &PriorsJson::depth)
+      fs::remove_all(scene_.folder / "pred_confidence");  // of the depth that went
     write_priors_json(scene_.folder / "priors.json", notes);
   }
 
@@ -104,9 +105,7 @@ class PriorFill {
   std::optional<FolderReplacement> confidence_;
 };
 
-Image<uint8_t> rgb_of(const View& view) {
-  return nn::pillow_rgb_on_white(read_view_photo(view));
-}
+Image<uint8_t> rgb_of(const View& view) { return nn::pillow_rgb_on_white(read_view_photo(view)); }
 
 std::vector<Photo> photos_of(const Scene& scene) {
   std::vector<Photo> photos;
@@ -136,21 +135,19 @@ void write_network_depth(const Scene& scene, const std::vector<Photo>& photos, c
   fill.finish(&PriorsJson::depth, notes);
 }
 
-void fill_with_vggt(const Scene& scene, const ModelStore& store, const PublishedModel& model,
-                    PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
-                    ScenePriorsReport& report) {
+void fill_with_vggt(const Scene& scene, const ModelStore& store, const PublishedModel& model, PriorsJson notes,
+                    const ScenePriorsOptions& options, ThreadPool& pool, ScenePriorsReport& report) {
   const std::vector<Photo> photos = photos_of(scene);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   VggtInputs inputs = vggt_inputs(photos, pool);
   MemoryBudget budget(options.memory_limit);
-  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width,
-                  inputs.images[0].height);
+  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
   budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
   notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Vggt network(compute, weights);
-  const std::vector<PredictedView> views = predict_vggt_views(compute, network, photos,
-                                                         std::move(inputs), {false, options.progress});
+  const std::vector<PredictedView> views =
+      predict_vggt_views(compute, network, photos, std::move(inputs), {false, options.progress});
   write_network_depth(scene, photos, views, notes, options.drop_percent, report);
 }
 
@@ -214,23 +211,21 @@ ImageF halved(const nn::FeatureMap& depth) {
   return out;
 }
 
-void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model,
-                       PriorsJson notes, const ScenePriorsOptions& options, ThreadPool& pool,
-                       ScenePriorsReport& report) {
+void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model, PriorsJson notes,
+                       const ScenePriorsOptions& options, ThreadPool& pool, ScenePriorsReport& report) {
   const DepthWeights weights = depth_weights(store, model);
   NetworkInput largest;
   for (const NetworkInput& size : photo_sizes(scene)) {
     if (size.width * size.height > largest.width * largest.height) largest = size;
   }
   MemoryBudget budget(options.memory_limit);
-  add_depth_network_memory(budget, weights.backbone, weights.head, largest,
-                           {options.precision, pool.size()});
-  budget.require(model.name, "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
-                             "more memory with --memory");
+  add_depth_network_memory(budget, weights.backbone, weights.head, largest, {options.precision, pool.size()});
+  budget.require(model.name,
+                 "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
+                 "more memory with --memory");
   notes.depth->weights = digest_of(store, model);
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  const std::unique_ptr<nn::DepthNetwork> network =
-      nn::make_depth_network(compute, weights.backbone, weights.head);
+  const std::unique_ptr<nn::DepthNetwork> network = nn::make_depth_network(compute, weights.backbone, weights.head);
   PriorFill fill(scene, "pred_depths", false);
   Progress progress(options.progress, "depth", scene.train.size());
   for (const int i : scene.train) {
@@ -245,8 +240,8 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
   fill.finish(&PriorsJson::depth, notes);
 }
 
-using FillDepth = void (*)(const Scene&, const ModelStore&, const PublishedModel&, PriorsJson, const ScenePriorsOptions&,
-                           ThreadPool&, ScenePriorsReport&);
+using FillDepth = void (*)(const Scene&, const ModelStore&, const PublishedModel&, PriorsJson,
+                           const ScenePriorsOptions&, ThreadPool&, ScenePriorsReport&);
 
 /// Networks of one design.
 struct DepthFamily {
@@ -269,14 +264,13 @@ const DepthFamily& depth_family(const PublishedModel& model) {
 
 }  // namespace
 
-ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
-                             const PublishedModel& model, const ScenePriorsOptions& options) {
+ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store, const PublishedModel& model,
+                             const ScenePriorsOptions& options) {
   const Scene scene = open_scene(folder);
   PriorsJson notes = read_priors_json(folder / "priors.json");
   ScenePriorsReport report;
   report.model = model.name;
-  if (standing(scene, "depth", &View::prior_depth, options.overwrite, model.name, notes.depth) ==
-      Standing::kKeep) {
+  if (standing(scene, "depth", &View::prior_depth, options.overwrite, model.name, notes.depth) == Standing::kKeep) {
     report.was_there = true;
     return report;
   }
@@ -289,33 +283,30 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store,
   return report;
 }
 
-ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store,
-                                 const PublishedModel& model, const ScenePriorsOptions& options) {
+ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store, const PublishedModel& model,
+                                 const ScenePriorsOptions& options) {
   const Scene scene = open_scene(folder);
   PriorsJson notes = read_priors_json(folder / "priors.json");
   ScenePriorsReport report;
   report.model = model.name;
-  if (standing(scene, "semantics", &View::semantics, options.overwrite, model.name,
-               notes.semantics) == Standing::kKeep) {
+  if (standing(scene, "semantics", &View::semantics, options.overwrite, model.name, notes.semantics) ==
+      Standing::kKeep) {
     report.was_there = true;
     return report;
   }
   ThreadPool pool(options.threads);
   MemoryBudget budget(options.memory_limit);
-  add_semantic_memory(budget, store, model, options.augment, photo_sizes(scene),
-                      {options.precision, pool.size()});
-  budget.require(model.name,
-                 model.name == "ade20k-linear-s"
-                     ? "give it more memory with --memory, or leave classes out: --semantics none"
-                     : "use a light network (--semantics linear-s), or more memory with --memory");
+  add_semantic_memory(budget, store, model, options.augment, photo_sizes(scene), {options.precision, pool.size()});
+  budget.require(model.name, model.name == "ade20k-linear-s"
+                                 ? "give it more memory with --memory, or leave classes out: --semantics none"
+                                 : "use a light network (--semantics linear-s), or more memory with --memory");
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
-  const std::unique_ptr<SemanticTeacher> teacher = load_semantic_teacher(compute, store, model, options.augment,
-                                                        options.mask2former_heads);
+  const std::unique_ptr<SemanticTeacher> teacher =
+      load_semantic_teacher(compute, store, model, options.augment, options.mask2former_heads);
   const int64_t classes = teacher->classes();
   if (scene.labels.size() != int(classes)) {
     throw_bad_input(folder / "labels.csv", "classes",
-                    fmt::format("the scene has {} classes, the network knows {}",
-                                scene.labels.size(), classes),
+                    fmt::format("the scene has {} classes, the network knows {}", scene.labels.size(), classes),
                     "remove labels.csv: without it the classes are ADE20K's 150");
   }
   notes.semantics = PriorJson{model.name, digest_of(store, model), {}};

@@ -15,19 +15,19 @@ namespace aligngs {
 struct ScenePriorsOptions {
   nn::Precision precision = nn::Precision::kBfloat16;
   nn::DeviceFactory make_device = {};  ///< where networks run; empty: the processor
-  bool overwrite = false;     ///< replace priors that are there
-  bool augment = false;       ///< multi-scale head: five sizes, mirrored as well (ten passes)
-  int mask2former_heads = 0;  ///< of its attention; 0: from the tensors, with 4 points per level
-  double drop_percent = 20;   ///< VGGT: depth of the lowest confidence that is left out
-  uint64_t memory_limit = 0;  ///< bytes; 0: 80 % of what is free
+  bool overwrite = false;              ///< replace priors that are there
+  bool augment = false;                ///< multi-scale head: five sizes, mirrored as well (ten passes)
+  int mask2former_heads = 0;           ///< of its attention; 0: from the tensors, with 4 points per level
+  double drop_percent = 20;            ///< VGGT: depth of the lowest confidence that is left out
+  uint64_t memory_limit = 0;           ///< bytes; 0: 80 % of what is free
   int threads = 0;
   ProgressStyle progress;
 };
 
 struct ScenePriorsReport {
   std::string model;
-  size_t written = 0;  ///< views
-  bool was_there = false;  ///< every training view had it already, and it was kept
+  size_t written = 0;         ///< views
+  bool was_there = false;     ///< every training view had it already, and it was kept
   int width = 0, height = 0;  ///< of the last map
 };
 
@@ -50,8 +50,8 @@ const PublishedModel* installed_depth_model(const ModelStore& store);
 /// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
 /// scale (DepthScale::kOwn); that of the others is in metres. Training lays both on the scene.
 /// Error{kUsage} when other priors are there and overwrite is not set.
-ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store,
-                             const PublishedModel& model, const ScenePriorsOptions& options);
+ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store, const PublishedModel& model,
+                             const ScenePriorsOptions& options);
 
 /// Writes segmentation_logits/<view>.npy (float16 [150, h, w], one value per 8 pixels of the network's input). Writes
 /// priors.json with the kind: logits of the linear heads, scores of Mask2Former. Error{kBadInput} when the scene has

@@ -99,9 +99,10 @@ struct TeacherFiles {
 };
 
 using Plan = nn::SegmentationPlan (*)(bool augment);
-using AddMemory = void (*)(MemoryBudget&, const TeacherFiles&, const nn::SegmentationPlan&, const std::vector<NetworkInput>& photos,
-                           const NetworkMemoryOptions&);
-using Load = std::unique_ptr<SemanticTeacher> (*)(nn::Compute&, const TeacherFiles&, const nn::SegmentationPlan&, int mask2former_heads);
+using AddMemory = void (*)(MemoryBudget&, const TeacherFiles&, const nn::SegmentationPlan&,
+                           const std::vector<NetworkInput>& photos, const NetworkMemoryOptions&);
+using Load = std::unique_ptr<SemanticTeacher> (*)(nn::Compute&, const TeacherFiles&, const nn::SegmentationPlan&,
+                                                  int mask2former_heads);
 
 /// Networks of one design.
 struct TeacherFamily {
@@ -114,8 +115,8 @@ struct TeacherFamily {
 nn::SegmentationPlan linear_plan(bool) { return nn::linear_plan(); }
 nn::SegmentationPlan mask2former_plan(bool) { return nn::mask2former_plan(); }
 
-void add_eomt(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&, const std::vector<NetworkInput>& photos,
-              const NetworkMemoryOptions& options) {
+void add_eomt(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&,
+              const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
   double longest = 1;  // long side per short side
   for (const NetworkInput& photo : photos) {
     longest = std::max(longest, double(std::max(photo.width, photo.height)) /
@@ -128,12 +129,13 @@ std::unique_ptr<SemanticTeacher> load_eomt(nn::Compute& compute, const TeacherFi
   return std::make_unique<EomtTeacher>(compute, files.file);
 }
 
-void add_lingbot(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&, const std::vector<NetworkInput>&,
-                 const NetworkMemoryOptions& options) {
-  add_lingbot_memory(budget, nn::lingbot_weights(WeightFile::open(files.file)), {nn::kLingbotSize, nn::kLingbotSize}, options);
+void add_lingbot(MemoryBudget& budget, const TeacherFiles& files, const nn::SegmentationPlan&,
+                 const std::vector<NetworkInput>&, const NetworkMemoryOptions& options) {
+  add_lingbot_memory(budget, nn::lingbot_weights(WeightFile::open(files.file)), {nn::kLingbotSize, nn::kLingbotSize},
+                     options);
 }
-std::unique_ptr<SemanticTeacher> load_lingbot(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan&,
-                                              int mask2former_heads) {
+std::unique_ptr<SemanticTeacher> load_lingbot(nn::Compute& compute, const TeacherFiles& files,
+                                              const nn::SegmentationPlan&, int mask2former_heads) {
   return std::make_unique<LingbotTeacher>(compute, files.file);
 }
 
@@ -154,8 +156,8 @@ void add_mask2former(MemoryBudget& budget, const TeacherFiles& files, const nn::
   add_mask2former_memory(budget, head, planned_window(plan, image), options);
   add_sliding_memory(budget, plan, image, head.dimension("decode_head.cls_embed.weight", 0) - 1);
 }
-std::unique_ptr<SemanticTeacher> load_mask2former(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan& plan,
-                                                  int mask2former_heads) {
+std::unique_ptr<SemanticTeacher> load_mask2former(nn::Compute& compute, const TeacherFiles& files,
+                                                  const nn::SegmentationPlan& plan, int mask2former_heads) {
   nn::Mask2FormerOptions options;
   options.heads = mask2former_heads;
   return std::make_unique<WindowedTeacher>(
@@ -169,11 +171,12 @@ void add_head(MemoryBudget& budget, const TeacherFiles& files, const nn::Segment
   add_bn_head_memory(budget, backbone, head, planned_window(plan, image), options);
   add_sliding_memory(budget, plan, image, head.dimension("decode_head.conv_seg.weight", 0));
 }
-std::unique_ptr<SemanticTeacher> load_head(nn::Compute& compute, const TeacherFiles& files, const nn::SegmentationPlan& plan,
-                                           int mask2former_heads) {
+std::unique_ptr<SemanticTeacher> load_head(nn::Compute& compute, const TeacherFiles& files,
+                                           const nn::SegmentationPlan& plan, int mask2former_heads) {
   return std::make_unique<WindowedTeacher>(
-      std::make_unique<nn::BnHeadNetwork>(compute, nn::Weights::open(files.backbone.value()), nn::Weights::open(files.file)), plan,
-      SemanticKind::kLogits);
+      std::make_unique<nn::BnHeadNetwork>(compute, nn::Weights::open(files.backbone.value()),
+                                          nn::Weights::open(files.file)),
+      plan, SemanticKind::kLogits);
 }
 
 constexpr TeacherFamily kTeacherFamilies[] = {{"eomt-", linear_plan, add_eomt, load_eomt},
@@ -204,11 +207,12 @@ TeacherMapSize SemanticTeacher::map_size(int photo_width, int photo_height) cons
   return {side(photo_width), side(photo_height)};
 }
 
-nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) { return teacher_family(model).plan(augment); }
+nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment) {
+  return teacher_family(model).plan(augment);
+}
 
-void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
-                         bool augment, const std::vector<NetworkInput>& photos,
-                         const NetworkMemoryOptions& options) {
+void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model, bool augment,
+                         const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
   const TeacherFamily& family = teacher_family(model);
   family.add_memory(budget, files_of(store, model), family.plan(augment), photos, options);
 }

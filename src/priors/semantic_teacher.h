@@ -37,9 +37,8 @@ nn::SegmentationPlan semantic_plan(const PublishedModel& model, bool augment);
 
 /// Memory for load_semantic_teacher() and the largest of `photos` (pixels). Reads the headers
 /// of the weight files only; Error{kWeights} when they are missing.
-void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
-                         bool augment, const std::vector<NetworkInput>& photos,
-                         const NetworkMemoryOptions& options);
+void add_semantic_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model, bool augment,
+                         const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options);
 
 /// Loads the network from the store. Error{kWeights} when its weights are missing. `augment`: of
 /// the multi-scale heads; `mask2former_heads`: of attention in Mask2Former's head, which its

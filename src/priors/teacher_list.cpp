@@ -82,7 +82,11 @@ const std::vector<std::string>& depth_choices() {
   return words;
 }
 
-const PublishedModel* installed_semantic_model(const ModelStore& store) { return first_installed(semantic_teachers(), store); }
-const PublishedModel* installed_depth_model(const ModelStore& store) { return first_installed(depth_teachers(), store); }
+const PublishedModel* installed_semantic_model(const ModelStore& store) {
+  return first_installed(semantic_teachers(), store);
+}
+const PublishedModel* installed_depth_model(const ModelStore& store) {
+  return first_installed(depth_teachers(), store);
+}
 
 }  // namespace aligngs

@@ -1,4 +1,5 @@
-// The networks that `aligngs priors` knows by a word, as one list each for depth and classes. Words, the order of "auto",
+// The networks that `aligngs priors` knows by a word, as one list each for depth and classes. Words, the order of
+// "auto",
 // the help and the messages follow from it.
 #pragma once
 

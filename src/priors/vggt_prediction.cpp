@@ -24,14 +24,15 @@ VggtInputs vggt_inputs(const std::vector<Photo>& photos, ThreadPool& pool) {
   inputs.images.resize(photos.size());
   inputs.placements.resize(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t i, size_t, int) {
-    inputs.images[i] = nn::vggt_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), fit, &inputs.placements[i]);
+    inputs.images[i] = nn::vggt_image(read_photo_of_size(photos[i].file, photos[i].width, photos[i].height), fit,
+                                      &inputs.placements[i]);
   });
   nn::vggt_common_size(inputs.images, &inputs.placements);
   return inputs;
 }
 
-void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision,
-                     size_t frames, int width, int height) {
+void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames,
+                     int width, int height) {
   const uint64_t matrix_bytes = precision == nn::Precision::kBfloat16 ? 2 : 4;
   uint64_t weight_bytes = 0;
   for (const std::string& name : weights.names()) {
@@ -51,15 +52,14 @@ void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Preci
   const uint64_t in_work = tokens * channels * (kStream * 4 + 3 * matrix_bytes + 4);
   constexpr uint64_t kDensePerPixel = 2200;  // bytes: the widest maps of a dense head
   const uint64_t dense = kDensePerPixel * uint64_t(width) * uint64_t(height);
-  budget.add(in_work > dense ? "tokens in work" : "one frame in the dense head",
-             std::max(in_work, dense));
+  budget.add(in_work > dense ? "tokens in work" : "one frame in the dense head", std::max(in_work, dense));
   constexpr uint64_t kMapsPerPixel = 12 + 12 + 8;  // input, its copy, depth and confidence
   budget.add("photos and their maps", frames * kMapsPerPixel * uint64_t(width) * uint64_t(height));
 }
 
 std::vector<PredictedView> predict_vggt_views(nn::Compute& compute, const nn::Vggt& network,
-                                         const std::vector<Photo>& photos, VggtInputs inputs,
-                                         const ViewPredictionOptions& options) {
+                                              const std::vector<Photo>& photos, VggtInputs inputs,
+                                              const ViewPredictionOptions& options) {
   std::vector<nn::FeatureMap> images;
   for (Image<uint8_t>& image : inputs.images) {
     images.push_back(unit_image(image));

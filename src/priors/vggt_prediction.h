@@ -24,13 +24,13 @@ struct VggtInputs {
 VggtInputs vggt_inputs(const std::vector<Photo>& photos, ThreadPool& pool);
 
 /// Memory for running the network beside the photos, item by item.
-void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision,
-                     size_t frames, int width, int height);
+void add_vggt_memory(MemoryBudget& budget, const nn::Weights& weights, nn::Precision precision, size_t frames,
+                     int width, int height);
 
 /// Error{kFailed}, naming the photo, when a predicted camera is impossible. Examples: a field of
 /// view of 0 or of half a turn and more, numbers that are not finite.
 std::vector<PredictedView> predict_vggt_views(nn::Compute& compute, const nn::Vggt& network,
-                                         const std::vector<Photo>& photos, VggtInputs inputs,
-                                         const ViewPredictionOptions& options);
+                                              const std::vector<Photo>& photos, VggtInputs inputs,
+                                              const ViewPredictionOptions& options);
 
 }  // namespace aligngs

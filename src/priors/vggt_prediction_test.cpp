@@ -38,8 +38,7 @@ TEST(VggtPrediction, CameraOfAPaddedPortraitHasItsCentreInThePhoto) {
   Image<uint8_t> photo(300, 400, 3);
   nn::VggtPlacement placement;
   const Image<uint8_t> input = nn::vggt_image(photo, nn::VggtFit::kPad, &placement);
-  const Camera camera =
-      camera_of_photo(network_camera(input.width, input.height, 400), placement, 300, 400);
+  const Camera camera = camera_of_photo(network_camera(input.width, input.height, 400), placement, 300, 400);
   EXPECT_NEAR(camera.cx, 150, 0.5);
   EXPECT_NEAR(camera.cy, 200, 0.5);
   EXPECT_NEAR(camera.fx, 400 / placement.scale_x, 1e-9);
@@ -48,8 +47,7 @@ TEST(VggtPrediction, CameraOfAPaddedPortraitHasItsCentreInThePhoto) {
 TEST(VggtPrediction, MapsHaveTheAspectOfThePhoto) {
   // 779 x 520 becomes 518 x 350, whose aspect is not the photo's.
   nn::VggtPlacement placement;
-  const Image<uint8_t> input =
-      nn::vggt_image(Image<uint8_t>(779, 520, 3), nn::VggtFit::kCrop, &placement);
+  const Image<uint8_t> input = nn::vggt_image(Image<uint8_t>(779, 520, 3), nn::VggtFit::kCrop, &placement);
   ASSERT_EQ(input.height, 350);
   const PhotoMaps maps = maps_of_photo(network_depth(518, 350), placement, 779, 520);
   EXPECT_NEAR(double(maps.depth.width) / maps.depth.height, 779.0 / 520, 0.005);
@@ -63,8 +61,7 @@ TEST(VggtPrediction, ThePaddingIsNoPartOfTheMap) {
   nn::FeatureMap depth = network_depth(518, 518);
   for (int64_t y = 0; y < 518; ++y) {
     for (int64_t x = 0; x < 518; ++x) {
-      const bool inside = double(x) >= placement.offset_x &&
-                          double(x) < placement.offset_x + 300 * placement.scale_x;
+      const bool inside = double(x) >= placement.offset_x && double(x) < placement.offset_x + 300 * placement.scale_x;
       if (!inside) depth.at(y, x)[0] = 100;
     }
   }

@@ -31,7 +31,8 @@ std::string last_line(const std::string& text) {
   const size_t end = text.find_last_not_of('\n');
   if (end == std::string::npos) return {};
   const size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1,
+                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
 }
 
 struct VideoStream {
@@ -48,7 +49,8 @@ double ratio_of(const std::string& text) {
 /// A quarter turn, from the display matrix or the older tag.
 bool is_turned(const nlohmann::json& stream) {
   double degrees = 0;
-  if (stream.contains("tags") && stream["tags"].contains("rotate")) degrees = std::atof(stream["tags"].value("rotate", "0").c_str());
+  if (stream.contains("tags") && stream["tags"].contains("rotate"))
+    degrees = std::atof(stream["tags"].value("rotate", "0").c_str());
   for (const nlohmann::json& data : stream.value("side_data_list", nlohmann::json::array())) {
     if (data.contains("rotation") && data["rotation"].is_number()) degrees = data["rotation"].get<double>();
   }
@@ -57,33 +59,41 @@ bool is_turned(const nlohmann::json& stream) {
 
 VideoStream stream_of(const fs::path& video, const fs::path& folder) {
   std::string text;
-  const ChildResult result = run_child({"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_streams", "-show_format", "-of", "json", video.string()},
+  const ChildResult result = run_child({"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_streams",
+                                        "-show_format", "-of", "json", video.string()},
                                        folder / "ffprobe.log", [&](const std::string& line) { text += line + "\n"; });
   if (result.status != 0) refuse(video, "ffprobe cannot read it: " + last_line(result.last_lines));
   const nlohmann::json document = nlohmann::json::parse(text, nullptr, false);
-  if (!document.is_object() || document.value("streams", nlohmann::json::array()).empty()) refuse(video, "it has no picture");
+  if (!document.is_object() || document.value("streams", nlohmann::json::array()).empty())
+    refuse(video, "it has no picture");
   const nlohmann::json& stream = document["streams"][0];
   VideoStream out;
   out.width = stream.value("width", 0);
   out.height = stream.value("height", 0);
   if (is_turned(stream)) std::swap(out.width, out.height);
   out.frame_rate = ratio_of(stream.value("avg_frame_rate", "0/1"));
-  const std::string seconds = stream.contains("duration") ? stream.value("duration", "0") : document.value("format", nlohmann::json::object()).value("duration", "0");
+  const std::string seconds = stream.contains("duration")
+                                  ? stream.value("duration", "0")
+                                  : document.value("format", nlohmann::json::object()).value("duration", "0");
   out.seconds = std::atof(seconds.c_str());
-  if (out.width < 3 || out.height < 3 || !(out.seconds > 0) || !(out.frame_rate > 0)) refuse(video, "its size, length or frame rate is missing");
+  if (out.width < 3 || out.height < 3 || !(out.seconds > 0) || !(out.frame_rate > 0))
+    refuse(video, "its size, length or frame rate is missing");
   return out;
 }
 
 /// A run of ffmpeg with progress; `filter` ends with what makes the frames.
-void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vector<std::string>& output, const fs::path& log, double seconds,
-                const std::string& name, ProgressStyle style) {
-  std::vector<std::string> arguments = {"ffmpeg", "-nostdin", "-y", "-v", "error", "-progress", "pipe:1", "-i", video.string(), "-map", "0:v:0", "-an", "-vf", filter};
+void run_ffmpeg(const fs::path& video, const std::string& filter, const std::vector<std::string>& output,
+                const fs::path& log, double seconds, const std::string& name, ProgressStyle style) {
+  std::vector<std::string> arguments = {"ffmpeg", "-nostdin",     "-y",   "-v",    "error", "-progress", "pipe:1",
+                                        "-i",     video.string(), "-map", "0:v:0", "-an",   "-vf",       filter};
   arguments.insert(arguments.end(), output.begin(), output.end());
   constexpr double kUnits = 1e3;  // of progress, a second
   Progress progress(style, name, std::max<uint64_t>(1, uint64_t(seconds * kUnits)));
   const ChildResult result = run_child(arguments, log, [&](const std::string& line) {
     constexpr const char* kTime = "out_time_us=";
-    if (line.rfind(kTime, 0) == 0) progress.update(std::min(uint64_t(std::max(0.0, std::atof(line.c_str() + 12)) * kUnits / 1e6), uint64_t(seconds * kUnits)));
+    if (line.rfind(kTime, 0) == 0)
+      progress.update(
+          std::min(uint64_t(std::max(0.0, std::atof(line.c_str() + 12)) * kUnits / 1e6), uint64_t(seconds * kUnits)));
   });
   if (result.status != 0) refuse(video, "ffmpeg cannot read it: " + last_line(result.last_lines));
 }
@@ -94,7 +104,8 @@ std::vector<FrameFeatures> features_of(const fs::path& raw, int width, int heigh
   std::vector<FrameFeatures> features;
   FrameMeter meter;
   Image<uint8_t> frame(width, height, 1);
-  while (in.read(reinterpret_cast<char*>(frame.data.data()), static_cast<std::streamsize>(frame.data.size()))) features.push_back(meter.measure(frame));
+  while (in.read(reinterpret_cast<char*>(frame.data.data()), static_cast<std::streamsize>(frame.data.size())))
+    features.push_back(meter.measure(frame));
   return features;
 }
 
@@ -106,18 +117,21 @@ bool is_video_name(const fs::path& file) {
 }
 
 VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
-  if (!fs::is_regular_file(video)) throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
+  if (!fs::is_regular_file(video))
+    throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
   if (find_program("ffmpeg").empty() || find_program("ffprobe").empty()) {
-    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "", "apt-get install ffmpeg, or give a folder of photos"});
+    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
+                 "apt-get install ffmpeg, or give a folder of photos"});
   }
   fs::create_directories(folder);
   const VideoStream stream = stream_of(video, folder);
   const double wanted = double(options.views) * kCandidatesPerView / stream.seconds;
   const std::string rate = fmt::format("fps={:.6f}", std::min({wanted, stream.frame_rate, double(kMostRate)}));
-  const int width = std::min(stream.width, kSmallWidth), height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));
+  const int width = std::min(stream.width, kSmallWidth),
+            height = std::max(3, int(double(stream.height) * width / stream.width + 0.5));
   const fs::path raw = folder / "candidates.raw", log = folder / "ffmpeg.log";
-  run_ffmpeg(video, fmt::format("{},scale={}:{}:flags=area,format=gray", rate, width, height), {"-f", "rawvideo", raw.string()}, log, stream.seconds,
-             "look at the video", options.progress);
+  run_ffmpeg(video, fmt::format("{},scale={}:{}:flags=area,format=gray", rate, width, height),
+             {"-f", "rawvideo", raw.string()}, log, stream.seconds, "look at the video", options.progress);
   const std::vector<FrameFeatures> features = features_of(raw, width, height);
   fs::remove(raw);
   const std::vector<size_t> chosen = choose_frames(features, size_t(options.views));
@@ -127,11 +141,13 @@ VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folde
   std::string select = rate + ",select='";
   for (size_t i = 0; i < chosen.size(); ++i) select += fmt::format("{}eq(n\\,{})", i ? "+" : "", chosen[i]);
   constexpr const char* kBestQuality = "2";  // of ffmpeg's scale for JPEG, 1 to 31
-  run_ffmpeg(video, select + "'", {"-vsync", "vfr", "-q:v", kBestQuality, "-pix_fmt", "yuvj420p", (folder / "frame_%05d.jpg").string()}, log, stream.seconds,
-             "take frames", options.progress);
+  run_ffmpeg(video, select + "'",
+             {"-vsync", "vfr", "-q:v", kBestQuality, "-pix_fmt", "yuvj420p", (folder / "frame_%05d.jpg").string()}, log,
+             stream.seconds, "take frames", options.progress);
   VideoFramesReport report{chosen.size(), features.size(), stream.seconds, 1};
-  const auto [darkest, brightest] =
-      std::minmax_element(chosen.begin(), chosen.end(), [&](size_t a, size_t b) { return features[a].brightness < features[b].brightness; });
+  const auto [darkest, brightest] = std::minmax_element(chosen.begin(), chosen.end(), [&](size_t a, size_t b) {
+    return features[a].brightness < features[b].brightness;
+  });
   report.exposure_walk = features[*brightest].brightness / std::max(features[*darkest].brightness, 1e-3);
   return report;
 }

@@ -16,14 +16,16 @@ struct VideoFramesOptions {
 };
 
 struct VideoFramesReport {
-  size_t frames = 0;         ///< taken
-  size_t looked_at = 0;      ///< candidates, spread evenly over the video
-  double seconds = 0;        ///< length of the video
-  double exposure_walk = 1;  ///< brightest over darkest of the frames taken, by mean grey value: an automatic exposure changes it
+  size_t frames = 0;     ///< taken
+  size_t looked_at = 0;  ///< candidates, spread evenly over the video
+  double seconds = 0;    ///< length of the video
+  /// brightest over darkest of the frames taken, by mean grey value: an automatic exposure changes it
+  double exposure_walk = 1;
 };
 
 /// Writes the frames as frame_00001.jpg, ... into `folder`, turned as the video is shown. Error{kFailed}: ffmpeg is not
 /// installed. Error{kBadInput}: no video can be read, or it has fewer than two frames.
-VideoFramesReport take_video_frames(const std::filesystem::path& video, const std::filesystem::path& folder, const VideoFramesOptions& options);
+VideoFramesReport take_video_frames(const std::filesystem::path& video, const std::filesystem::path& folder,
+                                    const VideoFramesOptions& options);
 
 }  // namespace aligngs

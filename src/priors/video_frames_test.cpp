@@ -19,14 +19,17 @@ class VideoFrames : public testing::Test {
  protected:
   void SetUp() override {
     if (find_program("ffmpeg").empty()) GTEST_SKIP() << "needs the program ffmpeg";
-    folder = fs::path(testing::TempDir()) / ("video_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("video_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
   /// Three seconds of a moving test picture of 160 x 120, 10 frames a second.
   fs::path video(const std::vector<std::string>& options = {}) const {
     const fs::path file = folder / "clip.mp4";
-    std::vector<std::string> arguments = {"ffmpeg", "-nostdin", "-v", "error", "-f", "lavfi", "-i", "testsrc2=size=160x120:rate=10:duration=3", "-c:v", "mpeg4", "-q:v", "3"};
+    std::vector<std::string> arguments = {"ffmpeg", "-nostdin", "-v",   "error",
+                                          "-f",     "lavfi",    "-i",   "testsrc2=size=160x120:rate=10:duration=3",
+                                          "-c:v",   "mpeg4",    "-q:v", "3"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     arguments.push_back(file.string());
     EXPECT_EQ(run_child(arguments, folder / "make.log").status, 0);
@@ -44,7 +47,8 @@ class VideoFrames : public testing::Test {
 };
 
 TEST_F(VideoFrames, TakesAsManyAsWanted) {
-  const VideoFramesReport report = take_video_frames(video(), folder / "frames", {.views = 5, .progress = {.enabled = false}});
+  const VideoFramesReport report =
+      take_video_frames(video(), folder / "frames", {.views = 5, .progress = {.enabled = false}});
   EXPECT_EQ(report.frames, 5u);
   EXPECT_EQ(report.looked_at, 30u);
   EXPECT_NEAR(report.seconds, 3, 0.1);
@@ -57,7 +61,11 @@ TEST_F(VideoFrames, TakesAsManyAsWanted) {
 
 TEST_F(VideoFrames, ATelephoneHeldUprightGivesUprightFrames) {
   const fs::path file = folder / "turned.mp4";
-  ASSERT_EQ(run_child({"ffmpeg", "-nostdin", "-v", "error", "-i", video().string(), "-c", "copy", "-metadata:s:v:0", "rotate=90", file.string()}, folder / "make.log").status, 0);
+  ASSERT_EQ(run_child({"ffmpeg", "-nostdin", "-v", "error", "-i", video().string(), "-c", "copy", "-metadata:s:v:0",
+                       "rotate=90", file.string()},
+                      folder / "make.log")
+                .status,
+            0);
   take_video_frames(file, folder / "frames", {.views = 3, .progress = {.enabled = false}});
   const ImageInfo info = read_image_info(folder / "frames" / "frame_00001.jpg");
   EXPECT_EQ(info.width, 120);
@@ -66,15 +74,19 @@ TEST_F(VideoFrames, ATelephoneHeldUprightGivesUprightFrames) {
 
 TEST_F(VideoFrames, AnAutomaticExposureIsReported) {
   const fs::path file = video({"-vf", "eq=brightness='0.3*sin(t*2)':eval=frame"});
-  EXPECT_GT(take_video_frames(file, folder / "frames", {.views = 8, .progress = {.enabled = false}}).exposure_walk, 1.3);
+  EXPECT_GT(take_video_frames(file, folder / "frames", {.views = 8, .progress = {.enabled = false}}).exposure_walk,
+            1.3);
 }
 
 TEST_F(VideoFrames, AFileThatIsNoVideoIsNamed) {
   std::ofstream(folder / "clip.mp4") << "no video";
-  EXPECT_THAT(error_of(folder / "clip.mp4"), testing::AllOf(testing::HasSubstr("clip.mp4"), testing::HasSubstr("ffprobe cannot read it")));
+  EXPECT_THAT(error_of(folder / "clip.mp4"),
+              testing::AllOf(testing::HasSubstr("clip.mp4"), testing::HasSubstr("ffprobe cannot read it")));
 }
 
-TEST_F(VideoFrames, AMissingFileIsNamed) { EXPECT_THAT(error_of(folder / "absent.mp4"), testing::HasSubstr("no such file")); }
+TEST_F(VideoFrames, AMissingFileIsNamed) {
+  EXPECT_THAT(error_of(folder / "absent.mp4"), testing::HasSubstr("no such file"));
+}
 
 TEST_F(VideoFrames, AMissingFfmpegIsNamedWithItsPackage) {
   const fs::path file = video();

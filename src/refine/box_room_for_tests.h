@@ -14,7 +14,8 @@ namespace aligngs::box_room {
 // x right, y down, z forward; scene units.
 inline constexpr double kSide = 2, kFloor = 1.2, kCeiling = -1.2, kEnd = 2.5;
 inline constexpr uint16_t kWallLabel = 0, kFloorLabel = 1, kCeilingLabel = 2, kChestLabel = 3;
-inline const std::vector<PlaneClass> kClasses = {{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {PlaneKind::kCeiling, false}, {}};
+inline const std::vector<PlaneClass> kClasses = {
+    {PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {PlaneKind::kCeiling, false}, {}};
 inline const Vec3f kColors[] = {{0.8f, 0.8f, 0.7f}, {0.6f, 0.4f, 0.2f}, {0.95f, 0.95f, 0.95f}, {0.1f, 0.2f, 0.5f}};
 /// The chest, and the doorway in the wall x = kSide, which opens on a wall 2 behind it.
 inline const Vec3d kChestLow{-0.9, 0.6, 0.6}, kChestHigh{-0.1, kFloor, 1.2};
@@ -29,7 +30,8 @@ inline bool in_doorway(double y, double z) { return z > kDoorNear && z < kDoorFa
 
 /// End of a ray from inside the room.
 inline Hit trace(const Vec3d& origin, const Vec3d& ray) {
-  const double side = ((ray.x > 0 ? kSide : -kSide) - origin.x) / ray.x, end = ((ray.z > 0 ? kEnd : -kEnd) - origin.z) / ray.z;
+  const double side = ((ray.x > 0 ? kSide : -kSide) - origin.x) / ray.x,
+               end = ((ray.z > 0 ? kEnd : -kEnd) - origin.z) / ray.z;
   const double height = ((ray.y > 0 ? kFloor : kCeiling) - origin.y) / ray.y;
   Hit hit{std::min({side, end, height}), kWallLabel};
   if (hit.t == height) hit.label = ray.y > 0 ? kFloorLabel : kCeilingLabel;
@@ -83,7 +85,8 @@ inline LayoutView look(const Camera& camera) {
 /// Six cameras near the end z = -kEnd, all looking away from it.
 inline std::vector<Camera> cameras() {
   std::vector<Camera> out;
-  for (int i = 0; i < 6; ++i) out.push_back(camera({-1.2 + 0.45 * i, -0.1 + 0.1 * (i % 3), -1.6 + 0.15 * (i % 2)}, 0.25 * i - 0.6));
+  for (int i = 0; i < 6; ++i)
+    out.push_back(camera({-1.2 + 0.45 * i, -0.1 + 0.1 * (i % 3), -1.6 + 0.15 * (i % 2)}, 0.25 * i - 0.6));
   return out;
 }
 

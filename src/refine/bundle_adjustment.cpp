@@ -28,7 +28,10 @@ double reprojection_error(const Camera& camera, const Vec3d& point, const Vec2d&
 bool bundle_adjustment_available() { return false; }
 
 BundleReport adjust_bundle(BundleProblem&, const BundleSettings&) {
-  throw Error({ErrorKind::kFailed, "this program was built without Ceres", {}, {},
+  throw Error({ErrorKind::kFailed,
+               "this program was built without Ceres",
+               {},
+               {},
                "install libceres-dev (scripts/setup.sh does) and build again"});
 }
 
@@ -44,7 +47,8 @@ constexpr int kPoseSize = 6;  // rotation vector, then shift of the centre, both
 template <class T>
 void to_camera(const Camera& prior, const T* pose, const T* point, T* out) {
   const Vec3d centre = prior.centre();
-  const T from_centre[3] = {point[0] - centre.x - pose[3], point[1] - centre.y - pose[4], point[2] - centre.z - pose[5]};
+  const T from_centre[3] = {point[0] - centre.x - pose[3], point[1] - centre.y - pose[4],
+                            point[2] - centre.z - pose[5]};
   const Mat3d& r = prior.world_to_camera.rotation;
   T turned[3];
   for (int row = 0; row < 3; ++row) {
@@ -65,7 +69,8 @@ struct Reprojection {
     to_camera(camera, pose, point, p);
     if (p[2] < T(kNearest)) return false;
     const T factor = exp(focal[0]) / p[2];
-    const T x = camera.fx * factor * p[0] + (camera.cx - pixel.x), y = camera.fy * factor * p[1] + (camera.cy - pixel.y);
+    const T x = camera.fx * factor * p[0] + (camera.cx - pixel.x),
+            y = camera.fy * factor * p[1] + (camera.cy - pixel.y);
     residual[0] = whitening[0] * x;
     residual[1] = whitening[1] * x + whitening[2] * y;
     return true;
@@ -134,7 +139,8 @@ void measure(const BundleProblem& problem, double& rms, double& median) {
   std::vector<double> errors;
   double squares = 0;
   for (const Observation& o : problem.observations) {
-    const double e = reprojection_error(problem.cameras[static_cast<size_t>(o.view)], problem.points[static_cast<size_t>(o.point)], o.pixel);
+    const double e = reprojection_error(problem.cameras[static_cast<size_t>(o.view)],
+                                        problem.points[static_cast<size_t>(o.point)], o.pixel);
     if (!std::isfinite(e)) continue;
     errors.push_back(e);
     squares += e * e;
@@ -148,7 +154,8 @@ std::vector<double> depth_sigmas(const BundleProblem& problem, const BundleSetti
   std::vector<double> counts(problem.cameras.size(), 0.0);
   for (const Observation& o : problem.observations) counts[static_cast<size_t>(o.view)] += o.prior_depth > 0;
   std::vector<double> out;
-  for (const double count : counts) out.push_back(settings.depth * std::sqrt(std::max(1.0, count / settings.depth_independent)));
+  for (const double count : counts)
+    out.push_back(settings.depth * std::sqrt(std::max(1.0, count / settings.depth_independent)));
   return out;
 }
 
@@ -173,14 +180,13 @@ BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& setting
     const size_t v = static_cast<size_t>(o.view);
     double* point = &problem.points[static_cast<size_t>(o.point)].x;
     if (!((prior[v].world_to_camera * problem.points[static_cast<size_t>(o.point)]).z > kNearest)) continue;
-    ceres_problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(new Reprojection{prior[v], o.pixel, whitening(o.covariance, settings.pixel)}),
-        new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &focal, point);
+    ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Reprojection, 2, kPoseSize, 1, 3>(
+                                       new Reprojection{prior[v], o.pixel, whitening(o.covariance, settings.pixel)}),
+                                   new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &focal, point);
     if (o.prior_depth > 0) {
-      ceres_problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<LogDepth, 1, kPoseSize, 1, 3>(
-              new LogDepth{prior[v], std::log(o.prior_depth), depth_sigma[v]}),
-          new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &scales[v], point);
+      ceres_problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogDepth, 1, kPoseSize, 1, 3>(
+                                         new LogDepth{prior[v], std::log(o.prior_depth), depth_sigma[v]}),
+                                     new ceres::CauchyLoss(1.0), &poses[v * kPoseSize], &scales[v], point);
     }
     if (problem.fixed_points) ceres_problem.SetParameterBlockConstant(point);
     used[v] = any = true;
@@ -195,7 +201,8 @@ BundleReport adjust_bundle(BundleProblem& problem, const BundleSettings& setting
     if (!problem.fixed.empty() && problem.fixed[v]) ceres_problem.SetParameterBlockConstant(&poses[v * kPoseSize]);
     if (ceres_problem.HasParameterBlock(&scales[v])) {
       ceres_problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<StaysNearZero, 1, 1>(new StaysNearZero{settings.depth_scale}), nullptr, &scales[v]);
+          new ceres::AutoDiffCostFunction<StaysNearZero, 1, 1>(new StaysNearZero{settings.depth_scale}), nullptr,
+          &scales[v]);
     }
   }
   if (settings.focal > 0) {

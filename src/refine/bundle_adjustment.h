@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "refine/place_covariance.h"
+#include "refine/match_covariance.h"
 #include "scene/camera.h"
 
 namespace aligngs {
@@ -15,30 +15,32 @@ struct Observation {
   int point = 0;
   Vec2d pixel;
   double prior_depth = 0;
-  PlaceCovariance covariance;  ///< of `pixel`, beside BundleSettings::pixel
+  MatchCovariance covariance;  ///< of `pixel`, beside BundleSettings::pixel
 };
 
 /// How wrong the starting values are (standard deviations), and when an observation is an outlier.
 struct BundleSettings {
-  double rotation = 1;          ///< degrees, per camera
-  double centre = 0.02;         ///< of the extent, per camera
-  double focal = 0.03;          ///< relative, of the shared focal length; 0 = fixed
-  double depth = 0.03;          ///< relative, of prior depth at a pixel
+  double rotation = 1;            ///< degrees, per camera
+  double centre = 0.02;           ///< of the extent, per camera
+  double focal = 0.03;            ///< relative, of the shared focal length; 0 = fixed
+  double depth = 0.03;            ///< relative, of prior depth at a pixel
   double depth_independent = 12;  ///< a view's depth is bent, not noisy: its pixels are worth so many independent ones
-  double depth_scale = 0.02;    ///< relative, of a view's prior depth as a whole
-  double pixel = 0.1;           ///< pixels, of a match, beside its own covariance; from their sum on the Cauchy loss takes it for an outlier
-  int iterations = 50;          ///< at most
-  double tolerance = 1e-4;      ///< stops when an iteration brings less, relative to the cost: more moves no camera by as much as it is wrong
+  double depth_scale = 0.02;      ///< relative, of a view's prior depth as a whole
+  /// pixels, of a match, beside its own covariance; from their sum on the Cauchy loss takes it for an outlier
+  double pixel = 0.1;
+  int iterations = 50;  ///< at most
+  /// stops when an iteration brings less, relative to the cost: more moves no camera by as much as it is wrong
+  double tolerance = 1e-4;
 };
 
 struct BundleProblem {
-  std::vector<Camera> cameras;   ///< in: the prior; out: refined
-  std::vector<Camera> anchors;   ///< what the pose priors pull to; empty: `cameras` as given
-  std::vector<bool> fixed;       ///< cameras that stay; empty = none
-  std::vector<Vec3d> points;     ///< in: a start; out: refined
-  bool fixed_points = false;     ///< resection: only cameras move
+  std::vector<Camera> cameras;  ///< in: the prior; out: refined
+  std::vector<Camera> anchors;  ///< what the pose priors pull to; empty: `cameras` as given
+  std::vector<bool> fixed;      ///< cameras that stay; empty = none
+  std::vector<Vec3d> points;    ///< in: a start; out: refined
+  bool fixed_points = false;    ///< resection: only cameras move
   std::vector<Observation> observations;
-  double extent = 1;             ///< of the scene, scene units
+  double extent = 1;                ///< of the scene, scene units
   std::vector<double> depth_scale;  ///< out: per view, factor on its prior depth
   double focal_factor = 1;          ///< out: on every focal length
 };

@@ -64,7 +64,8 @@ TEST_F(BundleAdjustmentTest, AShiftedCameraGoesBack) {
   const BundleReport report = adjust_bundle(problem, weak_prior());
   EXPECT_GT(report.start_rms, 0.3);
   EXPECT_LT(report.end_rms, 0.05);
-  EXPECT_NEAR(problem.cameras[1].world_to_camera.translation.y - problem.cameras[0].world_to_camera.translation.y, 0, 1e-3);
+  EXPECT_NEAR(problem.cameras[1].world_to_camera.translation.y - problem.cameras[0].world_to_camera.translation.y, 0,
+              1e-3);
 }
 
 TEST_F(BundleAdjustmentTest, AWrongMatchPullsLittle) {

@@ -21,7 +21,8 @@ using namespace wall_photos;
 class CompletedScene : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "completed_scene" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    root_ = fs::path(testing::TempDir()) / "completed_scene" /
+            testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(root_);
     fs::create_directories(root_);
   }
@@ -48,7 +49,8 @@ class CompletedScene : public testing::Test {
         for (int x = (kWidth - hole) / 2; x < (kWidth + hole) / 2; ++x) view.prior_depth.at(x, y) = 0;
       }
       for (int k = 5; k < kWidth; k += 10) {
-        parts.cloud.positions.push_back(view.camera.unproject(k + 0.5, 60.5, static_cast<double>(shown.match.depth.at(k, 60))).cast<float>());
+        parts.cloud.positions.push_back(
+            view.camera.unproject(k + 0.5, 60.5, static_cast<double>(shown.match.depth.at(k, 60))).cast<float>());
         parts.cloud.colors.push_back({0.5f, 0.5f, 0.5f});
       }
       (i == 4 ? parts.split.test : parts.split.train)->push_back(view.name);
@@ -76,7 +78,8 @@ TEST_F(CompletedScene, KnowsTheGainOfEachTrainingPhotoAndKeepsTheRest) {
   EXPECT_NEAR(after.views[0].log_gain[0] - after.views[1].log_gain[0], std::log(1.3), 0.03);
   EXPECT_EQ(after.prior_source, kSensorDepth);
   for (size_t i = 0; i < before.views.size(); ++i) {
-    EXPECT_EQ(after.views[i].camera.world_to_camera.translation.x, before.views[i].camera.world_to_camera.translation.x);
+    EXPECT_EQ(after.views[i].camera.world_to_camera.translation.x,
+              before.views[i].camera.world_to_camera.translation.x);
   }
 }
 
@@ -111,7 +114,8 @@ TEST_F(CompletedScene, HasDepthInTheHolesOfTheSensorWithLessConfidence) {
   EXPECT_NEAR(report.holes, 1600.0 / (kWidth * kHeight), 1e-3);
   EXPECT_GT(report.filled, 0.6 * report.holes);
   EXPECT_LT(report.disagreement, 0.02);
-  const FloatArray depth = read_npy(root_ / "completed" / "pred_depths" / "v1.npy"), confidence = read_npy(root_ / "completed" / "pred_confidence" / "v1.npy");
+  const FloatArray depth = read_npy(root_ / "completed" / "pred_depths" / "v1.npy"),
+                   confidence = read_npy(root_ / "completed" / "pred_confidence" / "v1.npy");
   const ImageF truth = photo(true_camera(1)).match.depth;
   int right = 0, filled = 0;
   for (size_t i = 0; i < depth.data.size(); ++i) {

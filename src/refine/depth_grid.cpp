@@ -8,8 +8,8 @@ namespace aligngs {
 namespace {
 
 constexpr int kNodes = DepthGrid::kColumns * DepthGrid::kRows;
-constexpr int kRounds = 10;      // of reweighting; weights settle in fewer
-constexpr double kHuber = 1.5;   // standard deviations
+constexpr int kRounds = 10;     // of reweighting; weights settle in fewer
+constexpr double kHuber = 1.5;  // standard deviations
 
 struct Weights {
   int node[4];
@@ -17,8 +17,10 @@ struct Weights {
 };
 
 Weights weights_at(double x, double y) {
-  const double gx = std::clamp(x, 0.0, 1.0) * (DepthGrid::kColumns - 1), gy = std::clamp(y, 0.0, 1.0) * (DepthGrid::kRows - 1);
-  const int x0 = std::min(static_cast<int>(gx), DepthGrid::kColumns - 2), y0 = std::min(static_cast<int>(gy), DepthGrid::kRows - 2);
+  const double gx = std::clamp(x, 0.0, 1.0) * (DepthGrid::kColumns - 1),
+               gy = std::clamp(y, 0.0, 1.0) * (DepthGrid::kRows - 1);
+  const int x0 = std::min(static_cast<int>(gx), DepthGrid::kColumns - 2),
+            y0 = std::min(static_cast<int>(gy), DepthGrid::kRows - 2);
   const double fx = gx - x0, fy = gy - y0;
   const int first = y0 * DepthGrid::kColumns + x0;
   return {{first, first + 1, first + DepthGrid::kColumns, first + DepthGrid::kColumns + 1},
@@ -61,7 +63,8 @@ void DepthGrid::apply(ImageF& depth) const {
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
       float& z = depth.at(x, y);
-      if (z > 0 && std::isfinite(z)) z *= static_cast<float>(std::exp(at((x + 0.5) / depth.width, (y + 0.5) / depth.height)));
+      if (z > 0 && std::isfinite(z))
+        z *= static_cast<float>(std::exp(at((x + 0.5) / depth.width, (y + 0.5) / depth.height)));
     }
   }
 }
@@ -84,7 +87,8 @@ DepthGrid fit_depth_grid(const std::vector<DepthSample>& samples, const DepthGri
       }
     }
     const Vector solution = normal.ldlt().solve(right);
-    for (int i = 0; i < kNodes; ++i) grid.log_factor[static_cast<size_t>(i)] = std::clamp(solution(i), -s.limit, s.limit);
+    for (int i = 0; i < kNodes; ++i)
+      grid.log_factor[static_cast<size_t>(i)] = std::clamp(solution(i), -s.limit, s.limit);
   }
   return grid;
 }

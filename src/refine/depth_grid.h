@@ -22,16 +22,16 @@ struct DepthGrid {
 
 /// One place of the view where the depth is known from elsewhere.
 struct DepthSample {
-  double x = 0, y = 0;       ///< in [0, 1] over the image
-  double log_ratio = 0;      ///< log(known / prior)
+  double x = 0, y = 0;   ///< in [0, 1] over the image
+  double log_ratio = 0;  ///< log(known / prior)
 };
 
 struct DepthGridSettings {
-  double sigma = 0.02;         ///< of a sample, log units
-  double smoothness = 0.02;    ///< of the difference between neighbouring nodes
-  double deviation = 0.05;     ///< of a node from no correction
-  double limit = 0.15;         ///< |log factor| of a node
-  size_t min_samples = 12;     ///< fewer than the nodes determine little: no correction
+  double sigma = 0.02;       ///< of a sample, log units
+  double smoothness = 0.02;  ///< of the difference between neighbouring nodes
+  double deviation = 0.05;   ///< of a node from no correction
+  double limit = 0.15;       ///< |log factor| of a node
+  size_t min_samples = 12;   ///< fewer than the nodes determine little: no correction
 };
 
 /// Robust least squares (Huber, reweighted). Nodes without samples near them follow their neighbours.

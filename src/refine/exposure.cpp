@@ -23,14 +23,16 @@ bool usable(const ExposureView& view, int x, int y) {
 }
 
 /// The pixel of `to` that shows what pixel (x, y) of `from` shows.
-std::optional<PixelIndex> same_surface(const ExposureView& from, int x, int y, const ExposureView& to, double agreement) {
+std::optional<PixelIndex> same_surface(const ExposureView& from, int x, int y, const ExposureView& to,
+                                       double agreement) {
   const float z = from.match->depth.at(x, y);
   if (!(z > 0) || !std::isfinite(z)) return {};
   const Vec3d place = from.match->camera.unproject(x + 0.5, y + 0.5, static_cast<double>(z));
   return pixel_showing(place, to.match->camera, to.match->depth, agreement);
 }
 
-std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t from, size_t to, const ExposureSettings& s) {
+std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t from, size_t to,
+                                 const ExposureSettings& s) {
   const ExposureView &a = views[from], &b = views[to];
   std::vector<double> ratios[3];
   for (int y = s.step / 2; y < a.color->height; y += s.step) {
@@ -42,7 +44,8 @@ std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t 
         const float mine = a.color->at(x, y, k), theirs = b.color->at(other->x, other->y, k);
         const double low = std::min(mine, theirs), high = std::max(mine, theirs);
         if (low < s.darkest || high > s.brightest) continue;
-        ratios[k].push_back(std::log(static_cast<double>(srgb_decode(mine)) / static_cast<double>(srgb_decode(theirs))));
+        ratios[k].push_back(
+            std::log(static_cast<double>(srgb_decode(mine)) / static_cast<double>(srgb_decode(theirs))));
       }
     }
   }
@@ -57,7 +60,8 @@ std::optional<PairRatio> compare(const std::vector<ExposureView>& views, size_t 
 
 }  // namespace
 
-std::vector<Vec3f> estimate_log_gains(const std::vector<ExposureView>& views, const ExposureSettings& settings, ThreadPool& pool) {
+std::vector<Vec3f> estimate_log_gains(const std::vector<ExposureView>& views, const ExposureSettings& settings,
+                                      ThreadPool& pool) {
   std::vector<Vec3f> gains(views.size());
   if (views.size() < 2) return gains;
   std::vector<const MatchView*> photos;
@@ -93,7 +97,8 @@ std::vector<Vec3f> estimate_log_gains(const std::vector<ExposureView>& views, co
   const Eigen::MatrixXd solution = normal.ldlt().solve(right);  // each column's sum is 0, because that of `right` is
   for (size_t i = 0; i < views.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      gains[i][k] = static_cast<float>(std::clamp(solution(static_cast<Eigen::Index>(i), k), -settings.largest, settings.largest));
+      gains[i][k] = static_cast<float>(
+          std::clamp(solution(static_cast<Eigen::Index>(i), k), -settings.largest, settings.largest));
     }
   }
   return gains;

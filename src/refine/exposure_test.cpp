@@ -49,7 +49,8 @@ TEST(Exposure, GainsAreFoundUpToTheirMean) {
   const Exposed scene(6);
   const std::vector<Vec3f> found = scene.estimate();
   for (size_t i = 0; i < found.size(); ++i) {
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[i][k], scene.log_gains[i][k], 0.015) << "photo " << i << ", channel " << k;
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(found[i][k], scene.log_gains[i][k], 0.015) << "photo " << i << ", channel " << k;
   }
 }
 

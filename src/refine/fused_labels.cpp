@@ -83,7 +83,8 @@ FusedLabels fused(const std::vector<PlaneView>& views, size_t index, double agre
 
 }  // namespace
 
-std::vector<FusedLabels> fuse_labels(const std::vector<PlaneView>& views, const LabelFusionSettings& settings, ThreadPool& pool) {
+std::vector<FusedLabels> fuse_labels(const std::vector<PlaneView>& views, const LabelFusionSettings& settings,
+                                     ThreadPool& pool) {
   std::vector<FusedLabels> out(views.size());
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

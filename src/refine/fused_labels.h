@@ -10,7 +10,8 @@
 namespace aligngs {
 
 struct LabelFusionSettings {
-  double agreement = 0.03;  ///< relative difference of depths within which two photos show the same surface; above refined depth's error
+  /// relative difference of depths within which two photos show the same surface; above refined depth's error
+  double agreement = 0.03;
 };
 
 /// One photo's labels after the vote.
@@ -19,9 +20,12 @@ struct FusedLabels {
   ImageF share;            ///< H x W, of the votes of a place that its label got, [0, 1]; 0 where it has none
 };
 
-/// Each photo that shows a pixel's place has one vote, the pixel's own among them. The photo's own class wins a tie that it is part of,
-/// the smallest class any other. Pixels without depth keep their own; photos without labels stay without and have no vote.
+/// Each photo that shows a pixel's place has one vote, the pixel's own among them. The photo's own class wins a tie
+/// that it is part of,
+/// the smallest class any other. Pixels without depth keep their own; photos without labels stay without and have no
+/// vote.
 /// Deterministic for any number of threads.
-std::vector<FusedLabels> fuse_labels(const std::vector<PlaneView>& views, const LabelFusionSettings& settings, ThreadPool& pool);
+std::vector<FusedLabels> fuse_labels(const std::vector<PlaneView>& views, const LabelFusionSettings& settings,
+                                     ThreadPool& pool);
 
 }  // namespace aligngs

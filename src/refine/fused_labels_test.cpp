@@ -25,7 +25,9 @@ struct Photos {
       views.push_back({exact.camera, exact.depth, {}, std::move(labels), {}});
     }
   }
-  void call_all_of(size_t view, uint16_t label) { views[view].labels.data.assign(views[view].labels.data.size(), label); }
+  void call_all_of(size_t view, uint16_t label) {
+    views[view].labels.data.assign(views[view].labels.data.size(), label);
+  }
   FusedLabels first() { return fuse_labels(views, {}, pool)[0]; }
 };
 

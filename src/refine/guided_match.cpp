@@ -33,9 +33,11 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
   std::vector<double> row(static_cast<size_t>(2 * reach + 1));
   for (int dy = -reach; dy <= reach; dy += kCoarseStep) {
     scores.row(-reach, 2 * reach + 1, dy, row.data());
-    for (int dx = -reach; dx <= reach; dx += kCoarseStep) coarse.push_back({row[static_cast<size_t>(dx + reach)], dx, dy});
+    for (int dx = -reach; dx <= reach; dx += kCoarseStep)
+      coarse.push_back({row[static_cast<size_t>(dx + reach)], dx, dy});
   }
-  Place best = *std::max_element(coarse.begin(), coarse.end(), [](const Place& a, const Place& b) { return a.score < b.score; });
+  Place best =
+      *std::max_element(coarse.begin(), coarse.end(), [](const Place& a, const Place& b) { return a.score < b.score; });
   if (best.score < 0.5 * s.least_score) return {};
   for (int round = 0; round < kCoarseStep; ++round) {  // the top may lie a step beyond the coarse grid's best
     const Place middle = best;
@@ -53,11 +55,13 @@ std::optional<Match> guided_match(const MatchView& from, int x, int y, const Mat
     if (other.score > best.score - s.least_margin) return {};
   }
   std::array<double, 9> around;  // the best place in the middle, row by row
-  for (int i = 0; i < 9; ++i) around[static_cast<size_t>(i)] = i == 4 ? best.score : scores.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
-  if (std::find(around.begin(), around.end(), ShiftedScores::kOutside) != around.end()) return {};  // at the photo's border: so it may here
+  for (int i = 0; i < 9; ++i)
+    around[static_cast<size_t>(i)] = i == 4 ? best.score : scores.at(best.dx + i % 3 - 1, best.dy + i / 3 - 1);
+  // at the photo's border: so it may here
+  if (std::find(around.begin(), around.end(), ShiftedScores::kOutside) != around.end()) return {};
   Match match;
   match.score = best.score;
-  match.covariance = place_covariance(around, patch->value.size());
+  match.covariance = match_covariance(around, patch->value.size());
   match.pixel = {patch->centre.x + best.dx + parabola_top(around[3], best.score, around[5]),
                  patch->centre.y + best.dy + parabola_top(around[1], best.score, around[7])};
   return match;

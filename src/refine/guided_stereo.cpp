@@ -34,17 +34,20 @@ double parabola_offset(double left, double middle, double right) {
 /// How sure the winner is: its correlation, and how exactly the rise of the cost around it tells the depth.
 double certainty_of(const float* cost, int best, const StereoSettings& settings) {
   constexpr int kAway = 4;  // hypotheses; nearer ones differ by less than the noise
-  if (best < kAway || best + kAway >= settings.sweep.hypotheses) return 0;  // the truth may lie outside of what was tried
+  // the truth may lie outside of what was tried
+  if (best < kAway || best + kAway >= settings.sweep.hypotheses) return 0;
   const double score = 1 - cost[best];
   if (score <= settings.least_score) return 0;
   const double rise = 0.5 * (cost[best - kAway] + cost[best + kAway]) - cost[best];
   if (rise <= 0) return 0;
   const double step = settings.sweep.log_factor(best + kAway) - settings.sweep.log_factor(best);
   const double variance = (settings.cost_noise + cost[best]) * step * step / rise;  // cost = least + rise (x / step)^2
-  return (score - settings.least_score) / (1 - settings.least_score) / (1 + variance / (settings.sigma * settings.sigma));
+  return (score - settings.least_score) / (1 - settings.least_score) /
+         (1 + variance / (settings.sigma * settings.sigma));
 }
 
-Measurement measure(const MatchView& view, const std::vector<const MatchView*>& others, const StereoSettings& settings) {
+Measurement measure(const MatchView& view, const std::vector<const MatchView*>& others,
+                    const StereoSettings& settings) {
   Measurement out{ImageF(view.luma.width, view.luma.height, 1), ImageF(view.luma.width, view.luma.height, 1)};
   if (view.depth.empty() || others.empty()) return out;
   CostVolume volume = sweep_prior_depth(view, others, settings.sweep);
@@ -71,12 +74,14 @@ ImageF confirmed(const MatchView& view, const Measurement& own, const std::vecto
                  const std::vector<const Measurement*>& theirs, const StereoSettings& settings) {
   ImageF certainty = own.certainty;
   std::vector<Rigidd> to_other;
-  for (const MatchView* other : others) to_other.push_back(other->camera.world_to_camera * view.camera.world_to_camera.inverse());
+  for (const MatchView* other : others)
+    to_other.push_back(other->camera.world_to_camera * view.camera.world_to_camera.inverse());
   for (int y = 0; y < certainty.height; ++y) {
     for (int x = 0; x < certainty.width; ++x) {
       float& c = certainty.at(x, y);
       if (c <= 0) continue;
-      const Vec3d point = view.camera.ray(x + 0.5, y + 0.5) * (view.depth.at(x, y) * std::exp(static_cast<double>(own.log_factor.at(x, y))));
+      const Vec3d point = view.camera.ray(x + 0.5, y + 0.5) *
+                          (view.depth.at(x, y) * std::exp(static_cast<double>(own.log_factor.at(x, y))));
       bool agrees = false;
       for (size_t k = 0; k < others.size() && !agrees; ++k) {
         const Vec3d p = to_other[k] * point;
@@ -94,8 +99,10 @@ ImageF confirmed(const MatchView& view, const Measurement& own, const std::vecto
   return certainty;
 }
 
-/// Certainties of confirmed patches that are smaller than settings.least_patch become 0. Neighbours whose depths agree belong together.
-void drop_small_patches(const MatchView& view, const ImageF& log_factor, const StereoSettings& settings, ImageF& certainty) {
+/// Certainties of confirmed patches that are smaller than settings.least_patch become 0. Neighbours whose depths agree
+/// belong together.
+void drop_small_patches(const MatchView& view, const ImageF& log_factor, const StereoSettings& settings,
+                        ImageF& certainty) {
   const int width = certainty.width, height = certainty.height;
   DisjointSets patches(certainty.pixels());
   const auto join = [&](size_t i, size_t j) {
@@ -118,7 +125,8 @@ void drop_small_patches(const MatchView& view, const ImageF& log_factor, const S
 }
 
 /// The photos to compare each one with: those that see most of the same, from far enough apart.
-std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*>& views, const StereoSettings& settings) {
+std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*>& views,
+                                              const StereoSettings& settings) {
   std::vector<std::vector<int>> partners(views.size());
   for (size_t i = 0; i < views.size(); ++i) {
     const double depth = median_depth(views[i]->depth);
@@ -141,8 +149,8 @@ std::vector<std::vector<int>> stereo_partners(const std::vector<const MatchView*
 
 }  // namespace
 
-std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings, ThreadPool& pool,
-                                        const std::function<void(double share)>& progress) {
+std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings,
+                                        ThreadPool& pool, const std::function<void(double share)>& progress) {
   const std::vector<std::vector<int>> partners = stereo_partners(views, settings);
   const auto photos_of = [&](size_t i) {
     std::vector<const MatchView*> out;
@@ -168,7 +176,8 @@ std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& vie
       result.certainty = confirmed(*views[i], measurements[i], photos_of(i), theirs, settings);
       result.own_factor = measurements[i].log_factor;
       if (settings.least_patch > 1) drop_small_patches(*views[i], result.own_factor, settings, result.certainty);
-      result.log_factor = spread_log_correction(views[i]->depth, measurements[i].log_factor, result.certainty, settings.spread, views[i]->luma);
+      result.log_factor = spread_log_correction(views[i]->depth, measurements[i].log_factor, result.certainty,
+                                                settings.spread, views[i]->luma);
       size_t with_depth = 0, sure = 0;
       for (size_t p = 0; p < result.certainty.pixels(); ++p) {
         with_depth += views[i]->depth.data[p] > 0;

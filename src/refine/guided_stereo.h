@@ -34,9 +34,10 @@ struct StereoResult {
   double measured = 0;  ///< share of pixels with prior depth whose own measurement was confirmed by another photo
 };
 
-/// One result per view. Views without depth, or that see nothing of the others, get zeros. Deterministic for any number of
+/// One result per view. Views without depth, or that see nothing of the others, get zeros. Deterministic for any number
+/// of
 /// threads.
-std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings, ThreadPool& pool,
-                                        const std::function<void(double share)>& progress = {});
+std::vector<StereoResult> guided_stereo(const std::vector<const MatchView*>& views, const StereoSettings& settings,
+                                        ThreadPool& pool, const std::function<void(double share)>& progress = {});
 
 }  // namespace aligngs

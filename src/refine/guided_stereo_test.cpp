@@ -24,7 +24,8 @@ struct BentPhotos {
       truth.push_back(photos.back().match.depth);
       ImageF& depth = photos.back().match.depth;
       for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) depth.at(x, y) *= static_cast<float>(std::exp(bend * std::sin(0.05 * x + i) * std::cos(0.03 * y)));
+        for (int x = 0; x < kWidth; ++x)
+          depth.at(x, y) *= static_cast<float>(std::exp(bend * std::sin(0.05 * x + i) * std::cos(0.03 * y)));
       }
     }
     for (const RefineView& p : photos) views.push_back(&p.match);
@@ -109,7 +110,8 @@ TEST(GuidedStereo, SmallPatchesCanBeLeftOut) {
 TEST(SweepPriorDepth, TheTruthCostsLeast) {
   const BentPhotos exact(4, 0);
   SweepSettings settings;
-  const CostVolume volume = sweep_prior_depth(*exact.views[1], {exact.views[0], exact.views[2], exact.views[3]}, settings);
+  const CostVolume volume =
+      sweep_prior_depth(*exact.views[1], {exact.views[0], exact.views[2], exact.views[3]}, settings);
   const int middle = settings.hypotheses / 2;
   size_t right = 0, known = 0;
   for (int y = 10; y < kHeight - 10; ++y) {

@@ -45,7 +45,8 @@ HoleDepth fill(const ImageF& sensor, const PhotoDepth& stereo, const HoleDepthSe
 
 }  // namespace
 
-std::vector<HoleDepth> fill_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points, const HoleDepthSettings& settings, ThreadPool& pool,
+std::vector<HoleDepth> fill_holes(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
+                                  const HoleDepthSettings& settings, ThreadPool& pool,
                                   const std::function<void(double share)>& progress) {
   const std::vector<PhotoDepth> stereo = photo_depth(views, points, settings.stereo, pool, progress);
   std::vector<HoleDepth> filled;

@@ -51,9 +51,12 @@ LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std
   std::vector<const ImageF*> lumas;
   for (const MatchView& view : views) lumas.push_back(&view.luma);
   report.panels = find_panels(confirmed, classes.panels, report.planes, settings.panels);
-  if (settings.screens.enabled) report.panels = place_screens(all, lumas, classes.panels, report.planes, std::move(report.panels), settings.screens, pool);
+  if (settings.screens.enabled)
+    report.panels =
+        place_screens(all, lumas, classes.panels, report.planes, std::move(report.panels), settings.screens, pool);
   if (report.planes.empty() && report.panels.empty()) return report;
-  const auto unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes.planes, settings.unsure, pool);
+  const auto unsure = measure_on_planes(report.planes, with_depth(views, labels, depths, Keep::kUnsure), classes.planes,
+                                        settings.unsure, pool);
   std::vector<PlaneMeasurement> flat;
   for (size_t i = 0; i < views.size(); ++i) flat.push_back(merged(std::move(sure.views[i]), unsure[i]));
   measure_on_panels(report.panels, report.planes, all, classes.panels, settings.panels, pool, flat);

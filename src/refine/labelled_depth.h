@@ -1,4 +1,5 @@
-// Measured depth where stereo is blind and labels are not: bare walls, floors and ceilings lie on the planes of what was measured of them.
+// Measured depth where stereo is blind and labels are not: bare walls, floors and ceilings lie on the planes of what
+// was measured of them.
 #pragma once
 
 #include "refine/panel_depth.h"
@@ -18,19 +19,20 @@ inline PlaneDepthSettings loose_planes() {
 }
 
 struct LabelledDepthSettings {
-  PlaneDepthSettings sure;                      ///< finds the planes, from confirmed pixels alone; and what lies on them of those
-  PlaneDepthSettings unsure = loose_planes();   ///< what lies on them of the others
-  PanelDepthSettings panels;                    ///< panes, mirrors, screens and pictures, by what is confirmed of them
-  ScreenSettings screens;                       ///< and screens by their edges
-  LogCorrectionSettings spread;                 ///< of the depth between
-  double certainty = 0.5;                       ///< of a pixel on a plane that was not measured itself
+  /// finds the planes, from confirmed pixels alone; and what lies on them of those
+  PlaneDepthSettings sure;
+  PlaneDepthSettings unsure = loose_planes();  ///< what lies on them of the others
+  PanelDepthSettings panels;                   ///< panes, mirrors, screens and pictures, by what is confirmed of them
+  ScreenSettings screens;                      ///< and screens by their edges
+  LogCorrectionSettings spread;                ///< of the depth between
+  double certainty = 0.5;                      ///< of a pixel on a plane that was not measured itself
 };
 
 struct LabelledDepthReport {
   std::vector<ScenePlane> planes;
   std::vector<Panel> panels;
   std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
-  double on_planes = 0;  ///< share of the pixels that lie on one of either
+  double on_planes = 0;          ///< share of the pixels that lie on one of either
 };
 
 /// Surfaces that are flat by their labels.
@@ -39,7 +41,8 @@ struct FlatClasses {
   std::vector<PanelClass> panels;  ///< per class (panel_classes()); empty: panels are not looked for
 };
 
-/// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo, kNoLabel = none.
+/// Changes depth and certainty of `depths` (one per view; photo_depth()'s). `labels`: H x W classes of each photo,
+/// kNoLabel = none.
 /// Without flat surfaces nothing changes. Deterministic for any number of threads.
 LabelledDepthReport lay_on_planes(const std::vector<MatchView>& views, const std::vector<Image<uint16_t>>& labels,
                                   const FlatClasses& classes, const LabelledDepthSettings& settings, ThreadPool& pool,

@@ -48,11 +48,14 @@ struct HalfMeasured {
     }
   }
 
-  LabelledDepthReport lay(const FlatClasses& classes = kClasses) { return lay_on_planes(views, labels, classes, {}, pool, depths); }
+  LabelledDepthReport lay(const FlatClasses& classes = kClasses) {
+    return lay_on_planes(views, labels, classes, {}, pool, depths);
+  }
 
   double median_error(size_t i) const {
     std::vector<double> errors;
-    for (size_t p = 0; p < truth[i].pixels(); ++p) errors.push_back(std::abs(static_cast<double>(depths[i].depth.data[p] / truth[i].data[p]) - 1));
+    for (size_t p = 0; p < truth[i].pixels(); ++p)
+      errors.push_back(std::abs(static_cast<double>(depths[i].depth.data[p] / truth[i].data[p]) - 1));
     return median_of(std::move(errors));
   }
 };
@@ -69,7 +72,9 @@ TEST(LabelledDepth, BareWallsLieOnThePlanesOfWhatWasMeasuredOfThem) {
 
 TEST(LabelledDepth, WhatIsNoLayoutButAPanelLiesOnAPlaneOfItsOwn) {
   HalfMeasured photos;
-  const LabelledDepthReport report = photos.lay({std::vector<PlaneClass>(3), {PanelClass::kFree, PanelClass::kNone, PanelClass::kNone}});  // both walls are a mirror
+  // both walls are a mirror
+  const LabelledDepthReport report =
+      photos.lay({std::vector<PlaneClass>(3), {PanelClass::kFree, PanelClass::kNone, PanelClass::kNone}});
   EXPECT_TRUE(report.planes.empty());
   EXPECT_FALSE(report.panels.empty());
   EXPECT_LT(photos.median_error(1), 0.01);

@@ -11,9 +11,10 @@
 namespace aligngs {
 namespace {
 
-constexpr int kIterations = 300;    // of conjugate gradients; smoothing over 100 pixels needs about as many from nothing
-constexpr double kTolerance = 3e-4; // relative residual: a hundredth of a correction that is some percent
-constexpr int kSmallest = 16;       // pixels; a smaller problem is solved from nothing
+// of conjugate gradients; smoothing over 100 pixels needs about as many from nothing
+constexpr int kIterations = 300;
+constexpr double kTolerance = 3e-4;  // relative residual: a hundredth of a correction that is some percent
+constexpr int kSmallest = 16;        // pixels; a smaller problem is solved from nothing
 
 /// The system to solve, at one resolution.
 struct CorrectionLevel {
@@ -21,7 +22,8 @@ struct CorrectionLevel {
   double none;  ///< LogCorrectionSettings::none of a pixel of this size
 };
 
-/// Half the resolution: what four pixels know together, on the depth of one of them, so that jumps stay jumps. The sum of
+/// Half the resolution: what four pixels know together, on the depth of one of them, so that jumps stay jumps. The sum
+/// of
 /// squared differences between neighbours is the same at every resolution; what belongs to single pixels adds up.
 CorrectionLevel half_of(const CorrectionLevel& fine) {
   const int width = (fine.depth.width + 1) / 2, height = (fine.depth.height + 1) / 2;
@@ -120,8 +122,8 @@ ImageF solve(const CorrectionLevel& level, const LogCorrectionSettings& settings
 
 }  // namespace
 
-ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight, const LogCorrectionSettings& settings,
-                             const ImageF& luma) {
+ImageF spread_log_correction(const ImageF& depth, const ImageF& given, const ImageF& weight,
+                             const LogCorrectionSettings& settings, const ImageF& luma) {
   return solve({depth, given, weight, settings.luma_edge > 0 ? luma : ImageF(), settings.none}, settings);
 }
 

@@ -28,18 +28,21 @@ struct TrainingPhotos {
   std::vector<Image<uint16_t>> labels;  ///< empty images where planes are not looked for
 };
 
-bool uses_planes(const Scene& scene, const MeasureSceneOptions& options) { return options.planes && scene.has_semantics(); }
+bool uses_planes(const Scene& scene, const MeasureSceneOptions& options) {
+  return options.planes && scene.has_semantics();
+}
 
 TrainingPhotos load_photos(const Scene& scene, const MeasureSceneOptions& options, ThreadPool& pool) {
   const size_t count = scene.train.size();
-  TrainingPhotos photos{std::vector<std::string>(count), std::vector<MatchView>(count), std::vector<ImageF>(count), std::vector<ImageF>(count),
-                        std::vector<Image<uint16_t>>(count)};
+  TrainingPhotos photos{std::vector<std::string>(count), std::vector<MatchView>(count), std::vector<ImageF>(count),
+                        std::vector<ImageF>(count), std::vector<Image<uint16_t>>(count)};
   pool.parallel_for(count, 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       LoadOptions load;
       load.prior_depth = false;
       load.semantics = uses_planes(scene, options);
-      load.scale = std::min(1.0, static_cast<double>(options.largest_width) / scene.views[static_cast<size_t>(scene.train[i])].camera.width);
+      load.scale = std::min(1.0, static_cast<double>(options.largest_width) /
+                                     scene.views[static_cast<size_t>(scene.train[i])].camera.width);
       ViewData data = load_view(scene, scene.train[i], load);
       photos.names[i] = data.name;
       photos.match[i] = {data.camera, luma_of(data.color), {}};
@@ -51,19 +54,22 @@ TrainingPhotos load_photos(const Scene& scene, const MeasureSceneOptions& option
   return photos;
 }
 
-std::vector<PhotoDepth> measure(const Scene& scene, const TrainingPhotos& photos, const MeasureSceneOptions& options, ThreadPool& pool) {
+std::vector<PhotoDepth> measure(const Scene& scene, const TrainingPhotos& photos, const MeasureSceneOptions& options,
+                                ThreadPool& pool) {
   constexpr uint64_t kSteps = 100;
   Progress progress(options.progress, "measure depth", kSteps);
   return photo_depth(photos.match, scene.cloud.positions, options.settings, pool,
                      [&](double share) { progress.update(static_cast<uint64_t>(share * kSteps)); });
 }
 
-std::vector<Vec3f> measure_exposure(TrainingPhotos& photos, const std::vector<PhotoDepth>& depths, const MeasureSceneOptions& options, ThreadPool& pool) {
+std::vector<Vec3f> measure_exposure(TrainingPhotos& photos, const std::vector<PhotoDepth>& depths,
+                                    const MeasureSceneOptions& options, ThreadPool& pool) {
   std::vector<ExposureView> views;
   for (size_t i = 0; i < depths.size(); ++i) {
     photos.match[i].depth = depths[i].depth;
     for (size_t p = 0; p < depths[i].depth.data.size(); ++p) {
-      if (depths[i].certainty.data[p] <= 0) photos.match[i].depth.data[p] = 0;  // what is not certain may be another surface
+      // what is not certain may be another surface
+      if (depths[i].certainty.data[p] <= 0) photos.match[i].depth.data[p] = 0;
     }
     views.push_back({&photos.match[i], &photos.color[i], &photos.mask[i]});
   }
@@ -86,12 +92,15 @@ void note_depth(const fs::path& folder, double measured) {
 
 }  // namespace
 
-MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const MeasureSceneOptions& options, ThreadPool& pool) {
+MeasureSceneReport measure_scene(Scene scene, const fs::path& output, const MeasureSceneOptions& options,
+                                 ThreadPool& pool) {
   if (scene.cloud.size() == 0) {
-    throw_bad_input(scene.folder / "sparse", "points3D", "there are no points, which say how near and far the photos see",
+    throw_bad_input(scene.folder / "sparse", "points3D",
+                    "there are no points, which say how near and far the photos see",
                     "take cameras and points from structure from motion (`aligngs poses --method colmap`)");
   }
-  const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
+  const std::vector<fs::path> sources =
+      options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
   TrainingPhotos photos;
   load_usable_views(scene, [&] { photos = load_photos(scene, options, pool); });

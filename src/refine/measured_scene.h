@@ -12,12 +12,13 @@
 namespace aligngs {
 
 struct MeasureSceneOptions {
-  int largest_width = 1000;  ///< pixels; larger photos are measured at this width, and their maps have it: a pixel takes 500 bytes per thread
+  /// pixels; larger photos are measured at this width, and their maps have it: a pixel takes 500 bytes per thread
+  int largest_width = 1000;
   PhotoDepthSettings settings;
   LabelledDepthSettings plane_settings;
-  bool planes = true;    ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
+  bool planes = true;  ///< what is labelled wall, floor or ceiling is laid on planes, where the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
-  bool panels = true;    ///< and panes, mirrors, screens and pictures on planes of their own
+  bool panels = true;  ///< and panes, mirrors, screens and pictures on planes of their own
   ExposureSettings exposure_settings;
   bool exposure = true;  ///< exposure.json is written: how the training photos differ in exposure and white balance
   bool overwrite = false;
@@ -26,7 +27,8 @@ struct MeasureSceneOptions {
 };
 
 /// Message for a report of no views.
-inline constexpr const char* kNothingMeasured = "no depth can be measured: no two photos show the same from places far enough apart";
+inline constexpr const char* kNothingMeasured =
+    "no depth can be measured: no two photos show the same from places far enough apart";
 
 struct MeasureSceneReport {
   double measured = 0;  ///< mean over the training views of the share of pixels whose depth another photo confirms

@@ -21,7 +21,8 @@ using namespace wall_photos;
 class MeasuredScene : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) / "measured_scene" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    root_ =
+        fs::path(testing::TempDir()) / "measured_scene" / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(root_);
     fs::create_directories(root_);
   }
@@ -43,7 +44,8 @@ class MeasuredScene : public testing::Test {
       }
       (i + 1 == count ? parts.split.test : parts.split.train)->push_back(view.name);
       for (int k = 5; points && k < kWidth; k += 10) {
-        parts.cloud.positions.push_back(view.camera.unproject(k + 0.5, 60.5, static_cast<double>(shown.match.depth.at(k, 60))).cast<float>());
+        parts.cloud.positions.push_back(
+            view.camera.unproject(k + 0.5, 60.5, static_cast<double>(shown.match.depth.at(k, 60))).cast<float>());
         parts.cloud.colors.push_back({0.5f, 0.5f, 0.5f});
       }
       writer.add_view(view);
@@ -83,8 +85,10 @@ TEST_F(MeasuredScene, LargePhotosAreMeasuredSmaller) {
   MeasureSceneOptions options;
   options.largest_width = kWidth / 2;
   EXPECT_EQ(measure(options).views, 3u);
-  EXPECT_EQ(read_npy(root_ / "measured" / "pred_depths" / "v1.npy").shape, (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
-  EXPECT_EQ(read_npy(root_ / "measured" / "pred_confidence" / "v1.npy").shape, (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
+  EXPECT_EQ(read_npy(root_ / "measured" / "pred_depths" / "v1.npy").shape,
+            (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
+  EXPECT_EQ(read_npy(root_ / "measured" / "pred_confidence" / "v1.npy").shape,
+            (std::vector<int64_t>{kHeight / 2, kWidth / 2}));
 }
 
 TEST_F(MeasuredScene, KnowsHowItsPhotosAreExposed) {
@@ -117,7 +121,8 @@ TEST_F(MeasuredScene, APhotoDamagedInItsMiddleIsLeftOut) {
 
 TEST_F(MeasuredScene, TooFewSoundPhotosAreAnError) {
   write(4);
-  for (const View& view : open_scene(root_ / "scene").views) write_file_atomically(view.image, read_file(view.image).substr(0, 200));
+  for (const View& view : open_scene(root_ / "scene").views)
+    write_file_atomically(view.image, read_file(view.image).substr(0, 200));
   set_log_level(LogLevel::kSilent);
   EXPECT_THROW(measure(), Error);
   set_log_level(LogLevel::kInfo);

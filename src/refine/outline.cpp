@@ -6,10 +6,10 @@
 namespace aligngs {
 namespace {
 
-constexpr double kStep = 0.5;       // pixels between places that edges are looked for at
-constexpr double kReach = 3;        // standard deviations beyond which an edge is another one
-constexpr int kOutlineRadius = 3;   // pixels: a label's outline is stairs, whose direction shows over several of them
-constexpr int kBorder = 2;          // pixels: a region that ends there goes on outside
+constexpr double kStep = 0.5;      // pixels between places that edges are looked for at
+constexpr double kReach = 3;       // standard deviations beyond which an edge is another one
+constexpr int kOutlineRadius = 3;  // pixels: a label's outline is stairs, whose direction shows over several of them
+constexpr int kBorder = 2;         // pixels: a region that ends there goes on outside
 
 struct Sampler {
   const ImageF& gradient;
@@ -46,18 +46,21 @@ Vec2d inward(const Image<uint8_t>& region, int x, int y) {
 }
 
 bool is_outline(const Image<uint8_t>& region, int x, int y) {
-  if (!region.at(x, y) || x < kBorder || y < kBorder || x + kBorder >= region.width || y + kBorder >= region.height) return false;
+  if (!region.at(x, y) || x < kBorder || y < kBorder || x + kBorder >= region.width || y + kBorder >= region.height)
+    return false;
   return !region.at(x - 1, y) || !region.at(x + 1, y) || !region.at(x, y - 1) || !region.at(x, y + 1);
 }
 
 /// The steepest place on a line across the outline whose edge runs along with it.
-std::optional<OutlinePoint> edge_near(const ImageF& gradient, const Vec2d& place, const Vec2d& across, const OutlineSettings& s) {
+std::optional<OutlinePoint> edge_near(const ImageF& gradient, const Vec2d& place, const Vec2d& across,
+                                      const OutlineSettings& s) {
   const Sampler sampler{gradient};
   const double reach = s.label_error * gradient.width;
   std::optional<OutlinePoint> best;
   for (double t = -reach; t <= reach; t += kStep) {
     const Vec2d at{place.x + t * across.x, place.y + t * across.y};
-    if (at.x < kBorder || at.y < kBorder || at.x > gradient.width - kBorder || at.y > gradient.height - kBorder) continue;
+    if (at.x < kBorder || at.y < kBorder || at.x > gradient.width - kBorder || at.y > gradient.height - kBorder)
+      continue;
     const Vec2d rise{sampler.slope(at.x, at.y, {1, 0}), sampler.slope(at.x, at.y, {0, 1})};
     const double slope = length(rise);
     if (slope < s.least_slope || (best && slope <= best->slope)) continue;
@@ -89,8 +92,11 @@ double edge_at(const Sampler& sampler, const Vec2d& place, const Vec2d& rise, do
 class Transfer {
  public:
   Transfer(const Camera& camera, const WorldPlane& plane, const Camera& other)
-      : camera_(camera), other_(other), relative_(other.world_to_camera * camera.world_to_camera.inverse()),
-        normal_(camera.world_to_camera.rotation * plane.normal), distance_(dot(plane.normal, camera.centre()) + plane.offset) {}
+      : camera_(camera),
+        other_(other),
+        relative_(other.world_to_camera * camera.world_to_camera.inverse()),
+        normal_(camera.world_to_camera.rotation * plane.normal),
+        distance_(dot(plane.normal, camera.centre()) + plane.offset) {}
 
   bool faces_both(const WorldPlane& plane) const {
     const double there = dot(plane.normal, other_.centre()) + plane.offset;
@@ -135,7 +141,8 @@ ImageF luma_gradient(const ImageF& luma) {
   ImageF out(width, height, 2);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1), above = std::max(y - 1, 0), below = std::min(y + 1, height - 1);
+      const int left = std::max(x - 1, 0), right = std::min(x + 1, width - 1), above = std::max(y - 1, 0),
+                below = std::min(y + 1, height - 1);
       if (right > left) out.at(x, y, 0) = (soft.at(right, y) - soft.at(left, y)) / static_cast<float>(right - left);
       if (below > above) out.at(x, y, 1) = (soft.at(x, below) - soft.at(x, above)) / static_cast<float>(below - above);
     }
@@ -143,7 +150,8 @@ ImageF luma_gradient(const ImageF& luma) {
   return out;
 }
 
-std::vector<OutlinePoint> outline_of(const Image<uint8_t>& region, const ImageF& gradient, const OutlineSettings& settings) {
+std::vector<OutlinePoint> outline_of(const Image<uint8_t>& region, const ImageF& gradient,
+                                     const OutlineSettings& settings) {
   std::vector<OutlinePoint> out;
   int number = 0;
   for (int y = 0; y < region.height; ++y) {
@@ -159,8 +167,8 @@ std::vector<OutlinePoint> outline_of(const Image<uint8_t>& region, const ImageF&
   return out;
 }
 
-OutlineAgreement agreement(const std::vector<OutlinePoint>& outline, const Camera& camera, const WorldPlane& plane, const Camera& other,
-                           const ImageF& gradient, const OutlineSettings& settings) {
+OutlineAgreement agreement(const std::vector<OutlinePoint>& outline, const Camera& camera, const WorldPlane& plane,
+                           const Camera& other, const ImageF& gradient, const OutlineSettings& settings) {
   const Transfer transfer(camera, plane, other);
   if (outline.empty() || !transfer.faces_both(plane)) return {};
   const Sampler sampler{gradient};
@@ -170,8 +178,11 @@ OutlineAgreement agreement(const std::vector<OutlinePoint>& outline, const Camer
   for (const OutlinePoint& point : outline) {
     const Vec2d along{-point.rise.y, point.rise.x};
     const auto place = transfer(point.place.x, point.place.y);
-    if (!place || place->x < margin || place->y < margin || place->x > gradient.width - margin || place->y > gradient.height - margin) continue;
-    const auto beside = transfer(point.place.x + along.x, point.place.y + along.y), up = transfer(point.place.x + point.rise.x, point.place.y + point.rise.y);
+    if (!place || place->x < margin || place->y < margin || place->x > gradient.width - margin ||
+        place->y > gradient.height - margin)
+      continue;
+    const auto beside = transfer(point.place.x + along.x, point.place.y + along.y),
+               up = transfer(point.place.x + point.rise.x, point.place.y + point.rise.y);
     if (!beside || !up) continue;
     const Vec2d run{beside->x - place->x, beside->y - place->y};
     const double size = length(run);

@@ -19,7 +19,8 @@ Image<uint8_t> grown(const Image<uint16_t>& labels, int by) {
       for (int dy = -by; dy <= by; ++dy) {
         for (int dx = -by; dx <= by; ++dx) {
           const int u = x + dx, v = y + dy;
-          if (u >= 0 && v >= 0 && u < labels.width && v < labels.height && labels.at(u, v) == kScreenLabel) out.at(x, y) = 1;
+          if (u >= 0 && v >= 0 && u < labels.width && v < labels.height && labels.at(u, v) == kScreenLabel)
+            out.at(x, y) = 1;
         }
       }
     }
@@ -32,7 +33,9 @@ struct TwoPhotos {
   Photo first = photo(from, Screen{}), second = photo(to, Screen{});
   ImageF gradient = luma_gradient(first.luma), other_gradient = luma_gradient(second.luma);
 
-  std::vector<OutlinePoint> outline(int label_grown_by = 0) const { return outline_of(grown(first.view.labels, label_grown_by), gradient, {}); }
+  std::vector<OutlinePoint> outline(int label_grown_by = 0) const {
+    return outline_of(grown(first.view.labels, label_grown_by), gradient, {});
+  }
   double share(double z) const { return agreement(outline(), from, {{0, 0, -1}, z}, to, other_gradient, {}).share; }
 };
 
@@ -42,7 +45,8 @@ TEST(Outline, IsFoundInThePhotoWhereTheLabelIsPixelsOff) {
   ASSERT_GT(outline.size(), 40u);
   size_t near = 0;
   for (const Vec3d& p : on_plane(outline, photos.from, {{0, 0, -1}, kStanding})) {
-    const double across = std::abs(std::abs(p.x) - kHalfWidth), along = std::min(std::abs(p.y - kHigh), std::abs(p.y - kLowStanding));
+    const double across = std::abs(std::abs(p.x) - kHalfWidth),
+                 along = std::min(std::abs(p.y - kHigh), std::abs(p.y - kLowStanding));
     near += std::min(across, along) < 0.01 ? 1 : 0;  // a pixel is 11 mm there
   }
   EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(outline.size()));

@@ -15,11 +15,13 @@ struct NamedClass {
   const char* name;
   PanelClass what;
 };
-// Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no panel.
+// Blinds and pictures are here for what they are mistaken for as much as for themselves: whatever is not flat makes no
+// panel.
 constexpr NamedClass kNamedClasses[] = {
-    {"windowpane", PanelClass::kInWall}, {"painting", PanelClass::kInWall}, {"poster", PanelClass::kInWall}, {"bulletin board", PanelClass::kInWall},
-    {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},   {"mirror", PanelClass::kFree},   {"television", PanelClass::kScreen},
-    {"monitor", PanelClass::kScreen},    {"crt screen", PanelClass::kScreen},
+    {"windowpane", PanelClass::kInWall},     {"painting", PanelClass::kInWall},   {"poster", PanelClass::kInWall},
+    {"bulletin board", PanelClass::kInWall}, {"blind", PanelClass::kInWall},      {"screen", PanelClass::kInWall},
+    {"mirror", PanelClass::kFree},           {"television", PanelClass::kScreen}, {"monitor", PanelClass::kScreen},
+    {"crt screen", PanelClass::kScreen},
 };
 
 PanelClass class_at(const PlaneView& view, const std::vector<PanelClass>& classes, int x, int y) {
@@ -71,7 +73,9 @@ class PanelsInView {
   PanelsInView(const std::vector<Panel>& panels, const std::vector<uint8_t>& in_wall, const Camera& camera)
       : panels_(panels), in_wall_(in_wall), camera_(camera), centre_(camera.centre()) {}
 
-  Vec3d ray(int x, int y) const { return transpose_times(camera_.world_to_camera.rotation, camera_.ray(x + 0.5, y + 0.5)); }
+  Vec3d ray(int x, int y) const {
+    return transpose_times(camera_.world_to_camera.rotation, camera_.ray(x + 0.5, y + 0.5));
+  }
   /// Depth of a panel along a ray; 0 beside it and from behind.
   double depth(size_t panel, const Vec3d& ray) const {
     const double distance = panels_[panel].distance(centre_), slope = -dot(panels_[panel].normal, ray);
@@ -79,7 +83,9 @@ class PanelsInView {
     return panels_[panel].contains(centre_ + ray * (distance / slope)) ? distance / slope : 0;
   }
   size_t count() const { return panels_.size(); }
-  bool can_be(size_t panel, PanelClass c) const { return c == PanelClass::kFree || c == PanelClass::kScreen || (c == PanelClass::kInWall && in_wall_[panel]); }
+  bool can_be(size_t panel, PanelClass c) const {
+    return c == PanelClass::kFree || c == PanelClass::kScreen || (c == PanelClass::kInWall && in_wall_[panel]);
+  }
 
  private:
   const std::vector<Panel>& panels_;
@@ -91,15 +97,16 @@ class PanelsInView {
 constexpr int32_t kNobody = -1;
 
 /// Panel of each pixel of the mask, by the nearest measured pixel along the mask; kNobody where its region has none.
-Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes, const Image<uint8_t>& mask,
-                      const PanelDepthSettings& s) {
+Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const std::vector<PanelClass>& classes,
+                      const Image<uint8_t>& mask, const PanelDepthSettings& s) {
   Image<int32_t> owner(mask.width, mask.height, 1);
   std::fill(owner.data.begin(), owner.data.end(), kNobody);
   std::vector<std::pair<int, int>> queue;  // breadth first
   for (int y = 0; y < mask.height; ++y) {
     for (int x = 0; x < mask.width; ++x) {
       const double z = view.depth.at(x, y);
-      if (!mask.at(x, y) || view.certainty.empty() || !(view.certainty.at(x, y) >= s.least_certainty) || !(z > 0)) continue;
+      if (!mask.at(x, y) || view.certainty.empty() || !(view.certainty.at(x, y) >= s.least_certainty) || !(z > 0))
+        continue;
       double least = s.off;
       const Vec3d ray = panels.ray(x, y);
       for (size_t k = 0; k < panels.count(); ++k) {
@@ -117,7 +124,8 @@ Image<int32_t> owners(const PanelsInView& panels, const PlaneView& view, const s
     const auto [x, y] = queue[next];
     for (const auto& step : kSteps) {
       const int nx = x + step[0], ny = y + step[1];
-      if (nx < 0 || ny < 0 || nx >= mask.width || ny >= mask.height || !mask.at(nx, ny) || owner.at(nx, ny) != kNobody) continue;
+      if (nx < 0 || ny < 0 || nx >= mask.width || ny >= mask.height || !mask.at(nx, ny) || owner.at(nx, ny) != kNobody)
+        continue;
       if (!panels.can_be(static_cast<size_t>(owner.at(x, y)), class_at(view, classes, nx, ny))) continue;
       owner.at(nx, ny) = owner.at(x, y);
       queue.emplace_back(nx, ny);
@@ -142,8 +150,8 @@ bool is_elsewhere(const PlaneView& view, int x, int y, double log_factor, const 
   return !view.certainty.empty() && view.certainty.at(x, y) >= s.sure && std::abs(log_factor) > s.off;
 }
 
-void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& planes, const PlaneView& view, const std::vector<PanelClass>& classes,
-                  const PanelDepthSettings& s, PlaneMeasurement& out) {
+void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& planes, const PlaneView& view,
+                  const std::vector<PanelClass>& classes, const PanelDepthSettings& s, PlaneMeasurement& out) {
   const Image<uint8_t> mask = interior(mask_of(view, classes), s.label_edge);
   const Image<int32_t> owner = owners(panels, view, classes, mask, s);
   for (int y = 0; y < mask.height; ++y) {
@@ -159,7 +167,8 @@ void measure_view(const PanelsInView& panels, const std::vector<CameraPlane>& pl
       const double log_factor = depth > 0 ? std::log(depth / z) : 0;
       if (depth == 0 || is_elsewhere(view, x, y, log_factor, s) || std::abs(log_factor) > s.reach) continue;
       out.log_factor.at(x, y) = static_cast<float>(log_factor);
-      out.weight.at(x, y) = static_cast<float>(s.strength) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
+      out.weight.at(x, y) =
+          static_cast<float>(s.strength) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
       out.plane.at(x, y) = 0;
     }
   }
@@ -176,8 +185,8 @@ std::vector<PanelClass> panel_classes(const LabelSet& labels) {
   return out;
 }
 
-std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
-                               const PanelDepthSettings& settings) {
+std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes,
+                               const std::vector<ScenePlane>& planes, const PanelDepthSettings& settings) {
   std::vector<PanelPoint> points;
   uint32_t parts = 0;
   for (size_t v = 0; v < views.size(); ++v) {
@@ -204,15 +213,16 @@ std::vector<Panel> find_panels(const std::vector<PlaneView>& views, const std::v
   return find_panels(points, planes, settings.panels, kSeed);
 }
 
-void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
-                       const std::vector<PanelClass>& classes, const PanelDepthSettings& s, ThreadPool& pool,
-                       std::vector<PlaneMeasurement>& measurements) {
+void measure_on_panels(const std::vector<Panel>& panels, const std::vector<ScenePlane>& planes,
+                       const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes,
+                       const PanelDepthSettings& s, ThreadPool& pool, std::vector<PlaneMeasurement>& measurements) {
   std::vector<uint8_t> walled;
   for (const Panel& panel : panels) walled.push_back(in_wall(panel.centre(), panel.depth, planes, s));
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t v = begin; v < end; ++v) {
       if (!has_maps(views[v])) continue;
-      measure_view({panels, walled, views[v].camera}, in_frame_of(views[v].camera, planes), views[v], classes, s, measurements[v]);
+      measure_view({panels, walled, views[v].camera}, in_frame_of(views[v].camera, planes), views[v], classes, s,
+                   measurements[v]);
     }
   });
 }

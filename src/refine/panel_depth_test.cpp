@@ -43,7 +43,8 @@ struct WindowPhotos {
         for (int x = 0; x < kWidth; ++x) paint(view, x, y);
       }
       views.push_back(std::move(view));
-      measurements.push_back({ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)});
+      measurements.push_back(
+          {ImageF(kWidth, kHeight, 1), ImageF(kWidth, kHeight, 1), Image<uint8_t>(kWidth, kHeight, 1)});
     }
   }
 
@@ -92,18 +93,21 @@ TEST(PanelDepth, CurtainsThatTheTeacherCallsAPaneAreNone) {
   WindowPhotos photos;
   for (PlaneView& view : photos.views) {
     for (float& z : view.depth.data) {
-      if (z != static_cast<float>(kWallDepth)) z = z == static_cast<float>(kBehind) ? 2.9f : 2.7f;  // all of it hangs before the wall
+      // all of it hangs before the wall
+      if (z != static_cast<float>(kWallDepth)) z = z == static_cast<float>(kBehind) ? 2.9f : 2.7f;
     }
   }
   EXPECT_TRUE(photos.find().empty());
-  EXPECT_FALSE(find_panels(photos.views, {PanelClass::kNone, PanelClass::kFree}, {wall()}, {}).empty());  // a mirror or screen may
+  // a mirror or screen may
+  EXPECT_FALSE(find_panels(photos.views, {PanelClass::kNone, PanelClass::kFree}, {wall()}, {}).empty());
 }
 
 TEST(PanelDepth, APhotoThatMeasuredNothingTakesThePaneOfTheOthers) {
   WindowPhotos photos(4);
   photos.views[3].certainty = ImageF(kWidth, kHeight, 1);
   photos.measure();
-  EXPECT_NEAR(photos.views[3].depth.at(60, 45) * std::exp(photos.measurements[3].log_factor.at(60, 45)), kPaneDepth, 0.01);
+  EXPECT_NEAR(photos.views[3].depth.at(60, 45) * std::exp(photos.measurements[3].log_factor.at(60, 45)), kPaneDepth,
+              0.01);
 }
 
 TEST(PanelDepth, APaneOfWhichNothingIsMeasuredIsInItsWallAtTheFarthest) {
@@ -113,7 +117,8 @@ TEST(PanelDepth, APaneOfWhichNothingIsMeasuredIsInItsWallAtTheFarthest) {
   }
   photos.views[1].depth.at(60, 45) = 2.5f;
   photos.measure();
-  EXPECT_NEAR(photos.views[0].depth.at(60, 45) * std::exp(photos.measurements[0].log_factor.at(60, 45)), kWallDepth, 0.01);
+  EXPECT_NEAR(photos.views[0].depth.at(60, 45) * std::exp(photos.measurements[0].log_factor.at(60, 45)), kWallDepth,
+              0.01);
   EXPECT_EQ(photos.measurements[1].weight.at(60, 45), 0);  // a picture may lean at something before the wall
 }
 

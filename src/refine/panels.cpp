@@ -16,17 +16,19 @@
 namespace aligngs {
 namespace {
 
-constexpr int kRefinements = 8;    // of reweighted least squares, which settles after three to five
-constexpr size_t kScored = 2000;   // points that candidates are compared on
-constexpr double kTail = 0.02;     // of the points on each side that a rectangle does not follow
+constexpr int kRefinements = 8;   // of reweighted least squares, which settles after three to five
+constexpr size_t kScored = 2000;  // points that candidates are compared on
+constexpr double kTail = 0.02;    // of the points on each side that a rectangle does not follow
 
 using Points = std::vector<PanelPoint>;
 
 bool usable(const PanelPoint& p) {
-  return p.depth > 0 && p.certainty > 0 && std::isfinite(p.position.x + p.position.y + p.position.z + p.depth + p.certainty);
+  return p.depth > 0 && p.certainty > 0 &&
+         std::isfinite(p.position.x + p.position.y + p.position.z + p.depth + p.certainty);
 }
 
-/// Regions whose points lie in the same places are photos of one thing. A list of points per thing, in the order of the regions.
+/// Regions whose points lie in the same places are photos of one thing. A list of points per thing, in the order of the
+/// regions.
 std::vector<Points> things(const Points& points, const PanelSettings& s) {
   std::vector<double> depths;
   uint32_t parts = 0;
@@ -72,11 +74,14 @@ double support(const Points& points, const Plane& plane, const PanelSettings& s)
 }
 
 /// The most supported of planes through three points, and of planes parallel to a wall through one.
-Plane best_candidate(const Points& points, const std::vector<ScenePlane>& walls, const PanelSettings& s, Random& random) {
+Plane best_candidate(const Points& points, const std::vector<ScenePlane>& walls, const PanelSettings& s,
+                     Random& random) {
   Points scored = points;
   random.shuffle(scored);
   scored.resize(std::min(scored.size(), kScored));
-  const auto any = [&]() -> const Vec3d& { return points[static_cast<size_t>(random.below(static_cast<int>(points.size())))].position; };
+  const auto any = [&]() -> const Vec3d& {
+    return points[static_cast<size_t>(random.below(static_cast<int>(points.size())))].position;
+  };
   Plane best;
   double most = 0;
   for (int c = 0; c < s.candidates; ++c) {
@@ -156,8 +161,10 @@ double spread(const std::vector<double>& values) {
   return std::sqrt(square);
 }
 
-/// The rectangle of the points of a plane; nothing where they lie in a line, are of too few photos, or the plane is level.
-std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std::vector<ScenePlane>& planes, const PanelSettings& s) {
+/// The rectangle of the points of a plane; nothing where they lie in a line, are of too few photos, or the plane is
+/// level.
+std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std::vector<ScenePlane>& planes,
+                              const PanelSettings& s) {
   double facing = 0;
   std::set<int> views;
   std::vector<double> depths;
@@ -190,8 +197,8 @@ std::optional<Panel> panel_on(const Plane& plane, const Points& near, const std:
 }
 
 /// The panels of one thing, the best supported first.
-void add_panels_of(Points points, const std::vector<ScenePlane>& planes, const std::vector<ScenePlane>& walls, const PanelSettings& s, Random random,
-                   std::vector<Panel>& panels) {
+void add_panels_of(Points points, const std::vector<ScenePlane>& planes, const std::vector<ScenePlane>& walls,
+                   const PanelSettings& s, Random random, std::vector<Panel>& panels) {
   double whole = 0;
   for (const PanelPoint& p : points) whole += p.certainty;
   for (int n = 0; n < s.most_of_thing && points.size() >= s.least_points; ++n) {
@@ -205,7 +212,8 @@ void add_panels_of(Points points, const std::vector<ScenePlane>& planes, const s
     if (near.size() < s.least_points || support(near, plane, s) < s.least_share * whole) return;
     if (const std::optional<Panel> panel = panel_on(plane, near, planes, s)) panels.push_back(*panel);
     // Points a little farther off are the same surface, measured worse.
-    std::erase_if(points, [&](const PanelPoint& p) { return std::abs(plane.distance(p.position)) < 2 * s.inlier * p.depth; });
+    std::erase_if(points,
+                  [&](const PanelPoint& p) { return std::abs(plane.distance(p.position)) < 2 * s.inlier * p.depth; });
   }
 }
 
@@ -232,16 +240,18 @@ void set_upright(Panel& panel, const std::vector<ScenePlane>& planes) {
   panel.up = cross(panel.normal, panel.across);
 }
 
-std::vector<Panel> find_panels(const std::vector<PanelPoint>& points, const std::vector<ScenePlane>& planes, const PanelSettings& settings,
-                               uint64_t seed) {
+std::vector<Panel> find_panels(const std::vector<PanelPoint>& points, const std::vector<ScenePlane>& planes,
+                               const PanelSettings& settings, uint64_t seed) {
   Points known;
   std::copy_if(points.begin(), points.end(), std::back_inserter(known), usable);
   if (known.empty()) return {};
   std::vector<ScenePlane> walls;
-  std::copy_if(planes.begin(), planes.end(), std::back_inserter(walls), [](const ScenePlane& p) { return p.kind == PlaneKind::kWall; });
+  std::copy_if(planes.begin(), planes.end(), std::back_inserter(walls),
+               [](const ScenePlane& p) { return p.kind == PlaneKind::kWall; });
   std::vector<Panel> panels;
   const std::vector<Points> lists = things(known, settings);
-  for (size_t i = 0; i < lists.size(); ++i) add_panels_of(lists[i], planes, walls, settings, Random(seed).fork(i), panels);
+  for (size_t i = 0; i < lists.size(); ++i)
+    add_panels_of(lists[i], planes, walls, settings, Random(seed).fork(i), panels);
   return panels;
 }
 

@@ -18,7 +18,8 @@ ScenePlane plane(const Vec3d& normal, double offset, PlaneKind kind) {
   p.kind = kind;
   return p;
 }
-const std::vector<ScenePlane> kRoom = {plane({0, 0, -1}, 3, PlaneKind::kWall), plane({0, -1, 0}, 1.2, PlaneKind::kFloor)};
+const std::vector<ScenePlane> kRoom = {plane({0, 0, -1}, 3, PlaneKind::kWall),
+                                       plane({0, -1, 0}, 1.2, PlaneKind::kFloor)};
 
 /// Points of the frame of a rectangle that `views` photos measured, each as a region of its own.
 struct Frames {
@@ -31,7 +32,8 @@ struct Frames {
     for (int view = 0; view < views; ++view, ++parts) {
       for (int i = 0; i < 200; ++i) {
         const double along = random.uniform();
-        const Vec3d at[] = {corner + across * along, corner + across * along + down, corner + down * along, corner + across + down * along};
+        const Vec3d at[] = {corner + across * along, corner + across * along + down, corner + down * along,
+                            corner + across + down * along};
         add_point(at[i % 4] + normal * (noise * random.normal()), view);
       }
     }
@@ -102,7 +104,8 @@ TEST(Panels, WhatIsNotFlatIsNone) {
   Frames frames;
   for (int view = 0; view < 3; ++view, ++frames.parts) {
     for (int i = 0; i < 300; ++i) {
-      frames.add_point({frames.random.uniform(-0.5, 0.5), frames.random.uniform(-0.5, 0.5), frames.random.uniform(2, 3)}, view);
+      frames.add_point(
+          {frames.random.uniform(-0.5, 0.5), frames.random.uniform(-0.5, 0.5), frames.random.uniform(2, 3)}, view);
     }
   }
   EXPECT_TRUE(find_panels(frames.points, kRoom, {}, 1).empty());

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 
 namespace aligngs {
 namespace {
@@ -17,13 +17,15 @@ struct RowSums {
   double* squares;
 };
 
-ALIGNGS_FUNCTION_VERSIONS
-void add_tap(const float* upper, const float* lower, float right, float down, float value, int count, const RowSums& sums) {
+ALIGNGS_TARGET_CLONES
+void add_tap(const float* upper, const float* lower, float right, float down, float value, int count,
+             const RowSums& sums) {
   double* __restrict dot = sums.dot;
   double* __restrict sum = sums.sum;
   double* __restrict squares = sums.squares;
   for (int k = 0; k < count; ++k) {
-    const float top = (1 - right) * upper[k] + right * upper[k + 1], bottom = (1 - right) * lower[k] + right * lower[k + 1];
+    const float top = (1 - right) * upper[k] + right * upper[k + 1],
+                bottom = (1 - right) * lower[k] + right * lower[k + 1];
     const double luma = (1 - down) * top + down * bottom;
     dot[k] += value * luma;
     sum[k] += luma;
@@ -99,7 +101,8 @@ void ShiftedScores::row(int first, int count, int dy, double* out) {
   for (std::vector<double>* sums : {&dot_, &sum_, &squares_}) sums->assign(static_cast<size_t>(inside), 0.0);
   const size_t width = static_cast<size_t>(luma_.width);
   for (const Tap& tap : taps_) {
-    const float* upper = &luma_.data[static_cast<size_t>(tap.row + dy) * width + static_cast<size_t>(tap.column + begin)];
+    const float* upper =
+        &luma_.data[static_cast<size_t>(tap.row + dy) * width + static_cast<size_t>(tap.column + begin)];
     add_tap(upper, upper + width, tap.right, tap.down, tap.value, inside, {dot_.data(), sum_.data(), squares_.data()});
   }
   const double n = static_cast<double>(taps_.size());

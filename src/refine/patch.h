@@ -16,9 +16,11 @@ struct Patch {
 
 /// The patch around (x, y). Nothing if it leaves the photo, lacks depth somewhere, has a jump of depth or no contrast,
 /// or lies behind the other camera.
-std::optional<Patch> carry_over(const MatchView& from, int x, int y, const MatchView& to, const MatchSettings& settings);
+std::optional<Patch> carry_over(const MatchView& from, int x, int y, const MatchView& to,
+                                const MatchSettings& settings);
 
-/// Normalised cross-correlation with the photo when all places are shifted by whole pixels. kOutside where the patch leaves
+/// Normalised cross-correlation with the photo when all places are shifted by whole pixels. kOutside where the patch
+/// leaves
 /// the photo or the photo is flat there.
 class ShiftedScores {
  public:
@@ -34,9 +36,9 @@ class ShiftedScores {
  private:
   /// A pixel of the patch between four of the photo.
   struct Tap {
-    int column, row;         ///< of the upper left one, without a shift
-    float right, down;       ///< shares of the right and the lower ones
-    float value;             ///< Patch::value
+    int column, row;    ///< of the upper left one, without a shift
+    float right, down;  ///< shares of the right and the lower ones
+    float value;        ///< Patch::value
   };
 
   const ImageF& luma_;

@@ -38,7 +38,8 @@ TEST(ShiftedScores, AreCorrelations) {
   ShiftedScores scores(patch, image);
   for (const auto& [dx, dy] : {std::pair{0, 0}, std::pair{-2, 3}, std::pair{5, -1}}) {
     double mean = 0, dot = 0, variance = 0, values[3];
-    for (size_t i = 0; i < 3; ++i) mean += (values[i] = bilinear(image, {patch.place[i].x + dx, patch.place[i].y + dy})) / 3;
+    for (size_t i = 0; i < 3; ++i)
+      mean += (values[i] = bilinear(image, {patch.place[i].x + dx, patch.place[i].y + dy})) / 3;
     for (size_t i = 0; i < 3; ++i) {
       dot += static_cast<double>(patch.value[i]) * values[i];
       variance += (values[i] - mean) * (values[i] - mean);

@@ -17,8 +17,8 @@ using Vector = Eigen::Matrix<double, kNumbers, 1>;
 using Matrix = Eigen::Matrix<double, kNumbers, kNumbers>;
 
 constexpr double kFirstDamping = 1e-4, kMostDamping = 1e4;  // shares of the diagonal
-constexpr double kLeastCurvature = 1e-12;  // of numbers that nothing determines
-constexpr int kLeastSize = 24;             // pixels: smaller pictures show nothing
+constexpr double kLeastCurvature = 1e-12;                   // of numbers that nothing determines
+constexpr int kLeastSize = 24;                              // pixels: smaller pictures show nothing
 constexpr int kBrightnessRounds = 6;
 constexpr double kGainHold = 1e-4;  // variance of grey beside which a photo has no contrast
 
@@ -85,8 +85,8 @@ struct Brightness {
 struct Equations {
   Matrix a = Matrix::Zero();
   Vector b = Vector::Zero();
-  double error = 0;   ///< mean norm with the best brightness
-  double depth = 0;   ///< mean of the samples, scene units
+  double error = 0;  ///< mean norm with the best brightness
+  double depth = 0;  ///< mean of the samples, scene units
   bool usable = false;
 };
 
@@ -154,7 +154,8 @@ class Aligner {
     return 0.5 * settings_.scale * settings_.scale * std::log1p(share * share);
   }
 
-  std::vector<Sample> samples_of(const PhotoLevel& level, const Camera& camera, const SceneLook& seen, double& depth) const {
+  std::vector<Sample> samples_of(const PhotoLevel& level, const Camera& camera, const SceneLook& seen,
+                                 double& depth) const {
     const ImageF grey = grey_of(seen.color);
     std::vector<Sample> samples;
     double sum = 0;
@@ -166,8 +167,9 @@ class Aligner {
         Sample s;
         s.render = grey.at(x, y);
         s.photo = level.grey.at(x, y);
-        s.by_pose = value_by_pose(camera, camera.ray(x + 0.5, y + 0.5) * z, 0.5 * (grey.at(x + 1, y) - grey.at(x - 1, y)),
-                                  0.5 * (grey.at(x, y + 1) - grey.at(x, y - 1)));
+        s.by_pose =
+            value_by_pose(camera, camera.ray(x + 0.5, y + 0.5) * z, 0.5 * (grey.at(x + 1, y) - grey.at(x - 1, y)),
+                          0.5 * (grey.at(x, y + 1) - grey.at(x, y - 1)));
         if (!std::isfinite(s.render) || !std::isfinite(s.photo) || !s.by_pose.allFinite()) continue;
         samples.push_back(s);
         sum += z;
@@ -209,7 +211,10 @@ PhotoAlignment align_to_photo(const Camera& start, const ImageF& photo, const Im
   const bool sizes = photo.width == start.width && photo.height == start.height && photo.channels == 3 &&
                      (mask.empty() || (mask.width == start.width && mask.height == start.height));
   if (!sizes) {
-    throw Error({ErrorKind::kFailed, "a photo to be aligned does not have the size of its camera", {}, "color",
+    throw Error({ErrorKind::kFailed,
+                 "a photo to be aligned does not have the size of its camera",
+                 {},
+                 "color",
                  "bring every map of a view to the size of its camera"});
   }
   PhotoAlignment result;

@@ -17,17 +17,17 @@ struct SceneLook {
 using LookAtScene = std::function<SceneLook(const Camera&)>;
 
 struct PhotoAlignmentSettings {
-  int levels = 3;           ///< sizes, each half of the one before; the smallest first, which sees far shifts
-  int steps = 8;            ///< renderings per size at most
-  double scale = 0.05;      ///< grey, of 1: of Cauchy's norm; far beyond, a pixel shows something else than the scene
-  double depth_jump = 0.05; ///< relative: neighbours that far apart are an edge, which moves otherwise than its pixels
-  double least_share = 0.05;///< of the pixels must show a surface
-  double still = 0.01;      ///< pixels: a step whose median motion is smaller ends a size
+  int levels = 3;            ///< sizes, each half of the one before; the smallest first, which sees far shifts
+  int steps = 8;             ///< renderings per size at most
+  double scale = 0.05;       ///< grey, of 1: of Cauchy's norm; far beyond, a pixel shows something else than the scene
+  double depth_jump = 0.05;  ///< relative: neighbours that far apart are an edge, which moves otherwise than its pixels
+  double least_share = 0.05;  ///< of the pixels must show a surface
+  double still = 0.01;        ///< pixels: a step whose median motion is smaller ends a size
 };
 
 struct PhotoAlignment {
-  Camera camera;                  ///< the pose alone may differ from that of the start
-  double before = 0, after = 0;   ///< mean norm of the grey differences at full size; 0 where nothing is seen
+  Camera camera;                 ///< the pose alone may differ from that of the start
+  double before = 0, after = 0;  ///< mean norm of the grey differences at full size; 0 where nothing is seen
   int renderings = 0;
 };
 

@@ -103,7 +103,9 @@ TEST(PhotoAlignment, GivesTheStartBackWhereThePhotoSaysNothing) {
   Scene bare;
   bare.contrast = 0;
   expect_start(align_to_photo(start, ImageF(96, 72, 3, 0.5f), {}, bare));
-  const auto nothing = [](const Camera& c) { return SceneLook{ImageF(c.width, c.height, 3), ImageF(c.width, c.height, 1)}; };
+  const auto nothing = [](const Camera& c) {
+    return SceneLook{ImageF(c.width, c.height, 3), ImageF(c.width, c.height, 1)};
+  };
   expect_start(align_to_photo(start, ImageF(96, 72, 3, 0.5f), {}, nothing));
   const auto not_numbers = [](const Camera& c) {
     const float nan = std::numeric_limits<float>::quiet_NaN();

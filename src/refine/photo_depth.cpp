@@ -10,10 +10,11 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kLeastPoints = 8;       // fewer do not tell how near and how far a photo sees
-constexpr double kStrayShare = 0.02;     // of the points, at either end: wrong ones lie anywhere
-constexpr double kNoDepth = 1e-6;        // weight of a photo's usual depth where nothing is measured within some 1000 pixels
-constexpr double kPassesOfSearch = 3;    // the search over all depths takes about as long as so many passes of its size
+constexpr size_t kLeastPoints = 8;    // fewer do not tell how near and how far a photo sees
+constexpr double kStrayShare = 0.02;  // of the points, at either end: wrong ones lie anywhere
+// weight of a photo's usual depth where nothing is measured within some 1000 pixels
+constexpr double kNoDepth = 1e-6;
+constexpr double kPassesOfSearch = 3;  // the search over all depths takes about as long as so many passes of its size
 
 struct DepthRange {
   double nearest, farthest;
@@ -69,8 +70,10 @@ class Search {
     for (size_t i = 0; i < photos_.size(); ++i) {
       const DepthRange& r = ranges[i];
       if (!(r.nearest > 0)) continue;
-      photos_[i].depth = ImageF(photos_[i].luma.width, photos_[i].luma.height, 1, static_cast<float>(std::sqrt(r.nearest * r.farthest)));
-      stereo.sweep.range = std::max(stereo.sweep.range, 0.5 * std::log(r.farthest / r.nearest) + std::log(settings_.margin));
+      photos_[i].depth = ImageF(photos_[i].luma.width, photos_[i].luma.height, 1,
+                                static_cast<float>(std::sqrt(r.nearest * r.farthest)));
+      stereo.sweep.range =
+          std::max(stereo.sweep.range, 0.5 * std::log(r.farthest / r.nearest) + std::log(settings_.margin));
     }
     const int steps = static_cast<int>(std::ceil(stereo.sweep.range / settings_.step));
     stereo.sweep.hypotheses = std::min(2 * steps + 1, settings_.most_hypotheses);
@@ -89,13 +92,16 @@ class Search {
     work_done_ += work;
     pool_.parallel_for(photos_.size(), 1, [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) {
-        if (results_[i].measured > 0) interpolate(photos_[i], results_[i], stereo.spread);
-        else photos_[i].depth = {};  // alone: one depth for all of a photo is no depth
+        if (results_[i].measured > 0)
+          interpolate(photos_[i], results_[i], stereo.spread);
+        else
+          photos_[i].depth = {};  // alone: one depth for all of a photo is no depth
       }
     });
   }
 
-  /// The photo's depth from what this pass measured alone: what an earlier one took for depth and nothing confirms now is forgotten.
+  /// The photo's depth from what this pass measured alone: what an earlier one took for depth and nothing confirms now
+  /// is forgotten.
   static void interpolate(MatchView& photo, const StereoResult& result, LogCorrectionSettings spread) {
     const ImageF& depth = photo.depth;
     ImageF given(depth.width, depth.height, 1);
@@ -118,7 +124,8 @@ class Search {
     for (size_t i = 0; i < photos_.size(); ++i) {
       MatchView photo = originals_[i];
       photo.depth = {};
-      if (!photos_[i].depth.empty()) photo.depth = resize_bilinear(photos_[i].depth, photo.luma.width, photo.luma.height);
+      if (!photos_[i].depth.empty())
+        photo.depth = resize_bilinear(photos_[i].depth, photo.luma.width, photo.luma.height);
       photos_[i] = std::move(photo);
     }
   }
@@ -154,8 +161,9 @@ class Search {
 
 }  // namespace
 
-std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points, const PhotoDepthSettings& settings,
-                                    ThreadPool& pool, const std::function<void(double share)>& progress) {
+std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
+                                    const PhotoDepthSettings& settings, ThreadPool& pool,
+                                    const std::function<void(double share)>& progress) {
   return Search(views, settings, pool, progress).run(ranges_of(views, points));
 }
 

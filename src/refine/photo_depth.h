@@ -10,27 +10,31 @@
 namespace aligngs {
 
 struct PhotoDepthSettings {
-  int coarse_width = 320;        ///< pixels; larger photos are searched over all depths at this width
-  double margin = 1.5;           ///< factor by which that search goes beyond the nearest and the farthest points
-  double step = 0.012;           ///< log units between its depths: a pixel or so of such photos taken 15 degrees apart
-  int most_hypotheses = 201;     ///< of it; wider ranges have longer steps
-  double coarse_sigma = 0.03;    ///< StereoSettings::sigma and agreement of the search, whose windows do not follow slopes yet
+  int coarse_width = 320;     ///< pixels; larger photos are searched over all depths at this width
+  double margin = 1.5;        ///< factor by which that search goes beyond the nearest and the farthest points
+  double step = 0.012;        ///< log units between its depths: a pixel or so of such photos taken 15 degrees apart
+  int most_hypotheses = 201;  ///< of it; wider ranges have longer steps
+  /// StereoSettings::sigma and agreement of the search, whose windows do not follow slopes yet
+  double coarse_sigma = 0.03;
   double coarse_agreement = 0.03;
-  StereoSettings stereo;         ///< of the passes after the search, near the depth found so far
-  int coarse_passes = 2;         ///< of these at the coarse width
-  int fine_passes = 1;           ///< and at the photos' own
+  StereoSettings stereo;  ///< of the passes after the search, near the depth found so far
+  int coarse_passes = 2;  ///< of these at the coarse width
+  int fine_passes = 1;    ///< and at the photos' own
 };
 
 struct PhotoDepth {
-  ImageF depth;         ///< H x W, scene units, of every pixel: measured, or the smoothest in between; empty: nothing is known
-  ImageF certainty;     ///< H x W in [0, 1]: of the pixel's own measurement; 0 where it has none that another photo confirms
+  /// H x W, scene units, of every pixel: measured, or the smoothest in between; empty: nothing is known
+  ImageF depth;
+  /// H x W in [0, 1]: of the pixel's own measurement; 0 where it has none that another photo confirms
+  ImageF certainty;
   double measured = 0;  ///< share of the pixels whose certainty is not 0
 };
 
 /// `views`: camera and luma, MatchView::depth is not read. `points`: world, scene units, of structure from motion.
 /// Those in front of a photo bound its search of depth (fewer than eight: the bounds of the other photos). Photos that
 /// see nothing of another get empty maps. Deterministic for any number of threads.
-std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points, const PhotoDepthSettings& settings,
-                                    ThreadPool& pool, const std::function<void(double share)>& progress = {});
+std::vector<PhotoDepth> photo_depth(const std::vector<MatchView>& views, const std::vector<Vec3f>& points,
+                                    const PhotoDepthSettings& settings, ThreadPool& pool,
+                                    const std::function<void(double share)>& progress = {});
 
 }  // namespace aligngs

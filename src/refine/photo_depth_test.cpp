@@ -15,7 +15,8 @@ using namespace wall_photos;
 
 constexpr double kRoughness = 0.3;  // grain of the walls: without any, places look alike
 
-/// Photos of the corner with true cameras and no depth, and some points of its walls, as structure from motion finds them.
+/// Photos of the corner with true cameras and no depth, and some points of its walls, as structure from motion finds
+/// them.
 struct BarePhotos {
   std::vector<MatchView> views;
   std::vector<ImageF> truth;
@@ -27,7 +28,9 @@ struct BarePhotos {
       truth.push_back(std::move(view.match.depth));
       view.match.depth = {};
       for (int y = 5; y < kHeight; y += 20) {
-        for (int x = 5; x < kWidth; x += 20) points.push_back(view.match.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(truth.back().at(x, y))).cast<float>());
+        for (int x = 5; x < kWidth; x += 20)
+          points.push_back(
+              view.match.camera.unproject(x + 0.5, y + 0.5, static_cast<double>(truth.back().at(x, y))).cast<float>());
       }
       views.push_back(std::move(view.match));
     }
@@ -37,7 +40,8 @@ struct BarePhotos {
   double error(size_t i, const PhotoDepth& found, bool certain) const {
     std::vector<double> errors;
     for (size_t p = 0; p < found.depth.pixels(); ++p) {
-      if ((found.certainty.data[p] > 0) == certain) errors.push_back(std::abs(static_cast<double>(found.depth.data[p] / truth[i].data[p]) - 1));
+      if ((found.certainty.data[p] > 0) == certain)
+        errors.push_back(std::abs(static_cast<double>(found.depth.data[p] / truth[i].data[p]) - 1));
     }
     return median_of(std::move(errors));
   }
@@ -50,7 +54,8 @@ TEST(PhotoDepth, FindsTheWallsWithoutAnyPrior) {
   for (size_t i = 1; i + 1 < depths.size(); ++i) {
     EXPECT_GT(depths[i].measured, 0.5) << i;
     EXPECT_LT(bare.error(i, depths[i], true), 0.01) << i;
-    EXPECT_LT(bare.error(i, depths[i], false), 0.06) << i;  // where the border or another wall hides it: between its neighbours
+    // where the border or another wall hides it: between its neighbours
+    EXPECT_LT(bare.error(i, depths[i], false), 0.06) << i;
   }
 }
 
@@ -71,7 +76,8 @@ TEST(PhotoDepth, IsSearchedCoarselyInLargePhotos) {
 
 TEST(PhotoDepth, PhotosThatSeeNothingOfEachOtherGetNone) {
   BarePhotos bare(2);
-  bare.views[1].camera.world_to_camera.rotation = Mat3d{{-1, 0, 0, 0, 1, 0, 0, 0, -1}} * bare.views[1].camera.world_to_camera.rotation;
+  bare.views[1].camera.world_to_camera.rotation =
+      Mat3d{{-1, 0, 0, 0, 1, 0, 0, 0, -1}} * bare.views[1].camera.world_to_camera.rotation;
   ThreadPool pool(1);
   for (const PhotoDepth& depth : photo_depth(bare.views, bare.points, {}, pool)) {
     EXPECT_TRUE(depth.depth.empty());

@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr uint64_t kSeed = 1;  // the same planes every time
+constexpr uint64_t kSeed = 1;     // the same planes every time
 constexpr int kNormalRadius = 4;  // pixels: only a rough direction is needed, and noise is worse than a rounded corner
 
 struct NamedClass {
@@ -19,13 +19,13 @@ struct NamedClass {
   PlaneClass what;
 };
 constexpr NamedClass kNamedClasses[] = {
-    {"wall", {PlaneKind::kWall, false}},      {"floor", {PlaneKind::kFloor, false}},
-    {"rug", {PlaneKind::kFloor, false, true}},      {"ceiling", {PlaneKind::kCeiling, false}},
-    {"door", {PlaneKind::kWall, false, true}},      {"painting", {PlaneKind::kWall, false, true}},
-    {"poster", {PlaneKind::kWall, false, true}},    {"bulletin board", {PlaneKind::kWall, false, true}},
-    {"windowpane", {PlaneKind::kWall, true}}, {"mirror", {PlaneKind::kWall, true}},
-    {"table", {PlaneKind::kTable, false}},    {"coffee table", {PlaneKind::kTable, false}},
-    {"desk", {PlaneKind::kTable, false}},     {"counter", {PlaneKind::kTable, false}},
+    {"wall", {PlaneKind::kWall, false}},         {"floor", {PlaneKind::kFloor, false}},
+    {"rug", {PlaneKind::kFloor, false, true}},   {"ceiling", {PlaneKind::kCeiling, false}},
+    {"door", {PlaneKind::kWall, false, true}},   {"painting", {PlaneKind::kWall, false, true}},
+    {"poster", {PlaneKind::kWall, false, true}}, {"bulletin board", {PlaneKind::kWall, false, true}},
+    {"windowpane", {PlaneKind::kWall, true}},    {"mirror", {PlaneKind::kWall, true}},
+    {"table", {PlaneKind::kTable, false}},       {"coffee table", {PlaneKind::kTable, false}},
+    {"desk", {PlaneKind::kTable, false}},        {"counter", {PlaneKind::kTable, false}},
     {"countertop", {PlaneKind::kTable, false}},
 };
 
@@ -64,17 +64,20 @@ PreparedView prepare(const PlaneView& view, const std::vector<PlaneClass>& class
   return out;
 }
 
-Vec3d normal_at(const ImageF& normals, int x, int y) { return {normals.at(x, y, 0), normals.at(x, y, 1), normals.at(x, y, 2)}; }
+Vec3d normal_at(const ImageF& normals, int x, int y) {
+  return {normals.at(x, y, 0), normals.at(x, y, 1), normals.at(x, y, 2)};
+}
 
-void collect_points(const PlaneView& view, const PreparedView& prepared, const std::vector<PlaneClass>& classes, int index, int stride,
-                    std::vector<PlanePoint>& points) {
+void collect_points(const PlaneView& view, const PreparedView& prepared, const std::vector<PlaneClass>& classes,
+                    int index, int stride, std::vector<PlanePoint>& points) {
   const Rigidd to_world = view.camera.world_to_camera.inverse();
   for (int y = stride / 2; y < prepared.classes.height; y += stride) {
     for (int x = stride / 2; x < prepared.classes.width; x += stride) {
       const uint16_t label = prepared.classes.at(x, y);
       const float z = view.depth.at(x, y);
       const Vec3d normal = normal_at(prepared.normals, x, y);
-      if (label == kNoLabel || classes[label].glass || !(z > 0) || !std::isfinite(z) || dot(normal, normal) == 0) continue;
+      if (label == kNoLabel || classes[label].glass || !(z > 0) || !std::isfinite(z) || dot(normal, normal) == 0)
+        continue;
       PlanePoint p;
       p.position = to_world * (view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(z));
       p.normal = to_world.rotation * normal;
@@ -97,7 +100,8 @@ struct PixelMeasurement {
 };
 
 /// Glass is in the wall that the ray meets first, whatever its depth looks like.
-PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, double z, const PlaneDepthSettings& s) {
+PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind kind, const Vec3d& ray, double z,
+                               const PlaneDepthSettings& s) {
   const CameraPlane* nearest = first_on_ray(planes, kind, ray);
   if (!nearest) return {};
   const double factor = std::log(nearest->depth(ray) / z);
@@ -106,8 +110,8 @@ PixelMeasurement measure_glass(const std::vector<CameraPlane>& planes, PlaneKind
 }
 
 /// Everything else is on the plane that is nearest to its depth, if that is near and turned alike.
-PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, const PlaneClass& what, const Vec3d& ray, const Vec3d& normal, double z,
-                                 const PlaneDepthSettings& s) {
+PixelMeasurement measure_surface(const std::vector<CameraPlane>& planes, const PlaneClass& what, const Vec3d& ray,
+                                 const Vec3d& normal, double z, const PlaneDepthSettings& s) {
   const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
   PixelMeasurement best;
   for (const CameraPlane& plane : planes) {
@@ -132,11 +136,12 @@ PlaneMeasurement measure(const PlaneView& view, const PreparedView& prepared, co
       const float z = view.depth.at(x, y);
       if (label == kNoLabel || !(z > 0) || !std::isfinite(z)) continue;
       const Vec3d ray = view.camera.ray(x + 0.5, y + 0.5);
-      const PixelMeasurement m = classes[label].glass
-                                     ? measure_glass(local, classes[label].kind, ray, z, s)
-                                     : measure_surface(local, classes[label], ray, normal_at(prepared.normals, x, y), z, s);
+      const PixelMeasurement m =
+          classes[label].glass ? measure_glass(local, classes[label].kind, ray, z, s)
+                               : measure_surface(local, classes[label], ray, normal_at(prepared.normals, x, y), z, s);
       out.log_factor.at(x, y) = static_cast<float>(m.log_factor);
-      out.weight.at(x, y) = static_cast<float>(m.weight) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
+      out.weight.at(x, y) =
+          static_cast<float>(m.weight) * (view.label_share.empty() ? 1.0f : view.label_share.at(x, y));
       out.plane.at(x, y) = m.plane;
     }
   }
@@ -164,9 +169,10 @@ struct FoundPlanes {
 };
 
 FoundPlanes planes_in(const std::vector<PlaneView>& views, const std::vector<PreparedView>& prepared,
-                                  const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings) {
+                      const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings) {
   std::vector<PlanePoint> points;
-  for (size_t i = 0; i < views.size(); ++i) collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
+  for (size_t i = 0; i < views.size(); ++i)
+    collect_points(views[i], prepared[i], classes, static_cast<int>(i), settings.stride, points);
   FoundPlanes found{find_planes(points, settings.planes, kSeed), std::nullopt};
   if (settings.square) found.axes = estimate_room_axes(found.planes);
   if (found.axes) found.planes = squared_planes(std::move(found.planes), *found.axes);
@@ -199,7 +205,8 @@ std::vector<CameraPlane> in_frame_of(const Camera& camera, const std::vector<Sce
   for (size_t i = 0; i < planes.size() && i < kMost; ++i) {
     const double distance = planes[i].distance(centre);
     if (!(distance > 0)) continue;  // seen from behind
-    out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind, static_cast<uint8_t>(i + 1), planes[i].proud});
+    out.push_back({camera.world_to_camera.rotation * planes[i].normal, distance, planes[i].kind,
+                   static_cast<uint8_t>(i + 1), planes[i].proud});
   }
   return out;
 }
@@ -226,15 +233,19 @@ std::vector<PlaneClass> plane_classes(const LabelSet& labels, PlaneSurfaces surf
   return out;
 }
 
-std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings,
-                                    ThreadPool& pool) {
+std::vector<ScenePlane> find_planes(const std::vector<PlaneView>& views, const std::vector<PlaneClass>& classes,
+                                    const PlaneDepthSettings& settings, ThreadPool& pool) {
   return planes_in(views, prepare_all(views, classes, settings, pool), classes, settings).planes;
 }
 
-std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes, const std::vector<PlaneView>& views,
-                                                const std::vector<PlaneClass>& classes, const PlaneDepthSettings& settings, ThreadPool& pool) {
+std::vector<PlaneMeasurement> measure_on_planes(const std::vector<ScenePlane>& planes,
+                                                const std::vector<PlaneView>& views,
+                                                const std::vector<PlaneClass>& classes,
+                                                const PlaneDepthSettings& settings, ThreadPool& pool) {
   std::vector<PlaneMeasurement> out(views.size());
-  for_each_view(views, pool, [&](size_t i) { out[i] = measure(views[i], prepare(views[i], classes, settings), classes, planes, settings); });
+  for_each_view(views, pool, [&](size_t i) {
+    out[i] = measure(views[i], prepare(views[i], classes, settings), classes, planes, settings);
+  });
   return out;
 }
 
@@ -246,7 +257,8 @@ PlaneDepthResult measure_planes(const std::vector<PlaneView>& views, const std::
   FoundPlanes found = planes_in(views, prepared, classes, settings);
   result.planes = std::move(found.planes);
   result.axes = std::move(found.axes);
-  for_each_view(views, pool, [&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
+  for_each_view(views, pool,
+                [&](size_t i) { result.views[i] = measure(views[i], prepared[i], classes, result.planes, settings); });
   size_t with_depth = 0, on_plane = 0;
   for (size_t i = 0; i < views.size(); ++i) {
     for (size_t p = 0; p < result.views[i].weight.data.size() && p < views[i].depth.data.size(); ++p) {

@@ -13,7 +13,8 @@ namespace {
 using namespace wall_photos;
 
 constexpr uint16_t kWallLabel = 0, kFloorLabel = 1, kGlassLabel = 2, kOtherLabel = 3;
-const std::vector<PlaneClass> kClasses = {{PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {PlaneKind::kWall, true}, {}};
+const std::vector<PlaneClass> kClasses = {
+    {PlaneKind::kWall, false}, {PlaneKind::kFloor, false}, {PlaneKind::kWall, true}, {}};
 
 /// Photos of the textured corner, each with depth that is bent in its own way, and true labels of its walls and floor.
 struct LabelledPhotos {
@@ -106,7 +107,8 @@ TEST(PlaneDepth, WithoutLabelsNothingIsDrawnToAPlane) {
   const PlaneDepthResult result = photos.measure();
   EXPECT_TRUE(result.planes.empty());
   EXPECT_EQ(result.share, 0);
-  for (const PlaneMeasurement& m : result.views) EXPECT_EQ(*std::max_element(m.weight.data.begin(), m.weight.data.end()), 0);
+  for (const PlaneMeasurement& m : result.views)
+    EXPECT_EQ(*std::max_element(m.weight.data.begin(), m.weight.data.end()), 0);
 }
 
 TEST(PlaneDepth, PhotosWithoutDepthAreLeftOut) {

@@ -29,7 +29,9 @@ class Refinement {
     int rounds = settings_.rounds;
     for (int round = 0; round < rounds; ++round) {
       if (progress) progress(std::min(round, settings_.rounds) / steps);
-      tracks_ = find_tracks(track_photos(train_), round == 0 ? settings_.tracks.match.search : settings_.tracks.near_search, settings_.tracks, pool_);
+      tracks_ =
+          find_tracks(track_photos(train_), round == 0 ? settings_.tracks.match.search : settings_.tracks.near_search,
+                      settings_.tracks, pool_);
       adjust();
       const bool found = find_lost_photos();
       if (found && round + 1 == settings_.rounds) ++rounds;  // what they show has to be matched where they are now
@@ -53,7 +55,8 @@ class Refinement {
   /// Sizes may differ (a phone turned by 90 degrees), so focal lengths are compared relative to the longer side.
   void share_focal() {
     std::vector<double> relative;
-    for (const int v : train_) relative.push_back(match(v).camera.fx / std::max(match(v).camera.width, match(v).camera.height));
+    for (const int v : train_)
+      relative.push_back(match(v).camera.fx / std::max(match(v).camera.width, match(v).camera.height));
     if (relative.empty()) return;
     const double median = median_of(std::move(relative));
     for (MatchView& m : matches_) {
@@ -101,15 +104,19 @@ class Refinement {
   template <class Unwanted>
   void drop_observations(const Unwanted& unwanted) {
     for (Track& t : tracks_) {
-      t.observations.erase(std::remove_if(t.observations.begin(), t.observations.end(), [&](const Observation& o) { return unwanted(t, o); }),
+      t.observations.erase(std::remove_if(t.observations.begin(), t.observations.end(),
+                                          [&](const Observation& o) { return unwanted(t, o); }),
                            t.observations.end());
     }
-    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.observations.size() < 2; }),
-                  tracks_.end());
+    tracks_.erase(
+        std::remove_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.observations.size() < 2; }),
+        tracks_.end());
   }
 
   void drop_outliers() {
-    drop_observations([&](const Track& t, const Observation& o) { return reprojection_error(match(o.view).camera, t.point, o.pixel) > settings_.outlier; });
+    drop_observations([&](const Track& t, const Observation& o) {
+      return reprojection_error(match(o.view).camera, t.point, o.pixel) > settings_.outlier;
+    });
   }
 
   void adjust() {
@@ -186,24 +193,29 @@ class Refinement {
   /// matches agree with some pose: a wallpaper's pattern fits one flower further, too.
   std::vector<int> lost_photos() const {
     const std::vector<int> fitting = count_training_observations();
-    const auto share = [&](int v) { return static_cast<double>(fitting[static_cast<size_t>(v)]) / std::max(1, matched_[static_cast<size_t>(v)]); };
+    const auto share = [&](int v) {
+      return static_cast<double>(fitting[static_cast<size_t>(v)]) / std::max(1, matched_[static_cast<size_t>(v)]);
+    };
     std::vector<double> shares;
     for (const int v : train_) shares.push_back(share(v));
     if (shares.empty()) return {};
     const double least = settings_.lost_share * median_of(std::move(shares));
     std::vector<int> lost;
-    std::copy_if(train_.begin(), train_.end(), std::back_inserter(lost),
-                 [&](int v) { return fitting[static_cast<size_t>(v)] < settings_.least_observations || share(v) < least; });
+    std::copy_if(train_.begin(), train_.end(), std::back_inserter(lost), [&](int v) {
+      return fitting[static_cast<size_t>(v)] < settings_.least_observations || share(v) < least;
+    });
     return lost;
   }
 
-  /// Forgets what lost photos seemed to show and looks for them farther off, by the points of the others. Whether any was found; the
+  /// Forgets what lost photos seemed to show and looks for them farther off, by the points of the others. Whether any
+  /// was found; the
   /// others follow their neighbours.
   bool find_lost_photos() {
     const std::vector<int> lost = lost_photos();
     if (lost.empty() || lost.size() == train_.size()) return false;
     const auto is_lost = [&](int v) { return std::find(lost.begin(), lost.end(), v) != lost.end(); };
-    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [&](const Track& t) { return is_lost(t.view); }), tracks_.end());
+    tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), [&](const Track& t) { return is_lost(t.view); }),
+                  tracks_.end());
     drop_observations([&](const Track&, const Observation& o) { return is_lost(o.view); });
     solve(settings_.bundle);
     drop_outliers();
@@ -219,12 +231,14 @@ class Refinement {
   }
 
   /// Looks for the wanted by the tracks of others, in one way after the other until they are placed. Those that were.
-  std::vector<int> place(std::vector<int> wanted, const std::vector<int>& by, const std::vector<PhotoSearch>& searches) {
+  std::vector<int> place(std::vector<int> wanted, const std::vector<int>& by,
+                         const std::vector<PhotoSearch>& searches) {
     const std::vector<TrackPhoto> photos = track_photos(by);
     std::vector<int> found;
     for (const PhotoSearch& search : searches) {
       std::vector<WantedPhoto> tried;
-      for (const int v : wanted) tried.push_back({v, &matches_[static_cast<size_t>(v)], &views_[static_cast<size_t>(v)].mask, 0});
+      for (const int v : wanted)
+        tried.push_back({v, &matches_[static_cast<size_t>(v)], &views_[static_cast<size_t>(v)].mask, 0});
       place_photos({tracks_, photos, extent_}, tried, search, settings_, pool_);
       wanted.clear();
       for (const WantedPhoto& photo : tried) {
@@ -240,7 +254,8 @@ class Refinement {
     if (tracks_.empty()) return;
     for (const int v : test_) by_neighbour_[static_cast<size_t>(v)] = true;
     const std::vector<int> found =
-        place(test_, train_, {{settings_.tracks.match.search, false}, {settings_.lost_search, false}, {settings_.lost_search, true}});
+        place(test_, train_,
+              {{settings_.tracks.match.search, false}, {settings_.lost_search, false}, {settings_.lost_search, true}});
     for (const int v : found) by_neighbour_[static_cast<size_t>(v)] = false;
   }
 
@@ -252,7 +267,8 @@ class Refinement {
       for (const Observation& o : t.observations) {
         if (o.view != view || o.prior_depth <= 0) continue;
         const double z = (camera.world_to_camera * t.point).z;
-        if (z > 0) samples.push_back({o.pixel.x / camera.width, o.pixel.y / camera.height, std::log(z / o.prior_depth)});
+        if (z > 0)
+          samples.push_back({o.pixel.x / camera.width, o.pixel.y / camera.height, std::log(z / o.prior_depth)});
       }
     }
     return fit_depth_grid(samples, settings_.grid);
@@ -296,7 +312,7 @@ class Refinement {
   std::vector<bool> by_neighbour_;
   std::vector<bool> misplaced_;
   std::vector<int> placed_by_;  ///< observations by view, of photos looked for by others' tracks
-  std::vector<int> matched_;  ///< observations by view before the last round's outliers were dropped
+  std::vector<int> matched_;    ///< observations by view before the last round's outliers were dropped
   BundleReport bundle_;
   double focal_factor_ = 1;
   bool adjusted_ = false;

@@ -25,21 +25,23 @@ struct RefineView {
 /// Tracks, adjustment and what places a photo are ResectionSettings, for training and test photos alike.
 struct RefineSettings : ResectionSettings {
   DepthGridSettings grid;
-  int rounds = 2;               ///< of matching and adjustment; later rounds search nearer
-  double lost_search = 0.15;    ///< of the image width: for photos of which the usual search finds too little
-  double lost_share = 0.45;      ///< of the median photo's share of matches that agree with the cameras: a training photo below is lost
-  bool share_focal = true;      ///< all photos come from one lens: their focal lengths become the median first
+  int rounds = 2;             ///< of matching and adjustment; later rounds search nearer
+  double lost_search = 0.15;  ///< of the image width: for photos of which the usual search finds too little
+  /// of the median photo's share of matches that agree with the cameras: a training photo below is lost
+  double lost_share = 0.45;
+  bool share_focal = true;  ///< all photos come from one lens: their focal lengths become the median first
 };
 
 /// Outcome of a view.
 struct RefinedView {
   Camera camera;
-  DepthGrid depth;         ///< correction of its prior depth; none for test views
-  int observations = 0;    ///< that fit
-  double turned = 0;       ///< degrees from the prior
-  double shifted = 0;      ///< of the centre from the prior, scene units
+  DepthGrid depth;            ///< correction of its prior depth; none for test views
+  int observations = 0;       ///< that fit
+  double turned = 0;          ///< degrees from the prior
+  double shifted = 0;         ///< of the centre from the prior, scene units
   bool by_neighbour = false;  ///< too few observations: follows its nearest neighbour
-  bool misplaced = false;     ///< a training view whose matches did not fit where the prior has it; found elsewhere by the others' points
+  /// a training view whose matches did not fit where the prior has it; found elsewhere by the others' points
+  bool misplaced = false;
 };
 
 /// Fills in how far the camera of `view` is from `prior`.
@@ -47,9 +49,9 @@ void measure_change(const Camera& prior, RefinedView& view);
 
 struct RefineResult {
   std::vector<RefinedView> views;
-  PointCloud points;       ///< tracks of at least three photos, coloured
-  BundleReport bundle;     ///< start: the cameras of the input; end: of the last round
-  double focal_factor = 1; ///< of the last adjustment
+  PointCloud points;        ///< tracks of at least three photos, coloured
+  BundleReport bundle;      ///< start: the cameras of the input; end: of the last round
+  double focal_factor = 1;  ///< of the last adjustment
   size_t tracks = 0;
 };
 

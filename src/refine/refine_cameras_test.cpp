@@ -74,7 +74,8 @@ TEST_F(RefineCamerasTest, TestPhotosAreRegisteredAndMoveNothing) {
   const std::vector<RefineView> with = photos(8, 2, 0.6, 0.01);
   std::vector<RefineView> without = with;
   without.resize(6);
-  const RefineResult a = refine_cameras(with, kRoomExtent, few_corners(), pool_), b = refine_cameras(without, kRoomExtent, few_corners(), pool_);
+  const RefineResult a = refine_cameras(with, kRoomExtent, few_corners(), pool_),
+                     b = refine_cameras(without, kRoomExtent, few_corners(), pool_);
   for (size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(a.views[i].camera.world_to_camera.translation.x, b.views[i].camera.world_to_camera.translation.x);
   }
@@ -113,7 +114,8 @@ TEST_F(RefineCamerasTest, ABentDepthIsStraightened) {
   ImageF& depth = views[3].match.depth;
   const ImageF truth = depth;
   for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) depth.at(x, y) *= static_cast<float>(1 + 0.05 * (static_cast<double>(x) / kWidth - 0.5));
+    for (int x = 0; x < kWidth; ++x)
+      depth.at(x, y) *= static_cast<float>(1 + 0.05 * (static_cast<double>(x) / kWidth - 0.5));
   }
   const RefineResult result = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   double before = 0, after = 0;
@@ -145,7 +147,8 @@ TEST_F(RefineCamerasTest, PhotosWithoutAnythingInCommonKeepTheirCameras) {
 TEST_F(RefineCamerasTest, AnyNumberOfThreadsGivesTheSame) {
   const std::vector<RefineView> views = photos(5, 1, 0.6, 0.01);
   ThreadPool one(1);
-  const RefineResult a = refine_cameras(views, kRoomExtent, few_corners(), one), b = refine_cameras(views, kRoomExtent, few_corners(), pool_);
+  const RefineResult a = refine_cameras(views, kRoomExtent, few_corners(), one),
+                     b = refine_cameras(views, kRoomExtent, few_corners(), pool_);
   for (size_t i = 0; i < views.size(); ++i) {
     EXPECT_EQ(a.views[i].camera.world_to_camera.translation.z, b.views[i].camera.world_to_camera.translation.z);
   }

@@ -37,7 +37,8 @@ struct Photos {
   std::vector<Image<uint16_t>> labels;  ///< of the training photos; empty images where planes are not looked for
 };
 
-Photos load_photos(const Scene& scene, const DepthPlacement& placement, const RefineSceneOptions& options, ThreadPool& pool) {
+Photos load_photos(const Scene& scene, const DepthPlacement& placement, const RefineSceneOptions& options,
+                   ThreadPool& pool) {
   std::vector<int> indices = scene.train;
   const size_t training = indices.size();
   const bool labels = uses_planes(scene, options);
@@ -69,9 +70,10 @@ Photos load_photos(const Scene& scene, const DepthPlacement& placement, const Re
 void require_depth(const Scene& scene) {
   for (const int v : scene.train) {
     if (!scene.views[static_cast<size_t>(v)].prior_depth.empty()) continue;
-    throw_bad_input(scene.folder / "pred_depths", scene.views[static_cast<size_t>(v)].name,
-                    "this training view has no prior depth, which says where to look for its points in other photos",
-                    "make it with `aligngs priors`, or take cameras from structure from motion (`aligngs poses --method colmap`)");
+    throw_bad_input(
+        scene.folder / "pred_depths", scene.views[static_cast<size_t>(v)].name,
+        "this training view has no prior depth, which says where to look for its points in other photos",
+        "make it with `aligngs priors`, or take cameras from structure from motion (`aligngs poses --method colmap`)");
   }
 }
 
@@ -113,7 +115,8 @@ void write_depth(const Scene& scene, int view, double factor, const ImageF& log_
   const View& v = scene.views[static_cast<size_t>(view)];
   const FloatArray stored = read_npy(v.prior_depth);
   if (stored.shape.size() < 2) throw_bad_input(v.prior_depth, "shape", "is no map", "store depth as [height, width]");
-  ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]), static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
+  ImageF map(static_cast<int>(stored.shape[stored.shape.size() - 1]),
+             static_cast<int>(stored.shape[stored.shape.size() - 2]), 1);
   map.data = stored.data;
   for (float& z : map.data) z *= static_cast<float>(factor);
   apply(log_factor, map);
@@ -121,7 +124,8 @@ void write_depth(const Scene& scene, int view, double factor, const ImageF& log_
 }
 
 /// The training photos with the refined cameras and the prior depth as their grids correct it.
-std::vector<MatchView> corrected_photos(const std::vector<RefineView>& views, size_t training, const RefineResult& refined) {
+std::vector<MatchView> corrected_photos(const std::vector<RefineView>& views, size_t training,
+                                        const RefineResult& refined) {
   std::vector<MatchView> photos;
   for (size_t i = 0; i < training; ++i) {
     MatchView photo = views[i].match;
@@ -132,24 +136,29 @@ std::vector<MatchView> corrected_photos(const std::vector<RefineView>& views, si
   return photos;
 }
 
-std::vector<StereoResult> measure_depth(const std::vector<MatchView>& photos, const RefineSceneOptions& options, ThreadPool& pool) {
+std::vector<StereoResult> measure_depth(const std::vector<MatchView>& photos, const RefineSceneOptions& options,
+                                        ThreadPool& pool) {
   std::vector<const MatchView*> pointers;
   for (const MatchView& photo : photos) pointers.push_back(&photo);
   Progress progress(options.progress, "measure depth", photos.size());
-  return guided_stereo(pointers, options.stereo_settings, pool,
-                       [&](double share) { progress.update(static_cast<uint64_t>(share * static_cast<double>(photos.size()))); });
+  return guided_stereo(pointers, options.stereo_settings, pool, [&](double share) {
+    progress.update(static_cast<uint64_t>(share * static_cast<double>(photos.size())));
+  });
 }
 
-/// Log factors on the photos' depth: stereo's measurements and the planes of the room, each as sure as it is, spread together.
-std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
-                                        const std::vector<StereoResult>& stereo, const RefineSceneOptions& options, ThreadPool& pool,
-                                        RefineSceneReport& report) {
+/// Log factors on the photos' depth: stereo's measurements and the planes of the room, each as sure as it is, spread
+/// together.
+std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<MatchView>& photos,
+                                        const std::vector<Image<uint16_t>>& labels,
+                                        const std::vector<StereoResult>& stereo, const RefineSceneOptions& options,
+                                        ThreadPool& pool, RefineSceneReport& report) {
   std::vector<PlaneView> views(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       views[i].camera = photos[i].camera;
       views[i].depth = photos[i].depth;
-      for (size_t p = 0; p < stereo[i].log_factor.data.size(); ++p) views[i].depth.data[p] *= std::exp(stereo[i].log_factor.data[p]);
+      for (size_t p = 0; p < stereo[i].log_factor.data.size(); ++p)
+        views[i].depth.data[p] *= std::exp(stereo[i].log_factor.data[p]);
       views[i].certainty = stereo[i].certainty;
       views[i].labels = labels[i];
     }
@@ -161,13 +170,16 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       views[i].label_share = std::move(fused[i].share);
     }
   }
-  PlaneDepthResult planes = measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
+  PlaneDepthResult planes =
+      measure_planes(views, plane_classes(scene.labels, options.surfaces), options.plane_settings, pool);
   if (options.panels) {
     const std::vector<PanelClass> classes = panel_classes(scene.labels);
     std::vector<const ImageF*> lumas;
     for (const MatchView& photo : photos) lumas.push_back(&photo.luma);
     report.panels = find_panels(views, classes, planes.planes, options.panel_settings);
-    if (options.screen_settings.enabled) report.panels = place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
+    if (options.screen_settings.enabled)
+      report.panels =
+          place_screens(views, lumas, classes, planes.planes, std::move(report.panels), options.screen_settings, pool);
     measure_on_panels(report.panels, planes.planes, views, classes, options.panel_settings, pool, planes.views);
   }
   report.planes = planes.planes;
@@ -180,7 +192,8 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
       const PlaneMeasurement& plane = planes.views[i];
       ImageF given(plane.weight.width, plane.weight.height, 1), weight = plane.weight;
       for (size_t p = 0; p < weight.data.size(); ++p) {
-        const float certainty = own.certainty.empty() ? 0 : own.certainty.data[p], spread = own.log_factor.empty() ? 0 : own.log_factor.data[p];
+        const float certainty = own.certainty.empty() ? 0 : own.certainty.data[p],
+                    spread = own.log_factor.empty() ? 0 : own.log_factor.data[p];
         weight.data[p] += certainty;
         if (weight.data[p] <= 0) continue;
         const float measured = certainty > 0 ? certainty * own.own_factor.data[p] : 0;
@@ -193,8 +206,9 @@ std::vector<ImageF> factors_with_planes(const Scene& scene, const std::vector<Ma
 }
 
 /// Log factors on the grid-corrected depth of each training view, at the photos' size; empty images: none.
-std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos, const std::vector<Image<uint16_t>>& labels,
-                                     const RefineSceneOptions& options, ThreadPool& pool, RefineSceneReport& report) {
+std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<MatchView>& photos,
+                                     const std::vector<Image<uint16_t>>& labels, const RefineSceneOptions& options,
+                                     ThreadPool& pool, RefineSceneReport& report) {
   std::vector<StereoResult> stereo(photos.size());
   if (options.stereo) stereo = measure_depth(photos, options, pool);
   report.measured = 0;
@@ -205,7 +219,8 @@ std::vector<ImageF> measured_factors(const Scene& scene, const std::vector<Match
   return factors;
 }
 
-void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points, const fs::path& folder) {
+void write_sparse(const Scene& scene, const std::vector<Camera>& cameras, const PointCloud& points,
+                  const fs::path& folder) {
   ColmapModel model;
   for (size_t i = 0; i < scene.views.size(); ++i) append_view(model, cameras[i], image_name_of(scene, scene.views[i]));
   append_points(model, points);
@@ -226,9 +241,9 @@ void note_refinement(const RefineResult& result, const fs::path& folder) {
   const fs::path file = folder / "scene.json";
   nlohmann::ordered_json json = read_description(file);
   json[kRefined] = {{"tracks", result.tracks},
-                             {"reprojection_median_before_px", result.bundle.start_median},
-                             {"reprojection_median_px", result.bundle.end_median},
-                             {"focal_factor", result.focal_factor}};
+                    {"reprojection_median_before_px", result.bundle.start_median},
+                    {"reprojection_median_px", result.bundle.end_median},
+                    {"focal_factor", result.focal_factor}};
   write_file_atomically(file, json_document(json));
 }
 
@@ -269,7 +284,9 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
     for (size_t i = 0; i < views.size(); ++i) report.cameras.views[i].misplaced |= before.views[i].misplaced;
   }
   std::vector<ImageF> measured(training);
-  if (options.correct_depth) measured = measured_factors(scene, corrected_photos(views, training, report.cameras), photos.labels, options, pool, report);
+  if (options.correct_depth)
+    measured = measured_factors(scene, corrected_photos(views, training, report.cameras), photos.labels, options, pool,
+                                report);
   for (size_t i = 0; i < views.size(); ++i) {
     views[i].match.camera = report.cameras.views[i].camera;
     if (i >= training || !options.correct_depth) continue;
@@ -281,16 +298,20 @@ void refine_once(const Scene& scene, const RefineSceneOptions& options, ThreadPo
 }
 
 /// How the training photos' exposures differ, by cameras and depth as they are known now.
-std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const RefineSceneOptions& options, ThreadPool& pool) {
+std::vector<Vec3f> measure_exposure(const Photos& photos, size_t training, const RefineSceneOptions& options,
+                                    ThreadPool& pool) {
   std::vector<ExposureView> views;
-  for (size_t i = 0; i < training; ++i) views.push_back({&photos.views[i].match, &photos.views[i].color, &photos.views[i].mask});
+  for (size_t i = 0; i < training; ++i)
+    views.push_back({&photos.views[i].match, &photos.views[i].color, &photos.views[i].mask});
   return estimate_log_gains(views, options.exposure_settings, pool);
 }
 
 }  // namespace
 
-RefineSceneReport refine_scene(Scene scene, const fs::path& output, const RefineSceneOptions& options, ThreadPool& pool) {
-  const std::vector<fs::path> sources = options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
+RefineSceneReport refine_scene(Scene scene, const fs::path& output, const RefineSceneOptions& options,
+                               ThreadPool& pool) {
+  const std::vector<fs::path> sources =
+      options.in_place ? std::vector<fs::path>{} : std::vector<fs::path>{scene.folder};
   require_scene_place(output, options.overwrite, sources);
   DepthPlacement placement;
   Photos photos;
@@ -300,9 +321,12 @@ RefineSceneReport refine_scene(Scene scene, const fs::path& output, const Refine
   });
   const std::vector<RefineView>& views = photos.views;
   const size_t training = scene.train.size();
-  const auto index_of = [&](size_t i) { return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]); };
+  const auto index_of = [&](size_t i) {
+    return static_cast<size_t>(i < training ? scene.train[i] : scene.test[i - training]);
+  };
   std::vector<ImageF> log_factors;
-  for (size_t i = 0; i < training; ++i) log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
+  for (size_t i = 0; i < training; ++i)
+    log_factors.emplace_back(views[i].match.depth.width, views[i].match.depth.height, 1);
   RefineSceneReport report;
   report.depth_placement = describe(placement);
   for (const RefineView& view : views) report.names.push_back(view.name);

@@ -18,20 +18,23 @@ namespace aligngs {
 struct RefineSceneOptions {
   RefineSettings settings;
   StereoSettings stereo_settings;
-  bool correct_depth = true;     ///< pred_depths/ of the training views are multiplied by their DepthGrid
-  bool stereo = true;            ///< and then by what multi-view stereo finds with the refined cameras
+  bool correct_depth = true;  ///< pred_depths/ of the training views are multiplied by their DepthGrid
+  bool stereo = true;         ///< and then by what multi-view stereo finds with the refined cameras
   PlaneDepthSettings plane_settings;
-  bool planes = true;            ///< and moved to the planes of walls, floor and ceiling, if the scene has labels
+  bool planes = true;  ///< and moved to the planes of walls, floor and ceiling, if the scene has labels
   PlaneSurfaces surfaces = PlaneSurfaces::kLayout;
-  bool fuse_labels = false;      ///< planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
+  /// planes are found by the labels of most photos, and draw by their share (refine/fused_labels.h)
+  bool fuse_labels = false;
   PanelDepthSettings panel_settings;
-  bool panels = true;            ///< where planes are looked for: panes, mirrors, screens and pictures get planes of their own
+  /// where planes are looked for: panes, mirrors, screens and pictures get planes of their own
+  bool panels = true;
   ScreenSettings screen_settings;  ///< of those of screens, which edges in several photos tell
   /// Times that all of it is done: with depth that stereo and planes have corrected, more and better matches are found.
   int passes = 2;
   ExposureSettings exposure_settings;
-  bool exposure = true;          ///< exposure.json is written: how the training photos differ in exposure and white balance
-  bool register_tests = true;    ///< false: test views keep their cameras relative to the nearest training view
+  /// exposure.json is written: how the training photos differ in exposure and white balance
+  bool exposure = true;
+  bool register_tests = true;  ///< false: test views keep their cameras relative to the nearest training view
   bool overwrite = false;
   bool in_place = false;  ///< with overwrite: the output may be the scene itself, as where a run works on its own copy
   ProgressStyle progress;
@@ -40,12 +43,13 @@ struct RefineSceneOptions {
 struct RefineSceneReport {
   RefineResult cameras;
   std::vector<std::string> names;  ///< of the photos of cameras.views, in their order
-  std::string depth_placement;  ///< describe() of the prior depth as it was read (scene/depth_placement.h)
-  double measured = 0;  ///< mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
+  std::string depth_placement;     ///< describe() of the prior depth as it was read (scene/depth_placement.h)
+  /// mean over training views of the share of pixels whose depth stereo measured; 0 without stereo
+  double measured = 0;
   std::vector<ScenePlane> planes;
   std::vector<Panel> panels;
   std::optional<RoomAxes> axes;  ///< of a room that its planes show to be built square
-  double on_planes = 0; ///< share of the pixels with depth that lie on one of them
+  double on_planes = 0;          ///< share of the pixels with depth that lie on one of them
   std::vector<Vec3f> log_gains;  ///< of the training views, exposure.json; empty without
 };
 

@@ -41,7 +41,8 @@ class ResectionTest : public testing::Test {
   }
 
   static double degrees_off(const RefineView& view) {
-    return rotation_angle_between_degrees(view.match.camera.world_to_camera.rotation, true_camera(kWanted).world_to_camera.rotation);
+    return rotation_angle_between_degrees(view.match.camera.world_to_camera.rotation,
+                                          true_camera(kWanted).world_to_camera.rotation);
   }
 
   std::vector<RefineView> views_;

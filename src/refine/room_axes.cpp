@@ -27,7 +27,9 @@ double points_along(const std::vector<ScenePlane>& planes, const Mat3d& axes, do
   return points;
 }
 
-Mat3d with_columns(const Vec3d& a, const Vec3d& b, const Vec3d& c) { return {{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}}; }
+Mat3d with_columns(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return {{a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z}};
+}
 
 /// Right-handed, the first column as given and the second as near to `second` as can be.
 Mat3d orthogonal(const Vec3d& first, const Vec3d& second) {
@@ -63,7 +65,8 @@ Mat3d nearer(const Mat3d& axes, const std::vector<ScenePlane>& planes, double le
   for (double& v : a.m) v /= total;
   const auto omega = solve(a, b * (1 / total));
   if (!omega) return axes;
-  return orthogonal(normalized(axes.column(0) + cross(*omega, axes.column(0))), axes.column(1) + cross(*omega, axes.column(1)));
+  return orthogonal(normalized(axes.column(0) + cross(*omega, axes.column(0))),
+                    axes.column(1) + cross(*omega, axes.column(1)));
 }
 
 /// Direction that floors face and ceilings face away from.
@@ -79,7 +82,8 @@ std::optional<Vec3d> up_of(const std::vector<ScenePlane>& planes, const Mat3d& a
 }  // namespace
 
 std::optional<RoomAxes> estimate_room_axes(const std::vector<ScenePlane>& planes, const RoomAxesSettings& settings) {
-  const double least_cosine = std::cos(settings.angle * kRadiansPerDegree), right_angle = std::sin(settings.angle * kRadiansPerDegree);
+  const double least_cosine = std::cos(settings.angle * kRadiansPerDegree),
+               right_angle = std::sin(settings.angle * kRadiansPerDegree);
   double all = 0, most = 0;
   RoomAxes best;
   for (const ScenePlane& a : planes) {
@@ -101,7 +105,8 @@ std::optional<RoomAxes> estimate_room_axes(const std::vector<ScenePlane>& planes
   return best;
 }
 
-std::vector<ScenePlane> squared_planes(std::vector<ScenePlane> planes, const RoomAxes& axes, const RoomAxesSettings& settings) {
+std::vector<ScenePlane> squared_planes(std::vector<ScenePlane> planes, const RoomAxes& axes,
+                                       const RoomAxesSettings& settings) {
   const double least_cosine = std::cos(settings.angle * kRadiansPerDegree);
   for (ScenePlane& plane : planes) {
     const auto axis = axis_of(plane.normal, axes.axes, least_cosine);

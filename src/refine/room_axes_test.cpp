@@ -20,13 +20,15 @@ ScenePlane plane(PlaneKind kind, const Vec3d& normal, size_t points = 1000) {
   return out;
 }
 
-double degrees_between(const Vec3d& a, const Vec3d& b) { return std::acos(std::min(1.0, std::abs(dot(a, b)))) * kDegreesPerRadian; }
+double degrees_between(const Vec3d& a, const Vec3d& b) {
+  return std::acos(std::min(1.0, std::abs(dot(a, b)))) * kDegreesPerRadian;
+}
 
 /// A room turned in the world, its planes a degree or two off.
 std::vector<ScenePlane> bent_room() {
   const Vec3d x = normalized(Vec3d{1, 0.3, 0.1}), z = normalized(cross(x, {0.1, 1, 0})), y = cross(z, x);
-  return {plane(PlaneKind::kFloor, y + x * 0.02), plane(PlaneKind::kCeiling, -y + x * 0.02), plane(PlaneKind::kWall, x + y * 0.03),
-          plane(PlaneKind::kWall, -x + y * 0.03), plane(PlaneKind::kWall, z)};
+  return {plane(PlaneKind::kFloor, y + x * 0.02), plane(PlaneKind::kCeiling, -y + x * 0.02),
+          plane(PlaneKind::kWall, x + y * 0.03), plane(PlaneKind::kWall, -x + y * 0.03), plane(PlaneKind::kWall, z)};
 }
 
 TEST(RoomAxes, AreFoundInATurnedRoomWhosePlanesAreBent) {

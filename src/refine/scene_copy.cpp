@@ -35,7 +35,8 @@ void write_scene_copy(const fs::path& from, const fs::path& to, bool overwrite) 
 
 void write_training_exposure(const Scene& scene, const std::vector<Vec3f>& log_gains, const fs::path& folder) {
   ExposureJson exposure;
-  for (size_t i = 0; i < log_gains.size(); ++i) exposure[scene.views[static_cast<size_t>(scene.train[i])].name] = log_gains[i];
+  for (size_t i = 0; i < log_gains.size(); ++i)
+    exposure[scene.views[static_cast<size_t>(scene.train[i])].name] = log_gains[i];
   write_exposure_json(folder / "exposure.json", exposure);
 }
 

@@ -14,9 +14,10 @@
 namespace aligngs {
 namespace {
 
-constexpr int kRefinements = 12;   // of reweighted least squares; it settles after six to ten
-constexpr size_t kScored = 4000;   // points that candidates are compared on: more do not change which one wins
-constexpr std::array<PlaneKind, 4> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall, PlaneKind::kTable};
+constexpr int kRefinements = 12;  // of reweighted least squares; it settles after six to ten
+constexpr size_t kScored = 4000;  // points that candidates are compared on: more do not change which one wins
+constexpr std::array<PlaneKind, 4> kKinds = {PlaneKind::kFloor, PlaneKind::kCeiling, PlaneKind::kWall,
+                                             PlaneKind::kTable};
 
 using Indices = std::vector<size_t>;
 
@@ -24,8 +25,8 @@ bool belongs(const PlanePoint& p, const ScenePlane& plane, double tolerance, dou
   return std::abs(plane.distance(p.position)) < tolerance * p.depth && dot(plane.normal, p.normal) > least_cosine;
 }
 
-Indices members(const std::vector<PlanePoint>& points, const Indices& of, const ScenePlane& plane, const PlaneSettings& s,
-                double tolerance_factor = 1) {
+Indices members(const std::vector<PlanePoint>& points, const Indices& of, const ScenePlane& plane,
+                const PlaneSettings& s, double tolerance_factor = 1) {
   const double least_cosine = std::cos(s.normal_angle * kRadiansPerDegree);
   Indices out;
   for (const size_t i : of) {
@@ -48,9 +49,10 @@ std::vector<double> fit_weights(const std::vector<PlanePoint>& points, const Ind
   return out;
 }
 
-/// Mean distance of the proud points from the plane, given `weights` (inverse variances) and what is expected of such things.
-double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, const std::vector<double>& weights, const ScenePlane& plane,
-                  const PlaneSettings& s) {
+/// Mean distance of the proud points from the plane, given `weights` (inverse variances) and what is expected of such
+/// things.
+double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, const std::vector<double>& weights,
+                  const ScenePlane& plane, const PlaneSettings& s) {
   double sum = 0, total = 0, depth = 0, count = 0;
   for (size_t k = 0; k < near.size(); ++k) {
     const PlanePoint& p = points[near[k]];
@@ -65,15 +67,18 @@ double mean_proud(const std::vector<PlanePoint>& points, const Indices& near, co
   return (sum + expected / (sigma * sigma)) / (total + 1 / (sigma * sigma));
 }
 
-/// Robust (Cauchy) total least squares from a first guess, with the points that are near it. Proud points count for the plane
+/// Robust (Cauchy) total least squares from a first guess, with the points that are near it. Proud points count for the
+/// plane
 /// behind them.
-ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane, const PlaneSettings& s) {
+ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, ScenePlane plane,
+                  const PlaneSettings& s) {
   const std::vector<double> base = fit_weights(points, near, s);
   std::vector<Vec3d> positions;
   std::vector<double> weights(near.size());
   for (int round = 0; round < kRefinements && !near.empty(); ++round) {
     positions.clear();
-    for (const size_t i : near) positions.push_back(points[i].position - plane.normal * (points[i].proud ? plane.proud : 0));
+    for (const size_t i : near)
+      positions.push_back(points[i].position - plane.normal * (points[i].proud ? plane.proud : 0));
     for (size_t k = 0; k < near.size(); ++k) {
       const double residual = plane.distance(positions[k]) / (s.prior_sigma * points[near[k]].depth);
       weights[k] = base[k] / (1 + residual * residual);
@@ -87,7 +92,8 @@ ScenePlane refine(const std::vector<PlanePoint>& points, const Indices& near, Sc
   return plane;
 }
 
-ScenePlane best_candidate(const std::vector<PlanePoint>& points, const Indices& of, const PlaneSettings& s, Random& random) {
+ScenePlane best_candidate(const std::vector<PlanePoint>& points, const Indices& of, const PlaneSettings& s,
+                          Random& random) {
   Indices scored = of;
   random.shuffle(scored);
   scored.resize(std::min(scored.size(), kScored));
@@ -159,7 +165,8 @@ void find_planes_of(PlaneKind kind, const std::vector<PlanePoint>& points, const
 
 }  // namespace
 
-std::vector<ScenePlane> find_planes(const std::vector<PlanePoint>& points, const PlaneSettings& settings, uint64_t seed) {
+std::vector<ScenePlane> find_planes(const std::vector<PlanePoint>& points, const PlaneSettings& settings,
+                                    uint64_t seed) {
   std::vector<ScenePlane> planes;
   for (const PlaneKind kind : kKinds) {
     find_planes_of(kind, points, settings, Random(seed).fork(static_cast<uint64_t>(kind)), planes);

@@ -13,14 +13,15 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// Points on a plane through `origin` spanned by two unit vectors, seen by `views` photos in turn, with relative noise.
-void add_patch(std::vector<PlanePoint>& points, PlaneKind kind, const Vec3d& origin, const Vec3d& u, const Vec3d& v, int count, int views,
-               double noise, uint64_t seed) {
+void add_patch(std::vector<PlanePoint>& points, PlaneKind kind, const Vec3d& origin, const Vec3d& u, const Vec3d& v,
+               int count, int views, double noise, uint64_t seed) {
   Random random(seed);
   for (int i = 0; i < count; ++i) {
     PlanePoint p;
     p.normal = cross(u, v);
     p.depth = 2.5;
-    p.position = origin + u * random.uniform(0, 3) + v * random.uniform(0, 2.4) + p.normal * (noise * p.depth * random.normal());
+    p.position =
+        origin + u * random.uniform(0, 3) + v * random.uniform(0, 2.4) + p.normal * (noise * p.depth * random.normal());
     p.view = i % views;
     p.kind = kind;
     points.push_back(p);
@@ -38,7 +39,8 @@ std::vector<PlanePoint> corner(double noise) {
 
 double angle(const Vec3d& a, const Vec3d& b) { return std::acos(std::min(1.0, dot(a, b))) / kDegree; }
 
-/// A bare wall at z = 0 that networks alone have depth of, 0.3 % too far, and a door 2 cm before it, which stereo measures exactly.
+/// A bare wall at z = 0 that networks alone have depth of, 0.3 % too far, and a door 2 cm before it, which stereo
+/// measures exactly.
 std::vector<PlanePoint> wall_with_door(bool named) {
   std::vector<PlanePoint> points;
   add_patch(points, PlaneKind::kWall, {0, 0, -0.0075}, {1, 0, 0}, {0, 1, 0}, 1500, 5, 0.01, 1);
@@ -52,7 +54,8 @@ std::vector<PlanePoint> wall_with_door(bool named) {
 }
 
 TEST(ScenePlanes, ADoorStandsBeforeItsWall) {
-  const std::vector<ScenePlane> planes = find_planes(wall_with_door(true), {}, 1), taken_for_wall = find_planes(wall_with_door(false), {}, 1);
+  const std::vector<ScenePlane> planes = find_planes(wall_with_door(true), {}, 1),
+                                taken_for_wall = find_planes(wall_with_door(false), {}, 1);
   ASSERT_EQ(planes.size(), 1u);
   EXPECT_NEAR(planes[0].centre.z, 0, 0.006);
   EXPECT_NEAR(planes[0].centre.z + planes[0].proud, 0.02, 0.002);

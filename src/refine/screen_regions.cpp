@@ -61,8 +61,8 @@ bool measure_today(const PlaneView& view, ScreenRegion& region) {
 
 }  // namespace
 
-std::vector<ScreenRegion> screen_regions(const PlaneView& view, size_t index, const ImageF& gradient, const std::vector<PanelClass>& classes,
-                                         const ScreenRegionSettings& settings) {
+std::vector<ScreenRegion> screen_regions(const PlaneView& view, size_t index, const ImageF& gradient,
+                                         const std::vector<PanelClass>& classes, const ScreenRegionSettings& settings) {
   if (view.labels.empty() || view.depth.empty()) return {};
   std::vector<ScreenRegion> out;
   for (auto& [first, region] : connected(view.labels, classes)) {
@@ -71,7 +71,8 @@ std::vector<ScreenRegion> screen_regions(const PlaneView& view, size_t index, co
     region.view = index;
     region.centre = {region.centre.x / pixels, region.centre.y / pixels};
     region.outline = outline_of(region.inside, gradient, settings.outline);
-    if (region.outline.size() >= settings.least_outline && measure_today(view, region)) out.push_back(std::move(region));
+    if (region.outline.size() >= settings.least_outline && measure_today(view, region))
+      out.push_back(std::move(region));
   }
   return out;
 }

@@ -11,7 +11,9 @@ namespace {
 
 using namespace screen_room;
 
-std::vector<ScreenRegion> regions_of(const Photo& p) { return screen_regions(p.view, 3, luma_gradient(p.luma), kClasses, {}); }
+std::vector<ScreenRegion> regions_of(const Photo& p) {
+  return screen_regions(p.view, 3, luma_gradient(p.luma), kClasses, {});
+}
 
 TEST(ScreenRegions, AScreenIsOneWithItsDepthAndDirection) {
   const std::vector<ScreenRegion> regions = regions_of(photo(camera(0.2, -0.2, 0), Screen{}));

@@ -1,4 +1,5 @@
-// A textured wall with a sideboard before it and a black screen, drawn in closed form: hanging, standing or standing turned.
+// A textured wall with a sideboard before it and a black screen, drawn in closed form: hanging, standing or standing
+// turned.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +13,12 @@ namespace aligngs::screen_room {
 
 // x right, y down, z forward, metres; cameras look along +z.
 inline constexpr double kWall = 3, kFloor = 1.3;
-inline constexpr double kTop = 0.5, kFront = 2.5;                ///< of the sideboard, which reaches from there to wall and floor
-inline constexpr double kHalfWidth = 0.45, kHigh = -0.1;         ///< of the screen, and its upper edge
-inline constexpr double kHanging = 2.95, kStanding = 2.75;       ///< its distance
-inline constexpr double kLowHanging = 0.35, kLowStanding = 0.45; ///< its lower edge: a foot lifts a standing one off the top
+/// of the sideboard, which reaches from there to wall and floor
+inline constexpr double kTop = 0.5, kFront = 2.5;
+inline constexpr double kHalfWidth = 0.45, kHigh = -0.1;    ///< of the screen, and its upper edge
+inline constexpr double kHanging = 2.95, kStanding = 2.75;  ///< its distance
+/// its lower edge: a foot lifts a standing one off the top
+inline constexpr double kLowHanging = 0.35, kLowStanding = 0.45;
 inline constexpr uint16_t kOtherLabel = 0, kScreenLabel = 1;
 inline const std::vector<PanelClass> kClasses = {PanelClass::kNone, PanelClass::kScreen};
 inline constexpr int kWidth = 320, kHeight = 240;
@@ -74,20 +77,23 @@ inline Photo photo(const Camera& camera, const Screen& screen) {
       for (int k = 0; k < kSide * kSide; ++k) {
         const Vec3d ray = to_world * camera.ray(x + (k % kSide + 0.5) / kSide, y + (k / kSide + 0.5) / kSide);
         double z = (kWall - origin.z) / ray.z;
-        float value = 0.7f + 0.15f * static_cast<float>(wall_photos::texture(origin.x + z * ray.x, origin.y + z * ray.y));
+        float value =
+            0.7f + 0.15f * static_cast<float>(wall_photos::texture(origin.x + z * ray.x, origin.y + z * ray.y));
         const auto nearer = [&](double t, float v) {
           if (!(t > 0) || t >= z) return false;
           z = t;
           value = v;
           return true;
         };
-        const double floor = (kFloor - origin.y) / ray.y, top = (kTop - origin.y) / ray.y, front = (kFront - origin.z) / ray.z;
+        const double floor = (kFloor - origin.y) / ray.y, top = (kTop - origin.y) / ray.y,
+                     front = (kFront - origin.z) / ray.z;
         nearer(floor, 0.4f);
         if (origin.z + top * ray.z > kFront) nearer(top, 0.55f);
         if (origin.y + front * ray.y > kTop) nearer(front, 0.45f);
         const double t = dot(screen.normal(), middle - origin) / dot(screen.normal(), ray);
         const Vec3d at = origin + ray * t;
-        const bool inside = std::abs(dot(screen.across(), at - middle)) < kHalfWidth && at.y > kHigh && at.y < screen.low;
+        const bool inside =
+            std::abs(dot(screen.across(), at - middle)) < kHalfWidth && at.y > kHigh && at.y < screen.low;
         const bool shown = inside && nearer(t, screen.luma);
         luma += value / (kSide * kSide);
         if (k > 0) continue;
@@ -118,7 +124,8 @@ struct Photos {
   void misjudge(double metres, const std::vector<double>& factors = {1}) {
     for (size_t v = 0; v < views.size(); ++v) {
       for (size_t p = 0; p < views[v].depth.data.size(); ++p) {
-        if (views[v].labels.data[p] == kScreenLabel) views[v].depth.data[p] += static_cast<float>(metres * factors[v % factors.size()]);
+        if (views[v].labels.data[p] == kScreenLabel)
+          views[v].depth.data[p] += static_cast<float>(metres * factors[v % factors.size()]);
       }
     }
   }

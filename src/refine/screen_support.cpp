@@ -14,7 +14,8 @@ bool is_panel(const PlaneView& view, const std::vector<PanelClass>& classes, int
   return label < classes.size() && classes[label] != PanelClass::kNone;
 }
 
-std::vector<Vec3d> tops_of(const PlaneView& view, const std::vector<PanelClass>& classes, const Vec3d& vertical, const SupportSettings& s) {
+std::vector<Vec3d> tops_of(const PlaneView& view, const std::vector<PanelClass>& classes, const Vec3d& vertical,
+                           const SupportSettings& s) {
   std::vector<Vec3d> out;
   if (view.labels.data.empty() || view.depth.empty()) return out;
   const ImageF normals = camera_normals(view.depth, view.camera);
@@ -32,8 +33,8 @@ std::vector<Vec3d> tops_of(const PlaneView& view, const std::vector<PanelClass>&
 
 }  // namespace
 
-ScreenSupport::ScreenSupport(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
-                             const SupportSettings& settings, ThreadPool& pool)
+ScreenSupport::ScreenSupport(const std::vector<PlaneView>& views, const std::vector<PanelClass>& classes,
+                             const std::vector<ScenePlane>& planes, const SupportSettings& settings, ThreadPool& pool)
     : planes_(planes), settings_(settings) {
   const std::optional<Vec3d> vertical = vertical_of(planes);
   if (!vertical) return;

@@ -31,10 +31,14 @@ struct Photos {
   const Camera& camera(const ScreenRegion& region) const { return views[region.view].camera; }
 };
 
-Vec3d ray_in_world(const Camera& camera, double u, double v) { return transpose_times(camera.world_to_camera.rotation, camera.ray(u, v)); }
+Vec3d ray_in_world(const Camera& camera, double u, double v) {
+  return transpose_times(camera.world_to_camera.rotation, camera.ray(u, v));
+}
 
 /// Ray of the middle of a region, z = 1.
-Vec3d middle_ray(const Photos& photos, const ScreenRegion& region) { return ray_in_world(photos.camera(region), region.centre.x, region.centre.y); }
+Vec3d middle_ray(const Photos& photos, const ScreenRegion& region) {
+  return ray_in_world(photos.camera(region), region.centre.x, region.centre.y);
+}
 
 Vec3d middle_at(const Photos& photos, const ScreenRegion& region, double depth) {
   return photos.camera(region).centre() + middle_ray(photos, region) * depth;
@@ -46,7 +50,8 @@ WorldPlane plane_at(const Photos& photos, const ScreenRegion& region, const Vec3
 
 /// Depth of the middle of a region on a plane; 0: not before the camera, or the plane is seen from behind.
 double depth_on(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
-  const double distance = dot(plane.normal, photos.camera(region).centre()) + plane.offset, slope = -dot(plane.normal, middle_ray(photos, region));
+  const double distance = dot(plane.normal, photos.camera(region).centre()) + plane.offset,
+               slope = -dot(plane.normal, middle_ray(photos, region));
   return distance > 0 && slope > 0 ? distance / slope : 0;
 }
 
@@ -57,7 +62,8 @@ std::vector<Vec3d> normals_for(const Photos& photos, const ScreenRegion& region)
   std::vector<Vec3d> out;
   const auto add = [&](const Vec3d& normal) {
     if (dot(normal, to_camera) < photos.settings.least_cosine) return;
-    if (std::none_of(out.begin(), out.end(), [&](const Vec3d& known) { return dot(known, normal) > same; })) out.push_back(normal);
+    if (std::none_of(out.begin(), out.end(), [&](const Vec3d& known) { return dot(known, normal) > same; }))
+      out.push_back(normal);
   };
   for (const ScenePlane& plane : photos.planes) {
     if (plane.kind == PlaneKind::kWall) add(plane.normal);
@@ -70,11 +76,13 @@ std::vector<Vec3d> normals_for(const Photos& photos, const ScreenRegion& region)
 bool is_in_room(const Photos& photos, const ScreenRegion& region, double depth) {
   const Vec3d centre = photos.camera(region).centre(), place = middle_at(photos, region, depth);
   return std::none_of(photos.planes.begin(), photos.planes.end(), [&](const ScenePlane& plane) {
-    return plane.kind == PlaneKind::kWall && plane.distance(centre) > 0 && plane.distance(place) < -photos.settings.behind * depth;
+    return plane.kind == PlaneKind::kWall && plane.distance(centre) > 0 &&
+           plane.distance(place) < -photos.settings.behind * depth;
   });
 }
 
-/// How well the other photos agree with a region's outline on a plane, in [0, 1], each weighed by the angle that it looks from.
+/// How well the other photos agree with a region's outline on a plane, in [0, 1], each weighed by the angle that it
+/// looks from.
 double agreement_of(const Photos& photos, const ScreenRegion& region, const WorldPlane& plane) {
   const double depth = depth_on(photos, region, plane);
   if (!(depth > 0)) return 0;
@@ -98,7 +106,8 @@ double agreement_of(const Photos& photos, const ScreenRegion& region, const Worl
   return count >= s.least_photos ? sum / whole : 0;
 }
 
-double mean_agreement(const Photos& photos, const Regions& regions, const std::vector<size_t>& of, const WorldPlane& plane) {
+double mean_agreement(const Photos& photos, const Regions& regions, const std::vector<size_t>& of,
+                      const WorldPlane& plane) {
   double sum = 0;
   for (const size_t i : of) sum += agreement_of(photos, regions[i], plane);
   return of.empty() ? 0 : sum / static_cast<double>(of.size());
@@ -170,7 +179,8 @@ bool shows(const Photos& photos, const ScreenRegion& region, const Panel& panel)
     for (int x = 0; x < region.inside.width; x += kShownStride) {
       const Vec3d ray = ray_in_world(camera, x + 0.5, y + 0.5);
       const double slope = -dot(panel.normal, ray);
-      const bool hit = slope > 0 && panel.contains(centre + ray * (distance / slope)), inside = region.inside.at(x, y) != 0;
+      const bool hit = slope > 0 && panel.contains(centre + ray * (distance / slope)),
+                 inside = region.inside.at(x, y) != 0;
       both += hit && inside;
       either += hit || inside;
     }
@@ -191,7 +201,8 @@ struct Placement {
 /// Places screens one after the other.
 class Placer {
  public:
-  Placer(const Photos& photos, const Regions& regions, const ScreenSupport& support) : photos_(photos), regions_(regions), support_(support) {}
+  Placer(const Photos& photos, const Regions& regions, const ScreenSupport& support)
+      : photos_(photos), regions_(regions), support_(support) {}
 
   /// A plane that came from one region, for it and those of `left` that show the same rectangle.
   Placement judge(const std::vector<size_t>& left, size_t first, const WorldPlane& plane) const {
@@ -239,7 +250,8 @@ class Placer {
       count += known.empty() ? 0 : 1;
     }
     const double least = placement.score() - photos_.settings.margin;
-    return all < least * static_cast<double>(placement.regions.size()) || (count > 0 && on_panels < least * static_cast<double>(count));
+    return all < least * static_cast<double>(placement.regions.size()) ||
+           (count > 0 && on_panels < least * static_cast<double>(count));
   }
 
   /// The panel takes the place of those that a photo had the screen on and that are worse by the margin.
@@ -247,15 +259,19 @@ class Placer {
     std::set<size_t> worse;
     for (const size_t i : placement.regions) {
       for (const size_t k : panels_of(regions_[i], panels)) {
-        if (score(i, {panels[k].normal, panels[k].offset}) < placement.score() - photos_.settings.margin) worse.insert(k);
+        if (score(i, {panels[k].normal, panels[k].offset}) < placement.score() - photos_.settings.margin)
+          worse.insert(k);
       }
     }
-    for (auto k = worse.rbegin(); k != worse.rend(); ++k) panels.erase(panels.begin() + static_cast<std::ptrdiff_t>(*k));
+    for (auto k = worse.rbegin(); k != worse.rend(); ++k)
+      panels.erase(panels.begin() + static_cast<std::ptrdiff_t>(*k));
     panels.push_back(placement.panel);
   }
 
  private:
-  double supported(const Panel& panel) const { return support_.hangs(panel) || support_.stands(panel) ? photos_.settings.supported : 0; }
+  double supported(const Panel& panel) const {
+    return support_.hangs(panel) || support_.stands(panel) ? photos_.settings.supported : 0;
+  }
 
   /// Result of one region alone.
   double score(size_t region, const WorldPlane& plane) const {
@@ -291,8 +307,9 @@ void for_each(size_t count, ThreadPool& pool, const Work& work) {
 
 }  // namespace
 
-std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas, const std::vector<PanelClass>& classes,
-                                 const std::vector<ScenePlane>& planes, std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool) {
+std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas,
+                                 const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
+                                 std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool) {
   Photos photos{views, planes, settings, std::vector<ImageF>(views.size())};
   std::vector<Regions> per_view(views.size());
   for_each(views.size(), pool, [&](size_t v) {
@@ -317,12 +334,16 @@ std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std:
         if (placement.total() > best[k].total()) best[k] = std::move(placement);
       }
     });
-    const auto most = std::max_element(best.begin(), best.end(), [](const Placement& a, const Placement& b) { return a.total() < b.total(); });
+    const auto most = std::max_element(best.begin(), best.end(),
+                                       [](const Placement& a, const Placement& b) { return a.total() < b.total(); });
     if (most->regions.empty()) break;  // no plane has anybody's agreement
     const Placement placement = placer.refine(std::move(*most));
     const bool held = placement.supported > 0 || !settings.must_be_supported;
-    if (held && placement.agreement >= settings.least_agreement && placer.beats_today(placement, panels)) placer.replace(placement, panels);
-    std::erase_if(left, [&](size_t i) { return std::find(placement.regions.begin(), placement.regions.end(), i) != placement.regions.end(); });
+    if (held && placement.agreement >= settings.least_agreement && placer.beats_today(placement, panels))
+      placer.replace(placement, panels);
+    std::erase_if(left, [&](size_t i) {
+      return std::find(placement.regions.begin(), placement.regions.end(), i) != placement.regions.end();
+    });
   }
   return panels;
 }

@@ -10,17 +10,21 @@
 namespace aligngs {
 
 struct ScreenSettings {
-  bool enabled = false;           ///< `aligngs refine` and `run` switch it on; measured scenes (measured_scene.h) were not tried with it
+  /// `aligngs refine` and `run` switch it on; measured scenes (measured_scene.h) were not tried with it
+  bool enabled = false;
   ScreenRegionSettings regions;
   SupportSettings support;
-  double range = 0.45;            ///< |log| of the depth around today's that planes are tried at: networks are up to a third off
-  int hypotheses = 121;           ///< planes tried there, odd: steps of 0.75 % of the depth
-  double least_cosine = 0.2;      ///< between a plane's normal and the way to the camera
-  double least_angle = 2;         ///< degrees between the rays of two photos, below which one says nothing about the other's depth
-  double good_angle = 12;         ///< and from which it says as much as it can
-  double least_inside = 0.6;      ///< of an outline that has to fall into another photo
-  int least_photos = 2;           ///< other photos that see the outline
-  double same = 0.4;              ///< intersection over union of a region and a rectangle, above which the photo shows that screen
+  /// |log| of the depth around today's that planes are tried at: networks are up to a third off
+  double range = 0.45;
+  int hypotheses = 121;       ///< planes tried there, odd: steps of 0.75 % of the depth
+  double least_cosine = 0.2;  ///< between a plane's normal and the way to the camera
+  /// degrees between the rays of two photos, below which one says nothing about the other's depth
+  double least_angle = 2;
+  double good_angle = 12;     ///< and from which it says as much as it can
+  double least_inside = 0.6;  ///< of an outline that has to fall into another photo
+  int least_photos = 2;       ///< other photos that see the outline
+  /// intersection over union of a region and a rectangle, above which the photo shows that screen
+  double same = 0.4;
   double behind = 0.02;           ///< of the depth: how far behind a wall nothing is
   double least_agreement = 0.35;  ///< of outlines on the plane; where no screen is it is 0.1 to 0.3
   double supported = 0.05;        ///< what standing on or hanging at something counts beside the agreement
@@ -35,7 +39,8 @@ struct ScreenSettings {
 /// own depth, or the panel of `panels` on which the screen lies. Otherwise nothing changes; so it does where too few
 /// photos show the screen. `lumas`: the photos, one per view, of the labels' size. Deterministic for any number of
 /// threads.
-std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas, const std::vector<PanelClass>& classes,
-                                 const std::vector<ScenePlane>& planes, std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool);
+std::vector<Panel> place_screens(const std::vector<PlaneView>& views, const std::vector<const ImageF*>& lumas,
+                                 const std::vector<PanelClass>& classes, const std::vector<ScenePlane>& planes,
+                                 std::vector<Panel> panels, const ScreenSettings& settings, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -95,7 +95,8 @@ TEST(Screens, AWrongPanelIsReplaced) {
 }
 
 TEST(Screens, AWrongPanelIsReplacedThoughTheDepthIsRight) {
-  const std::vector<Panel> panels = place(Photos{Screen{}}, {frontal(kStanding - 0.4)});  // the panel would draw it away
+  // the panel would draw it away
+  const std::vector<Panel> panels = place(Photos{Screen{}}, {frontal(kStanding - 0.4)});
   ASSERT_EQ(panels.size(), 1u);
   EXPECT_NEAR(panels[0].offset, kStanding, 0.02);
 }
@@ -135,7 +136,9 @@ TEST(Screens, TheSameForAnyNumberOfThreads) {
   Photos photos{Screen{}};
   photos.misjudge(0.37);
   ThreadPool one(1), three(3);
-  const auto by = [&](ThreadPool& pool) { return place_screens(photos.views, photos.luma_pointers(), kClasses, planes(), {}, {}, pool); };
+  const auto by = [&](ThreadPool& pool) {
+    return place_screens(photos.views, photos.luma_pointers(), kClasses, planes(), {}, {}, pool);
+  };
   const std::vector<Panel> a = by(one), b = by(three);
   ASSERT_EQ(a.size(), 1u);
   ASSERT_EQ(b.size(), 1u);

@@ -9,7 +9,11 @@ namespace {
 class Paths {
  public:
   Paths(const CostVolume& volume, const ImageF& depth, const SemiGlobalSettings& settings, const ImageF& luma)
-      : volume_(volume), depth_(depth), settings_(settings), luma_(settings.luma_edge > 0 && !luma.empty() ? &luma : nullptr), n_(static_cast<size_t>(volume.hypotheses)),
+      : volume_(volume),
+        depth_(depth),
+        settings_(settings),
+        luma_(settings.luma_edge > 0 && !luma.empty() ? &luma : nullptr),
+        n_(static_cast<size_t>(volume.hypotheses)),
         sums_(volume.cost.size(), 0.0f) {}
 
   /// Adds the costs of all paths that come from (x - dx, y - dy).
@@ -29,7 +33,8 @@ class Paths {
         } else {
           const std::vector<float>& source = dy == 0 ? current : previous;
           const float weight = edge(x, y, from_x, from_y) ? settings_.across_edge : 1.0f;
-          step(&source[static_cast<size_t>(from_x) * n_], cost, {weight * settings_.small_step, weight * large_step(x, y, from_x, from_y)}, out);
+          step(&source[static_cast<size_t>(from_x) * n_], cost,
+               {weight * settings_.small_step, weight * large_step(x, y, from_x, from_y)}, out);
         }
         float* sum = &sums_[(static_cast<size_t>(y) * width + x) * n_];
         for (size_t h = 0; h < n_; ++h) sum[h] += out[h];
@@ -49,7 +54,8 @@ class Paths {
   float large_step(int x, int y, int from_x, int from_y) const {
     if (!luma_) return settings_.large_step;
     const double difference = std::abs(static_cast<double>(luma_->at(x, y) - luma_->at(from_x, from_y)));
-    return std::max(settings_.small_step, static_cast<float>(settings_.large_step / (1 + difference / settings_.luma_edge)));
+    return std::max(settings_.small_step,
+                    static_cast<float>(settings_.large_step / (1 + difference / settings_.luma_edge)));
   }
 
   struct Penalty {

@@ -14,9 +14,12 @@ constexpr int kTerms = 6;            // of WindowTerms
 /// The six arrays of WindowTerms, some rows of them.
 class TermRows {
  public:
-  TermRows(int width, int rows) : width_(static_cast<size_t>(width)), rows_(static_cast<size_t>(rows)), data_(kTerms * width_ * rows_) {}
+  TermRows(int width, int rows)
+      : width_(static_cast<size_t>(width)), rows_(static_cast<size_t>(rows)), data_(kTerms * width_ * rows_) {}
   float* term(int k, int row) { return &data_[(static_cast<size_t>(k) * rows_ + static_cast<size_t>(row)) * width_]; }
-  WindowTerms terms(int row) { return {term(0, row), term(1, row), term(2, row), term(3, row), term(4, row), term(5, row)}; }
+  WindowTerms terms(int row) {
+    return {term(0, row), term(1, row), term(2, row), term(3, row), term(4, row), term(5, row)};
+  }
 
  private:
   size_t width_, rows_;
@@ -26,9 +29,19 @@ class TermRows {
 class Sweep {
  public:
   Sweep(const MatchView& view, const std::vector<const MatchView*>& others, const SweepSettings& settings)
-      : view_(view), others_(others), settings_(settings), width_(view.luma.width), height_(view.luma.height),
-        half_(settings.half_window), pixels_(view.luma.pixels()), own_(pixels_), terms_(width_, height_), sums_(width_, height_),
-        window_(width_, 1), padded_(static_cast<size_t>(width_ + 2 * half_), 0.0f), score_(static_cast<size_t>(width_)),
+      : view_(view),
+        others_(others),
+        settings_(settings),
+        width_(view.luma.width),
+        height_(view.luma.height),
+        half_(settings.half_window),
+        pixels_(view.luma.pixels()),
+        own_(pixels_),
+        terms_(width_, height_),
+        sums_(width_, height_),
+        window_(width_, 1),
+        padded_(static_cast<size_t>(width_ + 2 * half_), 0.0f),
+        score_(static_cast<size_t>(width_)),
         scores_(static_cast<size_t>(std::max(1, settings.best)), std::vector<float>(pixels_)) {
     for (size_t i = 0; i < pixels_; ++i) own_[i] = view.luma.data[i] - kMiddleGrey;
   }
@@ -58,15 +71,16 @@ class Sweep {
         }
         if (count == 0) continue;
         volume.known[i] = 1;
-        volume.cost[i * static_cast<size_t>(settings_.hypotheses) + static_cast<size_t>(h)] = static_cast<float>(1 - sum / count);
+        volume.cost[i * static_cast<size_t>(settings_.hypotheses) + static_cast<size_t>(h)] =
+            static_cast<float>(1 - sum / count);
       }
     }
     return volume;
   }
 
  private:
-  static constexpr float kNone = -2;       // below every correlation
-  static constexpr float kBehind = -1e30f; // of every camera: where pixels without depth are put
+  static constexpr float kNone = -2;        // below every correlation
+  static constexpr float kBehind = -1e30f;  // of every camera: where pixels without depth are put
 
   /// This photo's pixels as points in the other camera's frame: factor * direction + origin.
   struct Carried {
@@ -76,12 +90,14 @@ class Sweep {
 
   Carried carry(const MatchView& other) const {
     const Rigidd to_other = other.camera.world_to_camera * view_.camera.world_to_camera.inverse();
-    Carried out{std::vector<float>(pixels_), std::vector<float>(pixels_), std::vector<float>(pixels_), to_other.translation.cast<float>()};
+    Carried out{std::vector<float>(pixels_), std::vector<float>(pixels_), std::vector<float>(pixels_),
+                to_other.translation.cast<float>()};
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
         const float z = view_.depth.at(x, y);
         const bool valid = z > 0 && std::isfinite(z);
-        const Vec3d p = to_other.rotation * (view_.camera.ray(x + 0.5, y + 0.5) * (valid ? static_cast<double>(z) : 0.0));
+        const Vec3d p =
+            to_other.rotation * (view_.camera.ray(x + 0.5, y + 0.5) * (valid ? static_cast<double>(z) : 0.0));
         const size_t i = size_t(y) * width_ + x;
         out.x[i] = static_cast<float>(p.x);
         out.y[i] = static_cast<float>(p.y);
@@ -115,7 +131,8 @@ class Sweep {
       std::copy_n(terms_.term(k, y), width_, &padded_[static_cast<size_t>(half_)]);
       float* sum = sums_.term(k, y);
       std::copy_n(padded_.data(), width_, sum);
-      for (int column = 1; column <= 2 * half_; ++column) add_to_row(&padded_[static_cast<size_t>(column)], width_, sum);
+      for (int column = 1; column <= 2 * half_; ++column)
+        add_to_row(&padded_[static_cast<size_t>(column)], width_, sum);
     }
   }
 
@@ -150,7 +167,8 @@ class Sweep {
 
 }  // namespace
 
-CostVolume sweep_prior_depth(const MatchView& view, const std::vector<const MatchView*>& others, const SweepSettings& settings) {
+CostVolume sweep_prior_depth(const MatchView& view, const std::vector<const MatchView*>& others,
+                             const SweepSettings& settings) {
   return Sweep(view, others, settings).run();
 }
 

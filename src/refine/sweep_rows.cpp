@@ -2,20 +2,21 @@
 
 #include <cmath>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 
 namespace aligngs {
 namespace {
 
 constexpr float kFlatShare = 0.25f;  // of the least variance: the other photo may be darker, not featureless
 
-// No branches: every pixel is computed, and those that do not count are multiplied away. Places are kept inside of the photo
+// No branches: every pixel is computed, and those that do not count are multiplied away. Places are kept inside of the
+// photo
 // first, so that what is read is always there. The compiler believes only of parameters that they do not overlap.
-ALIGNGS_FUNCTION_VERSIONS
-void warp_pixels(const WarpedRow& row, const float* __restrict dx, const float* __restrict dy, const float* __restrict dz,
-                 const float* __restrict depth, const float* __restrict own, const float* __restrict luma, int pixels,
-                 float* __restrict count, float* __restrict own_out, float* __restrict own2, float* __restrict other,
-                 float* __restrict other2, float* __restrict product) {
+ALIGNGS_TARGET_CLONES
+void warp_pixels(const WarpedRow& row, const float* __restrict dx, const float* __restrict dy,
+                 const float* __restrict dz, const float* __restrict depth, const float* __restrict own,
+                 const float* __restrict luma, int pixels, float* __restrict count, float* __restrict own_out,
+                 float* __restrict own2, float* __restrict other, float* __restrict other2, float* __restrict product) {
   const float origin_x = row.origin.x, origin_y = row.origin.y, origin_z = row.origin.z;
   const float factor = row.factor, fx = row.fx, fy = row.fy, cx = row.cx, cy = row.cy, middle = row.middle;
   const int width = row.width, most_x = row.width - 2, most_y = row.height - 2;
@@ -26,12 +27,14 @@ void warp_pixels(const WarpedRow& row, const float* __restrict dx, const float* 
     const float bounded_x = u > 0 ? u : 0.0f, bounded_y = v > 0 ? v : 0.0f;
     const float at_x = bounded_x < last_x ? bounded_x : last_x, at_y = bounded_y < last_y ? bounded_y : last_y;
     const int floor_x = static_cast<int>(at_x), floor_y = static_cast<int>(at_y);
-    const int column = floor_x < most_x ? floor_x : most_x, line = floor_y < most_y ? floor_y : most_y, at = line * width + column;
+    const int column = floor_x < most_x ? floor_x : most_x, line = floor_y < most_y ? floor_y : most_y,
+              at = line * width + column;
     const float a = at_x - static_cast<float>(column), b = at_y - static_cast<float>(line);
     const int inside = static_cast<int>(z > 0) & static_cast<int>(depth[i] > 0) & static_cast<int>(u >= 0) &
                        static_cast<int>(v >= 0) & static_cast<int>(u <= last_x) & static_cast<int>(v <= last_y);
     const float counts = static_cast<float>(inside);
-    const float top = (1 - a) * luma[at] + a * luma[at + 1], bottom = (1 - a) * luma[at + width] + a * luma[at + width + 1];
+    const float top = (1 - a) * luma[at] + a * luma[at + 1],
+                bottom = (1 - a) * luma[at + width] + a * luma[at + width + 1];
     const float j = counts * ((1 - b) * top + b * bottom - middle), mine = counts * own[i];
     count[i] = counts;
     own_out[i] = mine;
@@ -45,17 +48,17 @@ void warp_pixels(const WarpedRow& row, const float* __restrict dx, const float* 
 }  // namespace
 
 void warp_row(const WarpedRow& row, int count, const WindowTerms& out) {
-  warp_pixels(row, row.x, row.y, row.z, row.depth, row.own, row.luma, count, out.count, out.own, out.own2, out.other, out.other2,
-              out.product);
+  warp_pixels(row, row.x, row.y, row.z, row.depth, row.own, row.luma, count, out.count, out.own, out.own2, out.other,
+              out.other2, out.product);
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void add_to_row(const float* in, int count, float* out) {
   float* __restrict to = out;
   for (int i = 0; i < count; ++i) to[i] += in[i];
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void score_row(const WindowTerms& sums, const float* pixel_count, const ScoreRule& rule, int pixels, float* scores) {
   float* __restrict out = scores;
   const float* __restrict count = sums.count;
@@ -79,7 +82,7 @@ void score_row(const WindowTerms& sums, const float* pixel_count, const ScoreRul
   }
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void keep_best_row(int count, float* scores, float* best) {
   float* __restrict s = scores;
   float* __restrict b = best;

@@ -12,15 +12,15 @@ struct WindowTerms {
 
 /// Another photo, and this one's pixels as points in its camera's frame: factor * direction + origin.
 struct WarpedRow {
-  const float *x, *y, *z;   ///< directions
+  const float *x, *y, *z;  ///< directions
   Vec3f origin;
   float factor = 1;
-  const float* depth;       ///< of this photo; a pixel without it does not count
-  const float* own;         ///< luma of this photo, about zero
-  const float* luma;        ///< of the other photo, width x height, both at least 2
+  const float* depth;  ///< of this photo; a pixel without it does not count
+  const float* own;    ///< luma of this photo, about zero
+  const float* luma;   ///< of the other photo, width x height, both at least 2
   int width = 0, height = 0;
   float fx = 1, fy = 1, cx = 0, cy = 0;  ///< of the other camera; its pixel centres lie at whole numbers here
-  float middle = 0;         ///< taken off the other photo's luma
+  float middle = 0;                      ///< taken off the other photo's luma
 };
 
 /// Terms of `count` pixels; zeros where a pixel falls outside of the other photo or behind its camera.
@@ -35,7 +35,8 @@ struct ScoreRule {
   float none;            ///< the score where nothing can be said
 };
 
-/// Normalised cross-correlation in [-1, 1] from sums over windows; 0 where the other photo is flat. A pixel that does not
+/// Normalised cross-correlation in [-1, 1] from sums over windows; 0 where the other photo is flat. A pixel that does
+/// not
 /// count itself (pixel_count 0) has none.
 void score_row(const WindowTerms& sums, const float* pixel_count, const ScoreRule& rule, int count, float* scores);
 

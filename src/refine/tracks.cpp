@@ -47,21 +47,25 @@ CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& l
   CornerSettings corners = settings.corners;
   const double size = relative_size(luma);
   const bool wide = search > settings.near_search;
-  const double most = (wide ? std::min(corners.per_view, settings.wide_corners) : corners.per_view) * std::min(size, 1.0);
+  const double most =
+      (wide ? std::min(corners.per_view, settings.wide_corners) : corners.per_view) * std::min(size, 1.0);
   if (size > 1) corners.spacing = static_cast<int>(std::lround(corners.spacing * std::sqrt(size)));
   corners.per_view = static_cast<int>(std::lround(most));
   return corners;
 }
 
-std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool) {
+std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings,
+                               ThreadPool& pool) {
   const MatchSettings match_settings = with_search(settings.match, search);
   const SearchPhotos searched(photos, search > settings.near_search);
-  const auto near = overlapping_views(searched.matches(), searched.matches(), settings.neighbours, settings.least_overlap, settings.largest_turn);
+  const auto near = overlapping_views(searched.matches(), searched.matches(), settings.neighbours,
+                                      settings.least_overlap, settings.largest_turn);
   std::vector<std::vector<Track>> of_photo(photos.size());
   pool.parallel_for(photos.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const MatchView& from = searched.match(i);
-      for (const Corner& corner : find_corners(from.luma, searched.mask(i), corners_for_search(settings, from.luma, search))) {
+      for (const Corner& corner :
+           find_corners(from.luma, searched.mask(i), corners_for_search(settings, from.luma, search))) {
         Track track = start_track(photos[i], searched.to_given(i, middle(corner.x, corner.y)), corner.strength);
         if (track.observations.empty()) continue;
         for (const int k : near[i]) {
@@ -82,12 +86,13 @@ std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double sea
 }
 
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
-                                     const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool) {
+                                     const std::vector<TrackPhoto>& wanted, double search,
+                                     const TrackSettings& settings, ThreadPool& pool) {
   const MatchSettings match_settings = with_search(settings.match, search);
   const bool wide = search > settings.near_search;
   const SearchPhotos begun(photos, wide), searched(wanted, wide);
-  const auto near =
-      overlapping_views(begun.matches(), searched.matches(), static_cast<int>(wanted.size()), settings.least_overlap, settings.largest_turn);
+  const auto near = overlapping_views(begun.matches(), searched.matches(), static_cast<int>(wanted.size()),
+                                      settings.least_overlap, settings.largest_turn);
   std::map<int, size_t> photo_of_view;
   for (size_t i = 0; i < photos.size(); ++i) photo_of_view[photos[i].view] = i;
   constexpr size_t kTracksAtATime = 64;  // milliseconds of work

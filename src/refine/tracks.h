@@ -15,19 +15,20 @@ namespace aligngs {
 struct Track {
   int view = 0;  ///< of the corner
   Corner corner;
-  Vec3d point;   ///< scene units; at first where that photo's depth says
+  Vec3d point;                            ///< scene units; at first where that photo's depth says
   std::vector<Observation> observations;  ///< the first is the corner itself
 };
 
 struct TrackSettings {
   /// Weak corners too: a kitchen's bare fronts have few strong ones, and each match weighs as exactly as it is placed.
   CornerSettings corners{4000, 3, 0.001};
-  int wide_corners = 2000;      ///< per photo in a wide search: there the weak ones are mistaken for others more often
-  MatchSettings match;          ///< its `search` is the wide one
-  double near_search = 0.02;    ///< of the image width, once cameras are about right
-  int neighbours = 20;          ///< photos that a corner is looked for in: those that see most of the same
-  double least_overlap = 0.05;  ///< of a photo's pixels inside of the other: a few matches can be all that holds two groups together
-  double largest_turn = 90;     ///< degrees between viewing directions
+  int wide_corners = 2000;    ///< per photo in a wide search: there the weak ones are mistaken for others more often
+  MatchSettings match;        ///< its `search` is the wide one
+  double near_search = 0.02;  ///< of the image width, once cameras are about right
+  int neighbours = 20;        ///< photos that a corner is looked for in: those that see most of the same
+  /// of a photo's pixels inside of the other: a few matches can be all that holds two groups together
+  double least_overlap = 0.05;
+  double largest_turn = 90;  ///< degrees between viewing directions
 };
 
 /// Choice of a photo's corners for a search within `search` of the image width. A small photo gets fewer than one of
@@ -39,11 +40,13 @@ CornerSettings corners_for_search(const TrackSettings& settings, const ImageF& l
 /// searched within `search` of the image width around the place that depth and cameras predict. A search beyond
 /// TrackSettings::near_search looks at small copies (`SearchPhotos`), so that its places are rougher. The same for any
 /// number of threads.
-std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings, ThreadPool& pool);
+std::vector<Track> find_tracks(const std::vector<TrackPhoto>& photos, double search, const TrackSettings& settings,
+                               ThreadPool& pool);
 
 /// Places at which the photos of `wanted`, whose depth is not read, show the points of tracks that begin in `photos`.
 /// Observation::point is the track's index.
 std::vector<Observation> find_points(const std::vector<Track>& tracks, const std::vector<TrackPhoto>& photos,
-                                     const std::vector<TrackPhoto>& wanted, double search, const TrackSettings& settings, ThreadPool& pool);
+                                     const std::vector<TrackPhoto>& wanted, double search,
+                                     const TrackSettings& settings, ThreadPool& pool);
 
 }  // namespace aligngs

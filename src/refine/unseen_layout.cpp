@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "refine/spread_color.h"
+#include "refine/push_pull.h"
 #include "scene/triangle_mesh.h"
 
 namespace aligngs {
@@ -41,12 +41,14 @@ Surfaces surfaces_of(const std::vector<LayoutView>& views, int stride) {
   return out;
 }
 
-bool bounds_room(const ScenePlane& plane, const Surfaces& surfaces, const std::vector<LayoutView>& views, const LayoutSettings& s) {
+bool bounds_room(const ScenePlane& plane, const Surfaces& surfaces, const std::vector<LayoutView>& views,
+                 const LayoutSettings& s) {
   for (const LayoutView& view : views) {
     if (plane.distance(view.plane.camera.centre()) <= 0) return false;
   }
   size_t behind = 0;
-  for (size_t i = 0; i < surfaces.points.size(); ++i) behind += plane.distance(surfaces.points[i]) < -2 * s.agreement * surfaces.depths[i];
+  for (size_t i = 0; i < surfaces.points.size(); ++i)
+    behind += plane.distance(surfaces.points[i]) < -2 * s.agreement * surfaces.depths[i];
   return static_cast<double>(behind) <= s.behind * static_cast<double>(surfaces.points.size());
 }
 
@@ -54,7 +56,9 @@ bool bounds_room(const ScenePlane& plane, const Surfaces& surfaces, const std::v
 struct Grid {
   Vec3d origin, right, up;
   int columns = 0, rows = 0;
-  Vec3d centre(int i, int j, double cell) const { return origin + right * ((i + 0.5) * cell) + up * ((j + 0.5) * cell); }
+  Vec3d centre(int i, int j, double cell) const {
+    return origin + right * ((i + 0.5) * cell) + up * ((j + 0.5) * cell);
+  }
 };
 
 /// The lowest and highest of the values but for a share at each end; cameras count in full, they are in the room.
@@ -76,12 +80,14 @@ Range range_of(const Surfaces& surfaces, const std::vector<LayoutView>& views, c
   return range;
 }
 
-Grid grid_on(const ScenePlane& plane, const Surfaces& surfaces, const std::vector<LayoutView>& views, const LayoutSettings& s) {
+Grid grid_on(const ScenePlane& plane, const Surfaces& surfaces, const std::vector<LayoutView>& views,
+             const LayoutSettings& s) {
   Grid grid;
   const Vec3d other = std::abs(plane.normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
   grid.right = normalized(cross(other, plane.normal));
   grid.up = cross(plane.normal, grid.right);
-  const Range u = range_of(surfaces, views, grid.right, s.box_quantile), v = range_of(surfaces, views, grid.up, s.box_quantile);
+  const Range u = range_of(surfaces, views, grid.right, s.box_quantile),
+              v = range_of(surfaces, views, grid.up, s.box_quantile);
   grid.origin = plane.normal * -plane.offset + grid.right * u.low + grid.up * v.low;
   const double columns = std::ceil((u.high - u.low) / s.cell), rows = std::ceil((v.high - v.low) / s.cell);
   if (!(columns * rows <= kMostCells)) return grid;  // no squares
@@ -97,8 +103,8 @@ struct Square {
   uint16_t label = kNoLabel;  ///< of the last of them
 };
 
-Square look_at(const Vec3d& x, const ScenePlane& plane, const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes,
-               const LayoutSettings& s) {
+Square look_at(const Vec3d& x, const ScenePlane& plane, const std::vector<LayoutView>& views,
+               const std::vector<PlaneClass>& classes, const LayoutSettings& s) {
   int surface = 0, through = 0, own = 0;
   Square square;
   for (const LayoutView& view : views) {
@@ -142,7 +148,9 @@ uint16_t commonest_label(const std::vector<Square>& squares, size_t classes) {
 bool near_opening(const std::vector<Square>& squares, const Grid& grid, int i, int j, int reach) {
   for (int y = std::max(0, j - reach); y <= std::min(grid.rows - 1, j + reach); ++y) {
     for (int x = std::max(0, i - reach); x <= std::min(grid.columns - 1, i + reach); ++x) {
-      if (squares[static_cast<size_t>(y) * static_cast<size_t>(grid.columns) + static_cast<size_t>(x)].seen == Seen::kThrough) return true;
+      if (squares[static_cast<size_t>(y) * static_cast<size_t>(grid.columns) + static_cast<size_t>(x)].seen ==
+          Seen::kThrough)
+        return true;
     }
   }
   return false;
@@ -156,21 +164,24 @@ ImageF colors_of(const std::vector<Square>& squares, uint16_t label, const Grid&
     weight.data[k] = 1;
     for (size_t c = 0; c < 3; ++c) color.data[3 * k + c] = squares[k].color[static_cast<int>(c)];
   }
-  return spread_color(color, weight);
+  return push_pull(color, weight);
 }
 
-void add_unseen_part(size_t index, const std::vector<ScenePlane>& bounds, const Surfaces& surfaces, const std::vector<LayoutView>& views,
-                     const std::vector<PlaneClass>& classes, const LayoutSettings& s, ThreadPool& pool, UnseenLayout& out) {
+void add_unseen_part(size_t index, const std::vector<ScenePlane>& bounds, const Surfaces& surfaces,
+                     const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes,
+                     const LayoutSettings& s, ThreadPool& pool, UnseenLayout& out) {
   const ScenePlane& plane = bounds[index];
   const Grid grid = grid_on(plane, surfaces, views, s);
   const size_t columns = static_cast<size_t>(grid.columns);
   std::vector<Square> squares(columns * static_cast<size_t>(grid.rows));
   pool.parallel_for(static_cast<size_t>(grid.rows), 1, [&](size_t begin, size_t end, int) {
     for (size_t k = begin * columns; k < end * columns; ++k) {
-      squares[k] = look_at(grid.centre(static_cast<int>(k % columns), static_cast<int>(k / columns), s.cell), plane, views, classes, s);
+      squares[k] = look_at(grid.centre(static_cast<int>(k % columns), static_cast<int>(k / columns), s.cell), plane,
+                           views, classes, s);
     }
   });
-  const auto seen = std::count_if(squares.begin(), squares.end(), [](const Square& q) { return q.seen == Seen::kSurface; });
+  const auto seen =
+      std::count_if(squares.begin(), squares.end(), [](const Square& q) { return q.seen == Seen::kSurface; });
   const uint16_t label = commonest_label(squares, classes.size());
   if (static_cast<size_t>(seen) < s.least_seen || label == kNoLabel) return;
   const ImageF colors = colors_of(squares, label, grid);
@@ -192,8 +203,8 @@ void check(const std::vector<LayoutView>& views, const LayoutSettings& settings)
   if (!(settings.cell > 0)) throw Error({ErrorKind::kFailed, "must be positive", {}, "cell", {}});
   for (const LayoutView& view : views) {
     const Camera& c = view.plane.camera;
-    if (view.color.width != c.width || view.color.height != c.height || view.color.channels != 3 || view.plane.depth.width != c.width ||
-        view.plane.depth.height != c.height) {
+    if (view.color.width != c.width || view.color.height != c.height || view.color.channels != 3 ||
+        view.plane.depth.width != c.width || view.plane.depth.height != c.height) {
       throw Error({ErrorKind::kFailed, "a map must have the size of its camera", {}, "color, depth", {}});
     }
   }
@@ -201,8 +212,8 @@ void check(const std::vector<LayoutView>& views, const LayoutSettings& settings)
 
 }  // namespace
 
-UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes, const LayoutSettings& settings,
-                           ThreadPool& pool) {
+UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes,
+                           const LayoutSettings& settings, ThreadPool& pool) {
   check(views, settings);
   UnseenLayout out;
   std::vector<PlaneView> plane_views;

@@ -17,16 +17,18 @@ struct LayoutView {
 };
 
 struct LayoutSettings {
-  PlaneDepthSettings planes;      ///< how the planes of the layout are found
-  double cell = 0.03;             ///< edge of the squares that planes are divided into, scene units
-  double agreement = 0.03;        ///< a surface is on the plane within this share of its depth from the camera
-  double beyond = 0.05;           ///< a photo sees through a plane when its surface lies this much (relative) farther
-  /// A plane bounds the room when at most this share of all surfaces lies behind it (what windows show) and no camera does.
+  PlaneDepthSettings planes;  ///< how the planes of the layout are found
+  double cell = 0.03;         ///< edge of the squares that planes are divided into, scene units
+  double agreement = 0.03;    ///< a surface is on the plane within this share of its depth from the camera
+  double beyond = 0.05;       ///< a photo sees through a plane when its surface lies this much (relative) farther
+  /// A plane bounds the room when at most this share of all surfaces lies behind it (what windows show) and no camera
+  /// does.
   /// Others, as a partition or the corner of an L, are not extended and do not limit the rest.
   double behind = 0.05;
-  double box_quantile = 0.002;    ///< where no plane limits another, the surfaces' box does, less this share on each side
-  int clear_cells = 3;            ///< squares left out around where photos see through the plane: doors, windows
-  size_t least_seen = 50;         ///< squares of a plane that photos must show; else nothing says how it looks
+  /// where no plane limits another, the surfaces' box does, less this share on each side
+  double box_quantile = 0.002;
+  int clear_cells = 3;     ///< squares left out around where photos see through the plane: doors, windows
+  size_t least_seen = 50;  ///< squares of a plane that photos must show; else nothing says how it looks
 };
 
 /// Points of planes that no photo shows and none sees through, one per square.
@@ -38,7 +40,7 @@ struct UnseenLayout {
 /// Closed-room prior: a room is closed by its walls, floor and ceiling, also where something hides them or no photo
 /// looks. Nothing is claimed of planes that photos do not show at all. No labels, or nothing flat: empty. Needs neither
 /// gravity nor right angles. Deterministic for any number of threads.
-UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes, const LayoutSettings& settings,
-                           ThreadPool& pool);
+UnseenLayout unseen_layout(const std::vector<LayoutView>& views, const std::vector<PlaneClass>& classes,
+                           const LayoutSettings& settings, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -43,7 +43,8 @@ TEST(UnseenLayout, LiesOnThePlanesOfTheRoomWhereNoPhotoLooks) {
   ASSERT_GT(layout.cloud.size(), 500u);
   for (const Vec3f& point : layout.cloud.positions) {
     const Vec3d p = point.cast<double>();
-    const double nearest = std::min({std::abs(p.y - kFloor), std::abs(p.y - kCeiling), std::abs(std::abs(p.x) - kSide), std::abs(p.z - kEnd)});
+    const double nearest = std::min(
+        {std::abs(p.y - kFloor), std::abs(p.y - kCeiling), std::abs(std::abs(p.x) - kSide), std::abs(p.z - kEnd)});
     EXPECT_LT(nearest, 0.02) << p.x << ' ' << p.y << ' ' << p.z;
   }
   const size_t seen = count(layout, is_seen);
@@ -53,15 +54,22 @@ TEST(UnseenLayout, LiesOnThePlanesOfTheRoomWhereNoPhotoLooks) {
 TEST(UnseenLayout, GoesOnBehindFurnitureAndBesideThePhotos) {
   const UnseenLayout layout = unseen(photos());
   const auto on_floor = [](const Vec3d& p) { return std::abs(p.y - kFloor) < 0.02; };
-  EXPECT_GT(count(layout, [&](const Vec3d& p) {
-              return on_floor(p) && p.x > kChestLow.x && p.x < kChestHigh.x && p.z > kChestLow.z && p.z < kChestHigh.z;
-            }), 50u);
+  EXPECT_GT(count(layout,
+                  [&](const Vec3d& p) {
+                    return on_floor(p) && p.x > kChestLow.x && p.x < kChestHigh.x && p.z > kChestLow.z &&
+                           p.z < kChestHigh.z;
+                  }),
+            50u);
   EXPECT_GT(count(layout, [&](const Vec3d& p) { return on_floor(p) && p.z < -0.8; }), 500u);
 }
 
 TEST(UnseenLayout, StaysInsideOfTheOtherPlanes) {
   const UnseenLayout layout = unseen(photos());
-  EXPECT_EQ(count(layout, [](const Vec3d& p) { return p.x > kSide + 0.06 || p.x < -kSide - 0.06 || p.y > kFloor + 0.06 || p.z > kEnd + 0.06; }), 0u);
+  EXPECT_EQ(count(layout,
+                  [](const Vec3d& p) {
+                    return p.x > kSide + 0.06 || p.x < -kSide - 0.06 || p.y > kFloor + 0.06 || p.z > kEnd + 0.06;
+                  }),
+            0u);
 }
 
 TEST(UnseenLayout, ADoorwayStaysOpen) {
@@ -71,7 +79,9 @@ TEST(UnseenLayout, ADoorwayStaysOpen) {
 
 TEST(UnseenLayout, APaneInItsNicheIsNotWalledUp) {
   // Between what counts as the wall's own surface (3 % of the depth) and what counts as seen through it (5 %).
-  const auto in_pane = [](const Vec3d& p) { return p.z > kEnd - 0.1 && std::abs(p.x) < 1.2 && p.y > -0.9 && p.y < 0.5; };
+  const auto in_pane = [](const Vec3d& p) {
+    return p.z > kEnd - 0.1 && std::abs(p.x) < 1.2 && p.y > -0.9 && p.y < 0.5;
+  };
   std::vector<LayoutView> views = photos();
   size_t moved = 0;
   for (LayoutView& view : views) {
@@ -103,7 +113,8 @@ TEST(UnseenLayout, HasTheColourAndClassOfItsPlaneAndFacesTheRoom) {
 
 TEST(UnseenLayout, APartitionIsNotExtended) {
   std::vector<LayoutView> views = photos();
-  // A free-standing wall at z = 1.8 on the left, through none of which photos look, with much of the room behind its plane.
+  // A free-standing wall at z = 1.8 on the left, through none of which photos look, with much of the room behind its
+  // plane.
   for (LayoutView& view : views) {
     const Mat3d to_world = transpose(view.plane.camera.world_to_camera.rotation);
     const Vec3d centre = view.plane.camera.centre();
@@ -117,8 +128,12 @@ TEST(UnseenLayout, APartitionIsNotExtended) {
       }
     }
   }
-  EXPECT_EQ(count(unseen(views), [](const Vec3d& p) { return std::abs(p.z - 1.8) < 0.1 && std::abs(p.y - kFloor) > 0.1 &&
-                                                             std::abs(p.y - kCeiling) > 0.1 && std::abs(std::abs(p.x) - kSide) > 0.1; }), 0u);
+  EXPECT_EQ(count(unseen(views),
+                  [](const Vec3d& p) {
+                    return std::abs(p.z - 1.8) < 0.1 && std::abs(p.y - kFloor) > 0.1 &&
+                           std::abs(p.y - kCeiling) > 0.1 && std::abs(std::abs(p.x) - kSide) > 0.1;
+                  }),
+            0u);
 }
 
 TEST(UnseenLayout, WithoutLabelsOrSurfacesThereIsNothing) {
@@ -133,7 +148,8 @@ TEST(UnseenLayout, WithoutLabelsOrSurfacesThereIsNothing) {
 
 TEST(UnseenLayout, DepthThatIsNoNumberIsNoSurface) {
   std::vector<LayoutView> views = photos();
-  for (size_t i = 0; i < views[0].plane.depth.data.size(); i += 2) views[0].plane.depth.data[i] = i % 4 == 0 ? NAN : INFINITY;
+  for (size_t i = 0; i < views[0].plane.depth.data.size(); i += 2)
+    views[0].plane.depth.data[i] = i % 4 == 0 ? NAN : INFINITY;
   for (const Vec3f& p : unseen(views).cloud.positions) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
 }
 

@@ -13,7 +13,9 @@ constexpr int kGrid = 12;  // samples a side; 144 tell a quarter from a third
 }  // namespace
 
 double view_overlap(const MatchView& from, const MatchView& to, double largest_turn) {
-  if (from.depth.empty() || dot(from.camera.forward(), to.camera.forward()) < std::cos(largest_turn * kRadiansPerDegree)) return 0;
+  if (from.depth.empty() ||
+      dot(from.camera.forward(), to.camera.forward()) < std::cos(largest_turn * kRadiansPerDegree))
+    return 0;
   const Rigidd to_other = to.camera.world_to_camera * from.camera.world_to_camera.inverse();
   int inside = 0, valid = 0;
   for (int j = 0; j < kGrid; ++j) {
@@ -46,7 +48,8 @@ std::vector<std::vector<int>> overlapping_views(const std::vector<const MatchVie
   return out;
 }
 
-std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth, double agreement) {
+std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth,
+                                        double agreement) {
   const Vec3d p = camera.world_to_camera * place;
   if (!(p.z > 0)) return {};
   const Vec2d at = camera.project(p);

@@ -24,6 +24,7 @@ struct PixelIndex {
 /// The pixel of a photo (camera, H x W depth, 0 = none) that shows a place of the world. Nothing if the place is behind
 /// the camera or outside of the image. Nothing, too, if the depth there differs from it by more than `agreement`
 /// (relative, below 1).
-std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth, double agreement);
+std::optional<PixelIndex> pixel_showing(const Vec3d& place, const Camera& camera, const ImageF& depth,
+                                        double agreement);
 
 }  // namespace aligngs

@@ -18,7 +18,8 @@ inline double texture(double u, double v) {
          0.15 * std::sin(23 * u - 5 * v + 3 * std::sin(2 * u * v)) + 0.1 * std::cos(17 * v + 7 * u);
 }
 
-/// Nearest of the planes z = 3, x = 1.2 and y = 0.8 along a ray from `origin`: distance in units of the ray, and texture.
+/// Nearest of the planes z = 3, x = 1.2 and y = 0.8 along a ray from `origin`: distance in units of the ray, and
+/// texture.
 inline double trace(const Vec3d& origin, const Vec3d& ray, double& value) {
   double best = 1e30;
   const auto hit = [&](double t, double u, double v) {
@@ -51,7 +52,8 @@ inline Camera true_camera(int i) {
 inline double grain(const Vec3d& p) {
   uint64_t hash = 0;
   for (int k = 0; k < 3; ++k) {  // the shift keeps the walls off the cubes' faces
-    hash = (hash ^ static_cast<uint64_t>(static_cast<int64_t>(std::floor((p[k] + 0.013) / 0.06)))) * 0x9e3779b97f4a7c15ull;
+    hash =
+        (hash ^ static_cast<uint64_t>(static_cast<int64_t>(std::floor((p[k] + 0.013) / 0.06)))) * 0x9e3779b97f4a7c15ull;
     hash ^= hash >> 29;
   }
   return static_cast<double>(hash % 1000) / 999 - 0.5;
@@ -82,7 +84,8 @@ inline Camera disturbed(Camera camera, double degrees, double shift, Random& ran
   const double a = degrees * k * random.normal(), b = degrees * k * random.normal();
   const Mat3d about_x{{1, 0, 0, 0, std::cos(a), -std::sin(a), 0, std::sin(a), std::cos(a)}};
   const Mat3d about_y{{std::cos(b), 0, std::sin(b), 0, 1, 0, -std::sin(b), 0, std::cos(b)}};
-  const Vec3d centre = camera.centre() + Vec3d{shift * random.normal(), shift * random.normal(), shift * random.normal()};
+  const Vec3d centre =
+      camera.centre() + Vec3d{shift * random.normal(), shift * random.normal(), shift * random.normal()};
   camera.world_to_camera.rotation = about_x * about_y * camera.world_to_camera.rotation;
   camera.world_to_camera.translation = -(camera.world_to_camera.rotation * centre);
   return camera;

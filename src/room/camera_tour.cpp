@@ -9,18 +9,18 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kAround = 72;        // keys of an orbit: one every five degrees
-constexpr size_t kBend = 4;           // of them before and after a narrow place give way to it
-constexpr double kFarShare = 0.7;     // of the way to the wall: from nearer the wall fills the picture
-constexpr double kNearShare = 0.15;   // of the diagonal, at least, where walls allow: nearer the middle is too large
-constexpr size_t kMostPlaces = 12;    // of a walk
-constexpr size_t kStep = 8;           // keys between two places of a walk
-constexpr double kTurnCost = 0.3;     // of the diagonal, for a turn by 180 degrees
-constexpr double kView = 0.3;         // of the diagonal from the eye to what a walk looks at
+constexpr size_t kAround = 72;       // keys of an orbit: one every five degrees
+constexpr size_t kBend = 4;          // of them before and after a narrow place give way to it
+constexpr double kFarShare = 0.7;    // of the way to the wall: from nearer the wall fills the picture
+constexpr double kNearShare = 0.15;  // of the diagonal, at least, where walls allow: nearer the middle is too large
+constexpr size_t kMostPlaces = 12;   // of a walk
+constexpr size_t kStep = 8;          // keys between two places of a walk
+constexpr double kTurnCost = 0.3;    // of the diagonal, for a turn by 180 degrees
+constexpr double kView = 0.3;        // of the diagonal from the eye to what a walk looks at
 constexpr double kLowest = 0.25, kHighest = 0.85;  // of the room's height, of the eye
 constexpr double kTargetLow = 0.2, kTargetHigh = 0.6;
-constexpr double kFieldOfView = 62;   // degrees, as on the page
-constexpr int kSmoothing = 3;         // times that corners of a walk are rounded
+constexpr double kFieldOfView = 62;  // degrees, as on the page
+constexpr int kSmoothing = 3;        // times that corners of a walk are rounded
 
 Vec3d at_height(const Vec2d& p, double z) { return {p.x, p.y, z}; }
 Vec2d seen_from_above(const Vec3d& p) { return {p.x, p.y}; }
@@ -33,7 +33,8 @@ struct Place {
 
 std::vector<Place> places_of(const RoomInside& room, const std::vector<Camera>& photos) {
   std::vector<Place> out;
-  for (const Camera& c : photos) out.push_back({room.to_room() * c.centre(), normalized(room.to_room().rotation * c.forward())});
+  for (const Camera& c : photos)
+    out.push_back({room.to_room() * c.centre(), normalized(room.to_room().rotation * c.forward())});
   return out;
 }
 
@@ -140,7 +141,8 @@ void order(std::vector<Place>& places, double diagonal) {
         if (i > 0) change += cost(places[i - 1], places[j]) - cost(places[i - 1], places[i]);
         if (j + 1 < places.size()) change += cost(places[i], places[j + 1]) - cost(places[j], places[j + 1]);
         if (change >= -1e-9) continue;
-        std::reverse(places.begin() + static_cast<std::ptrdiff_t>(i), places.begin() + static_cast<std::ptrdiff_t>(j) + 1);
+        std::reverse(places.begin() + static_cast<std::ptrdiff_t>(i),
+                     places.begin() + static_cast<std::ptrdiff_t>(j) + 1);
         better = true;
       }
     }
@@ -185,7 +187,8 @@ CameraPath orbit_path(const RoomInside& room, const std::vector<Camera>& photos,
   eyes = rounded(room, std::move(eyes), true);
   CameraPath path;
   for (size_t i = 0; i <= kAround; ++i) {
-    path.keys.push_back({seconds * static_cast<double>(i) / kAround, at_height(eyes[i % kAround], height), target, kFieldOfView});
+    path.keys.push_back(
+        {seconds * static_cast<double>(i) / kAround, at_height(eyes[i % kAround], height), target, kFieldOfView});
   }
   return in_world(room, std::move(path));
 }
@@ -209,12 +212,14 @@ CameraPath walk_path(const RoomInside& room, const std::vector<Camera>& photos, 
   std::vector<double> times = {0};
   for (size_t i = 1; i < eyes.size(); ++i) {
     const double turn = std::acos(std::clamp(dot(views[i - 1], views[i]), -1.0, 1.0)) / kPi;
-    times.push_back(times.back() + distance(eyes[i - 1], eyes[i]) + kTurnCost * room.diagonal() * turn + 1e-6 * room.diagonal());
+    times.push_back(times.back() + distance(eyes[i - 1], eyes[i]) + kTurnCost * room.diagonal() * turn +
+                    1e-6 * room.diagonal());
   }
   CameraPath path;
   for (size_t i = 0; i < eyes.size(); ++i) {
     const Vec3d eye = at_height(eyes[i], height);
-    path.keys.push_back({times.back() > 0 ? seconds * times[i] / times.back() : 0, eye, eye + views[i] * (kView * room.diagonal()), kFieldOfView});
+    path.keys.push_back({times.back() > 0 ? seconds * times[i] / times.back() : 0, eye,
+                         eye + views[i] * (kView * room.diagonal()), kFieldOfView});
   }
   return in_world(room, std::move(path));
 }

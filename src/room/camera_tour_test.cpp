@@ -23,8 +23,9 @@ Camera photo(const MeasuredRoom& room, const Vec3d& eye, const Vec3d& target) {
 }
 
 std::vector<Camera> photos(const MeasuredRoom& room) {
-  return {photo(room, {0.5, 0.5, 1.4}, {2, 2, 1}), photo(room, {3.5, 0.5, 1.5}, {2, 2, 1}), photo(room, {3.4, 2.4, 1.6}, {1, 1, 1}),
-          photo(room, {0.6, 2.5, 1.5}, {3, 1, 1}), photo(room, {2, 0.4, 1.5}, {2, 3, 1})};
+  return {photo(room, {0.5, 0.5, 1.4}, {2, 2, 1}), photo(room, {3.5, 0.5, 1.5}, {2, 2, 1}),
+          photo(room, {3.4, 2.4, 1.6}, {1, 1, 1}), photo(room, {0.6, 2.5, 1.5}, {3, 1, 1}),
+          photo(room, {2, 0.4, 1.5}, {2, 3, 1})};
 }
 
 /// The sample room with its corner beyond (2, 1.5) cut away.
@@ -32,7 +33,8 @@ MeasuredRoom angle_room() {
   MeasuredRoom room = sample_room::make();
   const Vec2d corners[6] = {{0, 0}, {4, 0}, {4, 1.5}, {2, 1.5}, {2, 3}, {0, 3}};
   room.walls.clear();
-  for (size_t i = 0; i < 6; ++i) room.walls.push_back({corners[i], corners[(i + 1) % 6], {0, 0, 0}, 2.5, 0.9, 0.8, false});
+  for (size_t i = 0; i < 6; ++i)
+    room.walls.push_back({corners[i], corners[(i + 1) % 6], {0, 0, 0}, 2.5, 0.9, 0.8, false});
   return room;
 }
 
@@ -55,7 +57,8 @@ TEST(RoomInside, ClearanceIsNegativeOutside) {
 TEST(RoomInside, InsideKeepsTheMargin) {
   const RoomInside room = RoomInside::of_room(angle_room());
   for (double x = -1; x <= 5; x += 0.25) {
-    for (double y = -1; y <= 4; y += 0.25) EXPECT_GE(room.clearance(room.inside({x, y})), 0.5 * room.margin()) << x << " " << y;
+    for (double y = -1; y <= 4; y += 0.25)
+      EXPECT_GE(room.clearance(room.inside({x, y})), 0.5 * room.margin()) << x << " " << y;
   }
   const Vec2d kept = room.inside({1, 1});
   EXPECT_EQ(kept.x, 1);
@@ -67,13 +70,15 @@ TEST(RoomInside, BoxOfPointsIsUprightAndTight) {
   const double a = 0.4;
   for (double x = 0; x <= 4; x += 0.1) {
     for (double y = 0; y <= 3; y += 0.1) {
-      for (const double z : {0.0, 2.5}) points.push_back({x * std::cos(a) - y * std::sin(a), x * std::sin(a) + y * std::cos(a), z + 7});
+      for (const double z : {0.0, 2.5})
+        points.push_back({x * std::cos(a) - y * std::sin(a), x * std::sin(a) + y * std::cos(a), z + 7});
     }
   }
   const RoomInside room = RoomInside::of_points(points, {0, 0, 1});
   EXPECT_NEAR(room.height(), 2.5, 1e-9);
   EXPECT_NEAR(room.diagonal(), 5, 0.4);
-  const Vec3d middle = room.to_room() * Vec3d{2 * std::cos(a) - 1.5 * std::sin(a), 2 * std::sin(a) + 1.5 * std::cos(a), 8};
+  const Vec3d middle =
+      room.to_room() * Vec3d{2 * std::cos(a) - 1.5 * std::sin(a), 2 * std::sin(a) + 1.5 * std::cos(a), 8};
   EXPECT_GT(room.clearance({middle.x, middle.y}), 1.2);
   EXPECT_NEAR(middle.z, 1, 1e-9);
 }
@@ -82,7 +87,8 @@ TEST(RoomInside, ObstaclesAtTheHeightOfTheCameraEndARay) {
   RoomInside room = RoomInside::of_room(sample_room::make());
   const Similarity back = room.to_room().inverse();
   std::vector<Vec3d> wardrobe, table;
-  for (double y = 1; y < 2; y += 0.01) wardrobe.push_back(back * Vec3d{3, y, 1.5}), table.push_back(back * Vec3d{1, y, 0.7});
+  for (double y = 1; y < 2; y += 0.01)
+    wardrobe.push_back(back * Vec3d{3, y, 1.5}), table.push_back(back * Vec3d{1, y, 0.7});
   room.add_obstacles(wardrobe, 1.5);
   room.add_obstacles(table, 1.5);
   EXPECT_NEAR(room.free_distance({2, 1.5}, {1, 0}), 1, 0.1);
@@ -109,7 +115,8 @@ TEST(CameraTour, OrbitGivesWayToAnObstacle) {
   };
   const double free = farthest(room);
   std::vector<Vec3d> wardrobe;
-  for (double y = 0; y < 3; y += 0.005) wardrobe.push_back(room.to_room().inverse() * Vec3d{3, y, tour_height(room, photos(measured))});
+  for (double y = 0; y < 3; y += 0.005)
+    wardrobe.push_back(room.to_room().inverse() * Vec3d{3, y, tour_height(room, photos(measured))});
   room.add_obstacles(wardrobe, tour_height(room, photos(measured)));
   EXPECT_GT(free, 3);
   EXPECT_LT(farthest(room), 2.9);
@@ -134,7 +141,8 @@ TEST(CameraTour, WalkStaysInsideAndPassesThePhotos) {
 TEST(CameraTour, WalkDoesNotCutTheCornerOfAnAngledRoom) {
   const MeasuredRoom measured = angle_room();
   const RoomInside room = RoomInside::of_room(measured);
-  const std::vector<Camera> ends = {photo(measured, {3.6, 0.8, 1.5}, {1, 0.5, 1}), photo(measured, {1, 2.6, 1.5}, {1, 0.5, 1})};
+  const std::vector<Camera> ends = {photo(measured, {3.6, 0.8, 1.5}, {1, 0.5, 1}),
+                                    photo(measured, {1, 2.6, 1.5}, {1, 0.5, 1})};
   EXPECT_GT(least_clearance(room, walk_path(room, ends, 10)), 0.05);
 }
 

@@ -26,7 +26,8 @@ std::vector<double> heights_of(const std::vector<SeenRay>& rays) {
 }
 
 /// Planes of the ceiling in the room's frame: the level one, or those that slope.
-std::vector<CeilingPlane> ceiling_of(const std::vector<ScenePlane>& planes, const RoomFrame& frame, const RoomSettings& s) {
+std::vector<CeilingPlane> ceiling_of(const std::vector<ScenePlane>& planes, const RoomFrame& frame,
+                                     const RoomSettings& s) {
   const double flat = std::cos(s.flat_ceiling * kRadiansPerDegree);
   size_t all = 0, most = 0;
   const ScenePlane* level = nullptr;
@@ -38,7 +39,8 @@ std::vector<CeilingPlane> ceiling_of(const std::vector<ScenePlane>& planes, cons
   std::vector<CeilingPlane> out;
   for (const size_t i : frame.ceilings) {
     const ScenePlane plane = in_frame(planes[i], frame.to_room);
-    const bool sloping = -plane.normal.z <= flat && static_cast<double>(plane.points) > s.least_slope_share * static_cast<double>(all);
+    const bool sloping =
+        -plane.normal.z <= flat && static_cast<double>(plane.points) > s.least_slope_share * static_cast<double>(all);
     if (sloping) out.push_back({plane.normal, plane.offset});
     // A level ceiling is exactly level at the height of its points.
     if (&planes[i] == level) out.push_back({{0, 0, -1}, plane.centre.z});
@@ -52,7 +54,9 @@ std::vector<PlanLine> plan_lines(const std::vector<ScenePlane>& planes, const Ro
     const ScenePlane plane = in_frame(planes[i], frame.to_room);
     const double level = std::hypot(plane.normal.x, plane.normal.y);
     // A wall that leans is taken at half height.
-    lines.push_back({{plane.normal.x / level, plane.normal.y / level}, (plane.offset + plane.normal.z * height / 2) / level, false});
+    lines.push_back({{plane.normal.x / level, plane.normal.y / level},
+                     (plane.offset + plane.normal.z * height / 2) / level,
+                     false});
   }
   return lines;
 }
@@ -64,7 +68,9 @@ void scale_lengths(std::vector<PlanLine>& lines, double factor) {
 bool inside(const std::vector<MeasuredWall>& walls, const Vec2d& p) {
   bool in = false;
   for (const MeasuredWall& w : walls) {
-    if ((w.from.y > p.y) != (w.to.y > p.y) && p.x < w.from.x + (p.y - w.from.y) / (w.to.y - w.from.y) * (w.to.x - w.from.x)) in = !in;
+    if ((w.from.y > p.y) != (w.to.y > p.y) &&
+        p.x < w.from.x + (p.y - w.from.y) / (w.to.y - w.from.y) * (w.to.x - w.from.x))
+      in = !in;
   }
   return in;
 }
@@ -77,12 +83,15 @@ double area_seen(const std::vector<MeasuredWall>& walls, const std::vector<SeenR
     low = {std::min(low.x, w.from.x), std::min(low.y, w.from.y)};
     high = {std::max(high.x, w.from.x), std::max(high.y, w.from.y)};
   }
-  const int columns = static_cast<int>((high.x - low.x) / cell) + 1, rows = static_cast<int>((high.y - low.y) / cell) + 1;
+  const int columns = static_cast<int>((high.x - low.x) / cell) + 1,
+            rows = static_cast<int>((high.y - low.y) / cell) + 1;
   std::vector<uint8_t> seen(static_cast<size_t>(columns) * static_cast<size_t>(rows));
   for (const SeenRay& ray : rays) {
     if (!is(ray)) continue;
-    const int x = static_cast<int>(std::floor((ray.to.x - low.x) / cell)), y = static_cast<int>(std::floor((ray.to.y - low.y) / cell));
-    if (x >= 0 && y >= 0 && x < columns && y < rows) seen[static_cast<size_t>(y) * static_cast<size_t>(columns) + static_cast<size_t>(x)] = 1;
+    const int x = static_cast<int>(std::floor((ray.to.x - low.x) / cell)),
+              y = static_cast<int>(std::floor((ray.to.y - low.y) / cell));
+    if (x >= 0 && y >= 0 && x < columns && y < rows)
+      seen[static_cast<size_t>(y) * static_cast<size_t>(columns) + static_cast<size_t>(x)] = 1;
   }
   size_t all = 0, shown = 0;
   for (int y = 0; y < rows; ++y) {
@@ -95,14 +104,18 @@ double area_seen(const std::vector<MeasuredWall>& walls, const std::vector<SeenR
   return all == 0 ? 0 : static_cast<double>(shown) / static_cast<double>(all);
 }
 
-/// The frame turned about z so that the longest wall runs along x, and moved so that no corner is negative. Returns the motion.
+/// The frame turned about z so that the longest wall runs along x, and moved so that no corner is negative. Returns the
+/// motion.
 Rigidd set_axes(std::vector<OutlineSide>& sides) {
   const OutlineSide* longest = &sides.front();
-  const auto length = [](const OutlineSide& side) { return std::hypot(side.to.x - side.from.x, side.to.y - side.from.y); };
+  const auto length = [](const OutlineSide& side) {
+    return std::hypot(side.to.x - side.from.x, side.to.y - side.from.y);
+  };
   for (const OutlineSide& side : sides) {
     if (!side.line.assumed && (longest->line.assumed || length(side) > length(*longest) + 1e-9)) longest = &side;
   }
-  const double l = length(*longest), c = (longest->to.x - longest->from.x) / l, s = (longest->to.y - longest->from.y) / l;
+  const double l = length(*longest), c = (longest->to.x - longest->from.x) / l,
+               s = (longest->to.y - longest->from.y) / l;
   const auto turn = [c, s](const Vec2d& p) { return Vec2d{c * p.x + s * p.y, -s * p.x + c * p.y}; };
   Vec2d low{1e300, 1e300};
   for (OutlineSide& side : sides) {
@@ -129,8 +142,8 @@ bool is_labelled(const std::vector<PlaneView>& views) {
   });
 }
 
-void measure_walls(MeasuredRoom& room, const std::vector<OutlineSide>& sides, const RoomInputs& inputs, const std::vector<RoomClass>& classes,
-                   const RoomSettings& s) {
+void measure_walls(MeasuredRoom& room, const std::vector<OutlineSide>& sides, const RoomInputs& inputs,
+                   const std::vector<RoomClass>& classes, const RoomSettings& s) {
   for (const OutlineSide& side : sides) {
     MeasuredWall wall;
     wall.from = side.from;
@@ -154,14 +167,13 @@ void measure_walls(MeasuredRoom& room, const std::vector<OutlineSide>& sides, co
     const std::vector<MeasuredOpening> found = find_openings(votes[w], static_cast<int>(w), *inputs.labels, s.openings);
     room.openings.insert(room.openings.end(), found.begin(), found.end());
   }
-  std::stable_sort(room.openings.begin(), room.openings.end(), [](const MeasuredOpening& a, const MeasuredOpening& b) { return a.kind < b.kind; });
+  std::stable_sort(room.openings.begin(), room.openings.end(),
+                   [](const MeasuredOpening& a, const MeasuredOpening& b) { return a.kind < b.kind; });
 }
 
 }  // namespace
 
-RoomSettings::RoomSettings() {
-  planes.square = true;
-}
+RoomSettings::RoomSettings() { planes.square = true; }
 
 MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPool& pool) {
   if (!is_labelled(inputs.views)) {
@@ -170,7 +182,9 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   }
   const std::vector<RoomClass> classes = room_classes(*inputs.labels);
   const std::vector<ScenePlane> planes = find_planes(inputs.views, plane_classes(*inputs.labels), s.planes, pool);
-  for (const ScenePlane& p : planes) log_debug("plane kind {} n ({:.3f} {:.3f} {:.3f}) d {:.3f} points {} views {}", static_cast<int>(p.kind), p.normal.x, p.normal.y, p.normal.z, p.offset, p.points, p.views);
+  for (const ScenePlane& p : planes)
+    log_debug("plane kind {} n ({:.3f} {:.3f} {:.3f}) d {:.3f} points {} views {}", static_cast<int>(p.kind),
+              p.normal.x, p.normal.y, p.normal.z, p.offset, p.points, p.views);
   const std::optional<RoomFrame> frame = find_room_frame(planes, inputs.up, s.frame);
   if (!frame) {
     throw_bad_input({}, "up", "neither a floor nor a ceiling is seen, and the scene does not say which way is up",
@@ -194,7 +208,8 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   for (const CeilingPlane& plane : room.ceiling) {
     if (plane.normal.z < -0.999999) height = plane.offset;
   }
-  if (room.ceiling_assumed) room.warnings.push_back("No ceiling was found. Its height is that of the highest surfaces.");
+  if (room.ceiling_assumed)
+    room.warnings.push_back("No ceiling was found. Its height is that of the highest surfaces.");
   if (!(height > 0)) throw_bad_input({}, "depth", "all surfaces lie at the height of the floor", "look at the renders");
 
   // Settings are in metres: a world without unit is taken to be a room of the usual height until the end.
@@ -212,7 +227,8 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
 
   if (lines.empty()) room.warnings.push_back("No wall was found. The outline is the box of what the photos show.");
   std::vector<OutlineSide> sides = find_outline(std::move(lines), rays, classes, s.outline);
-  if (sides.size() < 3) throw_bad_input({}, "outline", "the photos show no free space between walls", "look at the renders");
+  if (sides.size() < 3)
+    throw_bad_input({}, "outline", "the photos show no free space between walls", "look at the renders");
   const Rigidd motion = set_axes(sides);
   room.to_room = after(motion, room.to_room);
   for (SeenRay& ray : rays) {
@@ -226,7 +242,8 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
   if (!room.ceiling.empty()) {
     // The highest and lowest places of planes are above corners.
     double highest = 0, lowest = 1e300;
-    const bool has_level = std::any_of(room.ceiling.begin(), room.ceiling.end(), [](const CeilingPlane& p) { return p.normal.z < -0.999999; });
+    const bool has_level = std::any_of(room.ceiling.begin(), room.ceiling.end(),
+                                       [](const CeilingPlane& p) { return p.normal.z < -0.999999; });
     if (!has_level) room.height = 1e300;
     for (const OutlineSide& side : sides) {
       highest = std::max(highest, room.height_at(side.from));
@@ -238,11 +255,18 @@ MeasuredRoom find_room(const RoomInputs& inputs, const RoomSettings& s, ThreadPo
     room.lowest = room.height;
   }
   measure_walls(room, sides, inputs, classes, s);
-  const auto has = [&classes](const SeenRay& ray, bool RoomClass::*what) { return ray.label < classes.size() && classes[ray.label].*what; };
-  room.floor_seen = area_seen(room.walls, rays, s.furniture.cell, [&](const SeenRay& ray) { return has(ray, &RoomClass::floor); });
-  room.ceiling_seen = area_seen(room.walls, rays, s.furniture.cell, [&](const SeenRay& ray) { return has(ray, &RoomClass::ceiling); });
-  const size_t assumed = static_cast<size_t>(std::count_if(room.walls.begin(), room.walls.end(), [](const MeasuredWall& w) { return w.assumed; }));
-  if (assumed > 0) room.warnings.push_back(std::to_string(assumed) + " of " + std::to_string(room.walls.size()) + " walls are assumed: no photo shows them.");
+  const auto has = [&classes](const SeenRay& ray, bool RoomClass::*what) {
+    return ray.label < classes.size() && classes[ray.label].*what;
+  };
+  room.floor_seen =
+      area_seen(room.walls, rays, s.furniture.cell, [&](const SeenRay& ray) { return has(ray, &RoomClass::floor); });
+  room.ceiling_seen =
+      area_seen(room.walls, rays, s.furniture.cell, [&](const SeenRay& ray) { return has(ray, &RoomClass::ceiling); });
+  const size_t assumed = static_cast<size_t>(
+      std::count_if(room.walls.begin(), room.walls.end(), [](const MeasuredWall& w) { return w.assumed; }));
+  if (assumed > 0)
+    room.warnings.push_back(std::to_string(assumed) + " of " + std::to_string(room.walls.size()) +
+                            " walls are assumed: no photo shows them.");
 
   std::vector<ObjectPoints> objects = inputs.objects;
   for (ObjectPoints& object : objects) {

@@ -12,11 +12,11 @@ namespace aligngs {
 
 /// Everything in the scene's world.
 struct RoomInputs {
-  std::vector<PlaneView> views;          ///< depth, labels and camera of each photo
-  const LabelSet* labels = nullptr;      ///< not null
-  std::optional<Vec3d> up;               ///< where the scene knows it
-  std::vector<ObjectPoints> objects;     ///< of furniture classes
-  std::optional<double> metres_per_unit; ///< of the world; nothing where it is not known
+  std::vector<PlaneView> views;           ///< depth, labels and camera of each photo
+  const LabelSet* labels = nullptr;       ///< not null
+  std::optional<Vec3d> up;                ///< where the scene knows it
+  std::vector<ObjectPoints> objects;      ///< of furniture classes
+  std::optional<double> metres_per_unit;  ///< of the world; nothing where it is not known
   ScaleSource scale_source = ScaleSource::kUnknown;
 };
 
@@ -27,11 +27,12 @@ struct RoomSettings {
   WallVoteSettings votes;
   OpeningSettings openings;
   FurnitureSettings furniture;
-  int outline_stride = 3;       ///< pixels between the rays of the outline
-  int label_edge = 2;           ///< pixels from another label that the outline's rays leave out
-  double flat_ceiling = 5;      ///< degrees from level within which a ceiling is level
+  int outline_stride = 3;          ///< pixels between the rays of the outline
+  int label_edge = 2;              ///< pixels from another label that the outline's rays leave out
+  double flat_ceiling = 5;         ///< degrees from level within which a ceiling is level
   double least_slope_share = 0.1;  ///< of the ceiling's points that a sloping plane must have
-  double usual_height = 2.5;    ///< metres: of a room in a world without unit, so that settings in metres have a meaning
+  /// metres: of a room in a world without unit, so that settings in metres have a meaning
+  double usual_height = 2.5;
   RoomSettings();
 };
 

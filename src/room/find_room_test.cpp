@@ -30,7 +30,8 @@ RoomInputs inputs(bool all_around) {
   const int turns = all_around ? 12 : 1;
   for (const Vec3d& centre : {Vec3d{0.4, -0.2, -0.6}, Vec3d{-0.5, 0, -1.4}}) {
     for (int k = 0; k < turns; ++k) {
-      for (const double dip : {-0.45, 0.1, 0.5}) out.views.push_back(look(camera(centre, 2 * 3.14159265 * k / turns, dip)).plane);
+      for (const double dip : {-0.45, 0.1, 0.5})
+        out.views.push_back(look(camera(centre, 2 * 3.14159265 * k / turns, dip)).plane);
     }
   }
   return out;
@@ -73,7 +74,8 @@ TEST(FindRoom, AWorldWithoutUnitIsMeasuredInItsOwn) {
 
 TEST(FindRoom, WallsThatNobodySeesAreAssumed) {
   const MeasuredRoom room = room_of(inputs(false));
-  const size_t assumed = static_cast<size_t>(std::count_if(room.walls.begin(), room.walls.end(), [](const MeasuredWall& w) { return w.assumed; }));
+  const size_t assumed = static_cast<size_t>(
+      std::count_if(room.walls.begin(), room.walls.end(), [](const MeasuredWall& w) { return w.assumed; }));
   EXPECT_GE(assumed, 1u);
   EXPECT_LT(assumed, room.walls.size());
   EXPECT_FALSE(room.warnings.empty());

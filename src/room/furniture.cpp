@@ -9,9 +9,11 @@
 namespace aligngs {
 namespace {
 
-/// Metres that the longest side of a whole thing has at least. Shorter ones are cushions and drawers that a teacher takes for it.
+/// Metres that the longest side of a whole thing has at least. Shorter ones are cushions and drawers that a teacher
+/// takes for it.
 double least_size_of(const std::string& class_name, double least) {
-  constexpr std::pair<const char*, double> kLeast[] = {{"bed", 1.0}, {"sofa", 1.0}, {"wardrobe", 1.0}, {"bathtub", 1.0}, {"bookcase", 0.5}, {"desk", 0.5},
+  constexpr std::pair<const char*, double> kLeast[] = {{"bed", 1.0},         {"sofa", 1.0},     {"wardrobe", 1.0},
+                                                       {"bathtub", 1.0},     {"bookcase", 0.5}, {"desk", 0.5},
                                                        {"refrigerator", 0.5}};
   for (const auto& [name, size] : kLeast) {
     if (class_name == name) return std::max(size, least);
@@ -51,7 +53,8 @@ Turned turned_box(const std::vector<Vec3d>& points, double degrees, double tail,
   }
   Turned out{range_of(u, tail), range_of(v, tail), 0};
   for (size_t i = 0; i < u.size(); ++i) {
-    const double to_side = std::min(std::min(std::abs(u[i] - out.u.low), std::abs(u[i] - out.u.high)), std::min(std::abs(v[i] - out.v.low), std::abs(v[i] - out.v.high)));
+    const double to_side = std::min(std::min(std::abs(u[i] - out.u.low), std::abs(u[i] - out.u.high)),
+                                    std::min(std::abs(v[i] - out.v.low), std::abs(v[i] - out.v.high)));
     out.closeness += near / std::max(near, to_side) / static_cast<double>(u.size());
   }
   return out;
@@ -64,15 +67,20 @@ double seen_share(const MeasuredBox& box, const std::vector<Vec3d>& points, doub
   for (int k = 0; k < 3; ++k) count[k] = std::clamp(static_cast<int>(std::ceil(size[k] / cell)), 1, 200);
   // Faces: top, -u, +u, -v, +v.
   std::vector<uint8_t> faces[5];
-  const int wide[5] = {count[0], count[1], count[1], count[0], count[0]}, high[5] = {count[1], count[2], count[2], count[2], count[2]};
+  const int wide[5] = {count[0], count[1], count[1], count[0], count[0]},
+            high[5] = {count[1], count[2], count[2], count[2], count[2]};
   for (int f = 0; f < 5; ++f) faces[f].assign(static_cast<size_t>(wide[f]) * static_cast<size_t>(high[f]), 0);
   const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree);
-  const auto square = [](double at, double whole, int n) { return std::clamp(static_cast<int>(at / whole * n), 0, n - 1); };
+  const auto square = [](double at, double whole, int n) {
+    return std::clamp(static_cast<int>(at / whole * n), 0, n - 1);
+  };
   for (const Vec3d& p : points) {
     const double x = p.x - box.centre.x, y = p.y - box.centre.y;
     const double u = c * x + s * y + box.width / 2, v = -s * x + c * y + box.depth / 2, z = p.z - box.bottom;
     const int i = square(u, size[0], count[0]), j = square(v, size[1], count[1]), k = square(z, size[2], count[2]);
-    const auto mark = [&](int f, int a, int b) { faces[f][static_cast<size_t>(b) * static_cast<size_t>(wide[f]) + static_cast<size_t>(a)] = 1; };
+    const auto mark = [&](int f, int a, int b) {
+      faces[f][static_cast<size_t>(b) * static_cast<size_t>(wide[f]) + static_cast<size_t>(a)] = 1;
+    };
     if (size[2] - z < cell) mark(0, i, j);
     if (u < cell) mark(1, j, k);
     if (size[0] - u < cell) mark(2, j, k);
@@ -90,7 +98,9 @@ double seen_share(const MeasuredBox& box, const std::vector<Vec3d>& points, doub
 double to_wall(const MeasuredBox& box, const MeasuredWall& wall) {
   double nearest = 1e300;
   for (const Vec2d& p : footprint(box)) {
-    const double along = ((p.x - wall.from.x) * (wall.to.x - wall.from.x) + (p.y - wall.from.y) * (wall.to.y - wall.from.y)) / wall.length();
+    const double along =
+        ((p.x - wall.from.x) * (wall.to.x - wall.from.x) + (p.y - wall.from.y) * (wall.to.y - wall.from.y)) /
+        wall.length();
     if (along < -0.1 || along > wall.length() + 0.1) continue;
     nearest = std::min(nearest, std::abs(wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y)));
   }
@@ -100,7 +110,9 @@ double to_wall(const MeasuredBox& box, const MeasuredWall& wall) {
 /// The part of a box before a wall that runs along one of its sides, if only a little of it is behind.
 void cut_back(MeasuredBox& box, const MeasuredWall& wall, double most) {
   const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree);
-  const double along = ((box.centre.x - wall.from.x) * (wall.to.x - wall.from.x) + (box.centre.y - wall.from.y) * (wall.to.y - wall.from.y)) / wall.length();
+  const double along = ((box.centre.x - wall.from.x) * (wall.to.x - wall.from.x) +
+                        (box.centre.y - wall.from.y) * (wall.to.y - wall.from.y)) /
+                       wall.length();
   if (along < 0 || along > wall.length()) return;
   constexpr double kParallel = 0.999;  // cosine: 2.5 degrees
   for (double* side : {&box.width, &box.depth}) {
@@ -115,16 +127,18 @@ void cut_back(MeasuredBox& box, const MeasuredWall& wall, double most) {
 }
 
 bool within(const MeasuredBox& box, const Vec2d& p) {
-  const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree), x = p.x - box.centre.x, y = p.y - box.centre.y;
+  const double c = std::cos(box.turn * kRadiansPerDegree), s = std::sin(box.turn * kRadiansPerDegree),
+               x = p.x - box.centre.x, y = p.y - box.centre.y;
   return std::abs(c * x + s * y) <= box.width / 2 && std::abs(-s * x + c * y) <= box.depth / 2;
 }
 
-std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& boxes, const std::vector<MeasuredWall>& walls, double height,
-                       const FurnitureSettings& s) {
+std::string support_of(const MeasuredBox& box, const std::vector<MeasuredBox>& boxes,
+                       const std::vector<MeasuredWall>& walls, double height, const FurnitureSettings& s) {
   if (box.bottom < s.to_floor) return "floor";
   for (const MeasuredBox& other : boxes) {
     // A thing may be on a shelf inside its case's box: only the top is known.
-    if (&other != &box && within(other, box.centre) && std::abs(box.bottom - other.top) < s.to_support) return box_name(other);
+    if (&other != &box && within(other, box.centre) && std::abs(box.bottom - other.top) < s.to_support)
+      return box_name(other);
   }
   for (const MeasuredWall& wall : walls) {
     if (wall.length() > 0 && to_wall(box, wall) < s.to_support) return "wall";
@@ -145,7 +159,8 @@ std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double 
       y.push_back(p.y);
     }
     constexpr double kTail = 0.01;
-    return x.empty() ? std::pair<Range, Range>{} : std::pair{range_of(std::move(x), kTail), range_of(std::move(y), kTail)};
+    return x.empty() ? std::pair<Range, Range>{}
+                     : std::pair{range_of(std::move(x), kTail), range_of(std::move(y), kTail)};
   };
   const auto overlap = [](const Range& a, const Range& b) { return std::min(a.high, b.high) - std::max(a.low, b.low); };
   for (bool joined = true; joined;) {
@@ -153,14 +168,16 @@ std::vector<ObjectPoints> join_pieces(std::vector<ObjectPoints> objects, double 
     for (size_t i = 0; i < objects.size() && !joined; ++i) {
       if (objects[i].class_name != "bed" && objects[i].class_name != "sofa") continue;
       for (size_t j = i + 1; j < objects.size() && !joined; ++j) {
-        if (objects[j].class_name != objects[i].class_name || objects[i].points.empty() || objects[j].points.empty()) continue;
+        if (objects[j].class_name != objects[i].class_name || objects[i].points.empty() || objects[j].points.empty())
+          continue;
         const auto [ax, ay] = box_of(objects[i]);
         const auto [bx, by] = box_of(objects[j]);
         const auto in_row = [&](const Range& a, const Range& b, const Range& c, const Range& d) {
           return overlap(a, b) > -gap && overlap(c, d) > kRow * std::min(c.length(), d.length());
         };
         if (!in_row(ax, bx, ay, by) && !in_row(ay, by, ax, bx)) continue;
-        const double m = static_cast<double>(objects[i].points.size()), n = static_cast<double>(objects[j].points.size());
+        const double m = static_cast<double>(objects[i].points.size()),
+                     n = static_cast<double>(objects[j].points.size());
         objects[i].confidence = (m * objects[i].confidence + n * objects[j].confidence) / (m + n);
         objects[i].points.insert(objects[i].points.end(), objects[j].points.begin(), objects[j].points.end());
         objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(j));
@@ -198,7 +215,9 @@ bool fit_box(const ObjectPoints& object, const FurnitureSettings& s, MeasuredBox
   box.bottom = z.low < s.to_floor ? 0 : z.low;
   box.top = z.high;
   box.turn = turn;
-  if (std::max({box.width, box.depth, box.top - box.bottom}) < least_size_of(box.class_name, s.least_size) || box.top <= box.bottom || box.width <= 0 || box.depth <= 0) return false;
+  if (std::max({box.width, box.depth, box.top - box.bottom}) < least_size_of(box.class_name, s.least_size) ||
+      box.top <= box.bottom || box.width <= 0 || box.depth <= 0)
+    return false;
   const double u = (best.u.low + best.u.high) / 2, v = (best.v.low + best.v.high) / 2;
   const double c = std::cos(turn * kRadiansPerDegree), sine = std::sin(turn * kRadiansPerDegree);
   box.centre = {c * u - sine * v, sine * u + c * v};
@@ -206,8 +225,8 @@ bool fit_box(const ObjectPoints& object, const FurnitureSettings& s, MeasuredBox
   return true;
 }
 
-std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls, double height,
-                                    const FurnitureSettings& settings) {
+std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls,
+                                    double height, const FurnitureSettings& settings) {
   std::vector<MeasuredBox> out;
   for (const ObjectPoints& object : objects) {
     MeasuredBox box;

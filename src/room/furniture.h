@@ -20,12 +20,15 @@ struct ObjectPoints {
 struct FurnitureSettings {
   double tail = 0.01;         ///< share of the points on each side that a box leaves out: strays
   double square_gain = 0.10;  ///< a box turned against the walls must fit better by this share
-  double near_side = 0.02;    ///< metres from a side of a box within which a point is on it: thickness of a trained surface
-  double to_floor = 0.15;     ///< metres from the floor within which a box is on it: shadow and rugs hide its foot
-  double to_support = 0.12;   ///< metres within which another box or a wall supports a box
-  double in_wall = 0.20;      ///< metres that a box may reach into a wall and is cut back: trained surfaces near walls are thick
-  double cell = 0.10;         ///< metres: squares of a box's faces that are counted as seen
-  double least_size = 0.25;   ///< metres, of the longest side: smaller ones are mostly confusions of a teacher, and so are beds shorter than a metre
+  /// metres from a side of a box within which a point is on it: thickness of a trained surface
+  double near_side = 0.02;
+  double to_floor = 0.15;    ///< metres from the floor within which a box is on it: shadow and rugs hide its foot
+  double to_support = 0.12;  ///< metres within which another box or a wall supports a box
+  /// metres that a box may reach into a wall and is cut back: trained surfaces near walls are thick
+  double in_wall = 0.20;
+  double cell = 0.10;  ///< metres: squares of a box's faces that are counted as seen
+  /// metres, of the longest side: smaller ones are mostly confusions of a teacher, and so are beds shorter than a metre
+  double least_size = 0.25;
   size_t least_points = 30;
 };
 
@@ -42,7 +45,7 @@ bool fit_box(const ObjectPoints& object, const FurnitureSettings& settings, Meas
 
 /// Boxes of all objects in the order given, cut back where they reach into walls, each with its support. `height` of
 /// the ceiling, metres.
-std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls, double height,
-                                    const FurnitureSettings& settings = {});
+std::vector<MeasuredBox> find_boxes(const std::vector<ObjectPoints>& objects, const std::vector<MeasuredWall>& walls,
+                                    double height, const FurnitureSettings& settings = {});
 
 }  // namespace aligngs

@@ -18,7 +18,8 @@ ObjectPoints box_points(double w, double d, double h, double x, double y, double
   for (int i = 0; i <= kN; ++i) {
     for (int j = 0; j <= kN; ++j) {
       const double a = static_cast<double>(i) / kN - 0.5, b = static_cast<double>(j) / kN - 0.5;
-      for (const Vec3d& p : {Vec3d{a, b, 1}, Vec3d{a, -0.5, b + 0.5}, Vec3d{a, 0.5, b + 0.5}, Vec3d{-0.5, a, b + 0.5}, Vec3d{0.5, a, b + 0.5}}) {
+      for (const Vec3d& p : {Vec3d{a, b, 1}, Vec3d{a, -0.5, b + 0.5}, Vec3d{a, 0.5, b + 0.5}, Vec3d{-0.5, a, b + 0.5},
+                             Vec3d{0.5, a, b + 0.5}}) {
         out.points.push_back({x + c * p.x * w - s * p.y * d, y + s * p.x * w + c * p.y * d, bottom + p.z * h});
       }
     }

@@ -93,21 +93,30 @@ MeasuredRoom rescaled(MeasuredRoom room, double factor) {
 
 const char* name_of(OpeningKind kind) {
   switch (kind) {
-    case OpeningKind::kDoor: return "door";
-    case OpeningKind::kWindow: return "window";
-    case OpeningKind::kPicture: return "picture";
-    case OpeningKind::kMirror: return "mirror";
+    case OpeningKind::kDoor:
+      return "door";
+    case OpeningKind::kWindow:
+      return "window";
+    case OpeningKind::kPicture:
+      return "picture";
+    case OpeningKind::kMirror:
+      return "mirror";
   }
   return "";
 }
 
 const char* name_of(ScaleSource source) {
   switch (source) {
-    case ScaleSource::kUnknown: return "unknown";
-    case ScaleSource::kNetwork: return "network estimate";
-    case ScaleSource::kSensor: return "sensor";
-    case ScaleSource::kGiven: return "given";
-    case ScaleSource::kTruth: return "truth";
+    case ScaleSource::kUnknown:
+      return "unknown";
+    case ScaleSource::kNetwork:
+      return "network estimate";
+    case ScaleSource::kSensor:
+      return "sensor";
+    case ScaleSource::kGiven:
+      return "given";
+    case ScaleSource::kTruth:
+      return "truth";
   }
   return "";
 }

@@ -19,14 +19,15 @@ enum class ScaleSource {
   kTruth     ///< of a synthetic room
 };
 
-/// One straight piece of the outline. Seen from above the outline runs counter-clockwise, so that the room is on the left.
+/// One straight piece of the outline. Seen from above the outline runs counter-clockwise, so that the room is on the
+/// left.
 struct MeasuredWall {
-  Vec2d from, to;          ///< corners
-  Vec3d normal;            ///< unit, into the room, level
-  double height = 0;       ///< of the ceiling above it, the mean of both corners
-  double seen = 0;         ///< share of its rectangle that photos show, in [0, 1]
-  double confidence = 0;   ///< in [0, 1]: share of the votes on it that agree; 0 for an assumed wall
-  bool assumed = false;    ///< no photo shows it: it closes the room where the seen surfaces end
+  Vec2d from, to;         ///< corners
+  Vec3d normal;           ///< unit, into the room, level
+  double height = 0;      ///< of the ceiling above it, the mean of both corners
+  double seen = 0;        ///< share of its rectangle that photos show, in [0, 1]
+  double confidence = 0;  ///< in [0, 1]: share of the votes on it that agree; 0 for an assumed wall
+  bool assumed = false;   ///< no photo shows it: it closes the room where the seen surfaces end
   double length() const;
   /// The place at `along` from the first corner, at height z.
   Vec3d at(double along, double z) const;
@@ -38,24 +39,24 @@ enum class OpeningKind { kDoor, kWindow, kPicture, kMirror };
 struct MeasuredOpening {
   OpeningKind kind = OpeningKind::kDoor;
   std::string class_name;
-  int wall = 0;                      ///< index into walls
-  double left = 0, right = 0;        ///< along the wall, from its first corner
-  double bottom = 0, top = 0;        ///< heights above the floor; bottom is the sill
-  double seen = 0;                   ///< share of the rectangle with votes
-  double confidence = 0;             ///< share of those votes that agree
+  int wall = 0;                ///< index into walls
+  double left = 0, right = 0;  ///< along the wall, from its first corner
+  double bottom = 0, top = 0;  ///< heights above the floor; bottom is the sill
+  double seen = 0;             ///< share of the rectangle with votes
+  double confidence = 0;       ///< share of those votes that agree
 };
 
 /// An upright box of a piece of furniture.
 struct MeasuredBox {
   std::string class_name;
-  int instance = 0;                  ///< number within its class, from 1
+  int instance = 0;  ///< number within its class, from 1
   Vec2d centre;
-  double width = 0, depth = 0;       ///< along the box's own x and y
-  double bottom = 0, top = 0;        ///< heights above the floor
-  double turn = 0;                   ///< degrees from the room's x to the box's x, in [0, 180)
-  std::string support;               ///< "floor", "wall", "ceiling", the name of another box, or "unknown"
-  double seen = 0;                   ///< share of the four sides and the top that has points near it
-  double confidence = 0;             ///< mean probability of the class
+  double width = 0, depth = 0;  ///< along the box's own x and y
+  double bottom = 0, top = 0;   ///< heights above the floor
+  double turn = 0;              ///< degrees from the room's x to the box's x, in [0, 180)
+  std::string support;          ///< "floor", "wall", "ceiling", the name of another box, or "unknown"
+  double seen = 0;              ///< share of the four sides and the top that has points near it
+  double confidence = 0;        ///< mean probability of the class
 };
 
 /// A piece of the ceiling: normal . x + offset = 0 in the room's frame, the normal downwards.
@@ -66,20 +67,20 @@ struct CeilingPlane {
 };
 
 struct MeasuredRoom {
-  bool metric = false;               ///< lengths are metres
+  bool metric = false;  ///< lengths are metres
   ScaleSource scale_source = ScaleSource::kUnknown;
-  Similarity to_room;                ///< from the scene's world to this frame
-  std::vector<MeasuredWall> walls;   ///< closed: each begins where the one before ends
+  Similarity to_room;               ///< from the scene's world to this frame
+  std::vector<MeasuredWall> walls;  ///< closed: each begins where the one before ends
   std::vector<MeasuredOpening> openings;
   std::vector<MeasuredBox> boxes;
-  std::vector<CeilingPlane> ceiling; ///< empty: the ceiling is assumed level
-  double height = 0;                 ///< of the highest place of the ceiling above the floor
-  double lowest = 0;                 ///< and of its lowest place; equal for a level ceiling
+  std::vector<CeilingPlane> ceiling;        ///< empty: the ceiling is assumed level
+  double height = 0;                        ///< of the highest place of the ceiling above the floor
+  double lowest = 0;                        ///< and of its lowest place; equal for a level ceiling
   double floor_seen = 0, ceiling_seen = 0;  ///< share of the outline's area that photos show
   bool floor_assumed = false, ceiling_assumed = false;
-  std::vector<std::string> warnings; ///< sentences: what could not be found
+  std::vector<std::string> warnings;  ///< sentences: what could not be found
 
-  double area() const;               ///< of the floor inside the outline
+  double area() const;  ///< of the floor inside the outline
   double perimeter() const;
   /// Height of the ceiling above a place of the floor.
   double height_at(const Vec2d& p) const;
@@ -99,7 +100,7 @@ MeasuredRoom rescaled(MeasuredRoom room, double factor);
 /// Area within a closed polygon, positive when counter-clockwise.
 double signed_area(const std::vector<Vec2d>& polygon);
 
-const char* name_of(OpeningKind kind);   ///< "door", "window", "picture", "mirror"
-const char* name_of(ScaleSource source); ///< "unknown", "network estimate", "sensor", "given", "truth"
+const char* name_of(OpeningKind kind);    ///< "door", "window", "picture", "mirror"
+const char* name_of(ScaleSource source);  ///< "unknown", "network estimate", "sensor", "given", "truth"
 
 }  // namespace aligngs

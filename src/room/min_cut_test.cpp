@@ -45,7 +45,8 @@ TEST(MinCut, IsAsCheapAsTheBestOfAllDivisions) {
       return sum;
     };
     double least = 1e9;
-    for (unsigned set = 0; set < 1u << kNodes; ++set) least = std::min(least, cost([set](size_t i) { return (set >> i & 1) != 0; }));
+    for (unsigned set = 0; set < 1u << kNodes; ++set)
+      least = std::min(least, cost([set](size_t i) { return (set >> i & 1) != 0; }));
     const std::vector<uint8_t> solved = graph.solve();
     EXPECT_NEAR(cost([&solved](size_t i) { return solved[i] != 0; }), least, 1e-9);
   }

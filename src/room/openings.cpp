@@ -16,11 +16,14 @@ struct Rectangle {
 struct Mask {
   int columns = 0, rows = 0;
   std::vector<uint8_t> own, seen;
-  size_t index(int column, int row) const { return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column); }
+  size_t index(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column);
+  }
 };
 
 Mask mask_of(const WallVotes& votes, OpeningKind kind, double agreement) {
-  Mask mask{votes.columns, votes.rows, std::vector<uint8_t>(votes.wall.size()), std::vector<uint8_t>(votes.wall.size())};
+  Mask mask{votes.columns, votes.rows, std::vector<uint8_t>(votes.wall.size()),
+            std::vector<uint8_t>(votes.wall.size())};
   const bool hole = kind == OpeningKind::kDoor || kind == OpeningKind::kWindow;
   for (size_t i = 0; i < votes.wall.size(); ++i) {
     const float all = votes.total(i), named = votes.kinds[static_cast<size_t>(kind)][i];
@@ -39,8 +42,10 @@ std::vector<Rectangle> groups(const Mask& mask, int gap) {
     for (int x = 0; x < mask.columns; ++x) {
       if (!mask.own[mask.index(x, y)]) continue;
       for (int d = 1; d <= gap + 1; ++d) {
-        if (x + d < mask.columns && mask.own[mask.index(x + d, y)]) sets.unite(static_cast<uint32_t>(mask.index(x, y)), static_cast<uint32_t>(mask.index(x + d, y)));
-        if (y + d < mask.rows && mask.own[mask.index(x, y + d)]) sets.unite(static_cast<uint32_t>(mask.index(x, y)), static_cast<uint32_t>(mask.index(x, y + d)));
+        if (x + d < mask.columns && mask.own[mask.index(x + d, y)])
+          sets.unite(static_cast<uint32_t>(mask.index(x, y)), static_cast<uint32_t>(mask.index(x + d, y)));
+        if (y + d < mask.rows && mask.own[mask.index(x, y + d)])
+          sets.unite(static_cast<uint32_t>(mask.index(x, y)), static_cast<uint32_t>(mask.index(x, y + d)));
       }
     }
   }
@@ -48,7 +53,8 @@ std::vector<Rectangle> groups(const Mask& mask, int gap) {
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.columns; ++x) {
       if (!mask.own[mask.index(x, y)]) continue;
-      const auto [at, fresh] = boxes.try_emplace(sets.find(static_cast<uint32_t>(mask.index(x, y))), Rectangle{x, x + 1, y, y + 1});
+      const auto [at, fresh] =
+          boxes.try_emplace(sets.find(static_cast<uint32_t>(mask.index(x, y))), Rectangle{x, x + 1, y, y + 1});
       Rectangle& r = at->second;
       r = {std::min(r.left, x), std::max(r.right, x + 1), std::min(r.bottom, y), std::max(r.top, y + 1)};
     }
@@ -74,8 +80,10 @@ double filled(const Mask& mask, const Rectangle& r, size_t* count = nullptr) {
 /// Draws in the side with the smallest share until every side has enough.
 Rectangle drawn_in(const Mask& mask, Rectangle r, double share) {
   while (r.right - r.left > 1 && r.top - r.bottom > 1) {
-    const Rectangle sides[4] = {{r.left, r.left + 1, r.bottom, r.top}, {r.right - 1, r.right, r.bottom, r.top},
-                                {r.left, r.right, r.bottom, r.bottom + 1}, {r.left, r.right, r.top - 1, r.top}};
+    const Rectangle sides[4] = {{r.left, r.left + 1, r.bottom, r.top},
+                                {r.right - 1, r.right, r.bottom, r.top},
+                                {r.left, r.right, r.bottom, r.bottom + 1},
+                                {r.left, r.right, r.top - 1, r.top}};
     int worst = 0;
     double least = 2;
     for (int k = 0; k < 4; ++k) {
@@ -83,10 +91,14 @@ Rectangle drawn_in(const Mask& mask, Rectangle r, double share) {
       if (own < least) least = own, worst = k;
     }
     if (least >= share) break;
-    if (worst == 0) ++r.left;
-    else if (worst == 1) --r.right;
-    else if (worst == 2) ++r.bottom;
-    else --r.top;
+    if (worst == 0)
+      ++r.left;
+    else if (worst == 1)
+      --r.right;
+    else if (worst == 2)
+      ++r.bottom;
+    else
+      --r.top;
   }
   return r;
 }
@@ -114,9 +126,11 @@ int class_in(const WallVotes& votes, OpeningKind kind, const Rectangle& r, doubl
 
 }  // namespace
 
-std::vector<MeasuredOpening> find_openings(const WallVotes& votes, int wall, const LabelSet& labels, const OpeningSettings& s) {
+std::vector<MeasuredOpening> find_openings(const WallVotes& votes, int wall, const LabelSet& labels,
+                                           const OpeningSettings& s) {
   std::vector<MeasuredOpening> out;
-  for (const OpeningKind kind : {OpeningKind::kDoor, OpeningKind::kWindow, OpeningKind::kPicture, OpeningKind::kMirror}) {
+  for (const OpeningKind kind :
+       {OpeningKind::kDoor, OpeningKind::kWindow, OpeningKind::kPicture, OpeningKind::kMirror}) {
     const Mask mask = mask_of(votes, kind, s.agreement);
     std::vector<MeasuredOpening> own;
     for (const Rectangle& group : groups(mask, s.gap)) {

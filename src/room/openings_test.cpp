@@ -44,7 +44,8 @@ TEST(Openings, AWallThatNobodySeesHasNone) {
 
 TEST(Openings, AWindowIsItsHoleWhateverThePanesDepth) {
   const auto in = [](double x, double z) { return x > 1 && x < 2.2 && z > 0.9 && z < 2.1; };
-  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kPaneClass : kWallClass; }, [&](double x, double z) { return in(x, z) ? 3.0 : 0.0; });
+  const WallVotes votes = votes_of([&](double x, double z) { return in(x, z) ? kPaneClass : kWallClass; },
+                                   [&](double x, double z) { return in(x, z) ? 3.0 : 0.0; });
   const std::vector<MeasuredOpening> found = find_openings(votes, 5, ade20k_labels());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, OpeningKind::kWindow);
@@ -58,7 +59,8 @@ TEST(Openings, AWindowIsItsHoleWhateverThePanesDepth) {
 TEST(Openings, TheNicheOfAWindowBelongsToIt) {
   const auto hole = [](double x, double z) { return x > 1 && x < 2 && z > 1 && z < 2; };
   const auto pane = [](double x, double z) { return x > 1.1 && x < 2 && z > 1.1 && z < 2; };
-  const WallVotes votes = votes_of([&](double x, double z) { return pane(x, z) ? kPaneClass : kWallClass; }, [&](double x, double z) { return hole(x, z) ? 0.1 : 0.0; });
+  const WallVotes votes = votes_of([&](double x, double z) { return pane(x, z) ? kPaneClass : kWallClass; },
+                                   [&](double x, double z) { return hole(x, z) ? 0.1 : 0.0; });
   const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].left, 1, 0.03);
@@ -66,7 +68,8 @@ TEST(Openings, TheNicheOfAWindowBelongsToIt) {
 }
 
 TEST(Openings, ADoorReachesTheFloor) {
-  const WallVotes votes = votes_of([](double x, double z) { return x > 1 && x < 1.9 && z > 0.08 && z < 2 ? kDoorClass : kWallClass; }, kOnWall);
+  const WallVotes votes = votes_of(
+      [](double x, double z) { return x > 1 && x < 1.9 && z > 0.08 && z < 2 ? kDoorClass : kWallClass; }, kOnWall);
   const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].bottom, 0);
@@ -76,7 +79,8 @@ TEST(Openings, ADoorReachesTheFloor) {
 TEST(Openings, ASillThatIsWiderDoesNotWidenTheWindow) {
   const auto sill = [](double x, double z) { return x > 0.8 && x < 2.4 && z > 0.96 && z < 1; };
   const auto pane = [](double x, double z) { return x > 1 && x < 2.2 && z > 1 && z < 2; };
-  const WallVotes votes = votes_of([&](double x, double z) { return pane(x, z) || sill(x, z) ? kPaneClass : kWallClass; }, kOnWall);
+  const WallVotes votes =
+      votes_of([&](double x, double z) { return pane(x, z) || sill(x, z) ? kPaneClass : kWallClass; }, kOnWall);
   const std::vector<MeasuredOpening> found = find_openings(votes, 0, ade20k_labels());
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].left, 1, 0.03);
@@ -89,14 +93,16 @@ TEST(Openings, WhatStandsBeforeTheWallIsNotOnIt) {
 }
 
 TEST(Openings, SpecksAreNone) {
-  const WallVotes votes = votes_of([](double x, double z) { return x > 1 && x < 1.08 && z > 1 && z < 1.08 ? kPaintingClass : kWallClass; }, kOnWall);
+  const WallVotes votes = votes_of(
+      [](double x, double z) { return x > 1 && x < 1.08 && z > 1 && z < 1.08 ? kPaintingClass : kWallClass; }, kOnWall);
   EXPECT_TRUE(find_openings(votes, 0, ade20k_labels()).empty());
 }
 
 TEST(WallVotes, RaysThatAreNotFiniteVoteNothing) {
   const MeasuredWall wall{{0, 0}, {4, 0}, {0, 1, 0}, 2.5, 0, 0, false};
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const WallVotes votes = wall_votes({wall}, {{{2, 2, 1}, {nan, nan, nan}, kWallClass}}, room_classes(ade20k_labels()))[0];
+  const WallVotes votes =
+      wall_votes({wall}, {{{2, 2, 1}, {nan, nan, nan}, kWallClass}}, room_classes(ade20k_labels()))[0];
   EXPECT_EQ(seen_share(votes), 0);
 }
 

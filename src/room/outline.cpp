@@ -37,15 +37,18 @@ Box box_of(const std::vector<SeenRay>& rays, const std::vector<RoomClass>& class
 
 /// Lines along the sides of the box that no wall closes.
 void close_with_box(std::vector<PlanLine>& lines, const Box& box, double near) {
-  const PlanLine sides[4] = {{{1, 0}, -box.low.x, true}, {{-1, 0}, box.high.x, true}, {{0, 1}, -box.low.y, true}, {{0, -1}, box.high.y, true}};
+  const PlanLine sides[4] = {
+      {{1, 0}, -box.low.x, true}, {{-1, 0}, box.high.x, true}, {{0, 1}, -box.low.y, true}, {{0, -1}, box.high.y, true}};
   const Vec2d middle{(box.low.x + box.high.x) / 2, (box.low.y + box.high.y) / 2};
   const size_t walls = lines.size();
   for (const PlanLine& side : sides) {
     // A wall closes a side when it faces the same way and lies at the side or beyond.
     const double there = side.distance(middle);
-    const bool closed = std::any_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(walls), [&](const PlanLine& line) {
-      return line.normal.x * side.normal.x + line.normal.y * side.normal.y > 0.9 && line.distance(middle) > there - near;
-    });
+    const bool closed =
+        std::any_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(walls), [&](const PlanLine& line) {
+          return line.normal.x * side.normal.x + line.normal.y * side.normal.y > 0.9 &&
+                 line.distance(middle) > there - near;
+        });
     if (!closed) lines.push_back(side);
   }
 }
@@ -54,16 +57,19 @@ double cost_of(const SideEvidence& e, const RoomOutlineSettings& s) {
   return e.wall * s.along_wall + e.unknown * s.along_unknown + e.crossed * s.along_crossed;
 }
 
-std::vector<uint8_t> choose_inside(const PlanCells& plan, const std::vector<PlanLine>& lines, const std::vector<LineEvidence>& evidence,
-                                   const FreeSpace& space, const RoomOutlineSettings& s) {
+std::vector<uint8_t> choose_inside(const PlanCells& plan, const std::vector<PlanLine>& lines,
+                                   const std::vector<LineEvidence>& evidence, const FreeSpace& space,
+                                   const RoomOutlineSettings& s) {
   MinCut graph(plan.cells.size());
   const double square = space.cell * space.cell;
   for (size_t i = 0; i < plan.cells.size(); ++i) {
     size_t free = 0, hidden = 0;
     for (int y = 0; y < space.rows; ++y) {
       for (int x = 0; x < space.columns; ++x) {
-        if (!contains(plan.cells[i], {space.low.x + (x + 0.5) * space.cell, space.low.y + (y + 0.5) * space.cell})) continue;
-        ++(space.free[static_cast<size_t>(y) * static_cast<size_t>(space.columns) + static_cast<size_t>(x)] ? free : hidden);
+        if (!contains(plan.cells[i], {space.low.x + (x + 0.5) * space.cell, space.low.y + (y + 0.5) * space.cell}))
+          continue;
+        ++(space.free[static_cast<size_t>(y) * static_cast<size_t>(space.columns) + static_cast<size_t>(x)] ? free
+                                                                                                            : hidden);
       }
     }
     graph.add_node_costs(i, s.hidden_area * square * static_cast<double>(hidden), square * static_cast<double>(free));
@@ -76,7 +82,8 @@ std::vector<uint8_t> choose_inside(const PlanCells& plan, const std::vector<Plan
       graph.add_node_costs(side.cell, s.along_unknown * std::hypot(b.x - a.x, b.y - a.y), 0);
       continue;
     }
-    graph.add_edge_cost(side.cell, static_cast<size_t>(side.other), cost_of(evidence_between(lines[line], evidence[line], a, b), s));
+    graph.add_edge_cost(side.cell, static_cast<size_t>(side.other),
+                        cost_of(evidence_between(lines[line], evidence[line], a, b), s));
   }
   return graph.solve();
 }
@@ -86,9 +93,12 @@ struct Edge {
   int line = kBorder;
 };
 
-bool near(const Vec2d& a, const Vec2d& b, double least) { return std::abs(a.x - b.x) <= least && std::abs(a.y - b.y) <= least; }
+bool near(const Vec2d& a, const Vec2d& b, double least) {
+  return std::abs(a.x - b.x) <= least && std::abs(a.y - b.y) <= least;
+}
 
-/// Closed chains of edges with the inside on their left. At a corner where two parts of the inside touch, the sharpest turn to the left
+/// Closed chains of edges with the inside on their left. At a corner where two parts of the inside touch, the sharpest
+/// turn to the left
 /// keeps them apart.
 std::vector<std::vector<Edge>> chains_of(std::vector<Edge> edges, double least) {
   std::vector<std::vector<Edge>> out;
@@ -101,7 +111,8 @@ std::vector<std::vector<Edge>> chains_of(std::vector<Edge> edges, double least) 
       double sharpest = -10;
       for (size_t i = 0; i < edges.size(); ++i) {
         if (!near(edges[i].from, last.to, least)) continue;
-        const double ax = last.to.x - last.from.x, ay = last.to.y - last.from.y, bx = edges[i].to.x - edges[i].from.x, by = edges[i].to.y - edges[i].from.y;
+        const double ax = last.to.x - last.from.x, ay = last.to.y - last.from.y, bx = edges[i].to.x - edges[i].from.x,
+                     by = edges[i].to.y - edges[i].from.y;
         const double turn = std::atan2(ax * by - ay * bx, ax * bx + ay * by);
         if (turn > sharpest) sharpest = turn, best = i;
       }
@@ -122,9 +133,12 @@ double area_of(const std::vector<Edge>& chain) {
 
 double length_of(const Edge& e) { return std::hypot(e.to.x - e.from.x, e.to.y - e.from.y); }
 
-bool parallel(const PlanLine& a, const PlanLine& b) { return a.normal.x * b.normal.x + a.normal.y * b.normal.y > 0.999; }
+bool parallel(const PlanLine& a, const PlanLine& b) {
+  return a.normal.x * b.normal.x + a.normal.y * b.normal.y > 0.999;
+}
 
-/// Consecutive edges of one line become one; a short side between two that face the same way goes, with the lesser of the two lines.
+/// Consecutive edges of one line become one; a short side between two that face the same way goes, with the lesser of
+/// the two lines.
 std::vector<Edge> simplified(std::vector<Edge> chain, const std::vector<PlanLine>& lines, double least_side) {
   const auto at = [&chain](size_t i) -> Edge& { return chain[i % chain.size()]; };
   bool changed = true;
@@ -136,7 +150,8 @@ std::vector<Edge> simplified(std::vector<Edge> chain, const std::vector<PlanLine
         a.to = b.to;
         chain.erase(chain.begin() + static_cast<std::ptrdiff_t>((i + 1) % chain.size()));
         changed = true;
-      } else if (a.line != kBorder && c.line != kBorder && chain.size() > 4 && length_of(b) < least_side && parallel(lines[a.line], lines[c.line])) {
+      } else if (a.line != kBorder && c.line != kBorder && chain.size() > 4 && length_of(b) < least_side &&
+                 parallel(lines[a.line], lines[c.line])) {
         const int kept = length_of(a) >= length_of(c) ? a.line : c.line;
         a.line = c.line = kept;
         b.line = kept;
@@ -151,13 +166,14 @@ std::vector<Edge> simplified(std::vector<Edge> chain, const std::vector<PlanLine
 Vec2d corner(const PlanLine& a, const PlanLine& b, const Vec2d& fallback) {
   const double det = a.normal.x * b.normal.y - a.normal.y * b.normal.x;
   if (std::abs(det) < 0.05) return fallback;
-  return {(-a.offset * b.normal.y + b.offset * a.normal.y) / det, (-a.normal.x * b.offset + b.normal.x * a.offset) / det};
+  return {(-a.offset * b.normal.y + b.offset * a.normal.y) / det,
+          (-a.normal.x * b.offset + b.normal.x * a.offset) / det};
 }
 
 }  // namespace
 
-std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
-                                      const RoomOutlineSettings& s) {
+std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::vector<SeenRay>& rays,
+                                      const std::vector<RoomClass>& classes, const RoomOutlineSettings& s) {
   if (rays.empty()) return {};
   if (lines.size() > static_cast<size_t>(s.most_lines)) lines.resize(static_cast<size_t>(s.most_lines));
   const Box box = box_of(rays, classes, s.box_quantile);
@@ -165,7 +181,8 @@ std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::ve
   const Vec2d low{box.low.x - s.margin, box.low.y - s.margin}, high{box.high.x + s.margin, box.high.y + s.margin};
   const PlanCells plan = cut_plan(low, high, lines);
   const std::vector<LineEvidence> evidence = line_evidence(lines, low, high, rays, classes, s.evidence);
-  const std::vector<uint8_t> inside = choose_inside(plan, lines, evidence, free_space(low, high, rays, classes, s.evidence), s);
+  const std::vector<uint8_t> inside =
+      choose_inside(plan, lines, evidence, free_space(low, high, rays, classes, s.evidence), s);
 
   std::vector<Edge> edges;
   for (const PlanSide& side : plan.sides) {
@@ -195,7 +212,9 @@ std::vector<OutlineSide> find_outline(std::vector<PlanLine> lines, const std::ve
       line.normal = left;
       line.offset = -(left.x * e.from.x + left.y * e.from.y);
     }
-    out.push_back({line, e.from, e.to, e.line == kBorder ? SideEvidence{} : evidence_between(lines[e.line], evidence[e.line], e.from, e.to)});
+    out.push_back(
+        {line, e.from, e.to,
+         e.line == kBorder ? SideEvidence{} : evidence_between(lines[e.line], evidence[e.line], e.from, e.to)});
   }
   for (size_t i = 0; i < out.size(); ++i) {
     OutlineSide& next = out[(i + 1) % out.size()];

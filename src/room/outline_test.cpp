@@ -37,10 +37,13 @@ std::vector<SeenRay> look(const std::vector<Vec2d>& corners, const std::vector<V
         const Vec2d &a = corners[i], &b = corners[(i + 1) % corners.size()], e{b.x - a.x, b.y - a.y};
         const double det = d.x * e.y - d.y * e.x;
         if (std::abs(det) < 1e-12) continue;
-        const double t = ((a.x - c.x) * e.y - (a.y - c.y) * e.x) / det, u = ((a.x - c.x) * d.y - (a.y - c.y) * d.x) / det;
+        const double t = ((a.x - c.x) * e.y - (a.y - c.y) * e.x) / det,
+                     u = ((a.x - c.x) * d.y - (a.y - c.y) * d.x) / det;
         if (t > 1e-9 && u >= 0 && u <= 1 && t < nearest) nearest = t, side = i;
       }
-      rays.push_back({{c.x, c.y, 1.4}, {c.x + d.x * nearest, c.y + d.y * nearest, 1.2}, static_cast<uint16_t>(side < hidden ? 0 : 1)});
+      rays.push_back({{c.x, c.y, 1.4},
+                      {c.x + d.x * nearest, c.y + d.y * nearest, 1.2},
+                      static_cast<uint16_t>(side < hidden ? 0 : 1)});
     }
   }
   return rays;

@@ -29,7 +29,8 @@ Halves cut(const PlanCell& cell, const PlanLine& line, int number, double least)
   for (size_t k = 0; k < n; ++k) {
     const size_t next = (k + 1) % n;
     const Vec2d &a = cell.corners[k], &b = cell.corners[next];
-    const double da = std::abs(distance[k]) <= least ? 0 : distance[k], db = std::abs(distance[next]) <= least ? 0 : distance[next];
+    const double da = std::abs(distance[k]) <= least ? 0 : distance[k],
+                 db = std::abs(distance[next]) <= least ? 0 : distance[next];
     if (da == 0) {
       // The new edge begins here on the side that the polygon leaves.
       out.front.corners.push_back(a);
@@ -52,7 +53,9 @@ Halves cut(const PlanCell& cell, const PlanLine& line, int number, double least)
   return out;
 }
 
-bool same(const Vec2d& a, const Vec2d& b, double least) { return std::abs(a.x - b.x) <= least && std::abs(a.y - b.y) <= least; }
+bool same(const Vec2d& a, const Vec2d& b, double least) {
+  return std::abs(a.x - b.x) <= least && std::abs(a.y - b.y) <= least;
+}
 
 }  // namespace
 
@@ -79,7 +82,9 @@ PlanCells cut_plan(const Vec2d& low, const Vec2d& high, const std::vector<PlanLi
       for (size_t j = 0; j < count && other < 0; ++j) {
         const PlanCell& beyond = out.cells[j];
         for (size_t m = 0; j != i && m < beyond.corners.size(); ++m) {
-          if (same(beyond.corners[m], b, 4 * least) && same(beyond.corners[(m + 1) % beyond.corners.size()], a, 4 * least)) other = static_cast<int>(j);
+          if (same(beyond.corners[m], b, 4 * least) &&
+              same(beyond.corners[(m + 1) % beyond.corners.size()], a, 4 * least))
+            other = static_cast<int>(j);
         }
       }
       if (other < 0 || static_cast<size_t>(other) > i) out.sides.push_back({i, other, k});

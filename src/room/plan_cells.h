@@ -10,9 +10,9 @@ namespace aligngs {
 
 /// A wall seen from above: points p with normal . p + offset = 0, the normal into the room.
 struct PlanLine {
-  Vec2d normal;           ///< unit
+  Vec2d normal;  ///< unit
   double offset = 0;
-  bool assumed = false;   ///< no photo shows it
+  bool assumed = false;  ///< no photo shows it
   double distance(const Vec2d& p) const { return normal.x * p.x + normal.y * p.y + offset; }
 };
 
@@ -27,13 +27,13 @@ struct PlanCell {
 /// A side that two cells share, or that a cell has with the outside.
 struct PlanSide {
   size_t cell = 0;
-  int other = -1;              ///< the cell beyond; -1: outside
-  size_t edge = 0;             ///< of `cell`
+  int other = -1;   ///< the cell beyond; -1: outside
+  size_t edge = 0;  ///< of `cell`
 };
 
 struct PlanCells {
   std::vector<PlanCell> cells;
-  std::vector<PlanSide> sides; ///< each shared side once, from the cell with the smaller number
+  std::vector<PlanSide> sides;  ///< each shared side once, from the cell with the smaller number
 };
 
 /// The rectangle from `low` to `high`, cut by every line from border to border.

@@ -17,7 +17,8 @@ double whole_area(const PlanCells& plan) {
 }
 
 size_t shared_sides(const PlanCells& plan) {
-  return static_cast<size_t>(std::count_if(plan.sides.begin(), plan.sides.end(), [](const PlanSide& side) { return side.other >= 0; }));
+  return static_cast<size_t>(
+      std::count_if(plan.sides.begin(), plan.sides.end(), [](const PlanSide& side) { return side.other >= 0; }));
 }
 
 TEST(PlanCells, WithoutLinesThePlanIsOneCell) {
@@ -42,7 +43,8 @@ TEST(PlanCells, SlantedLinesLeaveNoGapsAndNameTheirEdges) {
   for (const PlanSide& side : plan.sides) {
     const int line = plan.cells[side.cell].lines[side.edge];
     EXPECT_EQ(line == kBorder, side.other < 0);
-    if (line != kBorder) EXPECT_NEAR(lines[static_cast<size_t>(line)].distance(plan.cells[side.cell].corners[side.edge]), 0, 1e-9);
+    if (line != kBorder)
+      EXPECT_NEAR(lines[static_cast<size_t>(line)].distance(plan.cells[side.cell].corners[side.edge]), 0, 1e-9);
   }
 }
 

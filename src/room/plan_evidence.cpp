@@ -6,7 +6,9 @@
 namespace aligngs {
 namespace {
 
-RoomClass class_of(uint16_t label, const std::vector<RoomClass>& classes) { return label < classes.size() ? classes[label] : RoomClass{}; }
+RoomClass class_of(uint16_t label, const std::vector<RoomClass>& classes) {
+  return label < classes.size() ? classes[label] : RoomClass{};
+}
 
 double along(const PlanLine& line, const Vec2d& p) { return -line.normal.y * p.x + line.normal.x * p.y; }
 
@@ -14,9 +16,13 @@ Vec2d flat(const Vec3d& p) { return {p.x, p.y}; }
 
 }  // namespace
 
-FreeSpace free_space(const Vec2d& low, const Vec2d& high, const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
-                     const PlanEvidenceSettings& s) {
-  FreeSpace out{low, s.cell, static_cast<int>(std::ceil((high.x - low.x) / s.cell)), static_cast<int>(std::ceil((high.y - low.y) / s.cell)), {}};
+FreeSpace free_space(const Vec2d& low, const Vec2d& high, const std::vector<SeenRay>& rays,
+                     const std::vector<RoomClass>& classes, const PlanEvidenceSettings& s) {
+  FreeSpace out{low,
+                s.cell,
+                static_cast<int>(std::ceil((high.x - low.x) / s.cell)),
+                static_cast<int>(std::ceil((high.y - low.y) / s.cell)),
+                {}};
   out.free.assign(static_cast<size_t>(out.columns) * static_cast<size_t>(out.rows), 0);
   for (const SeenRay& ray : rays) {
     if (class_of(ray.label, classes).glass) continue;
@@ -32,8 +38,9 @@ FreeSpace free_space(const Vec2d& low, const Vec2d& high, const std::vector<Seen
   return out;
 }
 
-std::vector<LineEvidence> line_evidence(const std::vector<PlanLine>& lines, const Vec2d& low, const Vec2d& high, const std::vector<SeenRay>& rays,
-                                        const std::vector<RoomClass>& classes, const PlanEvidenceSettings& s) {
+std::vector<LineEvidence> line_evidence(const std::vector<PlanLine>& lines, const Vec2d& low, const Vec2d& high,
+                                        const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
+                                        const PlanEvidenceSettings& s) {
   std::vector<LineEvidence> out;
   for (const PlanLine& line : lines) {
     LineEvidence e;

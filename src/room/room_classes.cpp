@@ -4,11 +4,15 @@ namespace aligngs {
 namespace {
 
 constexpr const char* kFurniture[] = {
-    "bed", "cradle", "sofa", "chair", "armchair", "swivel chair", "stool", "ottoman", "bench", "seat", "table", "coffee table", "desk",
-    "pool table", "counter", "countertop", "kitchen island", "bar", "buffet", "cabinet", "wardrobe", "bookcase", "shelf", "chest of drawers",
-    "case", "refrigerator", "stove", "oven", "microwave", "dishwasher", "washer", "hood", "sink", "bathtub", "toilet", "shower",
-    "fireplace", "radiator", "television", "crt screen", "screen", "monitor", "computer", "lamp", "plant", "basket", "ashcan",
-    "arcade machine", "column"};
+    "bed",       "cradle",       "sofa",       "chair",      "armchair",       "swivel chair",
+    "stool",     "ottoman",      "bench",      "seat",       "table",          "coffee table",
+    "desk",      "pool table",   "counter",    "countertop", "kitchen island", "bar",
+    "buffet",    "cabinet",      "wardrobe",   "bookcase",   "shelf",          "chest of drawers",
+    "case",      "refrigerator", "stove",      "oven",       "microwave",      "dishwasher",
+    "washer",    "hood",         "sink",       "bathtub",    "toilet",         "shower",
+    "fireplace", "radiator",     "television", "crt screen", "screen",         "monitor",
+    "computer",  "lamp",         "plant",      "basket",     "ashcan",         "arcade machine",
+    "column"};
 
 }  // namespace
 
@@ -27,7 +31,8 @@ std::vector<RoomClass> room_classes(const LabelSet& labels) {
     c.opening = OpeningKind::kWindow;
     c.glass = true;
   });
-  for (const char* name : {"painting", "poster", "bulletin board"}) of(name, [](RoomClass& c) { c.opening = OpeningKind::kPicture; });
+  for (const char* name : {"painting", "poster", "bulletin board"})
+    of(name, [](RoomClass& c) { c.opening = OpeningKind::kPicture; });
   of("mirror", [](RoomClass& c) {
     c.opening = OpeningKind::kMirror;
     c.glass = true;

@@ -11,12 +11,13 @@ namespace aligngs {
 
 struct RoomClass {
   bool wall = false, floor = false, ceiling = false;  ///< surfaces of the room itself; a rug is floor
-  bool glass = false;                  ///< its depth says nothing of where it is
-  std::optional<OpeningKind> opening;  ///< it is a rectangle on a wall
-  bool furniture = false;              ///< it is described by a box
+  bool glass = false;                                 ///< its depth says nothing of where it is
+  std::optional<OpeningKind> opening;                 ///< it is a rectangle on a wall
+  bool furniture = false;                             ///< it is described by a box
 };
 
-/// For each class of a label set, by name. Classes of none of these kinds (cushions, books, curtains) are left out of the description.
+/// For each class of a label set, by name. Classes of none of these kinds (cushions, books, curtains) are left out of
+/// the description.
 std::vector<RoomClass> room_classes(const LabelSet& labels);
 
 }  // namespace aligngs

@@ -11,8 +11,10 @@ bool finite(const ScenePlane& p) {
   return std::isfinite(p.offset) && std::isfinite(dot(p.normal, p.normal)) && std::abs(norm(p.normal) - 1) < 1e-3;
 }
 
-/// The plane of a kind with most points whose normal is within the angle of `direction`; of any direction where that is not known.
-std::optional<size_t> largest(const std::vector<ScenePlane>& planes, PlaneKind kind, const std::optional<Vec3d>& direction, double least_cosine) {
+/// The plane of a kind with most points whose normal is within the angle of `direction`; of any direction where that is
+/// not known.
+std::optional<size_t> largest(const std::vector<ScenePlane>& planes, PlaneKind kind,
+                              const std::optional<Vec3d>& direction, double least_cosine) {
   std::optional<size_t> best;
   for (size_t i = 0; i < planes.size(); ++i) {
     if (planes[i].kind != kind || !finite(planes[i])) continue;
@@ -32,14 +34,19 @@ ScenePlane in_frame(const ScenePlane& plane, const Rigidd& to_room) {
   return out;
 }
 
-std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up, const RoomFrameSettings& s) {
-  const double level = std::cos(s.level_angle * kRadiansPerDegree), upright = std::sin(s.upright_angle * kRadiansPerDegree);
+std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up,
+                                         const RoomFrameSettings& s) {
+  const double level = std::cos(s.level_angle * kRadiansPerDegree),
+               upright = std::sin(s.upright_angle * kRadiansPerDegree);
   RoomFrame frame;
-  std::optional<Vec3d> vertical = up && norm(*up) > 0 && std::isfinite(norm(*up)) ? std::optional(normalized(*up)) : std::nullopt;
+  std::optional<Vec3d> vertical =
+      up && norm(*up) > 0 && std::isfinite(norm(*up)) ? std::optional(normalized(*up)) : std::nullopt;
   frame.floor = largest(planes, PlaneKind::kFloor, vertical, level);
   const auto ceiling = largest(planes, PlaneKind::kCeiling, vertical ? std::optional(-*vertical) : std::nullopt, level);
-  if (frame.floor) vertical = planes[*frame.floor].normal;
-  else if (ceiling) vertical = -planes[*ceiling].normal;
+  if (frame.floor)
+    vertical = planes[*frame.floor].normal;
+  else if (ceiling)
+    vertical = -planes[*ceiling].normal;
   if (!vertical) return std::nullopt;
 
   const ScenePlane* widest = nullptr;

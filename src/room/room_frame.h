@@ -10,20 +10,24 @@
 namespace aligngs {
 
 struct RoomFrameSettings {
-  double upright_angle = 12;  ///< degrees from upright within which a wall plane is a wall: a trained wall leans by 1 or 2
-  double level_angle = 20;    ///< degrees from level within which a floor plane may be the floor
+  /// degrees from upright within which a wall plane is a wall: a trained wall leans by 1 or 2
+  double upright_angle = 12;
+  double level_angle = 20;  ///< degrees from level within which a floor plane may be the floor
 };
 
 /// Planes of a room by kind. Indices into the planes that were given.
 struct RoomFrame {
-  Rigidd to_room;               ///< world to the frame; the origin is not yet in a corner
+  Rigidd to_room;  ///< world to the frame; the origin is not yet in a corner
   std::optional<size_t> floor;
   std::vector<size_t> walls, ceilings;
 };
 
-/// `up`: what the scene knows; a floor or ceiling plane that is nearly level replaces it. Nothing where neither says which way is up.
-/// Without a floor plane z = 0 is the world's origin, until the surfaces say more. Planes that are not finite are left out.
-std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up, const RoomFrameSettings& settings = {});
+/// `up`: what the scene knows; a floor or ceiling plane that is nearly level replaces it. Nothing where neither says
+/// which way is up.
+/// Without a floor plane z = 0 is the world's origin, until the surfaces say more. Planes that are not finite are left
+/// out.
+std::optional<RoomFrame> find_room_frame(const std::vector<ScenePlane>& planes, const std::optional<Vec3d>& up,
+                                         const RoomFrameSettings& settings = {});
 
 /// A plane of the world in the frame.
 ScenePlane in_frame(const ScenePlane& plane, const Rigidd& to_room);

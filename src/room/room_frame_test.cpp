@@ -52,9 +52,10 @@ TEST(RoomFrame, AFloorThatContradictsUpIsNone) {
 
 TEST(RoomFrame, WallsAreUprightAndTheLargestRunsAlongX) {
   const double s = std::sqrt(0.5);
-  const auto frame = find_room_frame({plane(PlaneKind::kFloor, {0, -1, 0}, 1), plane(PlaneKind::kWall, {s, 0, s}, 2, 500),
-                                      plane(PlaneKind::kWall, {0, s, s}, 2, 900)},
-                                     std::nullopt);
+  const auto frame =
+      find_room_frame({plane(PlaneKind::kFloor, {0, -1, 0}, 1), plane(PlaneKind::kWall, {s, 0, s}, 2, 500),
+                       plane(PlaneKind::kWall, {0, s, s}, 2, 900)},
+                      std::nullopt);
   ASSERT_TRUE(frame.has_value());
   ASSERT_EQ(frame->walls, std::vector<size_t>{1});
   EXPECT_NEAR((frame->to_room.rotation * Vec3d{s, 0, s}).x, 0, 1e-12);

@@ -11,13 +11,13 @@ namespace aligngs {
 namespace {
 
 constexpr size_t kFewestPoints = 16;
-constexpr double kTail = 0.02;          // share of the points at either end that are haze behind the walls
-constexpr int kDirections = 30;         // of walls that are tried, over a right angle
-constexpr double kMargin = 0.05;        // of the diagonal: 0.3 m in a room of 4 m by 5 m
-constexpr int kCells = 64;              // along the diagonal: 0.1 m in such a room
-constexpr int kBlocking = 4;            // points in a cell that block it: fewer are haze
-constexpr double kBand = 0.06;          // of the room's height above and below the camera: 0.15 m
-constexpr int kSteps = 12;              // of moving away from walls, one or two of them in a corner
+constexpr double kTail = 0.02;    // share of the points at either end that are haze behind the walls
+constexpr int kDirections = 30;   // of walls that are tried, over a right angle
+constexpr double kMargin = 0.05;  // of the diagonal: 0.3 m in a room of 4 m by 5 m
+constexpr int kCells = 64;        // along the diagonal: 0.1 m in such a room
+constexpr int kBlocking = 4;      // points in a cell that block it: fewer are haze
+constexpr double kBand = 0.06;    // of the room's height above and below the camera: 0.15 m
+constexpr int kSteps = 12;        // of moving away from walls, one or two of them in a corner
 
 Vec2d along(const Vec2d& p, const Vec2d& d, double t) { return {p.x + d.x * t, p.y + d.y * t}; }
 
@@ -44,7 +44,11 @@ Mat3d upright(const Vec3d& x, const Vec3d& up) {
 }  // namespace
 
 RoomInside::RoomInside(Similarity to_room, std::vector<Vec2d> outline, double height)
-    : to_room_(to_room), outline_(std::move(outline)), height_(height), low_(outline_.front()), high_(outline_.front()) {
+    : to_room_(to_room),
+      outline_(std::move(outline)),
+      height_(height),
+      low_(outline_.front()),
+      high_(outline_.front()) {
   for (const Vec2d& p : outline_) {
     low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
     high_ = {std::max(high_.x, p.x), std::max(high_.y, p.y)};
@@ -69,8 +73,10 @@ RoomInside RoomInside::of_room(const MeasuredRoom& room) {
 }
 
 RoomInside RoomInside::of_points(const std::vector<Vec3d>& points, const Vec3d& up) {
-  if (points.size() < kFewestPoints) throw_bad_input({}, {}, "the scene has too few Gaussians for a room", "train it for longer");
-  const Vec3d level = normalized(cross(up, std::fabs(up.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})), side = cross(up, level);
+  if (points.size() < kFewestPoints)
+    throw_bad_input({}, {}, "the scene has too few Gaussians for a room", "train it for longer");
+  const Vec3d level = normalized(cross(up, std::fabs(up.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0})),
+              side = cross(up, level);
   Mat3d best;
   double least = std::numeric_limits<double>::infinity();
   std::pair<double, double> ranges[3];
@@ -98,7 +104,9 @@ void RoomInside::add_obstacles(const std::vector<Vec3d>& points, double height) 
   counts_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0);
   for (const Vec3d& world : points) {
     const Vec3d p = to_room_ * world;
-    if (!(std::fabs(p.z - height) <= kBand * height_) || !(p.x >= low_.x && p.x <= high_.x && p.y >= low_.y && p.y <= high_.y)) continue;
+    if (!(std::fabs(p.z - height) <= kBand * height_) ||
+        !(p.x >= low_.x && p.x <= high_.x && p.y >= low_.y && p.y <= high_.y))
+      continue;
     const int c = static_cast<int>((p.x - low_.x) / cell_), r = static_cast<int>((p.y - low_.y) / cell_);
     ++counts_[static_cast<size_t>(r) * static_cast<size_t>(columns_) + static_cast<size_t>(c)];
   }
@@ -128,12 +136,14 @@ Vec2d RoomInside::inside(const Vec2d& p) const {
       if (const double d = std::hypot(at.x - q.x, at.y - q.y); d < least) {
         least = d;
         const double length = std::hypot(b.x - a.x, b.y - a.y);
-        moved = along(q, {-(b.y - a.y) / length, (b.x - a.x) / length}, kept * 1.001);  // the room is on the left of its sides
+        // the room is on the left of its sides
+        moved = along(q, {-(b.y - a.y) / length, (b.x - a.x) / length}, kept * 1.001);
       }
     }
     at = moved;
   }
-  for (double t = 0; t <= 1 && clearance(at) < 0.5 * kept; t += 0.02) at = {p.x + t * (anchor_.x - p.x), p.y + t * (anchor_.y - p.y)};
+  for (double t = 0; t <= 1 && clearance(at) < 0.5 * kept; t += 0.02)
+    at = {p.x + t * (anchor_.x - p.x), p.y + t * (anchor_.y - p.y)};
   return at;
 }
 
@@ -143,7 +153,8 @@ double RoomInside::wall_distance(const Vec2d& from, const Vec2d& d) const {
     const Vec2d &a = outline_[i], &b = outline_[(i + 1) % outline_.size()], s{b.x - a.x, b.y - a.y};
     const double cross = d.x * s.y - d.y * s.x;
     if (cross == 0) continue;
-    const double t = ((a.x - from.x) * s.y - (a.y - from.y) * s.x) / cross, u = ((a.x - from.x) * d.y - (a.y - from.y) * d.x) / cross;
+    const double t = ((a.x - from.x) * s.y - (a.y - from.y) * s.x) / cross,
+                 u = ((a.x - from.x) * d.y - (a.y - from.y) * d.x) / cross;
     if (t >= 0 && u >= 0 && u <= 1) least = std::min(least, t);
   }
   return std::isfinite(least) ? least : 0;
@@ -159,7 +170,8 @@ double RoomInside::free_distance(const Vec2d& from, const Vec2d& direction) cons
 
 bool RoomInside::blocked(const Vec2d& p) const {
   if (counts_.empty()) return false;
-  const int c = static_cast<int>(std::floor((p.x - low_.x) / cell_)), r = static_cast<int>(std::floor((p.y - low_.y) / cell_));
+  const int c = static_cast<int>(std::floor((p.x - low_.x) / cell_)),
+            r = static_cast<int>(std::floor((p.y - low_.y) / cell_));
   if (c < 0 || r < 0 || c >= columns_ || r >= rows_) return false;
   return counts_[static_cast<size_t>(r) * static_cast<size_t>(columns_) + static_cast<size_t>(c)] >= kBlocking;
 }

@@ -12,7 +12,8 @@ class RoomInside {
  public:
   /// The outline and the ceiling of room.json.
   static RoomInside of_room(const MeasuredRoom& room);
-  /// The upright box around `points` (world) with the smallest floor, without the outer 2 % on each side. Error{kBadInput}
+  /// The upright box around `points` (world) with the smallest floor, without the outer 2 % on each side.
+  /// Error{kBadInput}
   /// for fewer than 16 points. `up`: unit, world.
   static RoomInside of_points(const std::vector<Vec3d>& points, const Vec3d& up);
 
@@ -39,9 +40,9 @@ class RoomInside {
   Similarity to_room_;
   std::vector<Vec2d> outline_;  ///< counter-clockwise
   double height_ = 0, diagonal_ = 0, cell_ = 1;
-  Vec2d low_, high_, anchor_;   ///< of the outline; a place far from all walls
+  Vec2d low_, high_, anchor_;  ///< of the outline; a place far from all walls
   int columns_ = 0, rows_ = 0;
-  std::vector<int> counts_;     ///< points of obstacles by cell
+  std::vector<int> counts_;  ///< points of obstacles by cell
 };
 
 }  // namespace aligngs

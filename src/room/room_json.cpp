@@ -21,21 +21,30 @@ Json point(const Vec2d& p) { return {rounded(p.x), rounded(p.y)}; }
 Json point(const Vec3d& p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
 
 /// normal . x + offset = 0 as four numbers.
-Json plane(const Vec3d& normal, double offset) { return {rounded(normal.x), rounded(normal.y), rounded(normal.z), rounded(offset)}; }
+Json plane(const Vec3d& normal, double offset) {
+  return {rounded(normal.x), rounded(normal.y), rounded(normal.z), rounded(offset)};
+}
 
 Json rectangle(const MeasuredWall& wall, double left, double right, double bottom, double top) {
-  return {point(wall.at(left, bottom)), point(wall.at(right, bottom)), point(wall.at(right, top)), point(wall.at(left, top))};
+  return {point(wall.at(left, bottom)), point(wall.at(right, bottom)), point(wall.at(right, top)),
+          point(wall.at(left, top))};
 }
 
 Json wall_json(const MeasuredRoom& room, size_t index) {
   const MeasuredWall& w = room.walls[index];
-  Json out = {{"id", wall_name(index)}, {"from", point(w.from)}, {"to", point(w.to)}, {"length", rounded(w.length())}, {"height", rounded(w.height)}};
+  Json out = {{"id", wall_name(index)},
+              {"from", point(w.from)},
+              {"to", point(w.to)},
+              {"length", rounded(w.length())},
+              {"height", rounded(w.height)}};
   out["plane"] = plane(w.normal, -(w.normal.x * w.from.x + w.normal.y * w.from.y));
-  out["outline"] = {point(w.at(0, 0)), point(w.at(w.length(), 0)), point(w.at(w.length(), room.height_at(w.to))), point(w.at(0, room.height_at(w.from)))};
+  out["outline"] = {point(w.at(0, 0)), point(w.at(w.length(), 0)), point(w.at(w.length(), room.height_at(w.to))),
+                    point(w.at(0, room.height_at(w.from)))};
   out["holes"] = Json::array();
   for (const MeasuredOpening& o : room.openings) {
     const bool hole = o.kind == OpeningKind::kDoor || o.kind == OpeningKind::kWindow;
-    if (hole && o.wall == static_cast<int>(index)) out["holes"].push_back(rectangle(w, o.left, o.right, o.bottom, o.top));
+    if (hole && o.wall == static_cast<int>(index))
+      out["holes"].push_back(rectangle(w, o.left, o.right, o.bottom, o.top));
   }
   out["thickness"] = nullptr;
   out["assumed"] = w.assumed;
@@ -46,23 +55,39 @@ Json wall_json(const MeasuredRoom& room, size_t index) {
 
 Json opening_json(const MeasuredRoom& room, size_t index) {
   const MeasuredOpening& o = room.openings[index];
-  return {{"id", opening_name(room, index)}, {"kind", name_of(o.kind)}, {"class", o.class_name}, {"wall", wall_name(static_cast<size_t>(o.wall))},
-          {"left", rounded(o.left)}, {"right", rounded(o.right)}, {"sill", rounded(o.bottom)}, {"top", rounded(o.top)},
-          {"width", rounded(o.right - o.left)}, {"height", rounded(o.top - o.bottom)},
+  return {{"id", opening_name(room, index)},
+          {"kind", name_of(o.kind)},
+          {"class", o.class_name},
+          {"wall", wall_name(static_cast<size_t>(o.wall))},
+          {"left", rounded(o.left)},
+          {"right", rounded(o.right)},
+          {"sill", rounded(o.bottom)},
+          {"top", rounded(o.top)},
+          {"width", rounded(o.right - o.left)},
+          {"height", rounded(o.top - o.bottom)},
           {"outline", rectangle(room.walls[static_cast<size_t>(o.wall)], o.left, o.right, o.bottom, o.top)},
-          {"seen", rounded(o.seen)}, {"confidence", rounded(o.confidence)}};
+          {"seen", rounded(o.seen)},
+          {"confidence", rounded(o.confidence)}};
 }
 
 Json box_json(const MeasuredBox& b) {
-  return {{"id", box_name(b)}, {"class", b.class_name}, {"instance", b.instance},
-          {"centre", point(Vec3d{b.centre.x, b.centre.y, (b.bottom + b.top) / 2})}, {"size", point(Vec3d{b.width, b.depth, b.top - b.bottom})},
-          {"turn", rounded(b.turn)}, {"support", b.support}, {"seen", rounded(b.seen)}, {"confidence", rounded(b.confidence)}};
+  return {{"id", box_name(b)},
+          {"class", b.class_name},
+          {"instance", b.instance},
+          {"centre", point(Vec3d{b.centre.x, b.centre.y, (b.bottom + b.top) / 2})},
+          {"size", point(Vec3d{b.width, b.depth, b.top - b.bottom})},
+          {"turn", rounded(b.turn)},
+          {"support", b.support},
+          {"seen", rounded(b.seen)},
+          {"confidence", rounded(b.confidence)}};
 }
 
 Json matrix(const Similarity& s) {
   Json rows = Json::array();
   const Vec3d& t = s.translation;
-  for (int r = 0; r < 3; ++r) rows.push_back({s.scale * s.rotation(r, 0), s.scale * s.rotation(r, 1), s.scale * s.rotation(r, 2), t.x * (r == 0) + t.y * (r == 1) + t.z * (r == 2)});
+  for (int r = 0; r < 3; ++r)
+    rows.push_back({s.scale * s.rotation(r, 0), s.scale * s.rotation(r, 1), s.scale * s.rotation(r, 2),
+                    t.x * (r == 0) + t.y * (r == 1) + t.z * (r == 2)});
   rows.push_back({0, 0, 0, 1});
   return rows;
 }
@@ -77,13 +102,19 @@ Json document_of(const MeasuredRoom& room) {
     outline.push_back(point(w.at(0, 0)));
     top.push_back(point(w.at(0, room.height_at(w.from))));
   }
-  out["measures"] = {{"ceiling_height", rounded(room.height)}, {"floor_area", rounded(room.area())}, {"perimeter", rounded(room.perimeter())},
+  out["measures"] = {{"ceiling_height", rounded(room.height)},
+                     {"floor_area", rounded(room.area())},
+                     {"perimeter", rounded(room.perimeter())},
                      {"wall_lengths", lengths}};
-  out["floor"] = {{"plane", {0, 0, 1, 0}}, {"outline", outline}, {"assumed", room.floor_assumed}, {"seen", rounded(room.floor_seen)}};
+  out["floor"] = {{"plane", {0, 0, 1, 0}},
+                  {"outline", outline},
+                  {"assumed", room.floor_assumed},
+                  {"seen", rounded(room.floor_seen)}};
   Json planes = Json::array();
   for (const CeilingPlane& p : room.ceiling) planes.push_back(plane(p.normal, p.offset));
-  out["ceiling"] = {{"height", rounded(room.height)}, {"lowest", rounded(room.lowest)}, {"planes", planes}, {"outline", top},
-                    {"assumed", room.ceiling_assumed}, {"seen", rounded(room.ceiling_seen)}};
+  out["ceiling"] = {
+      {"height", rounded(room.height)},  {"lowest", rounded(room.lowest)},    {"planes", planes}, {"outline", top},
+      {"assumed", room.ceiling_assumed}, {"seen", rounded(room.ceiling_seen)}};
   for (const char* list : {"walls", "openings", "objects"}) out[list] = Json::array();
   for (size_t i = 0; i < room.walls.size(); ++i) out["walls"].push_back(wall_json(room, i));
   for (size_t i = 0; i < room.openings.size(); ++i) out["openings"].push_back(opening_json(room, i));
@@ -151,7 +182,8 @@ Similarity read_matrix(const Reader& reader, const Json& rows) {
 
 MeasuredWall read_wall(const Reader& reader, const Json& json) {
   MeasuredWall w;
-  const Json &from = reader.list(json, "from", 2), &to = reader.list(json, "to", 2), &plane = reader.list(json, "plane", 4);
+  const Json &from = reader.list(json, "from", 2), &to = reader.list(json, "to", 2),
+             &plane = reader.list(json, "plane", 4);
   w.from = {reader.number_of(from[0], "from"), reader.number_of(from[1], "from")};
   w.to = {reader.number_of(to[0], "to"), reader.number_of(to[1], "to")};
   for (int k = 0; k < 3; ++k) w.normal[k] = reader.number_of(plane[static_cast<size_t>(k)], "plane");
@@ -204,7 +236,9 @@ MeasuredBox read_box(const Reader& reader, const Json& json) {
 
 std::string room_json(const MeasuredRoom& room) { return json_document(document_of(room)); }
 
-void write_room(const std::filesystem::path& file, const MeasuredRoom& room) { write_file_atomically(file, room_json(room)); }
+void write_room(const std::filesystem::path& file, const MeasuredRoom& room) {
+  write_file_atomically(file, room_json(room));
+}
 
 MeasuredRoom read_room(const std::filesystem::path& file) {
   const Reader reader(file);
@@ -234,7 +268,8 @@ MeasuredRoom read_room(const std::filesystem::path& file) {
     const Vec2d &a = room.walls[i].to, &b = room.walls[(i + 1) % room.walls.size()].from;
     if (a.x != b.x || a.y != b.y) reader.fail("walls", "the walls are not closed");
   }
-  for (const Json& o : reader.list(json, "openings")) room.openings.push_back(read_opening(reader, o, room.walls.size()));
+  for (const Json& o : reader.list(json, "openings"))
+    room.openings.push_back(read_opening(reader, o, room.walls.size()));
   for (const Json& b : reader.list(json, "objects")) room.boxes.push_back(read_box(reader, b));
   for (const Json& w : reader.list(json, "warnings")) {
     if (!w.is_string()) reader.fail("warnings", "not a text");

@@ -17,7 +17,8 @@ std::string room_json(const MeasuredRoom& room);
 /// Writes room.json, whole or not at all.
 void write_room(const std::filesystem::path& file, const MeasuredRoom& room);
 
-/// Reads what write_room() wrote. Error{kBadInput} for a file that is none, is of a later schema, or holds walls that are not closed and numbers
+/// Reads what write_room() wrote. Error{kBadInput} for a file that is none, is of a later schema, or holds walls that
+/// are not closed and numbers
 /// that are not finite.
 MeasuredRoom read_room(const std::filesystem::path& file);
 

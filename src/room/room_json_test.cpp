@@ -63,7 +63,11 @@ TEST_F(RoomJson, ErrorsNameTheField) {
   EXPECT_EQ(error_after([](auto& d) { d["schema"] = kRoomSchema + 1; }), "schema");
   EXPECT_EQ(error_after([](auto& d) { d["walls"][0]["to"][0] = nullptr; }), "to");
   EXPECT_EQ(error_after([](auto& d) { d["walls"][0]["to"] = {9, 9}; }), "walls");
-  EXPECT_EQ(error_after([](auto& d) { d["walls"].erase(1); d["walls"].erase(1); }), "walls");
+  EXPECT_EQ(error_after([](auto& d) {
+              d["walls"].erase(1);
+              d["walls"].erase(1);
+            }),
+            "walls");
   EXPECT_EQ(error_after([](auto& d) { d["openings"][0]["wall"] = "wall.9"; }), "wall");
   EXPECT_EQ(error_after([](auto& d) { d["objects"][0]["size"] = "large"; }), "size");
   EXPECT_EQ(error_after([](auto& d) { d["scale"]["source"] = "guess"; }), "source");

@@ -17,14 +17,19 @@ Sides sides_of(const MeasuredRoom& room) {
   Sides out;
   out["ceiling"] = {{KnownSide::kHeight, room.height}};
   for (size_t i = 0; i < room.walls.size(); ++i) {
-    out[wall_name(i)] = {{KnownSide::kLength, room.walls[i].length()}, {KnownSide::kWidth, room.walls[i].length()}, {KnownSide::kHeight, room.walls[i].height}};
+    out[wall_name(i)] = {{KnownSide::kLength, room.walls[i].length()},
+                         {KnownSide::kWidth, room.walls[i].length()},
+                         {KnownSide::kHeight, room.walls[i].height}};
   }
   for (size_t i = 0; i < room.openings.size(); ++i) {
     const MeasuredOpening& o = room.openings[i];
     out[opening_name(room, i)] = {{KnownSide::kWidth, o.right - o.left}, {KnownSide::kHeight, o.top - o.bottom}};
   }
   for (const MeasuredBox& b : room.boxes) {
-    out[box_name(b)] = {{KnownSide::kWidth, b.width}, {KnownSide::kDepth, b.depth}, {KnownSide::kHeight, b.top - b.bottom}, {KnownSide::kLength, std::max(b.width, b.depth)}};
+    out[box_name(b)] = {{KnownSide::kWidth, b.width},
+                        {KnownSide::kDepth, b.depth},
+                        {KnownSide::kHeight, b.top - b.bottom},
+                        {KnownSide::kLength, std::max(b.width, b.depth)}};
   }
   return out;
 }
@@ -42,20 +47,25 @@ double measured_side(const MeasuredRoom& room, const std::string& name, KnownSid
     only = own;
   }
   const auto exact = sides.find(name);
-  if (exact == sides.end() && several.find(',') != std::string::npos) throw_usage("several things are called " + name.substr(0, 40), "name one of: " + several);
-  if (exact == sides.end() && !only) throw_usage("there is no \"" + name.substr(0, 40) + "\" in room.json", "there are: " + names);
+  if (exact == sides.end() && several.find(',') != std::string::npos)
+    throw_usage("several things are called " + name.substr(0, 40), "name one of: " + several);
+  if (exact == sides.end() && !only)
+    throw_usage("there is no \"" + name.substr(0, 40) + "\" in room.json", "there are: " + names);
   const auto& lengths = exact != sides.end() ? exact->second : sides.at(*only);
   const auto length = lengths.find(side);
-  if (length == lengths.end()) throw_usage(name.substr(0, 40) + " has no such side", "give another of --height, --width, --depth, --length");
+  if (length == lengths.end())
+    throw_usage(name.substr(0, 40) + " has no such side", "give another of --height, --width, --depth, --length");
   return length->second;
 }
 
 MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres) {
   if (!(metres > 0) || !std::isfinite(metres)) throw_usage("a length must be positive", "give metres, for example 0.9");
-  if (!(measured > 0) || !std::isfinite(measured)) throw_usage("the measured length is zero", "choose two different points");
+  if (!(measured > 0) || !std::isfinite(measured))
+    throw_usage("the measured length is zero", "choose two different points");
   const double factor = metres / measured;
   constexpr double kMost = 1e6;  // more is a slip of the finger
-  if (factor > kMost || factor < 1 / kMost) throw_usage("the scale would change by a factor of more than a million", "check the length: it is in metres");
+  if (factor > kMost || factor < 1 / kMost)
+    throw_usage("the scale would change by a factor of more than a million", "check the length: it is in metres");
   MeasuredRoom out = rescaled(room, factor);
   out.metric = true;
   out.scale_source = ScaleSource::kGiven;

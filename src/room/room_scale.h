@@ -14,7 +14,8 @@ enum class KnownSide { kWidth, kHeight, kDepth, kLength };
 /// several things have, and for a missing side.
 double measured_side(const MeasuredRoom& room, const std::string& name, KnownSide side);
 
-/// The room with lengths such that `measured` becomes `metres`. Error{kUsage} unless both are positive and finite, and the scale changes by less than a
+/// The room with lengths such that `measured` becomes `metres`. Error{kUsage} unless both are positive and finite, and
+/// the scale changes by less than a
 /// factor of a million.
 MeasuredRoom scaled_to(const MeasuredRoom& room, double measured, double metres);
 

@@ -37,7 +37,8 @@ TEST(RoomScale, UnknownAndAmbiguousNamesAreErrors) {
 
 TEST(RoomScale, LengthsMustBePositiveAndFinite) {
   const MeasuredRoom room = sample_room::make();
-  for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e9}) {
+  for (const double wrong :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e9}) {
     EXPECT_THROW(scaled_to(room, 1, wrong), Error) << wrong;
   }
   EXPECT_THROW(scaled_to(room, 0, 1), Error);

@@ -18,7 +18,8 @@ std::vector<SeenRay> seen_rays(const std::vector<PlaneView>& views, const Simila
       const uint16_t own = view.labels.at(x, y);
       for (int dy = -edge; dy <= edge; dy += std::max(1, edge)) {
         for (int dx = -edge; dx <= edge; dx += std::max(1, edge)) {
-          if (view.labels.at(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1)) != own) return kNoLabel;
+          if (view.labels.at(std::clamp(x + dx, 0, width - 1), std::clamp(y + dy, 0, height - 1)) != own)
+            return kNoLabel;
         }
       }
       return own;

@@ -15,7 +15,8 @@ struct SeenRay {
   uint16_t label = 0;  ///< class or kNoLabel
 };
 
-/// Every `stride`-th pixel with depth, transformed by `to_room`. With `edge` > 0 a pixel within so many pixels of another class has no
+/// Every `stride`-th pixel with depth, transformed by `to_room`. With `edge` > 0 a pixel within so many pixels of
+/// another class has no
 /// label: outlines of labels are wrong by so much. Pixels without finite positive depth are left out.
 std::vector<SeenRay> seen_rays(const std::vector<PlaneView>& views, const Similarity& to_room, int stride, int edge);
 

@@ -17,7 +17,11 @@ struct WallFrame {
 
 WallFrame frame_of(const MeasuredWall& wall) {
   const double length = wall.length();
-  return {wall.from, {(wall.to.x - wall.from.x) / length, (wall.to.y - wall.from.y) / length}, wall.normal, length, wall.height};
+  return {wall.from,
+          {(wall.to.x - wall.from.x) / length, (wall.to.y - wall.from.y) / length},
+          wall.normal,
+          length,
+          wall.height};
 }
 
 /// The point where a ray meets a wall from its front: the share of its length, and the place on the wall.
@@ -26,7 +30,9 @@ struct Meeting {
 };
 
 bool meet(const WallFrame& wall, const SeenRay& ray, double reach, Meeting& out) {
-  const auto distance = [&wall](const Vec3d& p) { return wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y); };
+  const auto distance = [&wall](const Vec3d& p) {
+    return wall.normal.x * (p.x - wall.from.x) + wall.normal.y * (p.y - wall.from.y);
+  };
   const double da = distance(ray.from), db = distance(ray.to);
   if (da <= 0 || da - db <= 0) return false;
   out.t = da / (da - db);
@@ -38,7 +44,8 @@ bool meet(const WallFrame& wall, const SeenRay& ray, double reach, Meeting& out)
   return out.along >= 0 && out.along < wall.length && out.height >= 0 && out.height < wall.height;
 }
 
-void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behind, const Meeting& m, const WallVoteSettings& s) {
+void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behind, const Meeting& m,
+          const WallVoteSettings& s) {
   const int column = static_cast<int>(m.along / votes.cell), row = static_cast<int>(m.height / votes.cell);
   if (column >= votes.columns || row >= votes.rows) return;
   const size_t i = votes.index(column, row);
@@ -59,8 +66,8 @@ void vote(WallVotes& votes, const SeenRay& ray, const RoomClass& c, double behin
 
 }  // namespace
 
-std::vector<WallVotes> wall_votes(const std::vector<MeasuredWall>& walls, const std::vector<SeenRay>& rays, const std::vector<RoomClass>& classes,
-                                  const WallVoteSettings& s) {
+std::vector<WallVotes> wall_votes(const std::vector<MeasuredWall>& walls, const std::vector<SeenRay>& rays,
+                                  const std::vector<RoomClass>& classes, const WallVoteSettings& s) {
   std::vector<WallVotes> out(walls.size());
   std::vector<WallFrame> frames;
   for (size_t w = 0; w < walls.size(); ++w) {

@@ -8,8 +8,8 @@ namespace aligngs {
 /// Pixel i covers [i, i + 1) and its centre is i + 0.5. The principal point is in the same coordinates (COLMAP's
 /// convention), so it is width / 2 for a centred camera.
 struct Camera {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
+  int width = 0;          ///< pixels
+  int height = 0;         ///< pixels
   double fx = 0, fy = 0;  ///< focal lengths, pixels
   double cx = 0, cy = 0;  ///< principal point, pixels
   Rigidd world_to_camera;
@@ -28,8 +28,12 @@ struct Camera {
   Camera resized(int w, int h) const {
     Camera c = *this;
     const double sx = static_cast<double>(w) / width, sy = static_cast<double>(h) / height;
-    c.width = w; c.height = h;
-    c.fx *= sx; c.cx *= sx; c.fy *= sy; c.cy *= sy;
+    c.width = w;
+    c.height = h;
+    c.fx *= sx;
+    c.cx *= sx;
+    c.fy *= sy;
+    c.cy *= sy;
     return c;
   }
 };

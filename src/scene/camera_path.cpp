@@ -16,7 +16,9 @@ struct Values {
   double v[7];
 };
 
-Values values_of(const CameraKey& k) { return {{k.eye.x, k.eye.y, k.eye.z, k.target.x, k.target.y, k.target.z, k.fov}}; }
+Values values_of(const CameraKey& k) {
+  return {{k.eye.x, k.eye.y, k.eye.z, k.target.x, k.target.y, k.target.z, k.fov}};
+}
 
 bool same(const Values& a, const Values& b) {
   return std::equal(a.v, a.v + 7, b.v, [](double x, double y) { return std::fabs(x - y) <= kSame; });
@@ -35,7 +37,8 @@ double tangent(const CameraPath& path, size_t i, size_t k) {
   if (!loop && i == 0) return slope(path, 0, k);
   if (!loop && i == last) return slope(path, last - 1, k);
   const size_t before = i == 0 ? last - 1 : i - 1, after = i == last ? 0 : i;
-  const double t0 = path.keys[before + 1].time - path.keys[before].time, t1 = path.keys[after + 1].time - path.keys[after].time;
+  const double t0 = path.keys[before + 1].time - path.keys[before].time,
+               t1 = path.keys[after + 1].time - path.keys[after].time;
   return (slope(path, before, k) * t1 + slope(path, after, k) * t0) / (t0 + t1);
 }
 
@@ -44,15 +47,20 @@ double tangent(const CameraPath& path, size_t i, size_t k) {
 CameraKey key_at(const CameraPath& path, double time) {
   if (time <= path.keys.front().time) return path.keys.front();
   if (time >= path.keys.back().time) return path.keys.back();
-  const auto next = std::upper_bound(path.keys.begin(), path.keys.end(), time, [](double t, const CameraKey& k) { return t < k.time; });
+  const auto next = std::upper_bound(path.keys.begin(), path.keys.end(), time,
+                                     [](double t, const CameraKey& k) { return t < k.time; });
   const size_t i = static_cast<size_t>(next - path.keys.begin()) - 1;
   const double span = path.keys[i + 1].time - path.keys[i].time, s = (time - path.keys[i].time) / span;
-  const double h00 = (1 + 2 * s) * (1 - s) * (1 - s), h10 = s * (1 - s) * (1 - s), h01 = s * s * (3 - 2 * s), h11 = s * s * (s - 1);
+  const double h00 = (1 + 2 * s) * (1 - s) * (1 - s), h10 = s * (1 - s) * (1 - s), h01 = s * s * (3 - 2 * s),
+               h11 = s * s * (s - 1);
   const Values a = values_of(path.keys[i]), b = values_of(path.keys[i + 1]);
   Values v{};
-  for (size_t k = 0; k < 7; ++k) v.v[k] = h00 * a.v[k] + h10 * span * tangent(path, i, k) + h01 * b.v[k] + h11 * span * tangent(path, i + 1, k);
-  CameraKey out{time, {v.v[0], v.v[1], v.v[2]}, {v.v[3], v.v[4], v.v[5]}, std::clamp(v.v[6], kNarrowestView, kWidestView)};
-  if (norm(out.target - out.eye) < kShortestSight) out.target = out.eye + normalized(path.keys[i].target - path.keys[i].eye);
+  for (size_t k = 0; k < 7; ++k)
+    v.v[k] = h00 * a.v[k] + h10 * span * tangent(path, i, k) + h01 * b.v[k] + h11 * span * tangent(path, i + 1, k);
+  CameraKey out{
+      time, {v.v[0], v.v[1], v.v[2]}, {v.v[3], v.v[4], v.v[5]}, std::clamp(v.v[6], kNarrowestView, kWidestView)};
+  if (norm(out.target - out.eye) < kShortestSight)
+    out.target = out.eye + normalized(path.keys[i].target - path.keys[i].eye);
   return out;
 }
 

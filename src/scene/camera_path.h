@@ -23,7 +23,8 @@ struct CameraPath {
   double duration() const { return keys.back().time - keys.front().time; }  ///< seconds
 };
 
-/// The camera at a time, by cubic Hermite curves through the keys (Catmull-Rom tangents for unequal times). The first and
+/// The camera at a time, by cubic Hermite curves through the keys (Catmull-Rom tangents for unequal times). The first
+/// and
 /// the last key hold before and after. A path whose last key is its first one is a loop without a corner.
 CameraKey key_at(const CameraPath& path, double time);
 

@@ -16,8 +16,8 @@ constexpr const char* kFormat = "aligngs camera path";
 constexpr int kVersion = 1;
 constexpr uint64_t kLargest = uint64_t(1) << 20;  // bytes: a thousand keys have a fifth of it
 constexpr size_t kMostKeys = 1000;
-constexpr double kLongest = 3600;                 // seconds
-constexpr double kFarthest = 1e6;                 // scene units from the origin
+constexpr double kLongest = 3600;  // seconds
+constexpr double kFarthest = 1e6;  // scene units from the origin
 
 /// A reader that names the field of what is wrong.
 class Reader {
@@ -34,7 +34,8 @@ class Reader {
   }
   Vec3d place(const Json& key, const char* name, const std::string& where) const {
     const std::string field = where + "." + name;
-    if (!key.contains(name) || !key[name].is_array() || key[name].size() != 3) fail(field, "not a list of three numbers");
+    if (!key.contains(name) || !key[name].is_array() || key[name].size() != 3)
+      fail(field, "not a list of three numbers");
     Vec3d p;
     for (int k = 0; k < 3; ++k) p[k] = number(key[name][static_cast<size_t>(k)], field, -kFarthest, kFarthest);
     return p;
@@ -69,8 +70,10 @@ CameraPath parse_camera_path(std::string_view text, const std::filesystem::path&
   const Reader reader(name_for_errors);
   const Json json = parse_ordered_json(text);
   if (!json.is_object()) reader.fail("", "the file is no JSON object");
-  if (!json.contains("format") || json["format"] != kFormat) reader.fail("format", std::string("not \"") + kFormat + "\"");
-  if (!json.contains("version") || json["version"] != kVersion) reader.fail("version", "not 1: another version of the program wrote the file");
+  if (!json.contains("format") || json["format"] != kFormat)
+    reader.fail("format", std::string("not \"") + kFormat + "\"");
+  if (!json.contains("version") || json["version"] != kVersion)
+    reader.fail("version", "not 1: another version of the program wrote the file");
   if (!json.contains("keys") || !json["keys"].is_array()) reader.fail("keys", "not a list");
   const Json& keys = json["keys"];
   if (keys.empty() || keys.size() > kMostKeys) reader.fail("keys", "a path has 1 to 1000 keys");
@@ -83,12 +86,15 @@ CameraPath parse_camera_path(std::string_view text, const std::filesystem::path&
   return path;
 }
 
-CameraPath read_camera_path(const std::filesystem::path& file) { return parse_camera_path(read_file(file, kLargest), file); }
+CameraPath read_camera_path(const std::filesystem::path& file) {
+  return parse_camera_path(read_file(file, kLargest), file);
+}
 
 std::string camera_path_json(const CameraPath& path) {
   Json keys = Json::array();
   for (const CameraKey& key : path.keys) {
-    keys.push_back({{"time", key.time}, {"eye", place_json(key.eye)}, {"target", place_json(key.target)}, {"fov", key.fov}});
+    keys.push_back(
+        {{"time", key.time}, {"eye", place_json(key.eye)}, {"target", place_json(key.target)}, {"fov", key.fov}});
   }
   return json_document(Json{{"format", kFormat}, {"version", kVersion}, {"keys", keys}});
 }

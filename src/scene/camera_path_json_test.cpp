@@ -9,7 +9,9 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string file_of(const std::string& keys) { return "{\"format\": \"aligngs camera path\", \"version\": 1, \"keys\": " + keys + "}"; }
+std::string file_of(const std::string& keys) {
+  return "{\"format\": \"aligngs camera path\", \"version\": 1, \"keys\": " + keys + "}";
+}
 
 std::string fault_of(const std::string& text) {
   try {
@@ -31,7 +33,8 @@ TEST(CameraPathJson, ReadsWhatItWrites) {
 }
 
 TEST(CameraPathJson, FieldOfViewMayBeAbsent) {
-  EXPECT_EQ(parse_camera_path(file_of("[{\"time\": 0, \"eye\": [0,0,0], \"target\": [1,0,0]}]"), "").keys[0].fov, CameraKey().fov);
+  EXPECT_EQ(parse_camera_path(file_of("[{\"time\": 0, \"eye\": [0,0,0], \"target\": [1,0,0]}]"), "").keys[0].fov,
+            CameraKey().fov);
 }
 
 TEST(CameraPathJson, NamesTheFieldOfEveryFault) {

@@ -24,7 +24,8 @@ TEST(CameraPath, GoesEvenlyAlongALine) {
 
 TEST(CameraPath, HasNoCornerAtAKeyNorWhereALoopCloses) {
   CameraPath loop;
-  for (int i = 0; i <= 8; ++i) loop.keys.push_back({double(i), {std::cos(i * M_PI / 4), std::sin(i * M_PI / 4), 0}, {0, 0, 0}, 60});
+  for (int i = 0; i <= 8; ++i)
+    loop.keys.push_back({double(i), {std::cos(i * M_PI / 4), std::sin(i * M_PI / 4), 0}, {0, 0, 0}, 60});
   loop.keys.back().eye = loop.keys.front().eye;
   const double h = 1e-5;
   const auto speed = [&](double t) { return (key_at(loop, t + h).eye - key_at(loop, t).eye) * (1 / h); };
@@ -40,7 +41,8 @@ TEST(CameraPath, IsStretchedToATime) {
 
 TEST(CameraPath, CameraSeesTheTargetInTheMiddleAndTheFieldOfView) {
   const Camera camera = camera_of({0, {1, 2, 3}, {4, 2, 3}, 90}, {0, 0, 1}, 640, 480);
-  const Vec2d middle = camera.project(camera.world_to_camera * Vec3d{4, 2, 3}), top = camera.project(camera.world_to_camera * Vec3d{2, 2, 4});
+  const Vec2d middle = camera.project(camera.world_to_camera * Vec3d{4, 2, 3}),
+              top = camera.project(camera.world_to_camera * Vec3d{2, 2, 4});
   EXPECT_NEAR(middle.x, 320, 1e-9);
   EXPECT_NEAR(middle.y, 240, 1e-9);
   EXPECT_NEAR(top.y, 0, 1e-9);

@@ -7,7 +7,7 @@ namespace aligngs {
 namespace {
 
 constexpr double kReferencePixels = 320.0 * 240;
-constexpr int kWindow = 2;              // pixels to each side over which gradients are summed
+constexpr int kWindow = 2;  // pixels to each side over which gradients are summed
 constexpr int kBorder = kWindow + 1;
 
 float strength_at(const ImageF& luma, int x, int y) {

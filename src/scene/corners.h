@@ -9,9 +9,9 @@
 namespace aligngs {
 
 struct CornerSettings {
-  int per_view = 600;    ///< strongest of a photo, at most
-  int spacing = 5;       ///< pixels between corners
-  double quality = 0.01; ///< of the photo's strongest corner
+  int per_view = 600;     ///< strongest of a photo, at most
+  int spacing = 5;        ///< pixels between corners
+  double quality = 0.01;  ///< of the photo's strongest corner
 };
 
 struct Corner {
@@ -25,7 +25,8 @@ double relative_size(const ImageF& luma);
 /// Luma in [0, 1], H x W x 1, of an sRGB image.
 ImageF luma_of(const ImageF& color);
 
-/// Shi and Tomasi 1994, strongest first, none nearer to another than the spacing; plain walls have none. `mask` (H x W x 1,
+/// Shi and Tomasi 1994, strongest first, none nearer to another than the spacing; plain walls have none. `mask` (H x W
+/// x 1,
 /// 0 = do not use) may be empty.
 std::vector<Corner> find_corners(const ImageF& luma, const ImageF& mask, const CornerSettings& settings);
 

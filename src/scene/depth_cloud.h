@@ -27,19 +27,19 @@ struct DepthCloudOptions {
   int min_views = 2;             ///< views that must agree, the point's own included
   bool keep_single_view = true;  ///< keep unconfirmed points that no view contradicts, with `single_view_weight`
   double single_view_weight = 0.25;
-  double min_confidence = 0.05;  ///< pixels below are not used
-  double jump = 0.05;            ///< relative depth step to a neighbour that marks a silhouette pixel: not used
-  double voxel = 0;              ///< scene units; 0: automatic, `voxel_footprints` pixel footprints at median depth
-  double voxel_footprints = 1.5; ///< voxel size in pixel footprints at the median depth
-  size_t max_points = 250000;    ///< the automatic voxel grows until the cloud has at most this many; 0: no limit
-  int stride = 1;                ///< use every stride-th pixel in both directions
+  double min_confidence = 0.05;   ///< pixels below are not used
+  double jump = 0.05;             ///< relative depth step to a neighbour that marks a silhouette pixel: not used
+  double voxel = 0;               ///< scene units; 0: automatic, `voxel_footprints` pixel footprints at median depth
+  double voxel_footprints = 1.5;  ///< voxel size in pixel footprints at the median depth
+  size_t max_points = 250000;     ///< the automatic voxel grows until the cloud has at most this many; 0: no limit
+  int stride = 1;                 ///< use every stride-th pixel in both directions
 };
 
 struct DepthCloud {
-  PointCloud cloud;              ///< one point per voxel, with normals turned to the cameras
-  std::vector<float> weights;    ///< sum of confidence over the voxel's points
-  std::vector<uint8_t> views;    ///< number of views that agree on the point: 1 = seen by a single view
-  double voxel = 0;              ///< edge used, scene units
+  PointCloud cloud;            ///< one point per voxel, with normals turned to the cameras
+  std::vector<float> weights;  ///< sum of confidence over the voxel's points
+  std::vector<uint8_t> views;  ///< number of views that agree on the point: 1 = seen by a single view
+  double voxel = 0;            ///< edge used, scene units
 };
 
 /// Unprojects, checks between views, merges per voxel. The same result for any number of threads. Maps of wrong

@@ -7,9 +7,9 @@
 namespace aligngs {
 
 struct DepthNormalOptions {
-  int radius = 2;         ///< pixels; the window is (2 radius + 1)^2, 5x5 by default
-  double jump = 0.05;     ///< samples that differ from the centre by more than this share of its depth are ignored
-  int min_samples = 6;    ///< a pixel with fewer samples in its window, itself included, gets no normal
+  int radius = 2;       ///< pixels; the window is (2 radius + 1)^2, 5x5 by default
+  double jump = 0.05;   ///< samples that differ from the centre by more than this share of its depth are ignored
+  int min_samples = 6;  ///< a pixel with fewer samples in its window, itself included, gets no normal
 };
 
 /// Camera-frame unit normals, H x W x 3, turned to the camera. (0, 0, 0) where the depth has no value or the window

@@ -15,7 +15,8 @@
 namespace aligngs {
 namespace {
 
-// Points that a placed view's depth gives to the others: a few hundred in each of them, which is what robust_log_scale needs.
+// Points that a placed view's depth gives to the others: a few hundred in each of them, which is what robust_log_scale
+// needs.
 constexpr int kCarriedPerSide = 48;
 // Pixels: all maps are held at once, and medians over a view need no more.
 constexpr int kLargestSide = 320;
@@ -40,7 +41,8 @@ Map load_map(const Scene& scene, int view) {
   const double shrink = std::min(1.0, static_cast<double>(kLargestSide) / std::max(shape.width, shape.height));
   if (shrink < 1) {
     for (float& z : map.depth.data) z = is_depth(z) ? z : 0;
-    map.depth = resize_depth(map.depth, std::max(1, static_cast<int>(std::lround(shrink * shape.width))), std::max(1, static_cast<int>(std::lround(shrink * shape.height))));
+    map.depth = resize_depth(map.depth, std::max(1, static_cast<int>(std::lround(shrink * shape.width))),
+                             std::max(1, static_cast<int>(std::lround(shrink * shape.height))));
   }
   map.camera = v.camera.resized(map.depth.width, map.depth.height);
   return map;
@@ -61,11 +63,14 @@ std::vector<double> log_ratios(const PointCloud& cloud, const Map& map) {
 
 /// Adds a grid of the view's pixels, at their depth times `factor`.
 void add_points(const Map& map, double factor, PointCloud& cloud) {
-  const int step_x = std::max(1, map.depth.width / kCarriedPerSide), step_y = std::max(1, map.depth.height / kCarriedPerSide);
+  const int step_x = std::max(1, map.depth.width / kCarriedPerSide),
+            step_y = std::max(1, map.depth.height / kCarriedPerSide);
   for (int y = step_y / 2; y < map.depth.height; y += step_y) {
     for (int x = step_x / 2; x < map.depth.width; x += step_x) {
       const float z = map.depth.at(x, y);
-      if (is_depth(z)) cloud.positions.push_back(map.camera.unproject(x + 0.5, y + 0.5, factor * static_cast<double>(z)).cast<float>());
+      if (is_depth(z))
+        cloud.positions.push_back(
+            map.camera.unproject(x + 0.5, y + 0.5, factor * static_cast<double>(z)).cast<float>());
     }
   }
 }
@@ -86,7 +91,8 @@ class Placing {
       place_together();
     } else {
       place_by_points();
-      // Metres are the unit of a metric scene: a network's are a few per cent off in every photo, which the points tell.
+      // Metres are the unit of a metric scene: a network's are a few per cent off in every photo, which the points
+      // tell.
       const bool metres = scene_.depth_scale == DepthScale::kMetres;
       if (metres && scene_.metric && out_.placed() == 0) place_all(1, PlacedBy::kCameras);
       while (place_by_other_depth()) {
@@ -160,7 +166,8 @@ class Placing {
     return median_of(logs);
   }
 
-  /// Against the scene's points, or, in a scene where no view shows enough of them, against the depth of the other views.
+  /// Against the scene's points, or, in a scene where no view shows enough of them, against the depth of the other
+  /// views.
   void measure_residuals() {
     bool by_points = false;
     for (const std::vector<double>& ratios : ratios_) by_points |= ratios.size() >= rule_.min_samples;
@@ -201,7 +208,8 @@ class Placing {
 }  // namespace
 
 std::optional<LogScale> robust_log_scale(std::vector<double> ratios, const DepthPlacementRule& rule) {
-  constexpr int kRounds = 2;  // the median of those near the first centre, then of those near that: a third changes nothing
+  // the median of those near the first centre, then of those near that: a third changes nothing
+  constexpr int kRounds = 2;
   if (ratios.empty() || ratios.size() < rule.min_samples) return std::nullopt;
   std::sort(ratios.begin(), ratios.end());
   const size_t half = ratios.size() / 2;
@@ -224,7 +232,8 @@ std::optional<LogScale> robust_log_scale(std::vector<double> ratios, const Depth
 }
 
 size_t DepthPlacement::count(PlacedBy by) const {
-  return static_cast<size_t>(std::count_if(views.begin(), views.end(), [by](const ViewPlacement& view) { return view.by == by; }));
+  return static_cast<size_t>(
+      std::count_if(views.begin(), views.end(), [by](const ViewPlacement& view) { return view.by == by; }));
 }
 
 size_t DepthPlacement::placed() const { return views.size() - count(PlacedBy::kNothing); }
@@ -252,13 +261,16 @@ std::string describe(const DepthPlacement& placement) {
   }
   if (factors.empty()) return text + ", nothing tells its factor to the scene's units";
   text += fmt::format(", median factor {:.4g}", median_of(factors));
-  const std::pair<PlacedBy, const char*> ways[] = {{PlacedBy::kCameras, "as given"}, {PlacedBy::kPoints, "by points"},
+  const std::pair<PlacedBy, const char*> ways[] = {{PlacedBy::kCameras, "as given"},
+                                                   {PlacedBy::kPoints, "by points"},
                                                    {PlacedBy::kOtherDepth, "by the depth of other views"},
-                                                   {PlacedBy::kOtherViews, "by the factor of other views"}, {PlacedBy::kNothing, "not placed"}};
+                                                   {PlacedBy::kOtherViews, "by the factor of other views"},
+                                                   {PlacedBy::kNothing, "not placed"}};
   for (const auto& [by, words] : ways) {
     if (placement.count(by) > 0) text += fmt::format(", {} views {}", placement.count(by), words);
   }
-  return text + (placement.residual ? fmt::format(", residual {:.1f} %", 100 * *placement.residual) : ", residual not known");
+  return text +
+         (placement.residual ? fmt::format(", residual {:.1f} %", 100 * *placement.residual) : ", residual not known");
 }
 
 }  // namespace aligngs

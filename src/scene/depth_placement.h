@@ -15,8 +15,8 @@ namespace aligngs {
 
 /// Place of most of a list of log ratios.
 struct LogScale {
-  double log = 0;       ///< the ratio's logarithm
-  double spread = 0;    ///< median of |log ratio - log| over all samples, outliers included
+  double log = 0;     ///< the ratio's logarithm
+  double spread = 0;  ///< median of |log ratio - log| over all samples, outliers included
   size_t samples = 0;
 };
 
@@ -25,7 +25,8 @@ struct DepthPlacementRule {
   double outlier = 0.2;     ///< samples whose depth differs by more than this share are other surfaces
 };
 
-/// Robust centre: the shortest half of the samples, then twice the median of those within `outlier`. It holds where up to
+/// Robust centre: the shortest half of the samples, then twice the median of those within `outlier`. It holds where up
+/// to
 /// half of the samples are other surfaces, all on one side. Nothing for fewer than rule.min_samples.
 std::optional<LogScale> robust_log_scale(std::vector<double> log_ratios, const DepthPlacementRule& rule = {});
 
@@ -38,10 +39,10 @@ enum class PlacedBy {
 };
 
 struct ViewPlacement {
-  double factor = 0;   ///< scene units per unit of the map; 0: not known
+  double factor = 0;  ///< scene units per unit of the map; 0: not known
   PlacedBy by = PlacedBy::kNothing;
-  size_t samples = 0;  ///< depths that were compared for the residual
-  double residual = 0; ///< median of |log(factor * depth / reference)| over them; 0 without any
+  size_t samples = 0;   ///< depths that were compared for the residual
+  double residual = 0;  ///< median of |log(factor * depth / reference)| over them; 0 without any
 };
 
 struct DepthPlacement {
@@ -56,7 +57,8 @@ struct DepthPlacement {
 
 /// Depth of kScene gets factor 1 without being read. Other kinds:
 ///   kOwn:     one factor, the median of what the views' points say;
-///   kMetres:  a factor for every view, near 1 in a metric scene; views about which nothing tells take the median of the others;
+/// kMetres:  a factor for every view, near 1 in a metric scene; views about which nothing tells take the median of the
+/// others;
 ///   kPerView: a factor for every view, and none for views about which nothing tells.
 /// Reads the maps of all training views. Error{kBadInput} naming a file that cannot be read.
 DepthPlacement place_prior_depth(const Scene& scene, const DepthPlacementRule& rule = {});

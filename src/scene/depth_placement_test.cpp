@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -15,25 +15,29 @@ namespace fs = std::filesystem;
 
 constexpr double kWorlds[] = {1, 0.37, 12};  // scene units per metre; 1 is a metric scene
 constexpr int kViews = 5;
-constexpr double kStep = 0.25;  // metres between cameras
+constexpr double kStep = 0.25;   // metres between cameras
 constexpr double kClose = 0.01;  // of a factor: half a pixel of the small photos moves the slope's depth by as much
 
 struct Given {
   double world = 1;
   DepthScale scale = DepthScale::kScene;
-  double noise = 0;          ///< relative, per pixel
-  double wrong_points = 0;   ///< share of the points that lie up to twice as far
-  double points_below = 1e9; ///< metres: only points with a smaller x
+  double noise = 0;           ///< relative, per pixel
+  double wrong_points = 0;    ///< share of the points that lie up to twice as far
+  double points_below = 1e9;  ///< metres: only points with a smaller x
   int points = 400;
 };
 
 /// A network's unit: what its map of a view holds for a metre.
 double unit_of(const Given& given, int view) {
   switch (given.scale) {
-    case DepthScale::kScene: return given.world;
-    case DepthScale::kMetres: return 1 + 0.04 * (view - 2);  // a few per cent off in every photo
-    case DepthScale::kOwn: return 2.7;
-    case DepthScale::kPerView: return std::pow(3.0, view - 2);
+    case DepthScale::kScene:
+      return given.world;
+    case DepthScale::kMetres:
+      return 1 + 0.04 * (view - 2);  // a few per cent off in every photo
+    case DepthScale::kOwn:
+      return 2.7;
+    case DepthScale::kPerView:
+      return std::pow(3.0, view - 2);
   }
   return 0;
 }
@@ -50,7 +54,8 @@ Scene scene_of(const Given& given) {
     view.name = "v" + std::to_string(v);
     const Camera metric = test_scene::camera_at(kStep * v);
     view.prior_depth = test_scene::surface_depth_map(metric, test_scene::kWidth, test_scene::kHeight);
-    for (float& z : view.prior_depth.data) z *= static_cast<float>(unit_of(given, v) * (1 + given.noise * random.normal()));
+    for (float& z : view.prior_depth.data)
+      z *= static_cast<float>(unit_of(given, v) * (1 + given.noise * random.normal()));
     view.camera = metric;
     view.camera.world_to_camera.translation = metric.world_to_camera.translation * given.world;
     view.image = test_scene::textured_image(static_cast<uint64_t>(v));
@@ -77,7 +82,8 @@ void expect_factors(const Given& given, const DepthPlacement& placement, double 
   EXPECT_EQ(placement.scale, given.scale);
   for (int v = 0; v < kViews; ++v) {
     const double want = given.world / unit_of(given, v);
-    EXPECT_NEAR(placement.views[static_cast<size_t>(v)].factor / want, 1, tolerance) << "view " << v << ", world " << given.world << ": " << describe(placement);
+    EXPECT_NEAR(placement.views[static_cast<size_t>(v)].factor / want, 1, tolerance)
+        << "view " << v << ", world " << given.world << ": " << describe(placement);
   }
 }
 
@@ -145,7 +151,8 @@ TEST(DepthPlacement, MetresNeedNoPointsInAMetricScene) {
 }
 
 TEST(DepthPlacement, WithoutPointsNothingTellsAnUnknownScale) {
-  for (const auto& [world, scale] : {std::pair{1.0, DepthScale::kOwn}, {1.0, DepthScale::kPerView}, {0.37, DepthScale::kMetres}}) {
+  for (const auto& [world, scale] :
+       {std::pair{1.0, DepthScale::kOwn}, {1.0, DepthScale::kPerView}, {0.37, DepthScale::kMetres}}) {
     Given given{world, scale};
     given.points = 0;
     const DepthPlacement placement = place_prior_depth(scene_of(given));

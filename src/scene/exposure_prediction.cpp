@@ -6,9 +6,9 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kNearest = 3;        // views that are averaged
-constexpr double kSamePlace = 0.05;   // distance below which views count alike: 3 degrees, or a twentieth of the extent
-constexpr double kLeastGain = 0.5;    // squared error of the prediction over that of no prediction, at most
+constexpr size_t kNearest = 3;       // views that are averaged
+constexpr double kSamePlace = 0.05;  // distance below which views count alike: 3 degrees, or a twentieth of the extent
+constexpr double kLeastGain = 0.5;   // squared error of the prediction over that of no prediction, at most
 
 /// Extents between two cameras plus radians between their directions.
 double distance(const Camera& a, const Camera& b, double extent) {
@@ -20,7 +20,10 @@ double distance(const Camera& a, const Camera& b, double extent) {
 Vec3f predict(const Scene& scene, int view, int without, double extent) {
   std::vector<std::pair<double, int>> near;
   for (const int t : scene.train) {
-    if (t != without) near.emplace_back(distance(scene.views[static_cast<size_t>(view)].camera, scene.views[static_cast<size_t>(t)].camera, extent), t);
+    if (t != without)
+      near.emplace_back(
+          distance(scene.views[static_cast<size_t>(view)].camera, scene.views[static_cast<size_t>(t)].camera, extent),
+          t);
   }
   std::sort(near.begin(), near.end());
   Vec3d sum;

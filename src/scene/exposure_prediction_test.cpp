@@ -29,7 +29,8 @@ TEST(PredictLogGains, ATestPhotoIsExposedAsItsNeighboursAre) {
   const auto slope = [](int i) { return 0.1 * i - 0.5; };
   const Scene scene = walk(slope);
   const std::vector<Vec3f> gains = predict_log_gains(scene);
-  for (const int t : scene.train) EXPECT_EQ(gains[static_cast<size_t>(t)].x, scene.views[static_cast<size_t>(t)].log_gain.x);
+  for (const int t : scene.train)
+    EXPECT_EQ(gains[static_cast<size_t>(t)].x, scene.views[static_cast<size_t>(t)].log_gain.x);
   for (const int t : scene.test) EXPECT_NEAR(gains[static_cast<size_t>(t)].y, slope(t), 0.06) << t;
 }
 

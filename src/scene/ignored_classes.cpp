@@ -21,8 +21,9 @@ std::string trimmed(const std::string& text) {
 int class_of_word(const LabelSet& labels, const std::string& word) {
   if (const int found = labels.find(word); found >= 0) return found;
   static const std::map<std::string, const char*> kWords = {
-      {"people", "person"}, {"persons", "person"}, {"human", "person"}, {"man", "person"}, {"woman", "person"}, {"child", "person"}, {"baby", "person"},
-      {"cat", "animal"},    {"cats", "animal"},    {"dog", "animal"},   {"dogs", "animal"}, {"pet", "animal"},  {"pets", "animal"},  {"animals", "animal"}};
+      {"people", "person"}, {"persons", "person"}, {"human", "person"}, {"man", "person"},    {"woman", "person"},
+      {"child", "person"},  {"baby", "person"},    {"cat", "animal"},   {"cats", "animal"},   {"dog", "animal"},
+      {"dogs", "animal"},   {"pet", "animal"},     {"pets", "animal"},  {"animals", "animal"}};
   std::string lower = word;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto known = kWords.find(lower);
@@ -41,7 +42,8 @@ void drop_small(Image<uint8_t>& marked, size_t least) {
       for (size_t i = 0; i < region.size(); ++i) {
         const auto [cx, cy] = region[i];
         for (const auto& [nx, ny] : {std::pair{cx - 1, cy}, {cx + 1, cy}, {cx, cy - 1}, {cx, cy + 1}}) {
-          if (nx < 0 || ny < 0 || nx >= marked.width || ny >= marked.height || !marked.at(nx, ny) || seen.at(nx, ny)) continue;
+          if (nx < 0 || ny < 0 || nx >= marked.width || ny >= marked.height || !marked.at(nx, ny) || seen.at(nx, ny))
+            continue;
           seen.at(nx, ny) = 1;
           region.push_back({nx, ny});
         }
@@ -83,7 +85,8 @@ std::vector<int> ignored_classes(const LabelSet& labels, const std::string& list
     if (found >= 0) {
       classes.push_back(found);
     } else if (trimmed(list) != kIgnoredByDefault) {
-      throw_usage("'" + name + "' is no class of " + labels.name, "name classes to ignore, e.g. person, cat, dog; docs/photos.md tells more");
+      throw_usage("'" + name + "' is no class of " + labels.name,
+                  "name classes to ignore, e.g. person, cat, dog; docs/photos.md tells more");
     }
   }
   std::sort(classes.begin(), classes.end());
@@ -91,13 +94,15 @@ std::vector<int> ignored_classes(const LabelSet& labels, const std::string& list
   return classes;
 }
 
-Image<uint8_t> mask_without(const SemanticTarget& target, const std::vector<int>& classes, int width, int height, const IgnoredRegionOptions& options) {
+Image<uint8_t> mask_without(const SemanticTarget& target, const std::vector<int>& classes, int width, int height,
+                            const IgnoredRegionOptions& options) {
   Image<uint8_t> mask(width, height, 1, 255);
   const Image<uint16_t> labels = target_labels(target, width, height);
   Image<uint8_t> marked(width, height, 1);
   bool any = false;
   for (size_t i = 0; i < labels.data.size(); ++i) {
-    if (labels.data[i] == kNoLabel || !std::binary_search(classes.begin(), classes.end(), int(labels.data[i]))) continue;
+    if (labels.data[i] == kNoLabel || !std::binary_search(classes.begin(), classes.end(), int(labels.data[i])))
+      continue;
     marked.data[i] = 1;
     any = true;
   }

@@ -17,7 +17,8 @@ std::vector<int> ignored_classes(const LabelSet& labels, const std::string& list
 inline constexpr const char* kIgnoredByDefault = "person";
 
 struct IgnoredRegionOptions {
-  double border = 0.015;       ///< share of the longer side: a teacher's map is coarse, and what moves has a blurred edge
+  /// share of the longer side: a teacher's map is coarse, and what moves has a blurred edge
+  double border = 0.015;
   double least_share = 0.001;  ///< of the pixels: smaller regions stay, since a teacher errs in single pixels
 };
 

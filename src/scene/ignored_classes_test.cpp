@@ -29,7 +29,8 @@ SemanticTarget target_with(int x0, int x1, int y0, int y1) {
 
 TEST(IgnoredClasses, AreNamesAndSynonymsWithCommas) {
   const LabelSet& labels = ade20k_labels();
-  EXPECT_THAT(ignored_classes(labels, " dog,person , individual"), ElementsAre(labels.find("person"), labels.find("animal")));
+  EXPECT_THAT(ignored_classes(labels, " dog,person , individual"),
+              ElementsAre(labels.find("person"), labels.find("animal")));
   EXPECT_THAT(ignored_classes(labels, "people, Cat"), ElementsAre(labels.find("person"), labels.find("animal")));
   EXPECT_THAT(ignored_classes(labels, ""), IsEmpty());
 }

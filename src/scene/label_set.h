@@ -10,9 +10,9 @@
 namespace aligngs {
 
 struct LabelClass {
-  std::string name;                    ///< the first name, e.g. "sofa"
-  std::vector<std::string> synonyms;   ///< further names, e.g. "couch", "lounge"
-  std::array<uint8_t, 3> color{};      ///< sRGB
+  std::string name;                   ///< the first name, e.g. "sofa"
+  std::vector<std::string> synonyms;  ///< further names, e.g. "couch", "lounge"
+  std::array<uint8_t, 3> color{};     ///< sRGB
 };
 
 struct LabelSet {

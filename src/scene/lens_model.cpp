@@ -52,7 +52,9 @@ double radial_factor(const LensModel& lens, double s2) {
 
 /// Takes a model's parameters behind focal lengths and principal point one after the other.
 void read_distortion(const std::string& model, const double* k, LensModel& lens) {
-  const auto radial = [&](std::initializer_list<double> values) { std::copy(values.begin(), values.end(), lens.radial.begin()); };
+  const auto radial = [&](std::initializer_list<double> values) {
+    std::copy(values.begin(), values.end(), lens.radial.begin());
+  };
   if (model == "SIMPLE_RADIAL") {
     radial({k[0]});
   } else if (model == "RADIAL") {
@@ -98,7 +100,9 @@ LensProjection projection_of(const std::string& model) {
 bool LensModel::distorted() const {
   if (projection == LensProjection::kFisheye) return true;
   if (projection == LensProjection::kUnified) return radial[0] != 0;  // alpha = 0 is a pinhole whatever beta is
-  const auto any = [](const auto& values) { return std::any_of(values.begin(), values.end(), [](double k) { return k != 0; }); };
+  const auto any = [](const auto& values) {
+    return std::any_of(values.begin(), values.end(), [](double k) { return k != 0; });
+  };
   return p1 != 0 || p2 != 0 || any(radial) || any(prism);
 }
 
@@ -145,8 +149,9 @@ LensModel lens_of(const ColmapCamera& camera, const std::filesystem::path& path)
   const ColmapCameraModel* model = find_colmap_camera_model(camera.model);
   if (!model) throw_bad_input(path, field, "camera model " + camera.model + " is unknown", kUnknownCameraModelRemedy);
   if (model->focal_lengths == 0) {
-    throw_bad_input(path, field, "camera model " + camera.model + ": a panorama is not the view of one pinhole camera",
-                    "cut each panorama into perspective views and find their cameras (python/examples/panorama_sfm.py of COLMAP)");
+    throw_bad_input(
+        path, field, "camera model " + camera.model + ": a panorama is not the view of one pinhole camera",
+        "cut each panorama into perspective views and find their cameras (python/examples/panorama_sfm.py of COLMAP)");
   }
   const std::vector<double>& p = camera.params;
   if (p.size() != model->parameters || std::any_of(p.begin(), p.end(), [](double v) { return !std::isfinite(v); })) {
@@ -181,7 +186,8 @@ ColmapCamera resized_camera(const ColmapCamera& camera, int w, int h) {
   const ColmapCameraModel* model = find_colmap_camera_model(camera.model);
   ColmapCamera out = camera;
   if (!model || model->focal_lengths == 0 || camera.width == 0 || camera.height == 0) return out;
-  const double sx = static_cast<double>(w) / static_cast<double>(camera.width), sy = static_cast<double>(h) / static_cast<double>(camera.height);
+  const double sx = static_cast<double>(w) / static_cast<double>(camera.width),
+               sy = static_cast<double>(h) / static_cast<double>(camera.height);
   out.width = static_cast<uint64_t>(w);
   out.height = static_cast<uint64_t>(h);
   const size_t focals = model->focal_lengths;

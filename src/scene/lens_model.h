@@ -19,7 +19,8 @@ enum class LensProjection {
 };
 
 /// With q the projected point and s = |q|:
-///   kPerspective: q (1 + k1 s^2 + k2 s^4 + k3 s^6) / (1 + k4 s^2 + k5 s^4 + k6 s^6), Brown's model as OpenCV and COLMAP have it;
+/// kPerspective: q (1 + k1 s^2 + k2 s^4 + k3 s^6) / (1 + k4 s^2 + k5 s^4 + k6 s^6), Brown's model as OpenCV and COLMAP
+/// have it;
 ///   kFisheye:     q (1 + k1 s^2 + ... + k6 s^12);
 /// then tangential terms (2 p1 qx qy + p2 (s^2 + 2 qx^2), y alike with p1 and p2 exchanged) are added. Thin prism terms
 /// (prism[0] s^2 + prism[1] s^4, prism[2] s^2 + prism[3] s^4) are added, too.
@@ -31,7 +32,8 @@ struct LensModel {
   std::array<double, 6> radial{};  ///< k1 .. k6, or what the projection names
   double p1 = 0, p2 = 0;           ///< tangential
   std::array<double, 4> prism{};   ///< thin prism
-  bool bent_first = false;         ///< tangential and prism terms take the radially bent point (RAD_TAN_THIN_PRISM_FISHEYE)
+  /// tangential and prism terms take the radially bent point (RAD_TAN_THIN_PRISM_FISHEYE)
+  bool bent_first = false;
 
   bool distorted() const;
   /// The same camera without its distortion (and with the identity as pose).

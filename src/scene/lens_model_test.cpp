@@ -64,8 +64,10 @@ TEST(LensModel, EveryModelPutsARayWhereItsFormulaSays) {
   expect_pixel("SIMPLE_RADIAL_FISHEYE", {60, 32, 24, 0.1}, 60.066292166, 9.966853917);
   expect_pixel("RADIAL_FISHEYE", {60, 32, 24, 0.1, -0.05}, 59.973948215, 10.013025892);
   expect_pixel("OPENCV_FISHEYE", {60, 50, 32, 24, 0.1, -0.05, 0.02, -0.01}, 59.982298973, 12.340708761);
-  expect_pixel("THIN_PRISM_FISHEYE", {60, 50, 32, 24, 0.1, -0.05, 0.01, -0.02, 0.02, -0.01, 0.03, -0.04}, 59.514596800, 12.210791491);
-  expect_pixel("RAD_TAN_THIN_PRISM_FISHEYE", {60, 50, 32, 24, 0.1, -0.05, 0.02, -0.01, 0.005, -0.002, 0.01, -0.02, 0.03, -0.01, 0.02, -0.04},
+  expect_pixel("THIN_PRISM_FISHEYE", {60, 50, 32, 24, 0.1, -0.05, 0.01, -0.02, 0.02, -0.01, 0.03, -0.04}, 59.514596800,
+               12.210791491);
+  expect_pixel("RAD_TAN_THIN_PRISM_FISHEYE",
+               {60, 50, 32, 24, 0.1, -0.05, 0.02, -0.01, 0.005, -0.002, 0.01, -0.02, 0.03, -0.01, 0.02, -0.04},
                61.112618344, 11.975304989);
   expect_pixel("SIMPLE_DIVISION", {60, 32, 24, -0.2}, 60.328157300, 9.835921350);
   expect_pixel("DIVISION", {60, 50, 32, 24, -0.2}, 60.328157300, 12.196601125);
@@ -106,7 +108,8 @@ TEST(LensModel, APanoramaIsRefusedWithAWayOut) {
 
 TEST(ResizedCamera, SeesTheSameRays) {
   const ColmapCamera camera = colmap_camera("RADIAL_FISHEYE", {60, 30, 25, 0.1, -0.05});
-  const Vec2d whole = lens_of(camera, "c").project({0.2, 0.1}), half = lens_of(resized_camera(camera, 32, 24), "c").project({0.2, 0.1});
+  const Vec2d whole = lens_of(camera, "c").project({0.2, 0.1}),
+              half = lens_of(resized_camera(camera, 32, 24), "c").project({0.2, 0.1});
   EXPECT_NEAR(half.x, whole.x / 2, 1e-12);
   EXPECT_NEAR(half.y, whole.y / 2, 1e-12);
 }

@@ -9,7 +9,8 @@ namespace {
 
 std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
-/// Whether a picture of w x h can be one of camera_w x camera_h resized: the sides differ by one factor. A resized side is
+/// Whether a picture of w x h can be one of camera_w x camera_h resized: the sides differ by one factor. A resized side
+/// is
 /// rounded, so each may be off by one pixel of the smaller picture.
 bool same_aspect(int w, int h, int camera_w, int camera_h) {
   const double scale = static_cast<double>(w) / camera_w;
@@ -31,21 +32,25 @@ std::optional<PhotoFit> fit_photo(const ImageInfo& photo, int camera_width, int 
   return std::nullopt;
 }
 
-PhotoFit require_photo_fit(const std::filesystem::path& file, const ImageInfo& photo, int camera_width, int camera_height) {
+PhotoFit require_photo_fit(const std::filesystem::path& file, const ImageInfo& photo, int camera_width,
+                           int camera_height) {
   if (const auto fit = fit_photo(photo, camera_width, camera_height)) return *fit;
   const bool turned = same_aspect(photo.stored_height, photo.stored_width, camera_width, camera_height);
   throw_bad_input(file, "size",
                   "the image is " + size_text(photo.stored_width, photo.stored_height) + ", its camera says " +
                       size_text(camera_width, camera_height),
-                  turned ? "the camera is for a picture that was turned by a quarter: use the images that it was found for"
-                         : "use the images that the cameras were found for; they may be resized, not cropped");
+                  turned
+                      ? "the camera is for a picture that was turned by a quarter: use the images that it was found for"
+                      : "use the images that the cameras were found for; they may be resized, not cropped");
 }
 
 Image<uint8_t> read_photo(const std::filesystem::path& file, bool upright) {
   return upright ? read_image(file) : read_stored_image(file);
 }
 
-bool is_upright_of_size(const ImageInfo& photo, int width, int height) { return photo.stored_width != width || photo.stored_height != height; }
+bool is_upright_of_size(const ImageInfo& photo, int width, int height) {
+  return photo.stored_width != width || photo.stored_height != height;
+}
 
 Image<uint8_t> read_photo_of_size(const std::filesystem::path& file, int width, int height) {
   return read_photo(file, is_upright_of_size(read_image_info(file), width, height));

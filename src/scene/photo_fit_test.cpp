@@ -34,7 +34,8 @@ TEST(PhotoFit, ACameraForTheUprightPictureGetsIt) {
 }
 
 TEST(PhotoFit, AnyFactorThatKeepsTheAspectFits) {
-  for (const auto& [width, height] : {std::pair(1600, 1200), std::pair(133, 100), std::pair(100, 75), std::pair(4000, 3000)}) {
+  for (const auto& [width, height] :
+       {std::pair(1600, 1200), std::pair(133, 100), std::pair(100, 75), std::pair(4000, 3000)}) {
     EXPECT_TRUE(fit_photo(held(1), width, height)) << width;
     EXPECT_TRUE(fit_photo(held(8), height, width)->upright) << width;
   }

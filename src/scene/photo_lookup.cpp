@@ -25,8 +25,9 @@ bool is_file(const fs::path& path) {
 
 /// A name without the extension of a picture, also of kinds that are not read; other dots belong to the name.
 std::string stem_of(const fs::path& file) {
-  static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png",  ".tif",  ".tiff", ".heic", ".heif", ".webp", ".bmp", ".ppm",
-                                               ".avif", ".gif",  ".exr",  ".dng",  ".cr2",  ".nef",  ".arw",  ".jp2"};
+  static const std::set<std::string> kKnown = {".jpg",  ".jpeg", ".png", ".tif", ".tiff", ".heic",
+                                               ".heif", ".webp", ".bmp", ".ppm", ".avif", ".gif",
+                                               ".exr",  ".dng",  ".cr2", ".nef", ".arw",  ".jp2"};
   return kKnown.count(lower(file.extension().string())) ? file.stem().string() : file.filename().string();
 }
 
@@ -69,7 +70,8 @@ std::string view_name_of(const std::string& image_name) {
   return as_utf8((path.parent_path() / path.stem()).generic_string());
 }
 
-PhotoLookup::PhotoLookup(fs::path photos, fs::path beside, std::vector<fs::path> subfolders) : photos_(std::move(photos)) {
+PhotoLookup::PhotoLookup(fs::path photos, fs::path beside, std::vector<fs::path> subfolders)
+    : photos_(std::move(photos)) {
   if (!photos_.empty()) places_.push_back({photos_});
   if (!beside.empty()) places_.push_back({std::move(beside)});
   if (!subfolders.empty()) places_.push_back(std::move(subfolders));
@@ -107,7 +109,8 @@ PhotoLookup::Answer PhotoLookup::by_other_extension(const Folders& folders, cons
     const fs::path wanted = folder / name;
     const std::string stem = stem_of(wanted), extension = lower(wanted.extension().string());
     std::error_code error;
-    for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end; entry.increment(error)) {
+    for (fs::directory_iterator entry(wanted.parent_path(), error), end; !error && entry != end;
+         entry.increment(error)) {
       const fs::path& file = entry->path();
       if (!has_picture_extension(file) || is_hidden(file) || file.stem().string() != stem || !is_file(file)) continue;
       (lower(file.extension().string()) == extension ? same : others).push_back(file);
@@ -125,7 +128,9 @@ PhotoLookup::Answer PhotoLookup::by_ending(const std::string& name) const {
   size_t longest = 0;
   for (const Candidate& candidate : candidates()) {
     const size_t common = std::min(wanted.size(), candidate.parts.size());
-    if (common < longest || !std::equal(wanted.rbegin(), wanted.rbegin() + static_cast<ptrdiff_t>(common), candidate.parts.rbegin())) continue;
+    if (common < longest ||
+        !std::equal(wanted.rbegin(), wanted.rbegin() + static_cast<ptrdiff_t>(common), candidate.parts.rbegin()))
+      continue;
     if (common > longest) found.clear();
     longest = common;
     found.push_back(candidate.file);
@@ -159,7 +164,8 @@ PhotoLookup photos_of_data_set(const fs::path& folder) {
   std::vector<fs::path> subfolders;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->is_directory(error) && !is_hidden(entry->path()) && entry->path().filename() != kMaskFolder) subfolders.push_back(entry->path());
+    if (entry->is_directory(error) && !is_hidden(entry->path()) && entry->path().filename() != kMaskFolder)
+      subfolders.push_back(entry->path());
   }
   return PhotoLookup({}, folder, std::move(subfolders));
 }

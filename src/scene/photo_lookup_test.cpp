@@ -13,7 +13,8 @@ using testing::HasSubstr;
 class PhotoLookupTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("lookup_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("lookup_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
@@ -53,9 +54,14 @@ TEST_F(PhotoLookupTest, ExtensionsMayDifferInCaseAndKind) {
 }
 
 TEST_F(PhotoLookupTest, NamesInLatinOneAreFoundAsUtf8AndBack) {
-  file("images/K\xc3\xbc" "che.jpg");
+  file(
+      "images/K\xc3\xbc"
+      "che.jpg");
   file("images/T\xfcr.jpg");
-  EXPECT_EQ(found("K\xfc" "che.jpg"), "images/K\xc3\xbc" "che.jpg");
+  EXPECT_EQ(found("K\xfc"
+                  "che.jpg"),
+            "images/K\xc3\xbc"
+            "che.jpg");
   EXPECT_EQ(found("T\xc3\xbcr.png"), "images/T\xfcr.jpg");
   EXPECT_EQ(view_name_of("left\\T\xfcr.jpg"), "left/T\xc3\xbcr");
 }

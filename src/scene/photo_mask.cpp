@@ -19,7 +19,8 @@ constexpr int kDark = 128;  // JPEG leaves traces of grey where black was meant
 
 fs::path mask_at(const fs::path& masks, const fs::path& relative) {
   const fs::path stem = relative.parent_path() / relative.stem();
-  const std::array<fs::path, 4> names = {fs::path(relative.string() + ".png"), fs::path(stem.string() + ".png"), relative, fs::path(stem.string() + ".jpg")};
+  const std::array<fs::path, 4> names = {fs::path(relative.string() + ".png"), fs::path(stem.string() + ".png"),
+                                         relative, fs::path(stem.string() + ".jpg")};
   for (const fs::path& name : names) {
     std::error_code error;
     if (fs::is_regular_file(masks / name, error)) return masks / name;
@@ -61,12 +62,16 @@ fs::path find_mask(const fs::path& photo) {
 Image<uint8_t> read_mask(const fs::path& mask, const fs::path& photo, bool upright, int width, int height) {
   const ImageInfo info = read_image_info(photo);
   Image<uint8_t> stored = counted(mask);
-  const bool fits_stored = fit_photo({stored.width, stored.height, 1, 8, stored.width, stored.height, 1}, info.stored_width, info.stored_height).has_value();
-  const bool fits_upright = fit_photo({stored.width, stored.height, 1, 8, stored.width, stored.height, 1}, info.width, info.height).has_value();
+  const bool fits_stored = fit_photo({stored.width, stored.height, 1, 8, stored.width, stored.height, 1},
+                                     info.stored_width, info.stored_height)
+                               .has_value();
+  const bool fits_upright =
+      fit_photo({stored.width, stored.height, 1, 8, stored.width, stored.height, 1}, info.width, info.height)
+          .has_value();
   if (!fits_stored && !(fits_upright && upright)) {
     throw_bad_input(mask, "size",
-                    "the mask is " + std::to_string(stored.width) + " x " + std::to_string(stored.height) + ", its photo " + std::to_string(info.stored_width) +
-                        " x " + std::to_string(info.stored_height),
+                    "the mask is " + std::to_string(stored.width) + " x " + std::to_string(stored.height) +
+                        ", its photo " + std::to_string(info.stored_width) + " x " + std::to_string(info.stored_height),
                     "make the mask from the photo's pixels; it may be resized, not cropped");
   }
   if (fits_stored && upright) stored = apply_orientation(std::move(stored), info.orientation);

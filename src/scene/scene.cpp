@@ -8,12 +8,12 @@
 
 #include "core/error.h"
 #include "io/colmap.h"
+#include "scene/lens_model.h"
 #include "scene/mesh_ply.h"
 #include "scene/photo_fit.h"
 #include "scene/photo_lookup.h"
 #include "scene/photo_mask.h"
 #include "scene/scene_check.h"
-#include "scene/lens_model.h"
 #include "scene/scene_json.h"
 
 namespace aligngs {
@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "left/0001.color.png" has the view name "left/0001.color" (up to the last dot) and the short name "left/0001" (up to the
+/// "left/0001.color.png" has the view name "left/0001.color" (up to the last dot) and the short name "left/0001" (up to
+/// the
 /// first dot of the file).
 std::string short_name(const std::string& image_name) {
   const fs::path path(image_name);
@@ -80,7 +81,8 @@ class Lenses {
     }
     for (const auto& [id, lens] : lenses_) {
       if (!lens.distorted()) continue;
-      throw_bad_input(path_, "camera " + std::to_string(id), "the lens distortion of this camera model is not removed from the images",
+      throw_bad_input(path_, "camera " + std::to_string(id),
+                      "the lens distortion of this camera model is not removed from the images",
                       "make an undistorted scene of it with `aligngs import`");
     }
   }
@@ -106,13 +108,15 @@ std::map<std::string, Camera> cameras_of(const ColmapModel& model, const fs::pat
   return cameras;
 }
 
-/// Finds the photo of a view and brings the camera to its size. A photo that is missing keeps the place where it should be,
+/// Finds the photo of a view and brings the camera to its size. A photo that is missing keeps the place where it should
+/// be,
 /// for the check of headers to report.
 void pair_with_photo(const PhotoLookup& photos, const ColmapImage& image, const fs::path& images, View& view) {
   const PhotoLookup::Answer answer = photos.find(image.name);
   view.image = answer.file.empty() ? images / image.name : answer.file;
   if (answer.file.empty()) {
-    if (photos.is_ambiguous(answer)) throw_bad_input(view.image, "image", answer.problem, "rename or remove the others");
+    if (photos.is_ambiguous(answer))
+      throw_bad_input(view.image, "image", answer.problem, "rename or remove the others");
     return;
   }
   std::optional<PhotoFit> fit;
@@ -131,7 +135,8 @@ void leave_out_shared_photos(std::vector<View>& views, std::vector<LeftOut>& lef
   for (const View& view : views) ++uses[view.image];
   std::erase_if(views, [&](const View& view) {
     if (uses[view.image] == 1) return false;
-    left_out.push_back({view.name, "several cameras name the photo " + view.image.filename().string(), "give each photo one camera"});
+    left_out.push_back(
+        {view.name, "several cameras name the photo " + view.image.filename().string(), "give each photo one camera"});
     return true;
   });
 }
@@ -161,7 +166,8 @@ PointCloud cloud_of(const ColmapModel& model, const fs::path& folder) {
   return cloud;
 }
 
-std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, const fs::path& model_folder, std::vector<LeftOut>& left_out) {
+std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, const fs::path& model_folder,
+                           std::vector<LeftOut>& left_out) {
   const Lenses lenses(model, model_folder);
   std::map<std::string, Camera> truth;
   if (fs::is_directory(folder / "truth" / "sparse")) {
@@ -282,7 +288,9 @@ void read_split(const fs::path& path, const SceneOptions& options, Scene& scene)
   if (split.train) {  // what no list names is not missed
     std::set<std::string> named(split.train->begin(), split.train->end());
     if (split.test) named.insert(split.test->begin(), split.test->end());
-    std::erase_if(scene.left_out, [&](const LeftOut& view) { return !named.count(view.name) && !named.count(view_name_of(view.name)); });
+    std::erase_if(scene.left_out, [&](const LeftOut& view) {
+      return !named.count(view.name) && !named.count(view_name_of(view.name));
+    });
   }
   require_enough_training_views(scene);
   if (scene.train.empty()) {
@@ -300,7 +308,8 @@ void read_exposure(const fs::path& path, Scene& scene) {
   }
   for (const LeftOut& view : scene.left_out) gains.erase(view.name);
   if (gains.empty()) return;
-  throw_bad_input(path, "log_gains", "there is no view '" + gains.begin()->first + "'", "name views of this scene, or remove the entry");
+  throw_bad_input(path, "log_gains", "there is no view '" + gains.begin()->first + "'",
+                  "name views of this scene, or remove the entry");
 }
 
 bool all_have(const Scene& scene, fs::path View::*map) {
@@ -311,7 +320,9 @@ bool all_have(const Scene& scene, fs::path View::*map) {
 }  // namespace
 
 bool Scene::has_prior_depth() const { return all_have(*this, &View::prior_depth); }
-bool Scene::has_network_depth() const { return has_prior_depth() && prior_source != kSensorDepth && prior_source != kStereoDepth; }
+bool Scene::has_network_depth() const {
+  return has_prior_depth() && prior_source != kSensorDepth && prior_source != kStereoDepth;
+}
 
 bool Scene::has_semantics() const { return all_have(*this, &View::semantics); }
 

@@ -22,9 +22,10 @@ enum class SemanticKind {
 
 /// Unit of the numbers in pred_depths/ (scene/depth_placement.h brings them to that of the scene).
 enum class DepthScale {
-  kScene,    ///< scene units: made or corrected together with these cameras, or a sensor's
-  kMetres,   ///< metres, by a network that sees one photo at a time
-  kOwn,      ///< one unknown scale for all views: a network that sees all photos, whose cameras are not those of the scene
+  kScene,   ///< scene units: made or corrected together with these cameras, or a sensor's
+  kMetres,  ///< metres, by a network that sees one photo at a time
+  /// one unknown scale for all views: a network that sees all photos, whose cameras are not those of the scene
+  kOwn,
   kPerView,  ///< an unknown scale for every view
 };
 
@@ -33,16 +34,17 @@ struct View {
   std::string name;  ///< stem of the image file: up to the last dot
   Camera camera;     ///< at the size of the image
   std::filesystem::path image;
-  std::filesystem::path mask;            ///< of the photo (photo_mask.h)
-  std::filesystem::path prior_depth;     ///< pred_depths/<stem>.npy
-  std::filesystem::path semantics;       ///< segmentation_logits/<stem>.npy or .pt
-  std::filesystem::path truth_depth;     ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
-  std::filesystem::path truth_labels;    ///< truth/labels/<stem>.png, uint8, 255 = none
-  std::optional<Camera> truth_camera;    ///< from truth/sparse; never used by training
-  Vec3f log_gain;    ///< exposure.json: of red, green, blue in linear light, against the mean photo; 0 = unknown
+  std::filesystem::path mask;          ///< of the photo (photo_mask.h)
+  std::filesystem::path prior_depth;   ///< pred_depths/<stem>.npy
+  std::filesystem::path semantics;     ///< segmentation_logits/<stem>.npy or .pt
+  std::filesystem::path truth_depth;   ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
+  std::filesystem::path truth_labels;  ///< truth/labels/<stem>.png, uint8, 255 = none
+  std::optional<Camera> truth_camera;  ///< from truth/sparse; never used by training
+  Vec3f log_gain;  ///< exposure.json: of red, green, blue in linear light, against the mean photo; 0 = unknown
 };
 
-/// priors.json depth.model of depth that no network made: a depth camera's, or measured in the photos (refine/measured_scene.h).
+/// priors.json depth.model of depth that no network made: a depth camera's, or measured in the photos
+/// (refine/measured_scene.h).
 inline constexpr const char* kSensorDepth = "sensor";
 inline constexpr const char* kStereoDepth = "stereo";
 
@@ -55,40 +57,45 @@ struct UnitsEstimate {
 
 struct Scene {
   std::filesystem::path folder;
-  bool metric = false;           ///< scene.json units == "metres"
+  bool metric = false;                          ///< scene.json units == "metres"
   std::optional<UnitsEstimate> units_estimate;  ///< absent: the metres are given, measured or unknown
-  std::optional<Vec3d> up;       ///< unit, world
-  std::string source;            ///< scene.json source: what made this scene
-  std::string prior_source;      ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports
+  std::optional<Vec3d> up;                      ///< unit, world
+  std::string source;                           ///< scene.json source: what made this scene
+  std::string prior_source;  ///< priors.json depth.model, e.g. "sensor", "simulated", ""; shown in reports
   DepthScale depth_scale = DepthScale::kScene;  ///< priors.json depth.scale, or what an older file means (scene_json.h)
-  bool depth_scale_stated = false;  ///< priors.json has depth.scale
-  std::string semantic_source;   ///< priors.json semantics.model, likewise
+  bool depth_scale_stated = false;              ///< priors.json has depth.scale
+  std::string semantic_source;                  ///< priors.json semantics.model, likewise
   SemanticKind semantic_kind = SemanticKind::kLogits;
   bool semantic_kind_stated = false;  ///< priors.json says the kind; false: taken as logits, as in the paper
-  std::vector<View> views;       ///< sorted by name
-  std::vector<int> train, test;  ///< indices into views
-  PointCloud cloud;              ///< sparse/points3D
+  std::vector<View> views;            ///< sorted by name
+  std::vector<int> train, test;       ///< indices into views
+  PointCloud cloud;                   ///< sparse/points3D
   LabelSet labels;
-  std::vector<int> ignored;  ///< classes whose pixels are left out of photos and depth (ignored_classes.h); open_scene sets none
-  std::filesystem::path truth_mesh;  ///< truth/mesh.ply or empty
-  std::vector<LeftOut> left_out;     ///< views that would train or test but cannot be used, and why
+  /// classes whose pixels are left out of photos and depth (ignored_classes.h); open_scene sets none
+  std::vector<int> ignored;
+  std::filesystem::path truth_mesh;        ///< truth/mesh.ply or empty
+  std::vector<LeftOut> left_out;           ///< views that would train or test but cannot be used, and why
   std::vector<Camera> evaluation_cameras;  ///< truth/sparse cameras of all views, else the views' own cameras
 
-  bool has_prior_depth() const;  ///< every training view has one
-  bool has_semantics() const;    ///< every training view has one
+  bool has_prior_depth() const;    ///< every training view has one
+  bool has_semantics() const;      ///< every training view has one
   bool has_network_depth() const;  ///< and a network made it, simulated or not
 };
 
-/// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json. Photos are found
+/// Opens a scene folder: sparse/ or sparse/0/ (bin or txt), split.json, labels.csv, scene.json, priors.json. Photos are
+/// found
 /// by PhotoLookup; they may have been resized after the cameras were found.
 /// Without split.json every view is a training view (`default_test_every` > 0: every n-th is a test view).
-/// Views that cannot be used (no finite pose, no photo, a cut file, a map that others have missing) are left out and listed.
-/// Error{kBadInput} naming file and field where it is not one view, and when fewer than kFewestTrainingViews are left of more.
+/// Views that cannot be used (no finite pose, no photo, a cut file, a map that others have missing) are left out and
+/// listed.
+/// Error{kBadInput} naming file and field where it is not one view, and when fewer than kFewestTrainingViews are left
+/// of more.
 /// Checks names and headers, not pixels; see check_scene.
 inline constexpr size_t kFewestTrainingViews = 2;  ///< one has no parallax
 struct SceneOptions {
   int default_test_every = 0;
-  /// Leave out views whose image or maps are missing or contradict the scene. false: leave that to check_scene, which lists
+  /// Leave out views whose image or maps are missing or contradict the scene. false: leave that to check_scene, which
+  /// lists
   /// all of them (`aligngs data check`).
   bool check_headers = true;
 };

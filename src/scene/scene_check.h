@@ -15,9 +15,9 @@ void require_enough_training_views(const Scene& scene);
 
 /// Whether a map given as depth is disparity (larger is nearer), judged on the scene's points.
 struct DisparityEvidence {
-  int points = 0;              ///< visible points with a prior value
-  double rank_correlation = 0; ///< Spearman's, of prior value and depth of the points
-  bool is_disparity() const;   ///< at least 30 points and a correlation below -0.5
+  int points = 0;               ///< visible points with a prior value
+  double rank_correlation = 0;  ///< Spearman's, of prior value and depth of the points
+  bool is_disparity() const;    ///< at least 30 points and a correlation below -0.5
 };
 DisparityEvidence disparity_evidence(const PointCloud& cloud, const Camera& camera, const ImageF& prior_depth);
 

@@ -97,9 +97,11 @@ void check_place(const Scene& scene, std::vector<SceneProblem>& problems) {
   for (const int i : scene.train) farthest = std::max(farthest, norm(scene.views[i].camera.centre()));
   if (scene.train.size() < 2 || farthest < kFar * extent) return;
   problems.push_back({scene.folder / "sparse", "poses",
-                      fmt::format("the cameras lie {:.4g} from the origin, {:.0f} times the scene's extent of {:.4g}: positions lose precision", farthest,
-                                  farthest / extent, extent),
-                      "`aligngs import` moves the scene to its origin in double precision and keeps the way back", false});
+                      fmt::format("the cameras lie {:.4g} from the origin, {:.0f} times the scene's extent of {:.4g}: "
+                                  "positions lose precision",
+                                  farthest, farthest / extent, extent),
+                      "`aligngs import` moves the scene to its origin in double precision and keeps the way back",
+                      false});
 }
 
 }  // namespace

@@ -36,10 +36,13 @@ void check_image_header(const View& view) {
 
 /// A map that training view `view` lacks although others have it.
 SceneProblem missing_map(const Scene& scene, const View& view, const char* folder, size_t present) {
-  return {scene.folder / folder / (view.name + ".npy"), "map",
+  return {scene.folder / folder / (view.name + ".npy"),
+          "map",
           "missing, although " + std::to_string(present) + " of " + std::to_string(scene.train.size()) +
               " training views have one",
-          std::string("add the map, or remove the folder ") + folder + " to train without this prior", true, view.name};
+          std::string("add the map, or remove the folder ") + folder + " to train without this prior",
+          true,
+          view.name};
 }
 
 std::filesystem::path confidence_of(const Scene& scene, const View& view) {
@@ -49,18 +52,22 @@ std::filesystem::path confidence_of(const Scene& scene, const View& view) {
 void check_confidence_header(const Scene& scene, const View& view) {
   const std::filesystem::path path = confidence_of(scene, view);
   if (!std::filesystem::exists(path)) return;
-  require_same_aspect(depth_map_shape(read_map_header(path).shape, path), view.camera.width, view.camera.height, path, "shape");
+  require_same_aspect(depth_map_shape(read_map_header(path).shape, path), view.camera.width, view.camera.height, path,
+                      "shape");
 }
 
 /// Views without a map are left out when most training views have it; a map that few have is of no use.
 template <class HasMap>
 void check_presence(const Scene& scene, HasMap has_map, const char* folder, std::vector<SceneProblem>& problems) {
   const auto has = [&](int i) { return has_map(scene.views[i]); };
-  const size_t present = static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(), has)), all = scene.train.size();
+  const size_t present = static_cast<size_t>(std::count_if(scene.train.begin(), scene.train.end(), has)),
+               all = scene.train.size();
   if (present == 0 || present == all) return;
   if (2 * present < all) {
-    problems.push_back({scene.folder / folder, "map", "only " + std::to_string(present) + " of " + std::to_string(all) + " training views have one: none is used",
-                        "make the map for every training view", false});
+    problems.push_back(
+        {scene.folder / folder, "map",
+         "only " + std::to_string(present) + " of " + std::to_string(all) + " training views have one: none is used",
+         "make the map for every training view", false});
     return;
   }
   for (const int i : scene.train) {
@@ -86,9 +93,13 @@ std::vector<SceneProblem> check_headers(const Scene& scene) {
     note_error(problems, view.image, [&] { check_confidence_header(scene, view); });
     for (size_t k = before; k < problems.size(); ++k) problems[k].view = view.name;
   }
-  check_presence(scene, [](const View& view) { return !view.prior_depth.empty(); }, "pred_depths", problems);
-  check_presence(scene, [](const View& view) { return !view.semantics.empty(); }, "segmentation_logits", problems);
-  check_presence(scene, [&](const View& view) { return std::filesystem::exists(confidence_of(scene, view)); }, "pred_confidence", problems);
+  check_presence(
+      scene, [](const View& view) { return !view.prior_depth.empty(); }, "pred_depths", problems);
+  check_presence(
+      scene, [](const View& view) { return !view.semantics.empty(); }, "segmentation_logits", problems);
+  check_presence(
+      scene, [&](const View& view) { return std::filesystem::exists(confidence_of(scene, view)); }, "pred_confidence",
+      problems);
   return problems;
 }
 
@@ -120,7 +131,8 @@ std::vector<SceneProblem> leave_out_bad_views(Scene& scene, const std::vector<Sc
 
 void require_enough_training_views(const Scene& scene) {
   const size_t used = scene.train.size() + scene.test.size();
-  if (scene.train.size() < kFewestTrainingViews) require_enough(scene.folder, used, scene.left_out, used + 1, false, "views");
+  if (scene.train.size() < kFewestTrainingViews)
+    require_enough(scene.folder, used, scene.left_out, used + 1, false, "views");
 }
 
 void leave_out_views(Scene& scene, const std::vector<std::string>& names) {

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "io/image_file.h"
 #include "scene/image_quality.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -169,10 +169,12 @@ TEST(CheckGeometry, AViewThatSeesOtherThingsIsAWarning) {
 
 TEST(CheckGeometry, ASceneFarFromItsOriginIsAWarning) {
   Scene scene = open_scene(write_scene());
-  for (View& view : scene.views) view.camera.world_to_camera.translation = view.camera.world_to_camera.translation - Vec3d{4e6, 0, 0};
+  for (View& view : scene.views)
+    view.camera.world_to_camera.translation = view.camera.world_to_camera.translation - Vec3d{4e6, 0, 0};
   for (Vec3f& p : scene.cloud.positions) p.x += 4e6f;
   bool said = false;
-  for (const SceneProblem& problem : check_geometry(scene)) said |= !problem.fatal && problem.message.find("from the origin") != std::string::npos;
+  for (const SceneProblem& problem : check_geometry(scene))
+    said |= !problem.fatal && problem.message.find("from the origin") != std::string::npos;
   EXPECT_TRUE(said);
 }
 

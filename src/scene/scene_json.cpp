@@ -82,8 +82,11 @@ std::optional<Similarity> to_original_of(const json& object, const std::filesyst
   const auto scale = found->is_object() ? found->find("scale") : found->end();
   bool good = found->is_object() && scale != found->end() && scale->is_number() && found->contains("translation");
   if (good) back.scale = scale->get<double>();
-  good = good && std::isfinite(back.scale) && back.scale > 0 && read_vector((*found)["translation"], back.translation) && std::isfinite(norm(back.translation));
-  if (!good) throw_bad_input(path, "to_original", "a positive scale and a translation of three numbers expected", "import the capture again");
+  good = good && std::isfinite(back.scale) && back.scale > 0 &&
+         read_vector((*found)["translation"], back.translation) && std::isfinite(norm(back.translation));
+  if (!good)
+    throw_bad_input(path, "to_original", "a positive scale and a translation of three numbers expected",
+                    "import the capture again");
   return back;
 }
 
@@ -91,8 +94,11 @@ std::optional<UnitsEstimate> units_estimate_of(const json& object, const std::fi
   const auto found = object.find("units_estimate");
   if (found == object.end() || found->is_null()) return std::nullopt;
   UnitsEstimate estimate;
-  const auto has = [&](const char* key, auto is) { return found->is_object() && found->contains(key) && is((*found)[key]); };
-  bool good = has("model", [](const json& v) { return v.is_string(); }) && has("spread", [](const json& v) { return v.is_number(); }) &&
+  const auto has = [&](const char* key, auto is) {
+    return found->is_object() && found->contains(key) && is((*found)[key]);
+  };
+  bool good = has("model", [](const json& v) { return v.is_string(); }) &&
+              has("spread", [](const json& v) { return v.is_number(); }) &&
               has("photos", [](const json& v) { return v.is_number_integer(); });
   if (good) estimate = {(*found)["model"], (*found)["spread"], (*found)["photos"]};
   good = good && std::isfinite(estimate.spread) && estimate.spread >= 0 && estimate.photos >= 0;
@@ -207,7 +213,8 @@ PriorsJson read_priors_json(const std::filesystem::path& path) {
       if (scale == name_of(known)) priors.depth_scale = known;
     }
     if (!scale.empty() && !priors.depth_scale) {
-      throw_bad_input(path, "depth.scale", "'" + scale + "' is unknown", "write \"scene\", \"metres\", \"own\" or \"per_view\"");
+      throw_bad_input(path, "depth.scale", "'" + scale + "' is unknown",
+                      "write \"scene\", \"metres\", \"own\" or \"per_view\"");
     }
   }
   if (!priors.semantics) return priors;
@@ -243,7 +250,10 @@ ExposureJson read_exposure_json(const std::filesystem::path& path) {
 }
 
 void write_scene_json(const std::filesystem::path& path, const SceneJson& scene) {
-  json object = {{kWrittenBy, kThisProgram}, {"units", scene.metric ? "metres" : "arbitrary"}, {"up", nullptr}, {"source", scene.source}};
+  json object = {{kWrittenBy, kThisProgram},
+                 {"units", scene.metric ? "metres" : "arbitrary"},
+                 {"up", nullptr},
+                 {"source", scene.source}};
   if (scene.up) object["up"] = {scene.up->x, scene.up->y, scene.up->z};
   if (!scene.up_source.empty()) object["up_source"] = scene.up_source;
   if (scene.units_estimate) {

@@ -15,15 +15,18 @@ namespace aligngs {
 inline constexpr const char* kWrittenBy = "written_by";
 inline constexpr const char* kThisProgram = "aligngs";
 
-/// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "up_source": "...", "source": "...",
-/// "units_estimate": {"model": "...", "spread": s, "photos": n}, "to_original": {"scale": s, "translation": [x, y, z]}}.
+/// scene.json: {"written_by": "aligngs", "units": "metres" | "arbitrary", "up": [x, y, z] | null, "up_source": "...",
+/// "source": "...",
+/// "units_estimate": {"model": "...", "spread": s, "photos": n}, "to_original": {"scale": s, "translation": [x, y,
+/// z]}}.
 struct SceneJson {
   bool metric = false;
   std::optional<UnitsEstimate> units_estimate;  ///< a network guessed the metres
-  std::optional<Vec3d> up;  ///< unit
+  std::optional<Vec3d> up;                      ///< unit
   std::string source;
-  std::string up_source;    ///< where `up` comes from; empty: not known
-  /// From this world to that of the files it was imported from, where it was moved or scaled; the rotation is the identity.
+  std::string up_source;  ///< where `up` comes from; empty: not known
+  /// From this world to that of the files it was imported from, where it was moved or scaled; the rotation is the
+  /// identity.
   std::optional<Similarity> to_original;
   bool refined = false;  ///< `aligngs refine` corrected cameras and prior depth together ("cameras_refined"); read only
 };

@@ -136,8 +136,12 @@ TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_scene_json, "[]").find("object expected"), std::string::npos);
   EXPECT_NE(message_of(read_scene_json, R"({"units": "feet"})").find("units"), std::string::npos);
   EXPECT_NE(message_of(read_scene_json, R"({"up": [0, 0, 0]})").find("up"), std::string::npos);
-  for (const char* estimate : {"3", R"({"model": "x", "spread": -1, "photos": 3})", R"({"model": "x", "spread": 0.1})", R"({"model": 1, "spread": 0, "photos": 3})"}) {
-    EXPECT_NE(message_of(read_scene_json, std::string(R"({"units_estimate": )") + estimate + "}").find("units_estimate"), std::string::npos) << estimate;
+  for (const char* estimate : {"3", R"({"model": "x", "spread": -1, "photos": 3})", R"({"model": "x", "spread": 0.1})",
+                               R"({"model": 1, "spread": 0, "photos": 3})"}) {
+    EXPECT_NE(
+        message_of(read_scene_json, std::string(R"({"units_estimate": )") + estimate + "}").find("units_estimate"),
+        std::string::npos)
+        << estimate;
   }
   EXPECT_NE(message_of(read_scene_json, R"({"up": [0, "x", 0]})").find("up"), std::string::npos);
   EXPECT_NE(message_of(read_split_json, R"({"test": "a"})").find("test"), std::string::npos);
@@ -147,7 +151,8 @@ TEST(SceneJson, MalformedFilesNameTheField) {
   EXPECT_NE(message_of(read_priors_json, R"({"depth": {"scale": "feet"}})").find("depth.scale"), std::string::npos);
   EXPECT_NE(message_of(read_exposure_json, "{}").find("log_gains"), std::string::npos);
   EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1]}})").find("log_gains.a"), std::string::npos);
-  EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1, 1e9]}})").find("log_gains.a"), std::string::npos);
+  EXPECT_NE(message_of(read_exposure_json, R"({"log_gains": {"a": [0, 1, 1e9]}})").find("log_gains.a"),
+            std::string::npos);
 }
 
 }  // namespace

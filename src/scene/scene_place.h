@@ -14,7 +14,9 @@ void mark_as_own(const std::filesystem::path& folder);
 
 /// Error{kUsage} when `folder` is no place for a scene made from `sources` (files and folders):
 ///   it is a source, lies in one or holds one;
-///   it is taken: it exists and is not empty, unless `overwrite` is set, and even then only is_own_scene() may be replaced.
-void require_scene_place(const std::filesystem::path& folder, bool overwrite, const std::vector<std::filesystem::path>& sources = {});
+/// it is taken: it exists and is not empty, unless `overwrite` is set, and even then only is_own_scene() may be
+/// replaced.
+void require_scene_place(const std::filesystem::path& folder, bool overwrite,
+                         const std::vector<std::filesystem::path>& sources = {});
 
 }  // namespace aligngs

@@ -15,7 +15,8 @@ using testing::HasSubstr;
 class ScenePlace : public testing::Test {
  protected:
   void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / "scene_place" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    base_ =
+        fs::path(testing::TempDir()) / "scene_place" / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(base_);
     fs::create_directories(base_ / "folder");
   }

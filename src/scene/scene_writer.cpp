@@ -127,7 +127,9 @@ void write_cloud_ply(const fs::path& path, const PointCloud& cloud) {
 }
 
 SceneWriter::SceneWriter(fs::path folder, bool overwrite, std::vector<fs::path> sources)
-    : overwrite_(overwrite), sources_(std::move(sources)), replacement_(free_place(std::move(folder), overwrite, sources_)) {
+    : overwrite_(overwrite),
+      sources_(std::move(sources)),
+      replacement_(free_place(std::move(folder), overwrite, sources_)) {
   make_folder(replacement_.path() / "images");
 }
 
@@ -140,7 +142,8 @@ fs::path SceneWriter::write_image(const SceneViewParts& view) const {
   bool stored = false;  // the camera is for pixels that EXIF orientation would turn
   if (copy) {
     const ImageInfo info = read_image_info(view.image_file);
-    stored = info.stored_width == view.camera.width && info.stored_height == view.camera.height && info.orientation != 1;
+    stored =
+        info.stored_width == view.camera.width && info.stored_height == view.camera.height && info.orientation != 1;
     width = stored ? info.stored_width : info.width;
     height = stored ? info.stored_height : info.height;
   }
@@ -148,7 +151,8 @@ fs::path SceneWriter::write_image(const SceneViewParts& view) const {
     const std::string sizes = std::to_string(width) + " x " + std::to_string(height) + " pixels, its camera is for " +
                               std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height);
     if (!copy) fail("the image has " + sizes, path, "size");
-    throw_bad_input(view.image_file, "size", "the image has " + sizes, "give the images that the cameras were found for");
+    throw_bad_input(view.image_file, "size", "the image has " + sizes,
+                    "give the images that the cameras were found for");
   }
   if (stored) {
     write_file_atomically(path, without_orientation(read_file(view.image_file), view.image_file));
@@ -166,10 +170,14 @@ void SceneWriter::add_view(const SceneViewParts& view) {
   const fs::path name(view.name);
   const bool inside = !view.name.empty() && name.is_relative() && !name.filename().empty() &&
                       std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-  if (!inside) throw_bad_input(replacement_.target(), "name", "the name '" + view.name + "' cannot name a view", "rename the image");
+  if (!inside)
+    throw_bad_input(replacement_.target(), "name", "the name '" + view.name + "' cannot name a view",
+                    "rename the image");
   const bool repeated =
       std::any_of(views_.begin(), views_.end(), [&](const Written& w) { return w.name == view.name; });
-  if (repeated) throw_bad_input(replacement_.target(), "name", "two views have the name '" + view.name + "'", "rename one of the images");
+  if (repeated)
+    throw_bad_input(replacement_.target(), "name", "two views have the name '" + view.name + "'",
+                    "rename one of the images");
 
   const fs::path image = write_image(view);
   if (!view.mask_file.empty()) {
@@ -178,7 +186,8 @@ void SceneWriter::add_view(const SceneViewParts& view) {
     copy_into_place(view.mask_file, mask.string() + ".png");
   }
   const auto require_aspect = [&](int width, int height, const char* field) {
-    require_same_aspect({1, height, width}, view.camera.width, view.camera.height, replacement_.target() / view.name, field);
+    require_same_aspect({1, height, width}, view.camera.width, view.camera.height, replacement_.target() / view.name,
+                        field);
   };
   if (!view.prior_depth.empty()) {
     require_aspect(view.prior_depth.width, view.prior_depth.height, "prior_depth");
@@ -203,8 +212,8 @@ void SceneWriter::add_view(const SceneViewParts& view) {
     require_aspect(view.truth_labels.width, view.truth_labels.height, "truth_labels");
     write_truth_labels(replacement_.path() / "truth" / "labels" / (view.name + ".png"), view.truth_labels);
   }
-  views_.push_back(
-      {view.name, image.lexically_relative(replacement_.path() / "images").generic_string(), view.camera, view.truth_camera});
+  views_.push_back({view.name, image.lexically_relative(replacement_.path() / "images").generic_string(), view.camera,
+                    view.truth_camera});
 }
 
 void SceneWriter::write_models(const SceneParts& parts) const {
@@ -241,7 +250,8 @@ void SceneWriter::commit() {
 
 void SceneWriter::write(const SceneParts& parts) {
   if (views_.empty()) fail("a scene needs at least one view", replacement_.target(), "views");
-  if (parts.cloud.colors.size() != parts.cloud.size()) fail("one colour per point expected", replacement_.target(), "cloud");
+  if (parts.cloud.colors.size() != parts.cloud.size())
+    fail("one colour per point expected", replacement_.target(), "cloud");
   write_models(parts);
   const fs::path& folder = replacement_.path();
   write_scene_json(folder / "scene.json", parts.description);

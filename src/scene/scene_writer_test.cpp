@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "io/image_file.h"
 #include "scene/scene.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs {
 namespace {

@@ -51,7 +51,8 @@ float convert(float* v, int channels, const SemanticConversion& conversion, floa
     return softmax(v, channels);
   }
   const bool scores = conversion.kind == SemanticKind::kScores;
-  const float confidence = normalise_scores(v, channels, scores ? conversion.score_gamma : 1, conversion.least_score_sum, score_sum);
+  const float confidence =
+      normalise_scores(v, channels, scores ? conversion.score_gamma : 1, conversion.least_score_sum, score_sum);
   if (!scores && score_sum > 0) score_sum = 1;
   return confidence;
 }
@@ -130,11 +131,13 @@ SemanticTarget semantic_target(const float* values, int channels, int width, int
 }
 
 void normalise_target(SemanticTarget& target) {
-  const size_t pixels = static_cast<size_t>(target.width) * target.height, channels = static_cast<size_t>(target.channels);
+  const size_t pixels = static_cast<size_t>(target.width) * target.height,
+               channels = static_cast<size_t>(target.channels);
   target.scale.resize(pixels);
   for (size_t i = 0; i < pixels; ++i) {
     double sum = 0;
-    for (size_t c = 0; c < channels; ++c) sum += static_cast<double>(half_to_float(target.probabilities[i * channels + c]));
+    for (size_t c = 0; c < channels; ++c)
+      sum += static_cast<double>(half_to_float(target.probabilities[i * channels + c]));
     target.scale[i] = sum > 0 && std::isfinite(sum) ? static_cast<float>(1 / sum) : 1.0f;
   }
 }

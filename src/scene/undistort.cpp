@@ -121,8 +121,8 @@ ImageF undistort_depth(const ImageF& depth, const LensModel& lens, const Camera&
     if (!is_depth(centre)) return;
     const Corners k(p, depth.width, depth.height);
     const float samples[4] = {depth.at(k.x0, k.y0), depth.at(k.x1, k.y0), depth.at(k.x0, k.y1), depth.at(k.x1, k.y1)};
-    const bool smooth =
-        std::all_of(samples, samples + 4, [&](float z) { return is_depth(z) && std::abs(z - centre) <= jump * centre; });
+    const bool smooth = std::all_of(samples, samples + 4,
+                                    [&](float z) { return is_depth(z) && std::abs(z - centre) <= jump * centre; });
     out.at(x, y) = smooth ? blend(depth, k, 0) : centre;
   });
   return out;

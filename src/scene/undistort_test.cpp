@@ -70,7 +70,8 @@ TEST(Undistort, EveryPixelHasASourceForBarrelAndPincushion) {
 }
 
 TEST(Undistort, AFisheyeBecomesThePinholesPicture) {
-  const LensModel lens = lens_of(colmap_camera("OPENCV_FISHEYE", {30, 30, 32, 24, 0.02, 0, 0, 0}), "c");  // 110 degrees across
+  // 110 degrees across
+  const LensModel lens = lens_of(colmap_camera("OPENCV_FISHEYE", {30, 30, 32, 24, 0.02, 0, 0, 0}), "c");
   const Camera pinhole = undistorted_camera(lens, "c");
   ImageF seen(64, 48, 1);
   for (int y = 0; y < 48; ++y) {
@@ -84,7 +85,8 @@ TEST(Undistort, AFisheyeBecomesThePinholesPicture) {
   const ImageF image = undistort_image(seen, lens, pinhole);
   double worst = 0;
   for (int y = 1; y < 47; ++y) {
-    for (int x = 1; x < 63; ++x) worst = std::max(worst, std::abs(image.at(x, y) - (0.5 + 0.3 * std::sin(2 * pinhole.ray(x + 0.5, y + 0.5).x))));
+    for (int x = 1; x < 63; ++x)
+      worst = std::max(worst, std::abs(image.at(x, y) - (0.5 + 0.3 * std::sin(2 * pinhole.ray(x + 0.5, y + 0.5).x))));
   }
   EXPECT_LT(worst, 0.02);  // bilinear, up to 0.1 radians of the wave per pixel
 }

@@ -68,7 +68,8 @@ std::optional<Vec3d> floor_of(const std::vector<ViewUp>& views, const std::vecto
     normal = normalized(normal);
     if (dot(normal, mean) < 0) normal = -normal;
     if (dot(normal, mean) < kCosTilt) continue;
-    const bool above = std::all_of(views.begin(), views.end(), [&](const ViewUp& view) { return dot(normal, view.centre - a) > 0; });
+    const bool above =
+        std::all_of(views.begin(), views.end(), [&](const ViewUp& view) { return dot(normal, view.centre - a) > 0; });
     if (!above) continue;
     std::vector<Vec3d> inliers;
     size_t below = 0;
@@ -77,7 +78,8 @@ std::optional<Vec3d> floor_of(const std::vector<ViewUp>& views, const std::vecto
       if (std::fabs(height) <= thickness) inliers.push_back(p);
       below += height < -3 * thickness;
     }
-    if (inliers.size() <= most || static_cast<double>(below) > kMostBelow * static_cast<double>(points.size())) continue;
+    if (inliers.size() <= most || static_cast<double>(below) > kMostBelow * static_cast<double>(points.size()))
+      continue;
     most = inliers.size();
     best = std::move(inliers);
   }
@@ -100,7 +102,8 @@ ViewUp view_up(const Rigidd& world_to_camera, int orientation) {
 
 bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up) { return dot(sum_of_ups(views), up) >= 0; }
 
-std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor, const std::vector<Vec3d>& points) {
+std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor,
+                                       const std::vector<Vec3d>& points) {
   const Vec3d sum = sum_of_ups(views);
   constexpr double kCancelled = 0.1;  // of the number of cameras
   if (views.empty() || norm(sum) < kCancelled * static_cast<double>(views.size())) return std::nullopt;

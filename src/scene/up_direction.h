@@ -25,7 +25,8 @@ ViewUp view_up(const Rigidd& world_to_camera, int orientation = 1);
 /// From the plane through the points labelled as floor, else from the plane of the points below the cameras. Else from
 /// the mean up of the cameras. A plane counts within 30 degrees of that mean. Empty without cameras and when their ups
 /// cancel each other.
-std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor, const std::vector<Vec3d>& points);
+std::optional<UpDirection> estimate_up(const std::vector<ViewUp>& views, const std::vector<Vec3d>& floor,
+                                       const std::vector<Vec3d>& points);
 
 /// Whether a convention's up agrees with the cameras: it is not below their horizon on the mean.
 bool agrees_with(const std::vector<ViewUp>& views, const Vec3d& up);

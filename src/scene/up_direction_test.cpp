@@ -30,9 +30,12 @@ std::vector<Vec3d> room() {
   std::vector<Vec3d> points;
   for (int i = 0; i < 3000; ++i) {
     const double x = random.uniform(-2, 2), y = random.uniform(-2, 2), noise = random.uniform(-0.005, 0.005);
-    if (i % 3 == 0) points.push_back(east * x + north * y + kUp * noise);
-    else if (i % 3 == 1) points.push_back(east * (0.2 * x) + north * (0.2 * y) + kUp * (0.7 + noise));
-    else points.push_back(east * 2.0 + north * y + kUp * random.uniform(0, 2.5));
+    if (i % 3 == 0)
+      points.push_back(east * x + north * y + kUp * noise);
+    else if (i % 3 == 1)
+      points.push_back(east * (0.2 * x) + north * (0.2 * y) + kUp * (0.7 + noise));
+    else
+      points.push_back(east * 2.0 + north * y + kUp * random.uniform(0, 2.5));
   }
   return points;
 }

@@ -107,7 +107,8 @@ void apply_masks(const Scene& scene, const View& view, const LoadOptions& option
   if (!scene.ignored.empty() && !view.semantics.empty()) {
     ViewData labelled;
     if (data.semantics.empty()) load_semantics(scene, view, options, labelled);
-    hide(mask_without(data.semantics.empty() ? labelled.semantics : data.semantics, scene.ignored, width, height), data);
+    hide(mask_without(data.semantics.empty() ? labelled.semantics : data.semantics, scene.ignored, width, height),
+         data);
   }
   if (data.mask.empty() || data.prior_depth.empty()) return;
   for (size_t i = 0; i < data.mask.data.size(); ++i) {
@@ -122,11 +123,14 @@ Image<uint8_t> read_view_photo(const View& view) {
 }
 
 Image<uint8_t> read_view_mask(const View& view, int width, int height) {
-  return read_mask(view.mask, view.image, is_upright_of_size(read_image_info(view.image), view.camera.width, view.camera.height), width, height);
+  return read_mask(view.mask, view.image,
+                   is_upright_of_size(read_image_info(view.image), view.camera.width, view.camera.height), width,
+                   height);
 }
 
 void divide_exposure(const Vec3f& log_gain, ImageF& color) {
-  constexpr int kSteps = 1024;  // of the tone curve, between which it is straight: errors are below 1e-4, a 40th of an 8-bit step
+  // of the tone curve, between which it is straight: errors are below 1e-4, a 40th of an 8-bit step
+  constexpr int kSteps = 1024;
   for (int k = 0; k < 3; ++k) {
     if (log_gain[k] == 0) continue;
     float curve[kSteps + 2];

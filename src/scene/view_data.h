@@ -16,9 +16,11 @@ inline constexpr double kUnknownScoreSum = 0.3;
 struct SemanticTarget {
   int channels = 0;  ///< number of classes C
   int width = 0, height = 0;
-  /// float16 probabilities, [height][width][channels]: one pixel's classes are contiguous and sum to 1 but for their rounding.
+  /// float16 probabilities, [height][width][channels]: one pixel's classes are contiguous and sum to 1 but for their
+  /// rounding.
   std::vector<uint16_t> probabilities;
-  /// One per target pixel: 1 / the sum of its stored numbers, by which they are multiplied wherever they are used. Rounding leaves
+  /// One per target pixel: 1 / the sum of its stored numbers, by which they are multiplied wherever they are used.
+  /// Rounding leaves
   /// that sum up to 5e-4 off 1, which is much beside a KL divergence of equals. Empty: 1 everywhere.
   std::vector<float> scale;
   /// One per target pixel, [0, 1]: the sum of a score teacher's numbers of the pixel, at most 1. It is low where the
@@ -32,32 +34,36 @@ struct SemanticTarget {
 /// Everything training and evaluation need of one view. Maps have the size of `camera`.
 struct ViewData {
   std::string name;
-  Camera camera;       ///< resized to the working resolution
-  ImageF color;        ///< H x W x 3, sRGB in [0, 1]
-  ImageF mask;         ///< H x W x 1, 1 = use this pixel: alpha, masks/ and Scene::ignored together; empty: all are used
-  ImageF prior_depth;  ///< H x W x 1, times LoadOptions::depth_factor, 0 = no value, also under the mask; empty when absent
-  SemanticTarget semantics;    ///< empty when absent
-  Image<uint16_t> labels;      ///< arg-max of the target at the camera's size, kNoLabel if unknown; empty when absent
+  Camera camera;  ///< resized to the working resolution
+  ImageF color;   ///< H x W x 3, sRGB in [0, 1]
+  /// H x W x 1, 1 = use this pixel: alpha, masks/ and Scene::ignored together; empty: all are used
+  ImageF mask;
+  /// H x W x 1, times LoadOptions::depth_factor, 0 = no value, also under the mask; empty when absent
+  ImageF prior_depth;
+  SemanticTarget semantics;  ///< empty when absent
+  Image<uint16_t> labels;    ///< arg-max of the target at the camera's size, kNoLabel if unknown; empty when absent
 };
 
 struct LoadOptions {
-  double scale = 1;             ///< working resolution / image resolution, e.g. 0.5 for preset `preview`
+  double scale = 1;  ///< working resolution / image resolution, e.g. 0.5 for preset `preview`
   bool prior_depth = true;
-  double depth_factor = 1;      ///< prior depth is multiplied by it (scene/depth_placement.h)
+  double depth_factor = 1;  ///< prior depth is multiplied by it (scene/depth_placement.h)
   bool semantics = true;
   bool scores_as_logits = false;  ///< preset `paper`: softmax whatever the kind says
-  bool exposure = false;        ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike
-  double score_gamma = 1;       ///< scores: max(s, 0)^gamma / sum
+  bool exposure = false;   ///< divide the photo's light by View::log_gain, as if all photos had been exposed alike
+  double score_gamma = 1;  ///< scores: max(s, 0)^gamma / sum
   double least_score_sum = kUnknownScoreSum;  ///< scores that sum to less say nothing
 };
 
-/// The photo's pixels for the view's camera: as stored where they have its size, else upright (see photo_fit.h). Whoever pairs
+/// The photo's pixels for the view's camera: as stored where they have its size, else upright (see photo_fit.h).
+/// Whoever pairs
 /// pixels with the camera reads them here.
 Image<uint8_t> read_view_photo(const View& view);
 /// The view's mask (photo_mask.h) for these pixels, at width x height; the view has one.
 Image<uint8_t> read_view_mask(const View& view, int width, int height);
 
-/// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0, 1].
+/// Divides a photo's linear light by the exponentials of `log_gain`, one per channel. `color`: H x W x 3, sRGB in [0,
+/// 1].
 void divide_exposure(const Vec3f& log_gain, ImageF& color);
 
 /// Loads one view. Maps smaller or larger than the image are sampled at pixel centres with the half-pixel
@@ -76,7 +82,7 @@ Image<uint16_t> load_truth_labels(const Scene& scene, int view, const Camera& ca
 struct SceneProblem {
   std::filesystem::path path;
   std::string field, message, remedy;
-  bool fatal = true;  ///< false: a warning (for `aligngs data check`)
+  bool fatal = true;   ///< false: a warning (for `aligngs data check`)
   std::string view{};  ///< the view that it concerns; empty: the scene
 };
 std::vector<SceneProblem> check_scene(const Scene& scene);

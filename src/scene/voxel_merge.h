@@ -10,9 +10,9 @@ namespace aligngs {
 
 /// The merged cloud and which of its points each input point went into.
 struct VoxelMerge {
-  PointCloud cloud;                   ///< weighted mean position and colour; normals (when given) summed and normalised
-  std::vector<float> weights;         ///< sum of the weights of a cube's points
-  std::vector<uint32_t> cell_of;      ///< per input point: index into cloud, or kDropped
+  PointCloud cloud;               ///< weighted mean position and colour; normals (when given) summed and normalised
+  std::vector<float> weights;     ///< sum of the weights of a cube's points
+  std::vector<uint32_t> cell_of;  ///< per input point: index into cloud, or kDropped
   static constexpr uint32_t kDropped = 0xffffffffu;  ///< a point that is not finite, or of weight zero
 };
 

@@ -47,7 +47,8 @@ AskedRange asked_range(std::string_view range, std::string_view if_range, std::s
 }
 
 std::string content_range(const ByteRange& bytes, uint64_t size) {
-  return "bytes " + std::to_string(bytes.first) + "-" + std::to_string(bytes.first + bytes.count - 1) + "/" + std::to_string(size);
+  return "bytes " + std::to_string(bytes.first) + "-" + std::to_string(bytes.first + bytes.count - 1) + "/" +
+         std::to_string(size);
 }
 
 bool names_etag(std::string_view if_none_match, std::string_view etag) {

@@ -33,8 +33,8 @@ TEST(ByteRange, BeyondTheFileIsToldApart) {
 }
 
 TEST(ByteRange, AHeaderThatIsNoRangeGivesTheWholeFile) {
-  for (const char* range : {"", "bytes=", "bytes=-", "bytes=9-5", "bytes=a-b", "bytes=0-9,20-29", "lines=0-9", "bytes=0x1-2",
-                            "bytes=99999999999999999999-", "bytes=+1-2"}) {
+  for (const char* range : {"", "bytes=", "bytes=-", "bytes=9-5", "bytes=a-b", "bytes=0-9,20-29", "lines=0-9",
+                            "bytes=0x1-2", "bytes=99999999999999999999-", "bytes=+1-2"}) {
     EXPECT_EQ(part(range), "whole") << range;
   }
 }
@@ -43,7 +43,8 @@ TEST(ByteRange, CountsOnlyForTheFileThatTheClientHas) {
   EXPECT_EQ(asked_range("bytes=5-", kTag, kTag, 10).kind, Kind::kPart);
   EXPECT_EQ(asked_range("bytes=5-", "\"older\"", kTag, 10).kind, Kind::kWhole);
   EXPECT_EQ(asked_range("bytes=5-", "Fri, 27 Nov 2026 03:17:43 GMT", kTag, 10).kind, Kind::kWhole);
-  EXPECT_EQ(asked_range("bytes=5-", "W/\"a1\"", kTag, 10).kind, Kind::kWhole) << "a weak tag does not promise the same bytes";
+  EXPECT_EQ(asked_range("bytes=5-", "W/\"a1\"", kTag, 10).kind, Kind::kWhole)
+      << "a weak tag does not promise the same bytes";
 }
 
 TEST(EntityTag, IsFoundInAList) {

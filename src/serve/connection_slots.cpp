@@ -5,7 +5,8 @@
 
 namespace aligngs {
 
-ConnectionSlots::Slot::Slot(Slot&& other) noexcept : owner_(std::exchange(other.owner_, nullptr)), entry_(other.entry_) {}
+ConnectionSlots::Slot::Slot(Slot&& other) noexcept
+    : owner_(std::exchange(other.owner_, nullptr)), entry_(other.entry_) {}
 
 ConnectionSlots::Slot::~Slot() {
   if (owner_ == nullptr) return;
@@ -22,7 +23,8 @@ void ConnectionSlots::Slot::busy() { entry_->idle = false; }
 
 std::optional<ConnectionSlots::Slot> ConnectionSlots::take(std::function<void()> close) {
   if (open_ >= most_) {
-    const auto silent = std::find_if(entries_.begin(), entries_.end(), [](const Entry& e) { return e.idle && !e.closed; });
+    const auto silent =
+        std::find_if(entries_.begin(), entries_.end(), [](const Entry& e) { return e.idle && !e.closed; });
     if (silent == entries_.end()) return {};
     silent->closed = true;
     --open_;

@@ -22,7 +22,9 @@ class Download : public testing_support::ViewServerTest {
     options.limits.request = 2s;
     options.limits.connections = 4;
   }
-  std::string ask_for(const std::string& target, const std::string& headers = "") const { return ask(server_->port(), "GET", target, headers); }
+  std::string ask_for(const std::string& target, const std::string& headers = "") const {
+    return ask(server_->port(), "GET", target, headers);
+  }
 };
 
 TEST_F(Download, IsResumedWhereItStopped) {
@@ -68,12 +70,14 @@ TEST_F(Download, HeadTellsTheLengthOfEveryRoute) {
 TEST_F(Download, TextIsCompressedForThoseWhoTakeIt) {
   const std::string text(20000, 'r');
   write("run/report.html", text);
-  const std::string plain = ask_for("/files/report.html"), packed = ask_for("/files/report.html", "Accept-Encoding: gzip\r\n");
+  const std::string plain = ask_for("/files/report.html"),
+                    packed = ask_for("/files/report.html", "Accept-Encoding: gzip\r\n");
   EXPECT_EQ(body(plain), text);
   EXPECT_EQ(header(packed, "Content-Encoding"), "gzip");
   EXPECT_LT(body(packed).size(), 1000u);
   EXPECT_EQ(gzip_expanded(body(packed), "report.html", 1 << 20), text);
-  EXPECT_NE(header(packed, "ETag"), header(plain, "ETag")) << "a stream and a file are not resumed with each other's bytes";
+  EXPECT_NE(header(packed, "ETag"), header(plain, "ETag"))
+      << "a stream and a file are not resumed with each other's bytes";
   EXPECT_EQ(header(ask_for("/files/scene.ply", "Accept-Encoding: gzip\r\n"), "Content-Encoding"), "");
 }
 
@@ -98,7 +102,8 @@ TEST_F(Download, ByAClientThatTakesNothingEnds) {
   client.send("GET /files/scene.ply HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   std::this_thread::sleep_for(1500ms);
   size_t got = 0;
-  for (std::string piece = client.receive(1'000'000); !piece.empty(); piece = client.receive(1'000'000)) got += piece.size();
+  for (std::string piece = client.receive(1'000'000); !piece.empty(); piece = client.receive(1'000'000))
+    got += piece.size();
   EXPECT_LT(got, 8'000'000u);
 }
 

@@ -31,7 +31,8 @@ Json request_of(const std::string& body, std::initializer_list<const char*> fiel
   for (const char* name : fields) {
     const auto it = json.find(name);
     if (it == json.end() || !it->is_string()) throw_usage(std::string("the request has no text \"") + name + "\"");
-    if (it->get_ref<const std::string&>().size() > kLongestText) throw_usage(std::string("\"") + name + "\" is too long");
+    if (it->get_ref<const std::string&>().size() > kLongestText)
+      throw_usage(std::string("\"") + name + "\" is too long");
   }
   if (json.size() != fields.size()) throw_usage("the request has fields that nobody knows");
   return json;
@@ -49,7 +50,6 @@ std::string files_of(const fs::path& run) {
   for (const std::string& part : parts) all += part + "\n";
   return all;
 }
-
 
 }  // namespace
 
@@ -137,7 +137,8 @@ std::string EditService::undo(const std::string& request) {
 std::string EditService::redo(const std::string& request) {
   request_of(request, {});
   EditSession& s = session();  // forgets what was undone when somebody else edited since
-  if (redo_.empty()) throw_usage("there is no edit to do again", "only what undo has just taken back can be done again");
+  if (redo_.empty())
+    throw_usage("there is no edit to do again", "only what undo has just taken back can be done again");
   const Json report = report_json(s.push(redo_.back()), s.room().labels);
   redo_.pop_back();
   return listed("report", report);
@@ -167,7 +168,9 @@ std::optional<GetAnswer> EditService::mesh() {
 }
 
 void EditService::serve(ViewServerOptions& options) {
-  options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> { return GetAnswer{"application/json", list(), {}, {}}; };
+  options.get["/api/edits"] = [this](const std::string&) -> std::optional<GetAnswer> {
+    return GetAnswer{"application/json", list(), {}, {}};
+  };
   options.get["/api/edits/scene/"] = [this](const std::string& path) { return scene(path); };
   options.get["/api/edits/mesh.ply"] = [this](const std::string&) { return mesh(); };
   options.post["/api/edits/preview"] = [this](const std::string& body) { return preview(body); };
@@ -184,11 +187,16 @@ void serve_control(const fs::path& run, ViewServerOptions& options, std::functio
     require_plain_run(run);
     const RunControl control(run);
     if (!control.active()) throw_usage("nothing is being made here", "start it again: aligngs run ... --resume");
-    if (action == "pause") control.ask(Flag::kPause);
-    else if (action == "resume") control.withdraw(Flag::kPause);
-    else if (action == "checkpoint") control.ask(Flag::kCheckpoint);
-    else if (action == "stop") control.ask(Flag::kStop), stop_asked();
-    else throw_usage("there is no action \"" + action.substr(0, 40) + "\"", "pause, resume, checkpoint or stop");
+    if (action == "pause")
+      control.ask(Flag::kPause);
+    else if (action == "resume")
+      control.withdraw(Flag::kPause);
+    else if (action == "checkpoint")
+      control.ask(Flag::kCheckpoint);
+    else if (action == "stop")
+      control.ask(Flag::kStop), stop_asked();
+    else
+      throw_usage("there is no action \"" + action.substr(0, 40) + "\"", "pause, resume, checkpoint or stop");
     return "{}";
   };
 }

@@ -43,13 +43,15 @@ class EditService {
   /// {"format": NAME} -> {"file": path below the run folder, "bytes"}
   std::string export_file(const std::string& request);
 
-  /// The difference that the edits make to the splats of a file of the run, for a page that has them (edited_scene.h). Nothing for other
+  /// The difference that the edits make to the splats of a file of the run, for a page that has them (edited_scene.h).
+  /// Nothing for other
   /// names and other rooms than the one that is edited.
   std::optional<GetAnswer> scene(const std::string& path);
   /// The edited mesh as PLY; nothing when the run has none.
   std::optional<GetAnswer> mesh();
 
-  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, and POST /api/edits/{preview,push,undo,redo} and /api/export. The service must outlive the server.
+  /// Adds GET /api/edits, /api/edits/scene/ and /api/edits/mesh.ply, and POST /api/edits/{preview,push,undo,redo} and
+  /// /api/export. The service must outlive the server.
   void serve(ViewServerOptions& options);
 
  private:
@@ -61,8 +63,8 @@ class EditService {
 
   EditServiceOptions options_;
   std::unique_ptr<EditSession> session_;
-  std::string opened_;                ///< versions of the files that the session read
-  std::vector<EditOperation> redo_;   ///< taken back, the latest last
+  std::string opened_;               ///< versions of the files that the session read
+  std::vector<EditOperation> redo_;  ///< taken back, the latest last
 };
 
 /// POST /api/control {"action": "pause" | "resume" | "checkpoint" | "stop"}: speaks to the training of an active run

@@ -19,7 +19,8 @@ constexpr uint32_t kGone = 0xffffffffu;
 bool looks_the_same(const EditableRoom& trained, size_t before, const EditableRoom& room, size_t now) {
   const GaussianLabels &a = trained.gaussians.labels, &b = room.gaussians.labels;
   return a.label[before] == b.label[now] && a.instance[before] == b.instance[now] &&
-         std::memcmp(&trained.gaussians.model.sh[kChangeHarmonics * before], &room.gaussians.model.sh[kChangeHarmonics * now], kChangeHarmonics * sizeof(float)) == 0;
+         std::memcmp(&trained.gaussians.model.sh[kChangeHarmonics * before],
+                     &room.gaussians.model.sh[kChangeHarmonics * now], kChangeHarmonics * sizeof(float)) == 0;
 }
 
 }  // namespace
@@ -27,8 +28,10 @@ bool looks_the_same(const EditableRoom& trained, size_t before, const EditableRo
 std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, const ShownSplats& shown) {
   std::vector<uint32_t> now(trained.origins.size(), kGone), added;
   for (uint32_t i = 0; i < room.origins.size(); ++i) {
-    if (!room.origins[i].filled) now[room.origins[i].row] = i;
-    else if (opacity_of(room.gaussians.model, i) >= kInvisibleOpacity) added.push_back(i);
+    if (!room.origins[i].filled)
+      now[room.origins[i].row] = i;
+    else if (opacity_of(room.gaussians.model, i) >= kInvisibleOpacity)
+      added.push_back(i);
   }
   std::string stays((shown.order.size() + 7) / 8, '\0');
   std::vector<uint32_t> places, changed;
@@ -49,8 +52,11 @@ std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, 
     changes.add_labels(room.gaussians.labels);
     more.add_labels(room.gaussians.labels);
   }
-  const nlohmann::json head = {{"total", shown.order.size()}, {"changed", changed.size()}, {"added", added.size()},
-                               {"changed_columns", changes.description()}, {"added_columns", more.description()}};
+  const nlohmann::json head = {{"total", shown.order.size()},
+                               {"changed", changed.size()},
+                               {"added", added.size()},
+                               {"changed_columns", changes.description()},
+                               {"added_columns", more.description()}};
   std::string out = json_line(head) + "\n" + stays;
   out.append(reinterpret_cast<const char*>(places.data()), places.size() * sizeof(uint32_t));
   return gzip_compressed(out + changes.data() + more.data(), kChangeGzipLevel);

@@ -15,9 +15,12 @@ struct ShownSplats {
   size_t harmonics = 0;         ///< columns f_rest_0.. that the page has
 };
 
-/// A gzip stream. A line of JSON is first, {"total", "changed", "added", "changed_columns", "added_columns"}. A bit follows for
-/// each of the page's `total` splats, lowest first, which tells whether it stays. The places (u32) of the `changed` ones are
-/// next, then the columns. They are described as in compact_scene.h. `trained` and `room` are the same room before and after its edits.
+/// A gzip stream. A line of JSON is first, {"total", "changed", "added", "changed_columns", "added_columns"}. A bit
+/// follows for
+/// each of the page's `total` splats, lowest first, which tells whether it stays. The places (u32) of the `changed`
+/// ones are
+/// next, then the columns. They are described as in compact_scene.h. `trained` and `room` are the same room before and
+/// after its edits.
 std::string edited_scene(const EditableRoom& trained, const EditableRoom& room, const ShownSplats& shown);
 
 }  // namespace aligngs

@@ -19,7 +19,8 @@ struct Part {
   std::string bytes;
   size_t staying() const {
     size_t n = 0;
-    for (size_t k = 0; k < head["total"].get<size_t>(); ++k) n += (static_cast<unsigned char>(bytes[k / 8]) >> k % 8) & 1;
+    for (size_t k = 0; k < head["total"].get<size_t>(); ++k)
+      n += (static_cast<unsigned char>(bytes[k / 8]) >> k % 8) & 1;
     return n;
   }
 };
@@ -63,7 +64,8 @@ TEST_F(EditedScene, DeletedSplatsGo) {
   EXPECT_EQ(p.staying(), room.origins.size());
   EXPECT_LT(p.staying(), trained_.origins.size());
   const uint32_t last = static_cast<uint32_t>(trained_.origins.size()) - 1;  // at the page's first place
-  const bool stays = std::any_of(room.origins.begin(), room.origins.end(), [&](const GaussianOrigin& o) { return o.row == last; });
+  const bool stays =
+      std::any_of(room.origins.begin(), room.origins.end(), [&](const GaussianOrigin& o) { return o.row == last; });
   EXPECT_EQ((p.bytes[0] & 1) != 0, stays);
 }
 

@@ -5,7 +5,9 @@
 namespace aligngs {
 namespace {
 
-TEST(EventLines, BecomeAnArray) { EXPECT_EQ(event_array("{\"step\":1}\n{\"step\":2}\r\n"), "[{\"step\":1},{\"step\":2}]"); }
+TEST(EventLines, BecomeAnArray) {
+  EXPECT_EQ(event_array("{\"step\":1}\n{\"step\":2}\r\n"), "[{\"step\":1},{\"step\":2}]");
+}
 
 TEST(EventLines, ATornLineLosesThatLineAlone) {
   EXPECT_EQ(event_array("{\"step\":1}\n{\"st{\"step\":2}\n{\"step\":3}\n"), "[{\"step\":1},{\"step\":3}]");

@@ -28,7 +28,9 @@ const std::vector<std::string>& run_export_formats() {
 
 namespace {
 
-bool is_plan(const std::string& format) { return std::find(plan_formats().begin(), plan_formats().end(), format) != plan_formats().end(); }
+bool is_plan(const std::string& format) {
+  return std::find(plan_formats().begin(), plan_formats().end(), format) != plan_formats().end();
+}
 
 /// RUN/room.json.
 std::optional<MeasuredRoom> room_of(const std::filesystem::path& run) {
@@ -48,7 +50,8 @@ double millimetre(const EditSession& session, const std::optional<MeasuredRoom>&
   constexpr double kMillimetre = 1e-3;  // metres
   if (measured && measured->scale_source != ScaleSource::kUnknown) return kMillimetre / measured->to_room.scale;
   if (session.scene().metric) return kMillimetre;
-  throw_bad_input(session.folder(), "--error", "an error in millimetres needs a scale, and this run has none", "give it one with aligngs scale, or use --triangles");
+  throw_bad_input(session.folder(), "--error", "an error in millimetres needs a scale, and this run has none",
+                  "give it one with aligngs scale, or use --triangles");
 }
 
 }  // namespace
@@ -66,10 +69,12 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   out.file = !options.file.empty() ? options.file : session.folder() / (default_name(format, out.edits > 0));
   RunFolder(session.folder()).require_not_of_run(out.file, session.scene().folder);
   const bool moves = options.coordinates == ExportCoordinates::kRoom && format != "html";
-  const std::optional<MeasuredRoom> measured = moves || is_plan(format) || options.error > 0 ? room_of(session.folder()) : std::nullopt;
+  const std::optional<MeasuredRoom> measured =
+      moves || is_plan(format) || options.error > 0 ? room_of(session.folder()) : std::nullopt;
   if (is_plan(format)) {
     if (!measured) {
-      throw_bad_input(session.folder() / "room.json", "", "this run has no description of its room, of which a plan is drawn",
+      throw_bad_input(session.folder() / "room.json", "",
+                      "this run has no description of its room, of which a plan is drawn",
                       "make it with: aligngs room " + session.folder().string());
     }
     write_plan(out.file, format, *measured);
@@ -86,7 +91,9 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
     info.metric = session.scene().metric;
     info.cameras = session.folder() / "cameras.json";
     write_html(out.file, room, info);
-    out.report = {.files = {out.file}, .gaussians = room.gaussians.model.size(), .objects = list_instances(room.gaussians.model, room.gaussians.labels).size()};
+    out.report = {.files = {out.file},
+                  .gaussians = room.gaussians.model.size(),
+                  .objects = list_instances(room.gaussians.model, room.gaussians.labels).size()};
     return out;
   }
   out.aligned = moves && measured.has_value();
@@ -103,7 +110,8 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
     to = *original_world;
   }
   if (room.mesh.empty() && (options.triangles > 0 || options.error > 0 || options.closed || options.textured)) {
-    throw Error({ErrorKind::kUsage, "there is no mesh to simplify, close or texture", session.folder(), "", "make it first: aligngs mesh RUN"});
+    throw Error({ErrorKind::kUsage, "there is no mesh to simplify, close or texture", session.folder(), "",
+                 "make it first: aligngs mesh RUN"});
   }
   ExportOptions parts{.parts = options.parts};
   parts.mesh.triangles = options.triangles;
@@ -111,7 +119,8 @@ RunExport export_run(EditSession& session, const std::string& format, const RunE
   parts.mesh.closed = options.closed;
   parts.mesh.texture_size = options.texture_size;
   if ((options.textured || format == "usdz") && !room.mesh.empty() && options.parts != RoomParts::kSplats) {
-    parts.mesh.photos = std::make_shared<const TexturePhotos>(moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to));
+    parts.mesh.photos = std::make_shared<const TexturePhotos>(
+        moved(load_texture_photos(session.scene(), session.original().mesh, session.pool()), to));
     if (!parts.mesh.simplified()) parts.mesh.triangles = kTexturedTriangles;
   }
   out.report = export_room(elsewhere ? *elsewhere : room, format, out.file, session.pool(), parts);

@@ -10,7 +10,8 @@
 
 namespace aligngs {
 
-/// "ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usda", "usdz", "html", "plan.svg", "plan.dxf",
+/// "ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usda", "usdz", "html", "plan.svg",
+/// "plan.dxf",
 /// "plan.pdf".
 const std::vector<std::string>& run_export_formats();
 /// Those that a run can have: plans where it has room.json.
@@ -31,18 +32,18 @@ struct RunExportOptions {
   std::filesystem::path file;  ///< empty: a name in the run
   RoomParts parts = RoomParts::kAll;
   ExportCoordinates coordinates = ExportCoordinates::kRoom;
-  std::string object;          ///< a selection: only these objects; empty: the room
-  size_t triangles = 0;        ///< of the mesh, at most; 0: no limit
-  double error = 0;            ///< millimetres that the surface of the mesh may move; 0: no limit
-  bool closed = false;         ///< close the holes of the mesh
-  bool textured = false;       ///< a texture from the photos; always for usdz
-  int texture_size = 4096;     ///< pixels, side of the texture at most
+  std::string object;       ///< a selection: only these objects; empty: the room
+  size_t triangles = 0;     ///< of the mesh, at most; 0: no limit
+  double error = 0;         ///< millimetres that the surface of the mesh may move; 0: no limit
+  bool closed = false;      ///< close the holes of the mesh
+  bool textured = false;    ///< a texture from the photos; always for usdz
+  int texture_size = 4096;  ///< pixels, side of the texture at most
 };
 
 struct RunExport {
   std::filesystem::path file;
   ExportReport report;
-  size_t edits = 0;  ///< of the run's stack that the file has
+  size_t edits = 0;      ///< of the run's stack that the file has
   bool aligned = false;  ///< the file is in the room's own frame
 };
 
@@ -50,8 +51,10 @@ struct RunExport {
 /// scene.edited.<format> for an edited room, and RUN/<format> for a plan. PLY files are scene.export.ply and
 /// scene.export.labels.ply: those without "export" are the run's own. If the run has room.json, splats and meshes are
 /// in the room's own frame (edit/export/aligned_room.h). `coordinates` may ask for others; the page of html keeps the
-/// cameras' frame. Error{kBadInput} for a plan without room.json, and for original coordinates that the files cannot hold
-/// (in_original_coordinates). Error{kUsage} for options of a mesh where there is none. Error{kBadInput} for an error in millimetres where no scale is known. Error{kUsage} for a file of the run or its
+/// cameras' frame. Error{kBadInput} for a plan without room.json, and for original coordinates that the files cannot
+/// hold
+/// (in_original_coordinates). Error{kUsage} for options of a mesh where there is none. Error{kBadInput} for an error in
+/// millimetres where no scale is known. Error{kUsage} for a file of the run or its
 /// scene, and errors as export_room's and chosen_objects'.
 RunExport export_run(EditSession& session, const std::string& format, const RunExportOptions& options = {});
 

@@ -22,7 +22,8 @@ GzipCache::Stream GzipCache::find(const std::string& name, const std::string& ve
 GzipCache::Stream GzipCache::add(const std::string& name, const std::string& version, const std::string& text) {
   auto stream = std::make_shared<const std::string>(gzip_compressed(text, kLevel));
   const std::lock_guard lock(mutex_);
-  const auto old = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.name == name; });
+  const auto old =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.name == name; });
   if (old != entries_.end()) {
     bytes_ -= old->stream->size();
     entries_.erase(old);

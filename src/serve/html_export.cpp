@@ -45,14 +45,16 @@ std::string page_file(const char* path) {
 
 void replace_once(std::string& text, const std::string& from, const std::string& to) {
   const size_t at = text.find(from);
-  if (at == std::string::npos) throw Error({ErrorKind::kFailed, "the page has no " + from, {}, {}, "build web/dist anew"});
+  if (at == std::string::npos)
+    throw Error({ErrorKind::kFailed, "the page has no " + from, {}, {}, "build web/dist anew"});
   text.replace(at, from.size(), to);
 }
 
 /// Neither may be in a script element of HTML.
 std::string escaped_script(std::string script) {
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"</script", "<\\/script"}, {"<!--", "<\\!--"}}) {
-    for (size_t at = script.find(from); at != std::string::npos; at = script.find(from, at + to.size())) script.replace(at, from.size(), to);
+    for (size_t at = script.find(from); at != std::string::npos; at = script.find(from, at + to.size()))
+      script.replace(at, from.size(), to);
   }
   return script;
 }
@@ -70,8 +72,12 @@ std::string packed_scene(const EditableRoom& room, const HtmlSceneInfo& info) {
   columns.add_colors(size_t(3) * static_cast<size_t>(sh_coefficient_count(model.sh_degree) - 1));
   columns.add_shapes();
   columns.add_labels(room.gaussians.labels);
-  Json state = {{"name", info.name}, {"status", "exported"}, {"version", "1"}, {"splats", "scene.ply"},
-                {"units", info.metric ? "metres" : "arbitrary"}, {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : Json()}};
+  Json state = {{"name", info.name},
+                {"status", "exported"},
+                {"version", "1"},
+                {"splats", "scene.ply"},
+                {"units", info.metric ? "metres" : "arbitrary"},
+                {"classes", room.gaussians.has_labels() ? classes_of(room.labels) : Json()}};
   state["up"] = room.up ? Json{room.up->x, room.up->y, room.up->z} : Json();
   state["cameras"] = cameras_of(info.cameras);
   const Json head = {{"state", state}, {"count", rows.size()}, {"columns", columns.description()}};
@@ -90,7 +96,8 @@ void write_html(const std::filesystem::path& path, const EditableRoom& room, con
                    escaped_script(page_file("/app.js")) + "</script>\n</body>");
   // Third-party licences travel with the code.
   std::string licences = page_file("/third_party_licenses.txt");
-  for (size_t at = licences.find("--"); at != std::string::npos; at = licences.find("--", at)) licences.replace(at, 2, "- -");
+  for (size_t at = licences.find("--"); at != std::string::npos; at = licences.find("--", at))
+    licences.replace(at, 2, "- -");
   write_file_atomically(path, html + "\n<!--\n" + licences + "\n-->\n");
 }
 

@@ -17,7 +17,8 @@ constexpr const char* kFilePolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
 
-http::response<http::empty_body> head_of(const Request& request, http::status status, std::string_view type, AnswerPolicy policy) {
+http::response<http::empty_body> head_of(const Request& request, http::status status, std::string_view type,
+                                         AnswerPolicy policy) {
   http::response<http::empty_body> head{status, request.version()};
   head.set(http::field::server, "aligngs");
   head.set("X-Content-Type-Options", "nosniff");
@@ -54,14 +55,16 @@ HttpAnswer refusal(const Request& request, http::status status, std::string_view
 
 HttpAnswer refusal(const Request& request, const Error& error) {
   const bool theirs = error.kind() == ErrorKind::kUsage || error.kind() == ErrorKind::kBadInput;
-  return json_answer(request, theirs ? http::status::bad_request : http::status::internal_server_error,
-                     {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}});
+  return json_answer(
+      request, theirs ? http::status::bad_request : http::status::internal_server_error,
+      {{"error", error.details().message}, {"remedy", error.details().remedy}, {"field", error.details().field}});
 }
 
 HttpAnswer download_answer(const Request& request, Download download) {
   HttpAnswer answer;
   const uint64_t size = download.file ? download.file->size() : download.prepared->size();
-  const AskedRange asked = asked_range(view_of(request[http::field::range]), view_of(request[http::field::if_range]), download.etag, size);
+  const AskedRange asked =
+      asked_range(view_of(request[http::field::range]), view_of(request[http::field::if_range]), download.etag, size);
   http::status status = http::status::ok;
   answer.bytes = {0, size};
   if (names_etag(view_of(request[http::field::if_none_match]), download.etag)) {
@@ -80,8 +83,10 @@ HttpAnswer download_answer(const Request& request, Download download) {
   answer.head.set(http::field::cache_control, "no-cache");  // kept, and asked for again with its ETag
   if (is_text_type(download.type)) answer.head.set(http::field::vary, "Accept-Encoding");
   if (download.gzip) answer.head.set(http::field::content_encoding, "gzip");
-  if (status == http::status::partial_content) answer.head.set(http::field::content_range, content_range(answer.bytes, size));
-  if (status == http::status::range_not_satisfiable) answer.head.set(http::field::content_range, "bytes */" + std::to_string(size));
+  if (status == http::status::partial_content)
+    answer.head.set(http::field::content_range, content_range(answer.bytes, size));
+  if (status == http::status::range_not_satisfiable)
+    answer.head.set(http::field::content_range, "bytes */" + std::to_string(size));
   if (status != http::status::not_modified) answer.head.content_length(answer.bytes.count);
   answer.prepared = std::move(download.prepared);
   answer.file = std::move(download.file);

@@ -21,10 +21,10 @@ enum class AnswerPolicy {
 /// The head has Content-Length of the body, also where HEAD or status 304 sends none.
 struct HttpAnswer {
   http::response<http::empty_body> head;
-  std::string text;                              ///< the body, unless one of the others is given
+  std::string text;  ///< the body, unless one of the others is given
   std::shared_ptr<const std::string> prepared;
   std::optional<ServedFile> file;
-  ByteRange bytes;                               ///< the part of the body that is sent
+  ByteRange bytes;  ///< the part of the body that is sent
 };
 
 /// A body of text.
@@ -34,10 +34,11 @@ HttpAnswer refusal(const Request& request, http::status status, std::string_view
 /// The error as JSON: 400 for what makes no sense, 500 for what is our fault. The connection goes on.
 HttpAnswer refusal(const Request& request, const Error& error);
 
-/// A body that may be asked for in parts. Honours Range, If-Range and If-None-Match of the request: status 200, 206, 304 or 416.
+/// A body that may be asked for in parts. Honours Range, If-Range and If-None-Match of the request: status 200, 206,
+/// 304 or 416.
 struct Download {
-  std::string type;  ///< content type
-  std::string etag;  ///< with its quotes
+  std::string type;   ///< content type
+  std::string etag;   ///< with its quotes
   bool gzip = false;  ///< the bytes are a gzip stream
   AnswerPolicy policy = AnswerPolicy::kFile;
   std::shared_ptr<const std::string> prepared;

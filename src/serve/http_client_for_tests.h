@@ -39,18 +39,25 @@ inline std::string raw(uint16_t port, const std::string& bytes, const std::strin
   return answer;
 }
 
-inline std::string get(uint16_t port, const std::string& target, const std::string& host = "localhost:9000", int seconds = 5) {
+inline std::string get(uint16_t port, const std::string& target, const std::string& host = "localhost:9000",
+                       int seconds = 5) {
   return raw(port, "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n", "", seconds);
 }
 
 /// GET or another method with more headers, each ending with \r\n.
-inline std::string ask(uint16_t port, const std::string& method, const std::string& target, const std::string& headers, int seconds = 5) {
-  return raw(port, method + " " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\n" + headers + "\r\n", "", seconds);
+inline std::string ask(uint16_t port, const std::string& method, const std::string& target, const std::string& headers,
+                       int seconds = 5) {
+  return raw(port,
+             method + " " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\n" + headers + "\r\n",
+             "", seconds);
 }
 
-inline std::string post(uint16_t port, const std::string& target, const std::string& headers, const std::string& body, int seconds = 5) {
-  return raw(port, "POST " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\nContent-Length: " +
-                       std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body, "", seconds);
+inline std::string post(uint16_t port, const std::string& target, const std::string& headers, const std::string& body,
+                        int seconds = 5) {
+  return raw(port,
+             "POST " + target + " HTTP/1.1\r\nHost: localhost:9000\r\nConnection: close\r\nContent-Length: " +
+                 std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body,
+             "", seconds);
 }
 
 inline int status(const std::string& answer) {

@@ -14,9 +14,9 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr uint32_t kHeaderLimit = 16 * 1024, kBodyLimit = 64 * 1024;  // bytes
-constexpr size_t kPiece = 128 * 1024;  // bytes read from a file at a time
+constexpr size_t kPiece = 128 * 1024;                                 // bytes read from a file at a time
 // The kernel wakes a writer when a third of its buffer is free: with more, a slow client would look like a silent one.
-constexpr int kSendBuffer = 128 * 1024;        // bytes
+constexpr int kSendBuffer = 128 * 1024;         // bytes
 constexpr size_t kMostDiscarded = 1024 * 1024;  // bytes read after the last answer
 constexpr auto kDiscardTime = 2s;
 
@@ -25,7 +25,8 @@ std::optional<HttpAnswer> answer_to(const beast::error_code& error, const Reques
   if (error == http::error::header_limit) {
     return refusal(request, http::status::request_header_fields_too_large, "the headers are larger than 16 KiB");
   }
-  if (error == http::error::body_limit) return refusal(request, http::status::payload_too_large, "the body is larger than 64 KiB");
+  if (error == http::error::body_limit)
+    return refusal(request, http::status::payload_too_large, "the body is larger than 64 KiB");
   if (error == http::error::end_of_stream || error == http::error::partial_message) return {};
   if (error.category() == make_error_code(http::error::bad_method).category()) {
     return refusal(request, http::status::bad_request, "this is no HTTP request");
@@ -35,7 +36,8 @@ std::optional<HttpAnswer> answer_to(const beast::error_code& error, const Reques
 
 }  // namespace
 
-HttpConnection::HttpConnection(net::ip::tcp::socket socket, const ServerLimits& limits) : limits_(limits), stream_(std::move(socket)) {
+HttpConnection::HttpConnection(net::ip::tcp::socket socket, const ServerLimits& limits)
+    : limits_(limits), stream_(std::move(socket)) {
   beast::error_code ignored;
   stream_.socket().set_option(net::ip::tcp::no_delay(true), ignored);
   stream_.socket().set_option(net::socket_base::send_buffer_size(kSendBuffer), ignored);
@@ -48,7 +50,8 @@ awaitable<std::optional<Request>> HttpConnection::answered(const Request& reques
   co_return std::nullopt;
 }
 
-awaitable<std::optional<Request>> HttpConnection::read(const std::function<std::optional<HttpAnswer>(const Request&)>& refuse) {
+awaitable<std::optional<Request>> HttpConnection::read(
+    const std::function<std::optional<HttpAnswer>(const Request&)>& refuse) {
   http::request_parser<http::string_body> parser;
   parser.header_limit(kHeaderLimit);
   parser.body_limit(kBodyLimit);

@@ -9,8 +9,9 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Files that a run reads and writes; its scene has a place of its own, which may be anywhere.
-constexpr const char* kParts[] = {"run.json", "config.toml", "classes.json", "cameras.json", "room.json", "edits.json", "scene.ply",
-                                  "scene.labels.ply", "checkpoints", "edits", "mesh", "object", "live", "control"};
+constexpr const char* kParts[] = {
+    "run.json",         "config.toml", "classes.json", "cameras.json", "room.json", "edits.json", "scene.ply",
+    "scene.labels.ply", "checkpoints", "edits",        "mesh",         "object",    "live",       "control"};
 
 void require_plain(const fs::path& root, const fs::path& path) {
   std::error_code error;
@@ -37,7 +38,8 @@ void require_plain_run(const fs::path& run) {
   if (error) return;  // opening it tells why
   for (const char* part : kParts) {
     require_plain(root, root / part);
-    for (fs::recursive_directory_iterator i(root / part, error), end; !error && i != end; i.increment(error)) require_plain(root, i->path());
+    for (fs::recursive_directory_iterator i(root / part, error), end; !error && i != end; i.increment(error))
+      require_plain(root, i->path());
   }
 }
 

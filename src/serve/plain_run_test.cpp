@@ -17,7 +17,8 @@ using testing::HasSubstr;
 class PlainRun : public testing::Test {
  protected:
   void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / ("aligngs_plain_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    base_ = fs::path(testing::TempDir()) /
+            ("aligngs_plain_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     run_ = base_ / "run";
     fs::remove_all(base_);
     fs::create_directories(run_ / "checkpoints");

@@ -45,7 +45,8 @@ bool host_allowed(std::string_view host, const std::vector<std::string>& allowed
 std::string port_of(std::string_view host) {
   const size_t colon = host.rfind(':');
   const std::string_view port = colon == std::string_view::npos ? std::string_view() : host.substr(colon + 1);
-  const bool digits = !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string_view::npos;
+  const bool digits =
+      !port.empty() && port.size() <= 5 && port.find_first_not_of("0123456789") == std::string_view::npos;
   return digits ? std::string(port) : "80";
 }
 
@@ -76,7 +77,8 @@ std::string_view query_value(std::string_view target, std::string_view name) {
     const std::string_view item = rest.substr(0, rest.find('&'));
     rest = item.size() < rest.size() ? rest.substr(item.size() + 1) : std::string_view();
     const size_t equals = item.find('=');
-    if (item.substr(0, equals) == name) return equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1);
+    if (item.substr(0, equals) == name)
+      return equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1);
   }
   return {};
 }
@@ -102,8 +104,10 @@ bool accepts_gzip(std::string_view accept_encoding) {
     const size_t semicolon = item.find(';');
     const std::string_view name = item.substr(0, semicolon);
     if (name != "gzip" && name != "*") continue;
-    const std::string_view weight = semicolon == std::string_view::npos ? std::string_view() : item.substr(semicolon + 1);
-    return weight.find_first_of("123456789") != std::string_view::npos || weight.find('q') == std::string_view::npos;  // "q=0" refuses it
+    const std::string_view weight =
+        semicolon == std::string_view::npos ? std::string_view() : item.substr(semicolon + 1);
+    // "q=0" refuses it
+    return weight.find_first_of("123456789") != std::string_view::npos || weight.find('q') == std::string_view::npos;
   }
   return false;
 }
@@ -119,11 +123,18 @@ std::string random_token() {
 }
 
 std::string_view content_type_of(const std::filesystem::path& path) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kTypes = {{
-      {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
-      {".svg", "image/svg+xml"}, {".png", "image/png"}, {".jpg", "image/jpeg"}, {".jpeg", "image/jpeg"},
-      {".json", "application/json"}, {".txt", "text/plain; charset=utf-8"}, {".toml", "text/plain; charset=utf-8"},
-      {".ndjson", "application/x-ndjson"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kTypes = {
+      {{".html", "text/html; charset=utf-8"},
+       {".js", "text/javascript; charset=utf-8"},
+       {".css", "text/css; charset=utf-8"},
+       {".svg", "image/svg+xml"},
+       {".png", "image/png"},
+       {".jpg", "image/jpeg"},
+       {".jpeg", "image/jpeg"},
+       {".json", "application/json"},
+       {".txt", "text/plain; charset=utf-8"},
+       {".toml", "text/plain; charset=utf-8"},
+       {".ndjson", "application/x-ndjson"}}};
   const std::string extension = path.extension().string();
   for (const auto& [ending, type] : kTypes) {
     if (extension == ending) return type;
@@ -132,8 +143,8 @@ std::string_view content_type_of(const std::filesystem::path& path) {
 }
 
 bool is_text_type(std::string_view content_type) {
-  return content_type.substr(0, 5) == "text/" || content_type == "application/json" || content_type == "application/x-ndjson" ||
-         content_type == "image/svg+xml";
+  return content_type.substr(0, 5) == "text/" || content_type == "application/json" ||
+         content_type == "application/x-ndjson" || content_type == "image/svg+xml";
 }
 
 }  // namespace aligngs

@@ -30,12 +30,14 @@ struct PostHeaders {
 /// Origin absent or "http://<Host>", the run's token, a JSON body: another site's page can send none of these.
 bool post_allowed(const PostHeaders& headers, std::string_view token);
 
-/// A browser's headers about the origin of a request: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty in
+/// A browser's headers about the origin of a request: Sec-Fetch-Site, Sec-Fetch-Mode and Sec-Fetch-Dest. All are empty
+/// in
 /// clients that are no browser.
 struct FetchOrigin {
   std::string_view site, mode, destination;
 };
-/// The request comes from the page itself, from the address line, or from no browser. A link on another site may open the
+/// The request comes from the page itself, from the address line, or from no browser. A link on another site may open
+/// the
 /// page (a GET of "/" in a window of its own) and nothing else.
 bool fetch_allowed(const FetchOrigin& origin, bool get, std::string_view path);
 

@@ -12,7 +12,8 @@ TEST(HostRule, AcceptsThisMachineWithAnyPort) {
 }
 
 TEST(HostRule, RefusesNamesThatAnAttackerCanPointHere) {
-  for (const char* host : {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example:80", "[::1", "[::1]x:80", ":80"}) {
+  for (const char* host :
+       {"", "evil.example", "localhost.evil.example", "127.0.0.1.evil.example:80", "[::1", "[::1]x:80", ":80"}) {
     EXPECT_FALSE(host_allowed(host, {})) << host;
   }
   EXPECT_TRUE(host_allowed("lab-7:7860", {"lab-7"}));
@@ -21,7 +22,8 @@ TEST(HostRule, RefusesNamesThatAnAttackerCanPointHere) {
 TEST(HostPort, IsDigitsOnly) {
   EXPECT_EQ(port_of("localhost:9000"), "9000");
   EXPECT_EQ(port_of("[::1]:7860"), "7860");
-  for (const char* host : {"", "localhost", "[::1]", "localhost:", "localhost:12x", "localhost:123456", "localhost:1; Path=/x"}) {
+  for (const char* host :
+       {"", "localhost", "[::1]", "localhost:", "localhost:12x", "localhost:123456", "localhost:1; Path=/x"}) {
     EXPECT_EQ(port_of(host), "80") << host;
   }
 }
@@ -32,7 +34,8 @@ TEST(RequestPath, IsDecodedOnceWithoutItsQuery) {
 }
 
 TEST(RequestPath, RefusesWhatCutsOrEscapes) {
-  for (const char* target : {"", "files", "http://x/", "/a%00.txt", "/a%zz", "/a%4", "/a%", "/..%5c..", "/a\\b", "/a%0d%0ab", "/a\x7f"}) {
+  for (const char* target :
+       {"", "files", "http://x/", "/a%00.txt", "/a%zz", "/a%4", "/a%", "/..%5c..", "/a\\b", "/a%0d%0ab", "/a\x7f"}) {
     EXPECT_FALSE(decode_request_path(target).has_value()) << target;
   }
 }
@@ -66,7 +69,8 @@ TEST(PostRule, NeedsOriginTypeAndToken) {
 TEST(FetchRule, RefusesWhatAnotherSiteSends) {
   EXPECT_TRUE(fetch_allowed({}, true, "/api/state")) << "curl sends no such headers";
   EXPECT_TRUE(fetch_allowed({"same-origin", "cors", "empty"}, false, "/api/edits/push"));
-  EXPECT_TRUE(fetch_allowed({"none", "navigate", "document"}, true, "/files/report.html")) << "typed into the address line";
+  EXPECT_TRUE(fetch_allowed({"none", "navigate", "document"}, true, "/files/report.html"))
+      << "typed into the address line";
   for (const char* site : {"cross-site", "same-site", "nonsense"}) {
     EXPECT_FALSE(fetch_allowed({site, "no-cors", "image"}, true, "/files/scene.ply")) << site;
     EXPECT_FALSE(fetch_allowed({site, "cors", "empty"}, false, "/api/edits/push")) << site;

@@ -10,8 +10,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kKept = 2;                              // scenes: the live snapshot, and the trained room after it
-constexpr uint64_t kLargestScene = uint64_t(4) << 30;    // bytes of a PLY file
+constexpr size_t kKept = 2;                            // scenes: the live snapshot, and the trained room after it
+constexpr uint64_t kLargestScene = uint64_t(4) << 30;  // bytes of a PLY file
 
 }  // namespace
 
@@ -19,7 +19,8 @@ SceneService::SceneService(const std::filesystem::path& run, bool expect_run) : 
   ahead_ = std::jthread([this] {
     try {
       const nlohmann::json state = parse_json(run_.state());
-      if (state["splats"].is_string() && !state["active"].get<bool>()) part("coarse/" + state["splats"].get<std::string>());
+      if (state["splats"].is_string() && !state["active"].get<bool>())
+        part("coarse/" + state["splats"].get<std::string>());
     } catch (const std::exception&) {
       // The page asks for the same scene and gets the reason.
     }
@@ -32,7 +33,9 @@ SceneService::Prepared SceneService::prepared(const std::string& path, const Ser
     if (scene.path == path && scene.version == file.etag()) return scene;
   }
   std::optional<std::string> ply = file.content(kLargestScene);
-  if (!ply) throw_bad_input(file.path(), {}, "the file is larger than 4 GiB", "load it from the run folder with another viewer");
+  if (!ply)
+    throw_bad_input(file.path(), {}, "the file is larger than 4 GiB",
+                    "load it from the run folder with another viewer");
   SplatTable table = read_splat_table(*ply, file.path());
   ply.reset();  // the text of the file and its table are not needed at a time
   CompactScene made = compact_scene(table);

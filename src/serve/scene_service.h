@@ -23,7 +23,8 @@ class SceneService {
   SceneService(const SceneService&) = delete;
   SceneService& operator=(const SceneService&) = delete;
 
-  /// "coarse/PATH" or "rest/PATH", PATH a .ply file of the run -> a gzip stream (compact_scene.h). Nothing for other names. Error{kBadInput}
+  /// "coarse/PATH" or "rest/PATH", PATH a .ply file of the run -> a gzip stream (compact_scene.h). Nothing for other
+  /// names. Error{kBadInput}
   /// for a file without splats.
   std::optional<GetAnswer> part(const std::string& name);
 

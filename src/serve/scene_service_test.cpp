@@ -15,7 +15,8 @@ using test_http::status;
 
 PlyFile splats(size_t count) {
   PlyElement vertices{"vertex", count, {}};
-  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                           "rot_0", "rot_1", "rot_2", "rot_3"}) {
     vertices.properties.push_back({name, PlyType::kFloat32, false, std::vector<double>(count, 0.5), {}});
   }
   return {{}, {vertices}};
@@ -49,7 +50,8 @@ TEST_F(SceneParts, ComeOfEveryFileOfSplats) {
 
 TEST_F(SceneParts, AreResumedAndKept) {
   const std::string whole = get("/api/scene/coarse/scene.ply"), tag = header(whole, "ETag");
-  const std::string rest = ask(server_->port(), "GET", "/api/scene/coarse/scene.ply", "Range: bytes=10-\r\nIf-Range: " + tag + "\r\n");
+  const std::string rest =
+      ask(server_->port(), "GET", "/api/scene/coarse/scene.ply", "Range: bytes=10-\r\nIf-Range: " + tag + "\r\n");
   EXPECT_EQ(status(rest), 206);
   EXPECT_EQ(body(whole).substr(10), body(rest));
   EXPECT_EQ(status(ask(server_->port(), "GET", "/api/scene/coarse/scene.ply", "If-None-Match: " + tag + "\r\n")), 304);

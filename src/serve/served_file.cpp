@@ -54,8 +54,10 @@ std::optional<ServedFile> ServedFile::open(const fs::path& root, std::string_vie
   ServedFile out;
   out.path_ = found;
   out.size_ = static_cast<uint64_t>(status.st_size);
-  out.etag_ = fmt::format("\"{:x}-{:x}-{:x}\"", static_cast<uint64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(status.st_mtim.tv_nsec),
-                          status.st_size, status.st_ino);
+  out.etag_ = fmt::format(
+      "\"{:x}-{:x}-{:x}\"",
+      static_cast<uint64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(status.st_mtim.tv_nsec),
+      status.st_size, status.st_ino);
   out.descriptor_ = file.release();
   return out;
 }
@@ -65,7 +67,10 @@ ServedFile::~ServedFile() {
 }
 
 ServedFile::ServedFile(ServedFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)), size_(other.size_), etag_(std::move(other.etag_)) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      path_(std::move(other.path_)),
+      size_(other.size_),
+      etag_(std::move(other.etag_)) {}
 
 ServedFile& ServedFile::operator=(ServedFile&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);

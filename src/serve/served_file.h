@@ -11,7 +11,8 @@
 
 namespace aligngs {
 
-/// Opening never blocks and touches nothing else: FIFOs, devices, sockets and folders are looked at and left closed. The
+/// Opening never blocks and touches nothing else: FIFOs, devices, sockets and folders are looked at and left closed.
+/// The
 /// place is checked on the opened file, so a link that is swapped in meanwhile leads nowhere.
 class ServedFile {
  public:

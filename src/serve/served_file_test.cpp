@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 class ServedFileTest : public testing::Test {
  protected:
   void SetUp() override {
-    base_ = fs::path(testing::TempDir()) / ("aligngs_served_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    base_ = fs::path(testing::TempDir()) /
+            ("aligngs_served_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(base_);
     fs::create_directories(base_ / "run" / "mesh");
     std::ofstream(base_ / "run" / "scene.ply") << "0123456789";
@@ -41,8 +42,9 @@ TEST_F(ServedFileTest, NothingOutsideTheFolderIsOpened) {
   fs::create_symlink(base_ / "secret.txt", base_ / "run" / "link.txt");
   fs::create_directory_symlink(base_, base_ / "run" / "up");
   const std::string absolute = (base_ / "secret.txt").string();
-  for (const std::string& name : std::vector<std::string>{"", ".", "mesh", "../secret.txt", "mesh/../../secret.txt", "link.txt", "up/secret.txt",
-                                                          absolute, "absent.ply", "../run"}) {
+  for (const std::string& name :
+       std::vector<std::string>{"", ".", "mesh", "../secret.txt", "mesh/../../secret.txt", "link.txt", "up/secret.txt",
+                                absolute, "absent.ply", "../run"}) {
     EXPECT_FALSE(opens(name)) << name;
   }
   EXPECT_TRUE(opens("mesh/../scene.ply"));

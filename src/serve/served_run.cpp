@@ -29,7 +29,8 @@ class RunDescriptions {
     if (!file) return nullptr;
     const auto text = file->content(kMaxJson);
     if (!text) return problem(name + " is larger than 64 MiB");
-    if (json_depth(*text) > kDeepestFile) return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
+    if (json_depth(*text) > kDeepestFile)
+      return problem(name + " is nested deeper than " + std::to_string(kDeepestFile) + " levels");
     Json json = parse_json(*text);
     return json.is_discarded() ? Json() : json;  // a file that is being replaced
   }
@@ -65,7 +66,8 @@ Json rendered_views(const fs::path& root) {
   for (const char* split : {"test", "train"}) {
     for (const char* kind : {"gt", "rgb", "depth", "normal", "label", "error"}) {
       if (!has_folder(root, fs::path("renders") / split / kind)) continue;
-      for (fs::directory_iterator i(root / "renders" / split / kind, error), end; !error && i != end; i.increment(error)) {
+      for (fs::directory_iterator i(root / "renders" / split / kind, error), end; !error && i != end;
+           i.increment(error)) {
         if (i->path().extension() != ".png") continue;
         Json& view = views[i->path().stem().string()];
         view["split"] = split;
@@ -98,8 +100,11 @@ Json stages_of(const fs::path& root, const Json& run, bool active) {
   struct Stage {
     const char *name, *product;
   };
-  constexpr Stage kStages[] = {{"train", "scene.ply"}, {"render", "renders"}, {"mesh", "mesh/mesh.ply"},
-                               {"measure", "metrics.json"}, {"report", "report.html"}};
+  constexpr Stage kStages[] = {{"train", "scene.ply"},
+                               {"render", "renders"},
+                               {"mesh", "mesh/mesh.ply"},
+                               {"measure", "metrics.json"},
+                               {"report", "report.html"}};
   const Json named = field(run, "stage");
   const std::string current = !active ? "" : named.is_string() ? named.get<std::string>() : "train";
   Json stages = Json::array();
@@ -117,8 +122,9 @@ Json stages_of(const fs::path& root, const Json& run, bool active) {
 Json why_not_editable(const fs::path& root, bool active) {
   if (active) return "the run is still being made";
   if (!has_file(root, "scene.ply")) {
-    return has_folder(root, "checkpoints") ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
-                                           : "nothing has been trained yet";
+    return has_folder(root, "checkpoints")
+               ? "the training has stopped before its end: `aligngs train -o RUN --resume` goes on from its checkpoint"
+               : "nothing has been trained yet";
   }
   return nullptr;
 }
@@ -133,7 +139,8 @@ ServedRun::ServedRun(const fs::path& path, bool expect_run) {
   };
   if (error) refuse("there is no such run or file");
   if (fs::is_directory(found)) {
-    if (!expect_run && !fs::exists(found / "run.json") && !fs::exists(found / "scene.ply")) refuse("the folder is not a run");
+    if (!expect_run && !fs::exists(found / "run.json") && !fs::exists(found / "scene.ply"))
+      refuse("the folder is not a run");
     root_ = found;
   } else {
     if (found.extension() != ".ply") refuse("the file is not a .ply file");
@@ -151,10 +158,12 @@ fs::path ServedRun::scene_folder() const {
 }
 
 std::string ServedRun::state() const {
-  Json state = {{"splats", nullptr}, {"mesh", nullptr}, {"up", nullptr}, {"units", nullptr},
-                {"classes", nullptr}, {"cameras", nullptr}, {"views", Json::object()}, {"train", nullptr}, {"report", false},
-                {"status", "file"}, {"stage", nullptr}, {"stages", Json::array()}, {"active", false}, {"editable", false}, {"edited", false}, {"edits", nullptr}, {"drawable", false},
-                {"not_editable", nullptr}, {"room", nullptr}, {"problems", Json::array()}};
+  Json state = {
+      {"splats", nullptr},  {"mesh", nullptr},         {"up", nullptr},           {"units", nullptr},
+      {"classes", nullptr}, {"cameras", nullptr},      {"views", Json::object()}, {"train", nullptr},
+      {"report", false},    {"status", "file"},        {"stage", nullptr},        {"stages", Json::array()},
+      {"active", false},    {"editable", false},       {"edited", false},         {"edits", nullptr},
+      {"drawable", false},  {"not_editable", nullptr}, {"room", nullptr},         {"problems", Json::array()}};
   if (!only_.empty()) {
     state["name"] = only_;
     state["splats"] = only_;
@@ -188,7 +197,8 @@ std::string ServedRun::state() const {
     state["edited"] = true;
     state["edits"] = file_version(root_ / "edits.json");
   }
-  state["version"] = file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
+  state["version"] =
+      file_version(root_ / (live ? "live/scene.ply" : "scene.ply")) + file_version(root_ / "mesh" / "mesh.ply");
   const fs::path scene = scene_folder();
   state["classes"] = field(descriptions.read(root_, "classes.json"), "classes");
   if (state["classes"].is_null() && !scene.empty()) state["classes"] = scene_classes(scene);
@@ -208,7 +218,8 @@ std::string ServedRun::state() const {
 std::string ServedRun::signature() const {
   if (!only_.empty()) return file_version(root_ / only_);
   std::string text = RunControl(root_).active() ? "active" : "";
-  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json", "mesh/mesh.ply", "metrics.json", "report.html"}) {
+  for (const char* name : {"run.json", "live/scene.ply", "scene.ply", "scene.labels.ply", "cameras.json", "edits.json",
+                           "mesh/mesh.ply", "metrics.json", "report.html"}) {
     text += "/" + file_version(root_ / name);
   }
   return text;

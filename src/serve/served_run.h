@@ -19,14 +19,20 @@ class ServedRun {
 
   const std::filesystem::path& folder() const { return root_; }
 
-  /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "edits", "drawable", "splats", "mesh", "version",
-  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "not_editable", "problems"}. "splats" and "mesh" are
+  /// JSON: {"name", "status", "stage", "stages", "active", "editable", "edited", "edits", "drawable", "splats", "mesh",
+  /// "version",
+  /// "up", "units", "classes", "cameras", "views", "train", "report", "room", "not_editable", "problems"}. "splats" and
+  /// "mesh" are
   /// paths below /files/, null when absent. They are the live snapshot of a training, else the trained room. "version"
-  /// changes with these files. "edited" tells whether the run has edits; /api/edits/scene/ has what they did. "edits" changes with
-  /// them, and is null without. "active" tells whether a process works on the run, "editable" whether edits can be made,
+  /// changes with these files. "edited" tells whether the run has edits; /api/edits/scene/ has what they did. "edits"
+  /// changes with
+  /// them, and is null without. "active" tells whether a process works on the run, "editable" whether edits can be
+  /// made,
   /// "drawable" whether the server draws pictures. "stages" lists {"name", "state": "done" | "now"
-  /// | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which renders exist. "room" is the path
-  /// of room.json or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files that are
+  /// | "waiting"}. "up" is the unit up vector or null. "views" tells per picture name which renders exist. "room" is
+  /// the path
+  /// of room.json or null. "not_editable" says why edits, pictures and exports are not there. "problems" lists files
+  /// that are
   /// too large or nested too deeply. Unreadable parts (a file that is being replaced) are null.
   std::string state() const;
 

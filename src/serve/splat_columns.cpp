@@ -28,7 +28,8 @@ void SplatColumns::add(const std::string& name, const char* type, float step, co
     if constexpr (std::is_floating_point_v<Number>) {
       number = value(row);
     } else {
-      constexpr float kLow = static_cast<float>(std::numeric_limits<Number>::min()), kHigh = static_cast<float>(std::numeric_limits<Number>::max());
+      constexpr float kLow = static_cast<float>(std::numeric_limits<Number>::min()),
+                      kHigh = static_cast<float>(std::numeric_limits<Number>::max());
       number = static_cast<Number>(std::lround(std::clamp(value(row) / step, kLow, kHigh)));
     }
     data_.append(reinterpret_cast<const char*>(&number), sizeof number);
@@ -37,22 +38,28 @@ void SplatColumns::add(const std::string& name, const char* type, float step, co
 
 void SplatColumns::add_positions() {
   const char* axes[3] = {"x", "y", "z"};
-  for (size_t k = 0; k < 3; ++k) add<float>(axes[k], "f32", 1, [&](uint32_t i) { return model_.positions[3 * size_t(i) + k]; });
+  for (size_t k = 0; k < 3; ++k)
+    add<float>(axes[k], "f32", 1, [&](uint32_t i) { return model_.positions[3 * size_t(i) + k]; });
 }
 
 void SplatColumns::add_colors(size_t harmonics) {
   const std::vector<float>& sh = model_.sh;
-  for (size_t k = 0; k < 3; ++k) add<int16_t>(numbered("f_dc_", k), "i16", kColumnColorStep, [&](uint32_t i) { return sh[kColorNumbersPerSplat * i + k]; });
+  for (size_t k = 0; k < 3; ++k)
+    add<int16_t>(numbered("f_dc_", k), "i16", kColumnColorStep,
+                 [&](uint32_t i) { return sh[kColorNumbersPerSplat * i + k]; });
   const size_t per_channel = harmonics / 3;
   for (size_t k = 0; k < harmonics; ++k) {
     const size_t at = 3 * (1 + k % per_channel) + k / per_channel;
-    add<int8_t>(numbered("f_rest_", k), "i8", kColumnHarmonicStep, [&](uint32_t i) { return sh[kColorNumbersPerSplat * i + at]; });
+    add<int8_t>(numbered("f_rest_", k), "i8", kColumnHarmonicStep,
+                [&](uint32_t i) { return sh[kColorNumbersPerSplat * i + at]; });
   }
 }
 
 void SplatColumns::add_shapes() {
   add<int8_t>("opacity", "i8", kColumnOpacityStep, [&](uint32_t i) { return model_.opacity_logits[i]; });
-  for (size_t k = 0; k < 3; ++k) add<int16_t>(numbered("scale_", k), "i16", kColumnScaleStep, [&](uint32_t i) { return model_.log_scales[3 * size_t(i) + k]; });
+  for (size_t k = 0; k < 3; ++k)
+    add<int16_t>(numbered("scale_", k), "i16", kColumnScaleStep,
+                 [&](uint32_t i) { return model_.log_scales[3 * size_t(i) + k]; });
   for (size_t k = 0; k < 4; ++k) {
     add<int8_t>(numbered("rot_", k), "i8", kColumnRotationStep, [&](uint32_t i) {
       const float* r = &model_.rotations[4 * size_t(i)];

@@ -16,9 +16,11 @@ class SplatColumns {
  public:
   SplatColumns(const GaussianModel& model, const std::vector<uint32_t>& rows) : model_(model), rows_(rows) {}
 
-  void add_positions();                 ///< x y z: float32, scene units
-  void add_colors(size_t harmonics);    ///< f_dc_0..2, and the first `harmonics` of f_rest_*, channel-major; a multiple of 3
-  void add_shapes();                    ///< opacity: logit; scale_0..2: natural logarithms; rot_0..3: unit quaternion w x y z
+  void add_positions();  ///< x y z: float32, scene units
+  /// f_dc_0..2, and the first `harmonics` of f_rest_*, channel-major; a multiple of 3
+  void add_colors(size_t harmonics);
+  /// opacity: logit; scale_0..2: natural logarithms; rot_0..3: unit quaternion w x y z
+  void add_shapes();
   void add_labels(const GaussianLabels& labels);  ///< label, instance, confidence
 
   /// [{"name", "type", "step"}...]: a value is the stored number times the step.

@@ -13,7 +13,8 @@ constexpr size_t kRestPerChannel = 15;  // coefficients of degree 1 to 3
 
 std::vector<float> numbers(const std::vector<double>& values) {
   std::vector<float> out(values.size());
-  std::transform(values.begin(), values.end(), out.begin(), [](double v) { return std::isfinite(v) ? static_cast<float>(v) : 0.0f; });
+  std::transform(values.begin(), values.end(), out.begin(),
+                 [](double v) { return std::isfinite(v) ? static_cast<float>(v) : 0.0f; });
   return out;
 }
 
@@ -21,7 +22,8 @@ template <class Integer>
 std::vector<Integer> integers(const PlyProperty* property) {
   if (property == nullptr) return {};
   std::vector<Integer> out(property->values.size());
-  std::transform(property->values.begin(), property->values.end(), out.begin(), [](double v) { return static_cast<Integer>(v); });
+  std::transform(property->values.begin(), property->values.end(), out.begin(),
+                 [](double v) { return static_cast<Integer>(v); });
   return out;
 }
 
@@ -38,7 +40,8 @@ void add_harmonics(const PlyElement& vertices, SplatTable& table) {
     return std::all_of(column->values.begin(), column->values.end(), [](double v) { return v == 0; });
   };
   for (int degree = 3; degree >= 1; --degree) {
-    const size_t last = static_cast<size_t>((degree + 1) * (degree + 1)) - 1, first = static_cast<size_t>(degree * degree) - 1;
+    const size_t last = static_cast<size_t>((degree + 1) * (degree + 1)) - 1,
+                 first = static_cast<size_t>(degree * degree) - 1;
     if (last > per_channel) continue;
     bool used = false;
     for (size_t k = 0; k < 3 && !used; ++k) {
@@ -60,7 +63,8 @@ SplatTable read_splat_table(const std::string& ply, const std::filesystem::path&
   const PlyElement* vertices = file.find("vertex");
   const auto column = [&](const std::string& name) {
     const PlyProperty* property = vertices != nullptr ? vertices->find(name) : nullptr;
-    if (property == nullptr || property->is_list) throw_bad_input(name_for_errors, name, "the PLY file has no splats", "give the scene.ply of a run");
+    if (property == nullptr || property->is_list)
+      throw_bad_input(name_for_errors, name, "the PLY file has no splats", "give the scene.ply of a run");
     return numbers(property->values);
   };
   SplatTable table;

@@ -26,10 +26,10 @@ using namespace std::chrono_literals;
 namespace {
 
 constexpr uint16_t kFirstPort = 7860, kPortsTried = 100;
-constexpr size_t kMaxWaiting = 16;  // handlers that wait for their turn
-constexpr auto kWatchTime = 500ms;     // between looks at the run folder
+constexpr size_t kMaxWaiting = 16;      // handlers that wait for their turn
+constexpr auto kWatchTime = 500ms;      // between looks at the run folder
 constexpr auto kSnapshotTime = 2000ms;  // between requests for live snapshots; the trainer may take longer
-constexpr int kMaxListeners = 32;  // open event streams
+constexpr int kMaxListeners = 32;       // open event streams
 constexpr uint64_t kLargestText = uint64_t(16) << 20;  // bytes of a text that is compressed; larger ones go as they are
 constexpr uint64_t kSmallestText = 1024;               // bytes; less is sent in one packet anyway
 constexpr size_t kCompressedTexts = size_t(16) << 20;  // bytes of streams that are kept
@@ -48,7 +48,9 @@ Error error_of(const std::exception_ptr& failure) {
   }
 }
 
-bool is_get(const Request& request) { return request.method() == http::verb::get || request.method() == http::verb::head; }
+bool is_get(const Request& request) {
+  return request.method() == http::verb::get || request.method() == http::verb::head;
+}
 
 /// Counts up for as long as it lives.
 template <class Number>
@@ -63,7 +65,9 @@ class Counted {
   Number& count_;
 };
 
-std::string etag_of(std::string_view bytes) { return "\"" + std::to_string(std::hash<std::string_view>()(bytes)) + "\""; }
+std::string etag_of(std::string_view bytes) {
+  return "\"" + std::to_string(std::hash<std::string_view>()(bytes)) + "\"";
+}
 
 }  // namespace
 
@@ -118,8 +122,10 @@ struct ViewServer::State {
     }
     const auto path = decode_request_path(view_of(request.target()));
     if (!path) return refusal(request, http::status::bad_request, "bad path");
-    const FetchOrigin origin{view_of(request["Sec-Fetch-Site"]), view_of(request["Sec-Fetch-Mode"]), view_of(request["Sec-Fetch-Dest"])};
-    if (!fetch_allowed(origin, is_get(request), *path)) return refusal(request, http::status::forbidden, "requests of other sites are refused");
+    const FetchOrigin origin{view_of(request["Sec-Fetch-Site"]), view_of(request["Sec-Fetch-Mode"]),
+                             view_of(request["Sec-Fetch-Dest"])};
+    if (!fetch_allowed(origin, is_get(request), *path))
+      return refusal(request, http::status::forbidden, "requests of other sites are refused");
     if (is_get(request)) return {};
     if (request.method() != http::verb::post) {
       return refusal(request, http::status::method_not_allowed, "only GET, HEAD and POST are served");
@@ -129,7 +135,8 @@ struct ViewServer::State {
     headers.origin = view_of(request[http::field::origin]);
     headers.token = view_of(request["X-AlignGS-Token"]);
     headers.content_type = view_of(request[http::field::content_type]);
-    if (!post_allowed(headers, token)) return refusal(request, http::status::forbidden, "wrong origin, token or content type");
+    if (!post_allowed(headers, token))
+      return refusal(request, http::status::forbidden, "wrong origin, token or content type");
     if (!options.post.contains(*path)) return refusal(request, http::status::not_found, "not found");
     return {};
   }
@@ -141,12 +148,14 @@ struct ViewServer::State {
       std::error_code error;
       const auto root = std::filesystem::canonical(options.web_root, error);
       if (!error) download.file = ServedFile::open(root, name.substr(1));
-      if (!download.file || download.file->size() > kLargestPageFile) return refusal(request, http::status::not_found, "not found");
+      if (!download.file || download.file->size() > kLargestPageFile)
+        return refusal(request, http::status::not_found, "not found");
       download.etag = download.file->etag();
     } else {
       const auto content = embedded_page_file(name);
       if (content.empty()) return refusal(request, http::status::not_found, "not found");
-      download.prepared = std::make_shared<const std::string>(reinterpret_cast<const char*>(content.data()), content.size());
+      download.prepared =
+          std::make_shared<const std::string>(reinterpret_cast<const char*>(content.data()), content.size());
       download.etag = etag_of(*download.prepared);
       download.gzip = true;
     }
@@ -156,20 +165,22 @@ struct ViewServer::State {
     afresh.erase(http::field::if_none_match);
     HttpAnswer answer = download_answer(afresh, std::move(download));
     answer.head.set(http::field::cache_control, "no-store");
-    answer.head.set(http::field::set_cookie,
-                    "aligngs_" + port_of(view_of(request[http::field::host])) + "=" + token + "; SameSite=Strict; Path=/");
+    answer.head.set(http::field::set_cookie, "aligngs_" + port_of(view_of(request[http::field::host])) + "=" + token +
+                                                 "; SameSite=Strict; Path=/");
     return answer;
   }
 
   /// Runs work on a thread of its own while pages and events go on being served.
   template <class Result, class Work>
   awaitable<Result> run_on(net::thread_pool& pool, const Work& work) {
-    co_return co_await net::co_spawn(pool.get_executor(), [&work]() -> awaitable<Result> { co_return work(); }, use_awaitable);
+    co_return co_await net::co_spawn(
+        pool.get_executor(), [&work]() -> awaitable<Result> { co_return work(); }, use_awaitable);
   }
 
   /// Runs a handler; what it throws becomes an answer.
   template <class Result, class Work>
-  awaitable<std::optional<Result>> handled(const Request& request, const Work& work, std::optional<HttpAnswer>& failed) {
+  awaitable<std::optional<Result>> handled(const Request& request, const Work& work,
+                                           std::optional<HttpAnswer>& failed) {
     if (waiting >= kMaxWaiting) {
       failed = refusal(request, http::status::service_unavailable, "too many requests wait");
       co_return std::nullopt;
@@ -220,7 +231,8 @@ struct ViewServer::State {
   }
 
   /// A text that the client takes compressed. Compressed at most once, on a thread of its own.
-  awaitable<GzipCache::Stream> compressed(const std::string& name, const std::string& version, const std::string& text) {
+  awaitable<GzipCache::Stream> compressed(const std::string& name, const std::string& version,
+                                          const std::string& text) {
     GzipCache::Stream stream = texts.find(name, version);
     if (!stream) {
       const auto work = [&] { return texts.add(name, version, text); };
@@ -251,7 +263,8 @@ struct ViewServer::State {
     Download download{std::string(content_type_of(file.path())), file.etag(), false, AnswerPolicy::kFile, {}, {}};
     const bool shortens = is_text_type(download.type) && file.size() >= kSmallestText && file.size() <= kLargestText;
     // A range counts the bytes of the file, not those of a stream.
-    if (shortens && request[http::field::range].empty() && accepts_gzip(view_of(request[http::field::accept_encoding]))) {
+    if (shortens && request[http::field::range].empty() &&
+        accepts_gzip(view_of(request[http::field::accept_encoding]))) {
       const std::string name = file.path().string();
       download.prepared = texts.find(name, file.etag());
       if (!download.prepared) {
@@ -315,13 +328,15 @@ struct ViewServer::State {
       if (!slot) {
         Request unread;
         unread.version(11);
-        co_await connection.write(unread, refusal(unread, http::status::service_unavailable, "too many connections are open"));
+        co_await connection.write(unread,
+                                  refusal(unread, http::status::service_unavailable, "too many connections are open"));
         co_await connection.end();
         co_return;
       }
       for (;;) {
         slot->idle();
-        const std::optional<Request> request = co_await connection.read([this](const Request& head) { return refusal_of(head); });
+        const std::optional<Request> request =
+            co_await connection.read([this](const Request& head) { return refusal_of(head); });
         if (!request || slot->closed()) break;
         slot->busy();
         const auto path = decode_request_path(view_of(request->target()));

@@ -43,21 +43,26 @@ struct ViewServerOptions {
   ServerLimits limits;
 };
 
-/// GET /               the page, with the run's token in a SameSite=Strict cookie named aligngs_<port of the Host header>
+/// GET /               the page, with the run's token in a SameSite=Strict cookie named aligngs_<port of the Host
+/// header>
 ///                     (cookies know no ports: two runs shown at a time must not overwrite each other's)
 /// GET /api/state      ServedRun::state()
 /// GET /api/events     Server-Sent Events (event_stream.h)
 /// GET /api/photo/V    the photo of view V
 /// GET /files/...      files of the run
-/// GET, POST           the handlers of the options, one at a time on a thread of their own; a POST needs Origin absent or
+/// GET, POST           the handlers of the options, one at a time on a thread of their own; a POST needs Origin absent
+/// or
 ///                     this host, a JSON body and X-AlignGS-Token
 ///
-/// Downloads have an ETag and take Range, If-Range and If-None-Match. Text is compressed once and kept. HEAD tells the length.
+/// Downloads have an ETag and take Range, If-Range and If-None-Match. Text is compressed once and kept. HEAD tells the
+/// length.
 ///
 /// While a page listens to a run that is being trained, the trainer is asked for live snapshots (run_control.h).
 ///
-/// Bound to 127.0.0.1. Requests of other sites (Host, Sec-Fetch-Site) are refused before their body is read. Headers are at
-/// most 16 KiB (status 431), bodies 64 KiB (413), and what is no HTTP is answered with 400. When all connections are taken,
+/// Bound to 127.0.0.1. Requests of other sites (Host, Sec-Fetch-Site) are refused before their body is read. Headers
+/// are at
+/// most 16 KiB (status 431), bodies 64 KiB (413), and what is no HTTP is answered with 400. When all connections are
+/// taken,
 /// the one that is idle longest makes room. Every answer carries a content security policy; that of the run's own files
 /// allows no script, as a run may come from anywhere. No cross-origin header is ever sent.
 class ViewServer {

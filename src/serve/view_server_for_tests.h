@@ -20,7 +20,8 @@ namespace aligngs::testing_support {
 class ViewServerTest : public testing::Test {
  protected:
   void SetUp() override {
-    base_ = std::filesystem::path(testing::TempDir()) / ("aligngs_view_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    base_ = std::filesystem::path(testing::TempDir()) /
+            ("aligngs_view_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(base_);
     std::filesystem::create_directories(base_ / "run" / "renders" / "test" / "rgb");
     std::filesystem::create_directories(base_ / "run" / "scene" / "images");
@@ -79,9 +80,13 @@ class ViewServerTest : public testing::Test {
     start();
   }
 
-  void write(const std::string& name, const std::string& content) { std::ofstream(base_ / name, std::ios::binary) << content; }
+  void write(const std::string& name, const std::string& content) {
+    std::ofstream(base_ / name, std::ios::binary) << content;
+  }
 
-  std::string raw(const std::string& bytes, const std::string& until = "") const { return test_http::raw(server_->port(), bytes, until); }
+  std::string raw(const std::string& bytes, const std::string& until = "") const {
+    return test_http::raw(server_->port(), bytes, until);
+  }
   std::string get(const std::string& target, const std::string& host = "localhost:9000") const {
     return test_http::get(server_->port(), target, host);
   }

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using test_http::body;
-using testing_support::ViewServerTest;
 using test_http::status;
+using testing_support::ViewServerTest;
 
 TEST_F(ViewServerTest, SendsThePageWithItsTokenAndAPolicy) {
   const std::string answer = get("/");
@@ -29,12 +29,24 @@ TEST_F(ViewServerTest, SendsThePageWithItsTokenAndAPolicy) {
 }
 
 TEST_F(ViewServerTest, EveryAnswerCarriesAPolicy) {
-  const std::string json = "Content-Type: application/json\r\n", token = "X-AlignGS-Token: " + server_->token() + "\r\n";
+  const std::string json = "Content-Type: application/json\r\n",
+                    token = "X-AlignGS-Token: " + server_->token() + "\r\n";
   const std::pair<int, std::string> answers[] = {
-      {200, get("/")}, {200, get("/app.js")}, {200, get("/api/state")}, {200, get("/files/scene.ply")}, {200, get("/api/photo/view_000")},
-      {200, get("/api/double")}, {404, get("/absent")}, {404, get("/files/absent")}, {400, get("/%zz")}, {403, get("/", "evil.example")},
-      {405, raw("DELETE / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")}, {403, post("/api/echo", json, "{}")},
-      {200, post("/api/echo", json + token, "{}")}, {400, post("/api/fail", json + token, "{}")}, {500, post("/api/throw", json + token, "{}")},
+      {200, get("/")},
+      {200, get("/app.js")},
+      {200, get("/api/state")},
+      {200, get("/files/scene.ply")},
+      {200, get("/api/photo/view_000")},
+      {200, get("/api/double")},
+      {404, get("/absent")},
+      {404, get("/files/absent")},
+      {400, get("/%zz")},
+      {403, get("/", "evil.example")},
+      {405, raw("DELETE / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")},
+      {403, post("/api/echo", json, "{}")},
+      {200, post("/api/echo", json + token, "{}")},
+      {400, post("/api/fail", json + token, "{}")},
+      {500, post("/api/throw", json + token, "{}")},
       {200, raw("HEAD / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")},
       {200, raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")}};
   for (const auto& [expected, answer] : answers) {
@@ -55,7 +67,8 @@ TEST_F(ViewServerTest, CookiesOfTwoServersDoNotMeet) {
   EXPECT_NE(get("/", "localhost:9000").find("aligngs_9000="), std::string::npos);
   EXPECT_NE(get("/", "127.0.0.1:7861").find("aligngs_7861="), std::string::npos);
   EXPECT_NE(get("/", "[::1]").find("aligngs_80="), std::string::npos);
-  EXPECT_EQ(get("/", "localhost:1; Domain=x").find("Domain=x"), std::string::npos) << "nothing else of the header goes into the cookie";
+  EXPECT_EQ(get("/", "localhost:1; Domain=x").find("Domain=x"), std::string::npos)
+      << "nothing else of the header goes into the cookie";
 }
 
 TEST_F(ViewServerTest, HandlersOfGetHaveTheRestOfThePath) {
@@ -143,7 +156,8 @@ TEST_F(ViewServerTest, StreamsCompleteEventsAndResumesWhereAPageLeftOff) {
   const std::string all = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
   EXPECT_NE(all.find("text/event-stream"), std::string::npos);
   EXPECT_NE(all.find("id: 22\nevent: events\ndata: [{\"step\":1},{\"step\":2}]\n\n"), std::string::npos);
-  const std::string rest = raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: 11\r\n\r\n", "event: state");
+  const std::string rest =
+      raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\nLast-Event-ID: 11\r\n\r\n", "event: state");
   EXPECT_NE(rest.find("data: [{\"step\":2}]"), std::string::npos);
 }
 
@@ -155,7 +169,8 @@ TEST_F(ViewServerTest, ATornEventLineLosesThatLineAlone) {
 
 TEST_F(ViewServerTest, APageLearnsThatItsServerWasStartedAnew) {
   const auto name_of = [&](uint16_t port) {
-    const std::string answer = test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
+    const std::string answer =
+        test_http::raw(port, "GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state");
     const size_t at = answer.find("event: server\ndata: ");
     return at == std::string::npos ? std::string() : answer.substr(at + 20, 34);
   };
@@ -183,13 +198,15 @@ TEST_F(ViewServerTest, AnotherSitesNameInTheHostHeaderIsRefused) {
 }
 
 TEST_F(ViewServerTest, NoPathLeavesTheRunFolder) {
-  for (const char* target : {"/files/../secret.txt", "/files/%2e%2e/secret.txt", "/files/..%2fsecret.txt", "/files//etc/passwd",
-                             "/files/link.txt", "/files/renders/../../secret.txt", "/api/photo/..%2f..%2f..%2fsecret", "/../secret.txt"}) {
+  for (const char* target :
+       {"/files/../secret.txt", "/files/%2e%2e/secret.txt", "/files/..%2fsecret.txt", "/files//etc/passwd",
+        "/files/link.txt", "/files/renders/../../secret.txt", "/api/photo/..%2f..%2f..%2fsecret", "/../secret.txt"}) {
     const std::string answer = get(target);
     EXPECT_EQ(status(answer), 404) << target;
     EXPECT_EQ(answer.find("secret\n"), std::string::npos) << target;
   }
-  for (const char* target : {"/files/scene.ply%00.txt", "/files/..%5csecret.txt", "/files/%zz"}) EXPECT_EQ(status(get(target)), 400) << target;
+  for (const char* target : {"/files/scene.ply%00.txt", "/files/..%5csecret.txt", "/files/%zz"})
+    EXPECT_EQ(status(get(target)), 400) << target;
 }
 
 TEST_F(ViewServerTest, AFifoInTheRunStopsNothing) {
@@ -216,8 +233,9 @@ TEST_F(ViewServerTest, NoRouteFollowsALinkOutOfTheRun) {
     fs::create_symlink(base_ / name, base_ / "run" / name);
   }
   fs::create_directory_symlink(base_ / "outside", base_ / "run" / "renders" / "train");
-  for (const std::string& answer : {get("/api/state"), get("/files/classes.json"), get("/files/renders/train/rgb/secret_view.png"),
-                                    raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")}) {
+  for (const std::string& answer :
+       {get("/api/state"), get("/files/classes.json"), get("/files/renders/train/rgb/secret_view.png"),
+        raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")}) {
     EXPECT_EQ(body(answer).find("secret"), std::string::npos) << answer;
   }
 }
@@ -246,19 +264,25 @@ TEST_F(ViewServerTest, ARunThatWasNotTrainedSaysSo) {
 
 TEST_F(ViewServerTest, RequestsOfOtherSitesAreRefusedBeforeAnyWork) {
   const std::string site = "Sec-Fetch-Site: cross-site\r\n";
-  for (const char* target : {"/api/state", "/files/scene.ply", "/api/double", "/api/below/x", "/api/events", "/api/photo/view_000", "/app.js"}) {
-    EXPECT_EQ(status(test_http::ask(server_->port(), "GET", target, site + "Sec-Fetch-Mode: no-cors\r\n")), 403) << target;
+  for (const char* target : {"/api/state", "/files/scene.ply", "/api/double", "/api/below/x", "/api/events",
+                             "/api/photo/view_000", "/app.js"}) {
+    EXPECT_EQ(status(test_http::ask(server_->port(), "GET", target, site + "Sec-Fetch-Mode: no-cors\r\n")), 403)
+        << target;
   }
   EXPECT_EQ(calls_, 0) << "no handler ran";
   const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\nContent-Type: application/json\r\n";
-  EXPECT_EQ(status(test_http::raw(server_->port(), "POST /api/echo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n" + token + site + "\r\n")),
-            403) << "the body is not waited for";
+  EXPECT_EQ(
+      status(test_http::raw(server_->port(), "POST /api/echo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n" +
+                                                 token + site + "\r\n")),
+      403)
+      << "the body is not waited for";
   EXPECT_EQ(status(test_http::ask(server_->port(), "GET", "/api/double", "Sec-Fetch-Site: same-origin\r\n")), 200);
   EXPECT_EQ(calls_, 1);
 }
 
 TEST_F(ViewServerTest, PostsNeedTheTokenTheOriginAndJson) {
-  const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\n", json = "Content-Type: application/json\r\n";
+  const std::string token = "X-AlignGS-Token: " + server_->token() + "\r\n",
+                    json = "Content-Type: application/json\r\n";
   EXPECT_EQ(body(post("/api/echo", token + json + "Origin: http://localhost:9000\r\n", "{\"a\":1}")), "{\"a\":1}");
   EXPECT_EQ(status(post("/api/echo", json, "{}")), 403);
   EXPECT_EQ(status(post("/api/echo", json + "X-AlignGS-Token: 0123\r\n", "{}")), 403);
@@ -291,7 +315,8 @@ TEST_F(ViewServerTest, ManyPagesAtOnceAreServedAndThenRefused) {
   std::vector<std::thread> pages;
   std::atomic<int> served{0};
   for (int i = 0; i < 32; ++i) {
-    pages.emplace_back([&] { served += status(raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")) == 200; });
+    pages.emplace_back(
+        [&] { served += status(raw("GET /api/events HTTP/1.1\r\nHost: localhost\r\n\r\n", "event: state")) == 200; });
   }
   for (std::thread& page : pages) page.join();
   EXPECT_EQ(served, 32);

@@ -27,9 +27,12 @@ std::string AcceptanceReport::table() const {
   std::string out = fmt::format("{}\n", teacher);
   for (const AcceptanceFigure& f : figures) {
     std::string range = "-";
-    if (f.low && f.high) range = fmt::format("{:g} to {:g}", *f.low, *f.high);
-    else if (f.low) range = fmt::format(">= {:g}", *f.low);
-    else if (f.high) range = fmt::format("<= {:g}", *f.high);
+    if (f.low && f.high)
+      range = fmt::format("{:g} to {:g}", *f.low, *f.high);
+    else if (f.low)
+      range = fmt::format(">= {:g}", *f.low);
+    else if (f.high)
+      range = fmt::format("<= {:g}", *f.high);
     out += fmt::format("  {:<34} {:>8.3f} {:<4} {:<14} {}\n", f.name, f.value, f.unit, range,
                        f.low || f.high ? (f.accepted() ? "ok" : "outside") : "");
   }

@@ -9,10 +9,10 @@
 namespace aligngs {
 namespace {
 
-constexpr int kStep = 2;                  // pixels between the points that form a cloud
-constexpr size_t kMaxQueries = 60000;     // nearest-neighbour questions per direction
+constexpr int kStep = 2;                    // pixels between the points that form a cloud
+constexpr size_t kMaxQueries = 60000;       // nearest-neighbour questions per direction
 constexpr double kConfidentQuantile = 0.3;  // pixels below a view's quantile of confidence are not fused
-constexpr size_t kFewViews = 4;           // per group in the few-view figures
+constexpr size_t kFewViews = 4;             // per group in the few-view figures
 
 /// Distances of (a regular subset of) `from` to their nearest neighbours in `to`.
 std::vector<double> nearest_distances(const std::vector<Vec3d>& from, const std::vector<Vec3d>& to, ThreadPool& pool) {
@@ -51,7 +51,8 @@ float quantile(const ImageF& confidence, double q) {
 std::vector<double> ranks(const std::vector<double>& values) {
   std::vector<uint32_t> order(values.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
   std::vector<double> out(values.size());
   for (size_t r = 0; r < order.size(); ++r) out[order[r]] = static_cast<double>(r);
   return out;
@@ -68,9 +69,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
-double angle_degrees(const Vec3d& a, const Vec3d& b) {
-  return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / kPi;
-}
+double angle_degrees(const Vec3d& a, const Vec3d& b) { return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / kPi; }
 
 }  // namespace
 
@@ -152,7 +151,8 @@ FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool
     for (size_t i = g; i < scene.train.size(); i += groups) few.push_back(scene.train[i]);
     const PointPairs part = collect(scene, few);
     if (part.said.empty()) continue;
-    const std::vector<Vec3d> part_truth = transformed(part.surface, {}), part_said = transformed(part.said, align_points(part));
+    const std::vector<Vec3d> part_truth = transformed(part.surface, {}),
+                             part_said = transformed(part.said, align_points(part));
     f.few_view_accuracy += mean_of(nearest_distances(part_said, part_truth, pool)) / static_cast<double>(groups);
     f.few_view_completeness += mean_of(nearest_distances(part_truth, part_said, pool)) / static_cast<double>(groups);
   }

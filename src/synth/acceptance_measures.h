@@ -7,8 +7,8 @@ namespace aligngs {
 
 struct FusedPointFigures {
   double accuracy_mean = 0, accuracy_median = 0, completeness_mean = 0;  ///< metres
-  double accuracy_on_cameras = 0;  ///< mean, aligned on training cameras alone
-  double few_view_accuracy = 0, few_view_completeness = 0;  ///< means over groups of four views
+  double accuracy_on_cameras = 0;                                        ///< mean, aligned on training cameras alone
+  double few_view_accuracy = 0, few_view_completeness = 0;               ///< means over groups of four views
 };
 FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool);
 

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "scene/triangle_mesh.h"
@@ -9,9 +9,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kEdgeBand = 3;      // pixels around a true label edge
-constexpr int kSampleStep = 5;    // wrong pixels looked up in other views: every n-th
-constexpr double kPresent = 1e-3; // share of the pixels from which a class counts as present
+constexpr int kEdgeBand = 3;       // pixels around a true label edge
+constexpr int kSampleStep = 5;     // wrong pixels looked up in other views: every n-th
+constexpr double kPresent = 1e-3;  // share of the pixels from which a class counts as present
 
 /// Pixel of `view` that shows the world point, or -1 when the point is outside or hidden. The view's own depth there
 /// must agree within 2 % + 2 cm.

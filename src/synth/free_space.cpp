@@ -9,12 +9,12 @@
 namespace aligngs {
 namespace {
 
-constexpr double kCell = 0.1;         // metres
-constexpr double kBody = 0.24;        // half the width a person needs
-constexpr double kWallDistance = 0.3; // least distance of the camera from a wall
-constexpr double kArm = 0.5;          // how far from the body a phone is held over low furniture
-constexpr double kLow = 0.8;          // furniture lower than this can be reached over
-constexpr double kClearance = 0.28;   // of the camera from tall furniture
+constexpr double kCell = 0.1;          // metres
+constexpr double kBody = 0.24;         // half the width a person needs
+constexpr double kWallDistance = 0.3;  // least distance of the camera from a wall
+constexpr double kArm = 0.5;           // how far from the body a phone is held over low furniture
+constexpr double kLow = 0.8;           // furniture lower than this can be reached over
+constexpr double kClearance = 0.28;    // of the camera from tall furniture
 
 double distance_to(const Footprint& f, const Vec2d& p) {
   return std::hypot(std::max({f.x0 - p.x, 0.0, p.x - f.x1}), std::max({f.y0 - p.y, 0.0, p.y - f.y1}));
@@ -79,14 +79,17 @@ FreeSpace::FreeSpace(const RoomModel& room) {
       if (camera_[i]) places_.push_back(centre_of(static_cast<int>(i)));
     }
   }
-  if (places_.empty()) throw Error({ErrorKind::kFailed, "the room has no free floor for the camera", {}, {}, "try another seed"});
+  if (places_.empty())
+    throw Error({ErrorKind::kFailed, "the room has no free floor for the camera", {}, {}, "try another seed"});
 }
 
 int FreeSpace::cell_of(const Vec2d& p) const {
   return static_cast<int>(p.y / kCell) * columns_ + static_cast<int>(p.x / kCell);
 }
 
-Vec2d FreeSpace::centre_of(int cell) const { return {(cell % columns_ + 0.5) * kCell, (cell / columns_ + 0.5) * kCell}; }
+Vec2d FreeSpace::centre_of(int cell) const {
+  return {(cell % columns_ + 0.5) * kCell, (cell / columns_ + 0.5) * kCell};
+}
 
 std::vector<int> FreeSpace::shortest_path(int from, int to) const {
   // Breadth first over eight neighbours; diagonal steps count alike, the walk is resampled afterwards.

@@ -36,7 +36,8 @@ void add_bed(MeshBuilder& b, const RoomStyle& s, double width, double length) {
   b.use(another(s.bed_cloth, r));
   b.rounded_box({{-w - 0.055, y0 + fold, 0.29}, {w + 0.055, length + 0.06, top + 0.075}, 0.07, 0.02, 0.022});
   b.use(another(s.linen, r));
-  b.rounded_box({{-w - 0.05, y0 + fold - 0.1, top - 0.1}, {w + 0.05, y0 + fold + 0.22, top + 0.098}, 0.055, 0.01, 0.012});
+  b.rounded_box(
+      {{-w - 0.05, y0 + fold - 0.1, top - 0.1}, {w + 0.05, y0 + fold + 0.22, top + 0.098}, 0.055, 0.01, 0.012});
 
   if (r.chance(0.7)) {  // a throw across the foot
     b.begin("blanket");
@@ -48,8 +49,7 @@ void add_bed(MeshBuilder& b, const RoomStyle& s, double width, double length) {
     b.begin("pillow");
     b.use(another(s.linen, r));
     const double shift = r.uniform(-0.03, 0.03), lean = r.uniform(24, 32), roll = r.uniform(-3, 3);
-    b.nested(tilt({x + shift, y0 + 0.27, top + 0.14}, -lean, roll),
-             [&] { b.pillow({}, 0.33, 0.23, 0.085); });
+    b.nested(tilt({x + shift, y0 + 0.27, top + 0.14}, -lean, roll), [&] { b.pillow({}, 0.33, 0.23, 0.085); });
   }
   const int cushions = 1 + r.below(2);
   for (int i = 0; i < cushions; ++i) {
@@ -57,8 +57,7 @@ void add_bed(MeshBuilder& b, const RoomStyle& s, double width, double length) {
     b.use(another(i == 0 ? s.cushion_a : s.cushion_b, r));
     const double x = cushions == 1 ? r.uniform(-0.15, 0.15) : (i == 0 ? -0.26 : 0.26) * (w / 0.8);
     const double lean = r.uniform(48, 58), roll = r.uniform(-5, 5);
-    b.nested(tilt({x, y0 + 0.5, top + 0.24}, -lean, roll),
-             [&] { b.pillow({}, 0.21, 0.21, 0.07); });
+    b.nested(tilt({x, y0 + 0.5, top + 0.24}, -lean, roll), [&] { b.pillow({}, 0.21, 0.21, 0.07); });
   }
 }
 
@@ -89,8 +88,7 @@ void add_nightstand(MeshBuilder& b, const RoomStyle& s, double width) {
     for (int i = 0; i < 2; ++i) {
       b.use(book_material(r));
       const double x = r.uniform(-0.02, 0.02), turn = r.uniform(-15, 15);
-      b.nested(placement({x, 0.29, z}, turn),
-               [&] { b.box({-0.09, -0.06, 0}, {0.09, 0.06, 0.024}); });
+      b.nested(placement({x, 0.29, z}, turn), [&] { b.box({-0.09, -0.06, 0}, {0.09, 0.06, 0.024}); });
       z += 0.024;
     }
   }

@@ -9,7 +9,6 @@
 namespace aligngs {
 namespace {
 
-
 /// Light sources around a shade: four upright rectangles, and one to either end.
 void shade_lights(MeshBuilder& b, const Vec3d& centre, double radius, double height, double brightness) {
   const Vec3f warm = Vec3f{1.0f, 0.86f, 0.66f} * static_cast<float>(brightness);
@@ -25,7 +24,7 @@ void shade_lights(MeshBuilder& b, const Vec3d& centre, double radius, double hei
     light.normal = f.rotation * out;
     light.radiance = warm;
     light.columns = 1;
-        b.room().lights.push_back(light);
+    b.room().lights.push_back(light);
   }
   for (const double side : {-1.0, 1.0}) {
     AreaLight light;
@@ -44,7 +43,9 @@ void add_table_lamp(MeshBuilder& b, const RoomStyle& s, double z, double brightn
   Random& r = b.random();
   b.begin("lamp");
   b.use(another(s.ceramic, r));
-  b.turned({0, 0, z}, {{0, 0}, {0.055, 0}, {0.06, 0.015}, {0.03, 0.05}, {0.055, 0.12}, {0.05, 0.17}, {0.015, 0.21}, {0.012, 0.25}}, true);
+  b.turned({0, 0, z},
+           {{0, 0}, {0.055, 0}, {0.06, 0.015}, {0.03, 0.05}, {0.055, 0.12}, {0.05, 0.17}, {0.015, 0.21}, {0.012, 0.25}},
+           true);
   b.use(s.lampshade);
   b.turned({0, 0, z + 0.22}, {{0.125, 0}, {0.085, 0.17}}, false);
   b.turned({0, 0, z + 0.225}, {{0, 0}, {0.12, 0}}, false);
@@ -111,7 +112,15 @@ void add_plant(MeshBuilder& b, const RoomStyle& s, double height) {
   const Vec3d centre{0, pot * 1.6, 0};
   b.begin("pot");
   b.use(another(s.ceramic, r));
-  b.turned(centre, {{0, 0}, {pot * 0.75, 0}, {pot, pot * 1.8}, {pot * 1.06, pot * 1.8}, {pot * 1.06, pot * 2.0}, {pot * 0.92, pot * 2.0}, {pot * 0.9, pot * 1.8}}, false);
+  b.turned(centre,
+           {{0, 0},
+            {pot * 0.75, 0},
+            {pot, pot * 1.8},
+            {pot * 1.06, pot * 1.8},
+            {pot * 1.06, pot * 2.0},
+            {pot * 0.92, pot * 2.0},
+            {pot * 0.9, pot * 1.8}},
+           false);
   b.use(s.soil);
   b.turned(centre, {{pot * 0.9, pot * 1.8}, {0, pot * 1.85}}, false);
   b.begin("plant");
@@ -124,7 +133,8 @@ void add_plant(MeshBuilder& b, const RoomStyle& s, double height) {
     b.use(another(s.leaf, r));
     // A leaf rises along its midrib and droops towards its tip; its halves fold up a little.
     const auto surface = [=](double u, double v) {
-      const double l = length * u, w = width * std::pow(std::max(0.0, std::sin(kPi * std::min(1.0, 0.06 + 0.94 * u))), 0.8) * (v - 0.5);
+      const double l = length * u,
+                   w = width * std::pow(std::max(0.0, std::sin(kPi * std::min(1.0, 0.06 + 0.94 * u))), 0.8) * (v - 0.5);
       const double out = l * std::cos(lift) * reach + 0.012;
       const double up = base + l * std::sin(lift) - 0.5 * length * u * u * 0.6 + 0.25 * std::fabs(w);
       return centre + Vec3d{out * std::cos(a) - w * std::sin(a), out * std::sin(a) + w * std::cos(a), up};
@@ -139,10 +149,20 @@ void add_vase(MeshBuilder& b, const RoomStyle& s, double z) {
   Random& r = b.random();
   b.begin("vase");
   Material m = another(s.ceramic, r);
-  m.a = Vec3f{static_cast<float>(r.uniform(0.15, 0.7)), static_cast<float>(r.uniform(0.15, 0.6)), static_cast<float>(r.uniform(0.15, 0.6))};
+  m.a = Vec3f{static_cast<float>(r.uniform(0.15, 0.7)), static_cast<float>(r.uniform(0.15, 0.6)),
+              static_cast<float>(r.uniform(0.15, 0.6))};
   b.use(m);
   const double k = r.uniform(0.8, 1.1);
-  b.turned({0, 0, z}, {{0, 0}, {0.035 * k, 0}, {0.06 * k, 0.06 * k}, {0.058 * k, 0.1 * k}, {0.028 * k, 0.16 * k}, {0.034 * k, 0.19 * k}, {0.024 * k, 0.185 * k}, {0, 0.12 * k}}, true);
+  b.turned({0, 0, z},
+           {{0, 0},
+            {0.035 * k, 0},
+            {0.06 * k, 0.06 * k},
+            {0.058 * k, 0.1 * k},
+            {0.028 * k, 0.16 * k},
+            {0.034 * k, 0.19 * k},
+            {0.024 * k, 0.185 * k},
+            {0, 0.12 * k}},
+           true);
 }
 
 void add_rug(MeshBuilder& b, const RoomStyle& s, double width, double depth) {
@@ -152,8 +172,10 @@ void add_rug(MeshBuilder& b, const RoomStyle& s, double width, double depth) {
   m.scale = static_cast<float>(std::max(width, depth));
   b.use(m);
   const bool turn = depth > width;  // the pattern's long side follows the rug's
-  if (turn) b.rectangle({w, -d, thick}, {0, depth, 0}, {-width, 0, 0}, true);
-  else b.rectangle({-w, -d, thick}, {width, 0, 0}, {0, depth, 0}, true);
+  if (turn)
+    b.rectangle({w, -d, thick}, {0, depth, 0}, {-width, 0, 0}, true);
+  else
+    b.rectangle({-w, -d, thick}, {width, 0, 0}, {0, depth, 0}, true);
   Material edge = m;
   edge.kind = TextureKind::kWeave;
   edge.scale = 1;
@@ -190,8 +212,9 @@ void add_clock(MeshBuilder& b, const RoomStyle& s, double z_centre) {
     b.box({0, -0.005, 0.032}, {0.12, 0.005, 0.034});
     for (int i = 0; i < 12; ++i) {
       const double a = kPi / 6 * i;
-      b.nested(placement({0.12 * std::cos(a), 0.12 * std::sin(a), 0.0305}, i * 30.0),
-               [&] { b.box({-0.012, -0.003, 0}, {0.012, 0.003, 0.002}); });
+      b.nested(placement({0.12 * std::cos(a), 0.12 * std::sin(a), 0.0305}, i * 30.0), [&] {
+        b.box({-0.012, -0.003, 0}, {0.012, 0.003, 0.002});
+      });
     }
   });
 }
@@ -219,7 +242,8 @@ void add_basket(MeshBuilder& b, const RoomStyle& s) {
   b.occupy({-0.2, 0, 0}, {0.2, 0.4, 0.32});
   b.begin("basket");
   b.use(another(s.wicker, b.random()));
-  b.turned({0, 0.2, 0}, {{0, 0}, {0.15, 0}, {0.19, 0.2}, {0.18, 0.3}, {0.165, 0.3}, {0.17, 0.2}, {0.14, 0.02}, {0, 0.02}}, false);
+  b.turned({0, 0.2, 0},
+           {{0, 0}, {0.15, 0}, {0.19, 0.2}, {0.18, 0.3}, {0.165, 0.3}, {0.17, 0.2}, {0.14, 0.02}, {0, 0.02}}, false);
   b.begin("blanket");
   b.use(another(s.throw_cloth, b.random()));
   b.nested({Mat3d::identity(), {0, 0.2, 0.2}}, [&] { b.pillow({}, 0.13, 0.13, 0.1); });
@@ -255,7 +279,9 @@ void add_curtains(MeshBuilder& b, const RoomStyle& s, double opening, double bun
     const auto surface = [=](double u, double v) {
       const double x = opening + bundle * (side > 0 ? u : 1 - u);
       const double flare = 1 + 0.35 * (1 - v);
-      const double wave = 0.035 * flare * std::sin(2 * kPi * folds * u + phase + 0.8 * fractal_noise(static_cast<float>(u * 3), static_cast<float>(v * 2), 2, seed));
+      const double wave = 0.035 * flare *
+                          std::sin(2 * kPi * folds * u + phase +
+                                   0.8 * fractal_noise(static_cast<float>(u * 3), static_cast<float>(v * 2), 2, seed));
       return Vec3d{side * x * (1 + 0.02 * (1 - v)), 0.1 + wave, bottom + (top - bottom) * v};
     };
     // u grows with x on both sides, so that du x dv points to the wall; the second side of the sheet faces the room.
@@ -275,7 +301,9 @@ void add_box_pile(MeshBuilder& b, const RoomStyle& s) {
     Material m = another(i == 0 ? s.wicker : s.cushion_a, r);
     b.use(m);
     const double h = r.uniform(0.14, 0.2);
-    b.nested(placement({i * 0.04, 0.17, z}, r.uniform(-6, 6)), [&] { b.box({-0.2 + 0.04 * i, -0.14, 0}, {0.2 - 0.04 * i, 0.14, h}); });
+    b.nested(placement({i * 0.04, 0.17, z}, r.uniform(-6, 6)), [&] {
+      b.box({-0.2 + 0.04 * i, -0.14, 0}, {0.2 - 0.04 * i, 0.14, h});
+    });
     z += h;
   }
 }

@@ -7,9 +7,9 @@
 namespace aligngs {
 namespace {
 
-constexpr double kDepth = 0.6;    // of base cupboards, metres
-constexpr double kHeight = 0.9;   // of the worktop
-constexpr double kTop = 0.04;     // thickness of the worktop
+constexpr double kDepth = 0.6;   // of base cupboards, metres
+constexpr double kHeight = 0.9;  // of the worktop
+constexpr double kTop = 0.04;    // thickness of the worktop
 
 void handle(MeshBuilder& b, const RoomStyle& s, double x, double z, double half, double y) {
   b.use(s.metal);
@@ -147,7 +147,9 @@ void hood(MeshBuilder& b, const RoomStyle& s, double x0, double x1) {
 void pot(MeshBuilder& b, const RoomStyle& s, double x, double y, double z) {
   b.begin("pot");
   b.use(s.ceramic);
-  b.turned({x, y, z}, {{0, 0}, {0.095, 0}, {0.1, 0.13}, {0.105, 0.135}, {0.09, 0.15}, {0.02, 0.165}, {0.02, 0.18}, {0, 0.185}}, false);
+  b.turned({x, y, z},
+           {{0, 0}, {0.095, 0}, {0.1, 0.13}, {0.105, 0.135}, {0.09, 0.15}, {0.02, 0.165}, {0.02, 0.18}, {0, 0.185}},
+           false);
   for (const double d : {-1.0, 1.0}) b.bar({x + d * 0.098, y, z + 0.1}, {x + d * 0.14, y, z + 0.1}, 0.01);
 }
 

@@ -7,7 +7,6 @@
 namespace aligngs {
 namespace {
 
-
 void four_legs(MeshBuilder& b, double x, double y0, double y1, double height, double side) {
   for (const double sx : {-x, x - side}) {
     for (const double y : {y0, y1 - side}) b.box({sx, y, 0}, {sx + side, y + side, height});
@@ -44,8 +43,7 @@ void add_sofa(MeshBuilder& b, const RoomStyle& s, double width) {
     b.use(another(i == 0 ? s.cushion_a : (i == 1 ? s.cushion_b : s.cushion_c), r));
     const double x = i == 0 ? -w + arm + 0.24 : (i == 1 ? w - arm - 0.24 : r.uniform(-0.2, 0.1));
     const double lean = r.uniform(62, 70), roll = r.uniform(-8, 8);
-    b.nested(tilt({x, 0.49, seat + 0.21}, -lean, roll),
-             [&] { b.pillow({}, 0.21, 0.21, 0.075); });
+    b.nested(tilt({x, 0.49, seat + 0.21}, -lean, roll), [&] { b.pillow({}, 0.21, 0.21, 0.075); });
   }
   if (r.chance(0.5)) {  // a throw over one arm
     b.begin("blanket");
@@ -65,9 +63,11 @@ void add_armchair(MeshBuilder& b, const RoomStyle& s) {
   const Material cloth = another(s.second_upholstery, r);
   b.use(cloth);
   b.rounded_box({{-w + 0.02, 0.04, 0.12}, {w - 0.02, depth - 0.02, 0.3}, 0.04, 0, 0});
-  for (const double x : {-w, w - arm}) b.rounded_box({{x, 0.05, 0.125}, {x + arm, depth - 0.01, 0.58}, 0.055, 0.012, 0.004});
-  b.nested(tilt({0, 0.28, 0.3}, 98, 0),
-           [&] { b.rounded_box({{-w + 0.05, 0, -0.02}, {w - 0.05, 0.62, 0.15}, 0.07, 0.02, 0.004}); });
+  for (const double x : {-w, w - arm})
+    b.rounded_box({{x, 0.05, 0.125}, {x + arm, depth - 0.01, 0.58}, 0.055, 0.012, 0.004});
+  b.nested(tilt({0, 0.28, 0.3}, 98, 0), [&] {
+    b.rounded_box({{-w + 0.05, 0, -0.02}, {w - 0.05, 0.62, 0.15}, 0.07, 0.02, 0.004});
+  });
   b.use(another(cloth, r));
   b.rounded_box({{-w + arm + 0.004, 0.14, 0.28}, {w - arm - 0.004, depth + 0.005, 0.44}, 0.05, 0.03, 0.004});
   b.begin("cushion");
@@ -115,8 +115,9 @@ void add_swivel_chair(MeshBuilder& b, const RoomStyle& s) {
   b.cylinder({0, cy, 0.08}, 0.026, seat - 0.13);
   b.use(another(s.upholstery, r));
   b.rounded_box({{-0.25, cy - 0.24, seat - 0.07}, {0.25, cy + 0.27, seat + 0.02}, 0.04, 0.012, 0});
-  b.nested(tilt({0, 0.07, 0.56}, 95, 0),
-           [&] { b.rounded_box({{-0.23, 0, -0.035}, {0.23, 0.46, 0.035}, 0.03, 0.015, 0}); });
+  b.nested(tilt({0, 0.07, 0.56}, 95, 0), [&] {
+    b.rounded_box({{-0.23, 0, -0.035}, {0.23, 0.46, 0.035}, 0.03, 0.015, 0});
+  });
   b.use(s.black_plastic);
   b.box({-0.03, 0.005, 0.44}, {0.03, 0.03, 0.75});
   for (const double x : {-0.29, 0.24}) {
@@ -133,7 +134,8 @@ void add_stool(MeshBuilder& b, const RoomStyle& s) {
   b.turned({0, 0.18, 0.42}, {{0, 0}, {0.17, 0}, {0.175, 0.02}, {0.165, 0.04}, {0, 0.04}}, false);
   for (int i = 0; i < 4; ++i) {
     const double a = kPi / 4 + kPi / 2 * i;
-    b.bar({0.16 * std::cos(a), 0.18 + 0.16 * std::sin(a), 0}, {0.1 * std::cos(a), 0.18 + 0.1 * std::sin(a), 0.42}, 0.016);
+    b.bar({0.16 * std::cos(a), 0.18 + 0.16 * std::sin(a), 0}, {0.1 * std::cos(a), 0.18 + 0.1 * std::sin(a), 0.42},
+          0.016);
   }
 }
 

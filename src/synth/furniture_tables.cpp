@@ -53,8 +53,9 @@ void add_coffee_table(MeshBuilder& b, const RoomStyle& s, double width, double d
   for (int i = 0; i < 3; ++i) {
     b.use(book_material(r));
     const double t = r.uniform(0.018, 0.03);
-    b.nested(placement({-w * 0.45, depth * 0.5, z}, r.uniform(-20, 20)),
-             [&] { b.box({-0.14, -0.1, 0}, {0.14, 0.1, t}); });
+    b.nested(placement({-w * 0.45, depth * 0.5, z}, r.uniform(-20, 20)), [&] {
+      b.box({-0.14, -0.1, 0}, {0.14, 0.1, t});
+    });
     z += t;
   }
   b.nested(placement({w * 0.4, depth * 0.5, 0}, 0), [&] { add_vase(b, s, top); });
@@ -74,7 +75,8 @@ void add_desk(MeshBuilder& b, const RoomStyle& s, double width, bool computer) {
   const double d0 = side > 0 ? w - 0.42 : -w + 0.02;  // drawers at one end, legs at the other
   b.box({d0, 0.03, 0.08}, {d0 + 0.4, depth - 0.05, top - 0.03});
   b.use(s.dark_metal);
-  for (const double y : {0.05, depth - 0.09}) b.box({-side * (w - 0.03) - 0.02, y, 0}, {-side * (w - 0.03) + 0.02, y + 0.04, top - 0.03});
+  for (const double y : {0.05, depth - 0.09})
+    b.box({-side * (w - 0.03) - 0.02, y, 0}, {-side * (w - 0.03) + 0.02, y + 0.04, top - 0.03});
   b.box({d0 + 0.02, 0.06, 0}, {d0 + 0.38, depth - 0.09, 0.08});
   b.use(another(s.second_wood, r));
   for (int i = 0; i < 3; ++i) {
@@ -82,7 +84,8 @@ void add_desk(MeshBuilder& b, const RoomStyle& s, double width, bool computer) {
     b.box({d0 + 0.012, depth - 0.05, z}, {d0 + 0.388, depth - 0.034, z + 0.19});
   }
   b.use(s.metal);
-  for (int i = 0; i < 3; ++i) b.bar({d0 + 0.14, depth - 0.022, 0.22 + i * 0.2}, {d0 + 0.26, depth - 0.022, 0.22 + i * 0.2}, 0.007);
+  for (int i = 0; i < 3; ++i)
+    b.bar({d0 + 0.14, depth - 0.022, 0.22 + i * 0.2}, {d0 + 0.26, depth - 0.022, 0.22 + i * 0.2}, 0.007);
   if (computer) {
     const double x = -side * 0.12;
     b.begin("monitor");

@@ -8,10 +8,10 @@ namespace aligngs {
 
 /// Effects of a hand-held camera on photos of a room; the shares are judgement.
 struct ImageDegradationSettings {
-  double noise = 1.5 / 255;      ///< standard deviation at medium brightness; grows with the square root of it
-  double blur = 1.5;             ///< largest width of the blur (full width at half maximum), pixels
-  double gain = 0.12;            ///< exposure per view: +- this share, linear light
-  double white_balance = 0.03;   ///< red and blue against green per view: +- this share
+  double noise = 1.5 / 255;     ///< standard deviation at medium brightness; grows with the square root of it
+  double blur = 1.5;            ///< largest width of the blur (full width at half maximum), pixels
+  double gain = 0.12;           ///< exposure per view: +- this share, linear light
+  double white_balance = 0.03;  ///< red and blue against green per view: +- this share
   int jpeg_quality = 92;
 };
 

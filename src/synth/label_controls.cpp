@@ -32,10 +32,14 @@ void rename_classes(ScoreMap& map, Random& random) {
 
 const char* label_teacher_name(LabelTeacher teacher) {
   switch (teacher) {
-    case LabelTeacher::kTrue: return "true";
-    case LabelTeacher::kConstant: return "constant";
-    case LabelTeacher::kShuffled: return "shuffled";
-    case LabelTeacher::kTeacher: break;
+    case LabelTeacher::kTrue:
+      return "true";
+    case LabelTeacher::kConstant:
+      return "constant";
+    case LabelTeacher::kShuffled:
+      return "shuffled";
+    case LabelTeacher::kTeacher:
+      break;
   }
   return "teacher";
 }

@@ -44,7 +44,8 @@ TEST(LabelControls, ShuffledKeepsTheOutlinesAndLosesTheNames) {
     EXPECT_NE(best(map, 2), best(map, 3)) << "the edge stays";
     EXPECT_NEAR(map.score(best(map, 0), 0, 0), 0.8f, 1e-3);
   }
-  EXPECT_FALSE(best(maps[0], 0) == best(maps[1], 0) && best(maps[0], 5) == best(maps[1], 5)) << "another name in every view";
+  EXPECT_FALSE(best(maps[0], 0) == best(maps[1], 0) && best(maps[0], 5) == best(maps[1], 5))
+      << "another name in every view";
 }
 
 TEST(LabelControls, TheTeacherItselfIsLeftAlone) {

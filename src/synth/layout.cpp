@@ -5,8 +5,8 @@
 namespace aligngs {
 namespace {
 
-constexpr double kReveal = 0.16;   // depth of a window niche, metres
-constexpr double kPane = 0.11;     // how far behind the wall the glass lies
+constexpr double kReveal = 0.16;     // depth of a window niche, metres
+constexpr double kPane = 0.11;       // how far behind the wall the glass lies
 constexpr double kDoorFrame = 0.07;  // width of a door's frame; the upper one is above the opening
 
 /// The wall's surface around its windows, as rectangles that share the texture coordinates (s, z).
@@ -103,10 +103,14 @@ void door(MeshBuilder& b, const RoomStyle& s, const WallOpening& o) {
 
 Rigidd wall_frame(const RoomPlan& plan, int wall, double s, double gap) {
   switch (wall) {
-    case 0: return placement({s, gap, 0}, 0);
-    case 1: return placement({plan.width - gap, s, 0}, 90);
-    case 2: return placement({plan.width - s, plan.depth - gap, 0}, 180);
-    default: return placement({gap, plan.depth - s, 0}, 270);
+    case 0:
+      return placement({s, gap, 0}, 0);
+    case 1:
+      return placement({plan.width - gap, s, 0}, 90);
+    case 2:
+      return placement({plan.width - s, plan.depth - gap, 0}, 180);
+    default:
+      return placement({gap, plan.depth - s, 0}, 270);
   }
 }
 
@@ -139,8 +143,10 @@ void build_shell(MeshBuilder& b, const RoomStyle& s, const RoomPlan& plan) {
     }
     for (const WallOpening& o : plan.walls[wall].openings) {
       b.room().openings.push_back({wall, o.s0, o.s1, o.z0, o.z1 + (o.is_door ? kDoorFrame : 0), o.is_door});
-      if (o.is_door) door(b, s, o);
-      else window(b, s, o);
+      if (o.is_door)
+        door(b, s, o);
+      else
+        window(b, s, o);
     }
   }
   b.set_frame({});

@@ -8,11 +8,11 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kGrain = 512;          // vertices per chunk
-constexpr float kLift = 2e-3f;          // metres by which ray origins leave their surface
-constexpr double kContact = 0.03;       // metres: a surface whose probes all end this close is hidden
-constexpr size_t kProbe = 7;            // index of the last probe
-constexpr float kFilter = 0.06f;        // texture footprint when a surface reflects light, metres
+constexpr size_t kGrain = 512;     // vertices per chunk
+constexpr float kLift = 2e-3f;     // metres by which ray origins leave their surface
+constexpr double kContact = 0.03;  // metres: a surface whose probes all end this close is hidden
+constexpr size_t kProbe = 7;       // index of the last probe
+constexpr float kFilter = 0.06f;   // texture footprint when a surface reflects light, metres
 
 struct LightPoint {
   Vec3f position, normal, power;  // power = radiance * area of the piece
@@ -24,7 +24,8 @@ std::vector<LightPoint> light_points(const RoomModel& room) {
     const double area = norm(cross(light.edge_u, light.edge_v)) / (light.columns * light.rows);
     for (int j = 0; j < light.rows; ++j) {
       for (int i = 0; i < light.columns; ++i) {
-        const Vec3d p = light.origin + light.edge_u * ((i + 0.5) / light.columns) + light.edge_v * ((j + 0.5) / light.rows);
+        const Vec3d p =
+            light.origin + light.edge_u * ((i + 0.5) / light.columns) + light.edge_v * ((j + 0.5) / light.rows);
         points.push_back({p.cast<float>(), light.normal.cast<float>(), light.radiance * static_cast<float>(area)});
       }
     }
@@ -92,7 +93,8 @@ LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOpt
   const size_t count = directions.size();
   constexpr uint32_t kNone = 0xffffffffu;
   std::vector<Vec3f> direct(n), albedo(n);
-  std::vector<uint32_t> seen(options.shadows ? n * count : 0, kNone);  // nearest vertex of the surface each direction meets
+  // nearest vertex of the surface each direction meets
+  std::vector<uint32_t> seen(options.shadows ? n * count : 0, kNone);
   pool.parallel_for(n, kGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       const Vec3f& normal = room.normals[i];

@@ -12,7 +12,6 @@
 namespace aligngs {
 namespace {
 
-
 std::vector<double> even_lines(double low, double high, double cell = kCellSize) {
   const int n = std::max(1, static_cast<int>(std::ceil((high - low) / cell - 1e-9)));
   std::vector<double> lines(static_cast<size_t>(n) + 1);
@@ -129,12 +128,13 @@ void MeshBuilder::rectangle(const Vec3d& corner, const Vec3d& edge_u, const Vec3
                             Vec2d uv_origin) {
   const double lu = norm(edge_u), lv = norm(edge_v);
   const size_t v0 = room_.positions.size(), t0 = room_.triangles.size();
-  grid(even_lines(0, lu), even_lines(0, lv),
-       [&](double u, double v) { return corner + edge_u * (u / lu) + edge_v * (v / lv); },
-       [&](double u, double v) {
-         return unit_uv ? Vec2f{static_cast<float>(u / lu), static_cast<float>(v / lv)}
-                        : Vec2f{static_cast<float>(uv_origin.x + u), static_cast<float>(uv_origin.y + v)};
-       });
+  grid(
+      even_lines(0, lu), even_lines(0, lv),
+      [&](double u, double v) { return corner + edge_u * (u / lu) + edge_v * (v / lv); },
+      [&](double u, double v) {
+        return unit_uv ? Vec2f{static_cast<float>(u / lu), static_cast<float>(v / lv)}
+                       : Vec2f{static_cast<float>(uv_origin.x + u), static_cast<float>(uv_origin.y + v)};
+      });
   compute_normals(v0, t0, false);
 }
 
@@ -148,19 +148,20 @@ void MeshBuilder::box(const Vec3d& low, const Vec3d& high) {
       if (side == 0) std::swap(a, b);
       const bool turn = size[a] < size[b];
       const size_t v0 = room_.positions.size(), t0 = room_.triangles.size();
-      grid(even_lines(low[a], high[a]), even_lines(low[b], high[b]),
-           [&](double u, double v) {
-             Vec3d p;
-             p[axis] = side == 0 ? low[axis] : high[axis];
-             p[a] = u;
-             p[b] = v;
-             return p;
-           },
-           [&](double u, double v) {
-             const float s = static_cast<float>(turn ? v - low[b] : u - low[a]) + offset.x;
-             const float t = static_cast<float>(turn ? u - low[a] : v - low[b]) + offset.y;
-             return Vec2f{s, t};
-           });
+      grid(
+          even_lines(low[a], high[a]), even_lines(low[b], high[b]),
+          [&](double u, double v) {
+            Vec3d p;
+            p[axis] = side == 0 ? low[axis] : high[axis];
+            p[a] = u;
+            p[b] = v;
+            return p;
+          },
+          [&](double u, double v) {
+            const float s = static_cast<float>(turn ? v - low[b] : u - low[a]) + offset.x;
+            const float t = static_cast<float>(turn ? u - low[a] : v - low[b]) + offset.y;
+            return Vec2f{s, t};
+          });
       compute_normals(v0, t0, false);
     }
   }
@@ -180,7 +181,8 @@ void MeshBuilder::rounded_box(const RoundedBoxShape& shape) {
     const double sx = 1 - q.x * q.x / (half.x * half.x), sy = 1 - q.y * q.y / (half.y * half.y);
     q.z += shape.bulge * std::max(0.0, sx) * std::max(0.0, sy) * (q.z >= 0 ? 1 : -1);
     if (shape.wrinkle > 0) {
-      const float fold = fractal_noise(static_cast<float>(q.x * 4 + q.z * 3), static_cast<float>(q.y * 2.5 + q.z), 3, seed);
+      const float fold =
+          fractal_noise(static_cast<float>(q.x * 4 + q.z * 3), static_cast<float>(q.y * 2.5 + q.z), 3, seed);
       q += n * (shape.wrinkle * fold);
     }
     return centre + q;
@@ -191,18 +193,19 @@ void MeshBuilder::rounded_box(const RoundedBoxShape& shape) {
       int a = (axis + 1) % 3, b = (axis + 2) % 3;
       if (side == 0) std::swap(a, b);
       const bool turn = half[a] < half[b];
-      grid(rounded_lines(half[a], radius), rounded_lines(half[b], radius),
-           [&](double u, double v) {
-             Vec3d p;
-             p[axis] = side == 0 ? -half[axis] : half[axis];
-             p[a] = u;
-             p[b] = v;
-             return surface(p);
-           },
-           [&](double u, double v) {
-             return Vec2f{static_cast<float>(turn ? v : u) + offset.x + static_cast<float>(axis) * 0.37f,
-                          static_cast<float>(turn ? u : v) + offset.y};
-           });
+      grid(
+          rounded_lines(half[a], radius), rounded_lines(half[b], radius),
+          [&](double u, double v) {
+            Vec3d p;
+            p[axis] = side == 0 ? -half[axis] : half[axis];
+            p[a] = u;
+            p[b] = v;
+            return surface(p);
+          },
+          [&](double u, double v) {
+            return Vec2f{static_cast<float>(turn ? v : u) + offset.x + static_cast<float>(axis) * 0.37f,
+                         static_cast<float>(turn ? u : v) + offset.y};
+          });
     }
   }
   compute_normals(v0, t0, true);
@@ -227,8 +230,11 @@ void MeshBuilder::pillow(const Vec3d& centre, double half_x, double half_y, doub
     const TextureMap uv = [&](double u, double v) {
       return Vec2f{static_cast<float>(u * half_x) + offset.x, static_cast<float>(v * half_y) + offset.y};
     };
-    if (side > 0) grid(us, vs, surface, uv);
-    else grid(us, vs, [&](double u, double v) { return surface(-u, v); }, uv);
+    if (side > 0)
+      grid(us, vs, surface, uv);
+    else
+      grid(
+          us, vs, [&](double u, double v) { return surface(-u, v); }, uv);
     compute_normals(v0, t0, false);
   }
 }
@@ -249,14 +255,15 @@ void MeshBuilder::turned(const Vec3d& base, const std::vector<std::pair<double, 
     const double length = std::hypot(r1 - r0, z1 - z0);
     const size_t v0 = room_.positions.size(), t0 = room_.triangles.size();
     const double start = along, low_r = r0, low_z = z0, dr = r1 - r0, dz = z1 - z0;
-    grid(angles, even_lines(0, 1, kCellSize / std::max(length, 1e-6)),
-         [&](double a, double t) {
-           const double r = low_r + dr * t;
-           return base + Vec3d{r * std::cos(a), r * std::sin(a), low_z + dz * t};
-         },
-         [&](double a, double t) {
-           return Vec2f{static_cast<float>(a * widest) + offset.x, static_cast<float>(start + t * length) + offset.y};
-         });
+    grid(
+        angles, even_lines(0, 1, kCellSize / std::max(length, 1e-6)),
+        [&](double a, double t) {
+          const double r = low_r + dr * t;
+          return base + Vec3d{r * std::cos(a), r * std::sin(a), low_z + dz * t};
+        },
+        [&](double a, double t) {
+          return Vec2f{static_cast<float>(a * widest) + offset.x, static_cast<float>(start + t * length) + offset.y};
+        });
     if (!smooth) compute_normals(v0, t0, true);
     along += length;
   }
@@ -269,8 +276,7 @@ void MeshBuilder::cylinder(const Vec3d& base, double radius, double height, int 
 
 void MeshBuilder::bar(const Vec3d& from, const Vec3d& to, double radius) {
   const Vec3d axis = normalized(to - from);
-  nested({rotation_matrix(quaternion_from_z_to(axis)), from},
-         [&] { cylinder({}, radius, norm(to - from), 10); });
+  nested({rotation_matrix(quaternion_from_z_to(axis)), from}, [&] { cylinder({}, radius, norm(to - from), 10); });
 }
 
 void MeshBuilder::sheet(const Surface& surface, double size_u, double size_v, double thickness) {
@@ -285,11 +291,13 @@ void MeshBuilder::sheet(const Surface& surface, double size_u, double size_v, do
     return Vec2f{static_cast<float>(u * size_u) + offset.x, static_cast<float>(v * size_v) + offset.y};
   };
   size_t v0 = room_.positions.size(), t0 = room_.triangles.size();
-  grid(us, vs, [&](double u, double v) { return shifted(u, v, thickness / 2); }, front);
+  grid(
+      us, vs, [&](double u, double v) { return shifted(u, v, thickness / 2); }, front);
   compute_normals(v0, t0, false);
   v0 = room_.positions.size();
   t0 = room_.triangles.size();
-  grid(us, vs, [&](double u, double v) { return shifted(1 - u, v, -thickness / 2); }, front);
+  grid(
+      us, vs, [&](double u, double v) { return shifted(1 - u, v, -thickness / 2); }, front);
   compute_normals(v0, t0, false);
 }
 

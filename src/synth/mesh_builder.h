@@ -21,10 +21,10 @@ Rigidd placement(const Vec3d& origin, double degrees);
 Rigidd tilt(const Vec3d& origin, double about_x_degrees, double about_y_degrees);
 
 struct RoundedBoxShape {
-  Vec3d low, high;      ///< corners, metres
-  double radius = 0.03; ///< of the edges
-  double bulge = 0;     ///< how much the top and bottom faces swell in the middle
-  double wrinkle = 0;   ///< amplitude of folds along the normal
+  Vec3d low, high;       ///< corners, metres
+  double radius = 0.03;  ///< of the edges
+  double bulge = 0;      ///< how much the top and bottom faces swell in the middle
+  double wrinkle = 0;    ///< amplitude of folds along the normal
 };
 
 /// Adds objects to a room. Everything is given in the current frame; `begin` starts an object, `material`

@@ -19,7 +19,8 @@ Vec3f palette(uint32_t seed, int index) {
   const float chroma = value * (0.35f + 0.6f * lattice_random(index, 13, 0, seed));
   const float x = chroma * (1 - std::fabs(std::fmod(hue, 2.0f) - 1)), base = value - chroma;
   const int sector = static_cast<int>(hue) % 6;
-  const float r[6] = {chroma, x, 0, 0, x, chroma}, g[6] = {x, chroma, chroma, x, 0, 0}, b[6] = {0, 0, x, chroma, chroma, x};
+  const float r[6] = {chroma, x, 0, 0, x, chroma}, g[6] = {x, chroma, chroma, x, 0, 0},
+              b[6] = {0, 0, x, chroma, chroma, x};
   return {base + r[sector], base + g[sector], base + b[sector]};
 }
 
@@ -33,11 +34,23 @@ Vec3f blocks(uint32_t seed, float u, float v) {
     if ((level & 1) == 0) {
       const float c = x0 + cut * (x1 - x0);
       if (std::fabs(u - c) < 0.012f) return {0.02f, 0.02f, 0.02f};
-      if (u < c) { x1 = c; id = id * 2; } else { x0 = c; id = id * 2 + 1; }
+      if (u < c) {
+        x1 = c;
+        id = id * 2;
+      } else {
+        x0 = c;
+        id = id * 2 + 1;
+      }
     } else {
       const float c = y0 + cut * (y1 - y0);
       if (std::fabs(v - c) < 0.012f) return {0.02f, 0.02f, 0.02f};
-      if (v < c) { y1 = c; id = id * 2; } else { y0 = c; id = id * 2 + 1; }
+      if (v < c) {
+        y1 = c;
+        id = id * 2;
+      } else {
+        y0 = c;
+        id = id * 2 + 1;
+      }
     }
   }
   return palette(seed, id % 9);
@@ -48,8 +61,9 @@ Vec3f landscape(uint32_t seed, float u, float v) {
   const float sun = std::hypot(u - 0.2f - 0.6f * lattice_random(5, 0, 0, seed), v - 0.78f);
   if (sun < 0.09f) color = {0.95f, 0.75f, 0.35f};
   for (int layer = 0; layer < 5; ++layer) {
-    const float ridge = 0.68f - 0.13f * static_cast<float>(layer) +
-                        0.16f * fractal_noise(u * (2.0f + static_cast<float>(layer)), static_cast<float>(layer) * 7, 4, seed);
+    const float ridge =
+        0.68f - 0.13f * static_cast<float>(layer) +
+        0.16f * fractal_noise(u * (2.0f + static_cast<float>(layer)), static_cast<float>(layer) * 7, 4, seed);
     if (v < ridge) color = palette(seed, 2 + layer) * (0.75f - 0.1f * static_cast<float>(layer));
   }
   return color * (0.9f + 0.25f * fractal_noise(u * 40, v * 12, 2, seed));
@@ -82,10 +96,14 @@ Vec3f painting_color(const Material& m, float u, float v) {
   if (u < border || v < border || u > 1 - border || v > 1 - border) return {0.75f, 0.73f, 0.68f};
   const float x = (u - border) / (1 - 2 * border), y = (v - border) / (1 - 2 * border);
   switch (m.seed % 4) {
-    case 0: return blocks(m.seed, x, y);
-    case 1: return landscape(m.seed, x, y);
-    case 2: return circles(m.seed, x, y);
-    default: return strokes(m.seed, x, y);
+    case 0:
+      return blocks(m.seed, x, y);
+    case 1:
+      return landscape(m.seed, x, y);
+    case 2:
+      return circles(m.seed, x, y);
+    default:
+      return strokes(m.seed, x, y);
   }
 }
 
@@ -95,13 +113,15 @@ Vec3f garden_color(const Material& m, float u, float v) {
   const Vec3f sky = mix({0.95f, 0.97f, 1.0f}, {0.62f, 0.78f, 1.0f}, v);
   const float foliage = 0.5f + 0.5f * fractal_noise(u * 6, v * 6, 2, m.seed + 1);
   const Vec3f tree = mix({0.1f, 0.2f, 0.07f}, {0.35f, 0.5f, 0.2f}, foliage);
-  const Vec3f lawn = mix({0.25f, 0.4f, 0.12f}, {0.45f, 0.6f, 0.25f}, 0.5f + 0.5f * fractal_noise(u * 4, v * 9, 2, m.seed + 2));
+  const Vec3f lawn =
+      mix({0.25f, 0.4f, 0.12f}, {0.45f, 0.6f, 0.25f}, 0.5f + 0.5f * fractal_noise(u * 4, v * 9, 2, m.seed + 2));
   Vec3f color = mix(tree, sky, clamp01((v - treeline) / blur + 0.5f));
   return mix(lawn, color, clamp01((v - 0.2f) / blur + 0.5f));
 }
 
 Vec3f screen_color(const Material& m, float u, float v) {
-  Vec3f color = mix(Vec3f{0.05f, 0.12f, 0.3f}, Vec3f{0.15f, 0.4f, 0.5f}, clamp01(0.5f + fractal_noise(u * 3, v * 3, 3, m.seed)));
+  Vec3f color =
+      mix(Vec3f{0.05f, 0.12f, 0.3f}, Vec3f{0.15f, 0.4f, 0.5f}, clamp01(0.5f + fractal_noise(u * 3, v * 3, 3, m.seed)));
   for (int i = 0; i < 3; ++i) {
     const float x = 0.05f + 0.5f * lattice_random(i, 0, 0, m.seed), y = 0.1f + 0.4f * lattice_random(i, 1, 0, m.seed);
     const float w = 0.3f + 0.15f * lattice_random(i, 2, 0, m.seed), h = 0.35f + 0.15f * lattice_random(i, 3, 0, m.seed);

@@ -16,7 +16,8 @@ bool is_shell(const RoomObject& object) {
 
 std::string_view trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(' ');
-  return begin == std::string_view::npos ? std::string_view() : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+  return begin == std::string_view::npos ? std::string_view()
+                                         : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
 std::string names_of(const RoomModel& room) {
@@ -47,7 +48,8 @@ Removal parse_removal(const RoomModel& room, std::string_view text) {
       objects.insert(i);
       found = true;
     }
-    if (!found) throw_usage("this room has no object \"" + item.substr(0, 60) + "\" to leave out", "it has: " + names_of(room));
+    if (!found)
+      throw_usage("this room has no object \"" + item.substr(0, 60) + "\" to leave out", "it has: " + names_of(room));
     if (comma == std::string_view::npos) break;
     text.remove_prefix(comma + 1);
   }

@@ -12,7 +12,7 @@ namespace aligngs {
 
 /// Objects of a room that are taken out together.
 struct Removal {
-  std::string name;          ///< of the folder of its truth: "chest_of_drawers#1+vase#1"
+  std::string name;             ///< of the folder of its truth: "chest_of_drawers#1+vase#1"
   std::vector<size_t> objects;  ///< indices into RoomModel::objects, ascending
 };
 

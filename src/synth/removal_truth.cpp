@@ -24,7 +24,8 @@ RemovalTruth make_removal_truth(const SynthScene& scene, const Removal& removal,
     truth.pictures.push_back(photo_of(scene.options, static_cast<size_t>(index), after.color));
     Image<uint8_t> mask(before.instances.width, before.instances.height, 1, 0);
     for (size_t p = 0; p < mask.data.size(); ++p) {
-      if (std::binary_search(removal.objects.begin(), removal.objects.end(), size_t(before.instances.data[p]))) mask.data[p] = 255;
+      if (std::binary_search(removal.objects.begin(), removal.objects.end(), size_t(before.instances.data[p])))
+        mask.data[p] = 255;
     }
     truth.masks.push_back(std::move(mask));
   }
@@ -47,7 +48,8 @@ void write_removal_truth(const SynthScene& scene, const RemovalTruth& truth, con
                        {"low", {box.low.x, box.low.y, box.low.z}},
                        {"high", {box.high.x, box.high.y, box.high.z}}});
   }
-  write_file_atomically(place / "removal.json", json_document(nlohmann::ordered_json{{"schema", 1}, {"objects", objects}}));
+  write_file_atomically(place / "removal.json",
+                        json_document(nlohmann::ordered_json{{"schema", 1}, {"objects", objects}}));
 }
 
 }  // namespace aligngs

@@ -73,7 +73,8 @@ TEST_F(RemovalTruthTest, PicturesDifferWhereTheObjectWasSeen) {
     for (size_t p = 0; p < truth.masks[i].data.size(); ++p) {
       const bool inside = truth.masks[i].data[p] != 0;
       int difference = 0;
-      for (size_t c = 0; c < 3; ++c) difference = std::max(difference, std::abs(before.data[3 * p + c] - after.data[3 * p + c]));
+      for (size_t c = 0; c < 3; ++c)
+        difference = std::max(difference, std::abs(before.data[3 * p + c] - after.data[3 * p + c]));
       constexpr int kVisible = 12;  // levels of 255
       seen += inside;
       changed_inside += inside && difference > kVisible;

@@ -28,24 +28,26 @@ void furnish_bedroom(RoomSite& site) {
   build_shell(b, s, plan);
   dress_window(site, window_wall, window, true, true);
 
-  site.at_wall(0, bed, [&] { add_bed(b, s, bed_width, bed_length); }, 0.01);
+  site.at_wall(
+      0, bed, [&] { add_bed(b, s, bed_width, bed_length); }, 0.01);
   for (const double side : {-1.0, 1.0}) {
-    site.at_wall(0, bed + side * (bed_width / 2 + 0.09 + stand / 2), [&] { add_nightstand(b, s, stand); }, 0.01);
+    site.at_wall(
+        0, bed + side * (bed_width / 2 + 0.09 + stand / 2), [&] { add_nightstand(b, s, stand); }, 0.01);
   }
   const double picture = r.uniform(0.9, 1.3), picture_height = r.uniform(0.5, 0.65);
   site.at_wall(0, bed, [&] { add_painting(b, s, picture, picture_height, 1.72); });
 
   // Wardrobe at the far end of its wall. Wall 1 runs from the bed's wall away from it, wall 3 towards it.
   const double wardrobe = r.uniform(1.2, 1.6), along = plan.depth - wardrobe / 2 - 0.06;
-  site.at_wall(closet_wall, closet_wall == 1 ? along : plan.depth - along, [&] { add_wardrobe(b, s, wardrobe); }, 0.01);
+  site.at_wall(
+      closet_wall, closet_wall == 1 ? along : plan.depth - along, [&] { add_wardrobe(b, s, wardrobe); }, 0.01);
 
   // Opposite the bed: chest of drawers with a picture above it.
   const double chest = r.uniform(0.9, 1.2);
   const double free_end = 0.62 + chest / 2 + r.uniform(0.1, 0.25);
   const double chest_s = window_wall == 1 ? plan.width - free_end : free_end;
-  site.at_wall(2, chest_s, [&] {
-    add_chest_of_drawers(b, s, chest);
-  }, 0.016);
+  site.at_wall(
+      2, chest_s, [&] { add_chest_of_drawers(b, s, chest); }, 0.016);
   const double chest_top = b.room().footprints.back().top;
   site.at_wall(2, chest_s, [&] {
     const double w = r.uniform(0.6, 0.8), h = r.uniform(0.45, 0.6);
@@ -57,8 +59,10 @@ void furnish_bedroom(RoomSite& site) {
   // A shelf or a picture on the free part of the wardrobe's wall.
   const double free_s = closet_wall == 1 ? 0.95 : plan.depth - 0.95;
   site.at_wall(closet_wall, free_s, [&] {
-    if (r.chance(0.5)) add_painting(b, s, 0.45, 0.6, 1.55);
-    else add_wall_shelf(b, s, 0.8, 1.4);
+    if (r.chance(0.5))
+      add_painting(b, s, 0.45, 0.6, 1.55);
+    else
+      add_wall_shelf(b, s, 0.8, 1.4);
   });
   site.at({plan.width / 2, plan.depth / 2, 0}, 0, [&] { add_ceiling_light(b, s, plan.height, 1.0); });
   const double rug_width = bed_width + r.uniform(0.7, 1.0), rug_depth = r.uniform(1.3, 1.6);

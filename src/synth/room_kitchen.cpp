@@ -18,7 +18,8 @@ void furnish_kitchen(RoomSite& site) {
   const WallOpening over_sink = window_opening(sink_s, 1.0, 1.18, 2.15, false);
   plan.walls[0].openings.push_back(over_sink);
   const int window_wall = r.chance(0.5) ? 1 : 3, other_wall = 4 - window_wall;
-  const WallOpening window = window_opening(plan.depth * 0.5 + (window_wall == 1 ? 0.3 : -0.3), r.uniform(1.2, 1.5), 0.9, 2.2, true);
+  const WallOpening window =
+      window_opening(plan.depth * 0.5 + (window_wall == 1 ? 0.3 : -0.3), r.uniform(1.2, 1.5), 0.9, 2.2, true);
   plan.walls[window_wall].openings.push_back(window);
   const double door_s = window_wall == 1 ? 0.8 : plan.width - 0.8;
   plan.walls[2].openings.push_back(door_opening(door_s));
@@ -34,9 +35,10 @@ void furnish_kitchen(RoomSite& site) {
   build_shell(b, tiled, plan);
   dress_window(site, window_wall, window, true, true);
 
-  site.at_wall(0, plan.width / 2, [&] {
-    add_kitchen_run(b, s, plan.width - 0.04, over_sink.s0 - plan.width / 2, over_sink.s1 - plan.width / 2);
-  }, 0.0);
+  site.at_wall(
+      0, plan.width / 2,
+      [&] { add_kitchen_run(b, s, plan.width - 0.04, over_sink.s0 - plan.width / 2, over_sink.s1 - plan.width / 2); },
+      0.0);
 
   const double table_w = r.uniform(1.3, 1.55), table_d = r.uniform(0.8, 0.9);
   const Vec3d centre{plan.width / 2 + r.uniform(-0.15, 0.15), 0.6 + (plan.depth - 0.6) * 0.52, 0};
@@ -54,12 +56,15 @@ void furnish_kitchen(RoomSite& site) {
   site.at({plan.width / 2, 0.6 + 0.5, 0}, 0, [&] { add_ceiling_light(b, s, plan.height, 0.8); });
 
   const double free_s = window_wall == 1 ? plan.width - 0.85 : 0.85;
-  site.at_wall(2, free_s, [&] {
-    add_cabinet(b, s, r.uniform(1.1, 1.35), 0.92);
-    add_painting(b, s, 0.7, 0.5, 1.6);
-    b.nested(placement({-0.3, 0.2, 0}, 0), [&] { add_vase(b, s, 0.92); });
-    b.nested(placement({0.3, 0.2, 0}, 0), [&] { add_table_lamp(b, s, 0.92, 0.7); });
-  }, 0.016);
+  site.at_wall(
+      2, free_s,
+      [&] {
+        add_cabinet(b, s, r.uniform(1.1, 1.35), 0.92);
+        add_painting(b, s, 0.7, 0.5, 1.6);
+        b.nested(placement({-0.3, 0.2, 0}, 0), [&] { add_vase(b, s, 0.92); });
+        b.nested(placement({0.3, 0.2, 0}, 0), [&] { add_table_lamp(b, s, 0.92, 0.7); });
+      },
+      0.016);
   const double wall_s = other_wall == 1 ? plan.depth * 0.62 : plan.depth * 0.38;
   site.at_wall(other_wall, wall_s, [&] {
     add_clock(b, s, 1.9);

@@ -38,7 +38,8 @@ void RoomModel::remove_unused_vertices() {
 
 double RoomModel::triangle_area(size_t triangle) const {
   const auto& t = triangles[triangle];
-  const Vec3d a = positions[t[0]].cast<double>(), b = positions[t[1]].cast<double>(), c = positions[t[2]].cast<double>();
+  const Vec3d a = positions[t[0]].cast<double>(), b = positions[t[1]].cast<double>(),
+              c = positions[t[2]].cast<double>();
   return 0.5 * norm(cross(b - a, c - a));
 }
 

@@ -21,8 +21,8 @@ struct RoomObject {
 /// A rectangle that shines to one side: origin + s * edge_u + t * edge_v, s, t in [0, 1].
 struct AreaLight {
   Vec3d origin, edge_u, edge_v;
-  Vec3d normal;    ///< unit, the side that shines
-  Vec3f radiance;  ///< linear RGB, W / (m^2 sr) up to one common factor
+  Vec3d normal;               ///< unit, the side that shines
+  Vec3f radiance;             ///< linear RGB, W / (m^2 sr) up to one common factor
   int columns = 1, rows = 1;  ///< sample points when it lights a surface
 };
 
@@ -33,7 +33,8 @@ struct Footprint {
   double bottom = 0;  ///< > 0 for something that hangs: the floor below is free
 };
 
-/// A window's hole in a wall, or a door with its frame. Walls are numbered as in synth/layout.h; lengths along the wall and above the floor, metres.
+/// A window's hole in a wall, or a door with its frame. Walls are numbered as in synth/layout.h; lengths along the wall
+/// and above the floor, metres.
 struct RoomOpening {
   int wall = 0;
   double left = 0, right = 0, bottom = 0, top = 0;
@@ -43,11 +44,11 @@ struct RoomOpening {
 /// Metres; the frame in which it is built has the floor at z = 0, z up and a corner at the origin.
 /// Triangles wind counter-clockwise seen from outside an object, or from inside the room.
 struct RoomModel {
-  std::string name;               ///< "bedroom", ...
+  std::string name;                         ///< "bedroom", ...
   double width = 0, depth = 0, height = 0;  ///< x, y, z extent in metres
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;     ///< per vertex, unit
-  std::vector<Vec2f> uvs;         ///< per vertex, texture coordinates in metres
+  std::vector<Vec3f> normals;  ///< per vertex, unit
+  std::vector<Vec2f> uvs;      ///< per vertex, texture coordinates in metres
   std::vector<std::array<uint32_t, 3>> triangles;
   std::vector<uint16_t> triangle_object;    ///< index into objects
   std::vector<uint16_t> triangle_material;  ///< index into materials

@@ -25,7 +25,8 @@ void furnish_office(RoomSite& site) {
   const double desk = std::min(1.6, (plan.width - 0.5) / 2);
   for (const double side : {-1.0, 1.0}) {
     const double x = plan.width / 2 + side * (desk / 2 + 0.12);
-    site.at_wall(0, x, [&] { add_desk(b, s, desk, true); }, 0.018);
+    site.at_wall(
+        0, x, [&] { add_desk(b, s, desk, true); }, 0.018);
     // The chair's back is away from the desk; it is pulled out and turned a little.
     const double chair_x = x + r.uniform(-0.12, 0.05), chair_y = 1.25 + r.uniform(0.0, 0.2), turn = r.uniform(-30, 30);
     site.at({chair_x, chair_y, 0}, 180 + turn, [&] { add_swivel_chair(b, s); });
@@ -39,16 +40,20 @@ void furnish_office(RoomSite& site) {
   for (int i = 0; i < cases + 1; ++i) {
     const double from_far = 0.1 + case_width / 2 + i * (case_width + 0.02);
     const double s_case = case_wall == 1 ? plan.depth - from_far : from_far;
-    site.at_wall(case_wall, s_case, [&] { add_bookcase(b, s, case_width, i == cases ? 1.25 : 2.0); }, 0.018);
+    site.at_wall(
+        case_wall, s_case, [&] { add_bookcase(b, s, case_width, i == cases ? 1.25 : 2.0); }, 0.018);
   }
   const double cabinet = r.uniform(1.0, 1.25);
   const double cabinet_s = window_wall == 1 ? 0.12 + cabinet / 2 + 0.35 : plan.width - 0.47 - cabinet / 2;
-  site.at_wall(2, cabinet_s, [&] {
-    add_cabinet(b, s, cabinet, 0.95);
-    add_painting(b, s, r.uniform(0.8, 1.0), 0.6, 1.65);
-    b.nested(placement({-0.3, 0.22, 0}, 0), [&] { add_vase(b, s, 0.95); });
-    add_books(b, 0.0, 0.35, 0.95, 0.3, 0.3);
-  }, 0.016);
+  site.at_wall(
+      2, cabinet_s,
+      [&] {
+        add_cabinet(b, s, cabinet, 0.95);
+        add_painting(b, s, r.uniform(0.8, 1.0), 0.6, 1.65);
+        b.nested(placement({-0.3, 0.22, 0}, 0), [&] { add_vase(b, s, 0.95); });
+        add_books(b, 0.0, 0.35, 0.95, 0.3, 0.3);
+      },
+      0.016);
   const double mid = plan.width / 2 + (window_wall == 1 ? 0.35 : -0.35);
   site.at_wall(2, plan.width - mid, [&] { add_clock(b, s, 2.0); });
   const double rug_width = r.uniform(1.9, 2.3), rug_depth = r.uniform(1.3, 1.5);
@@ -58,7 +63,8 @@ void furnish_office(RoomSite& site) {
                       {{0.5, 0.5, [](MeshBuilder& m, const RoomStyle& t) { add_plant(m, t, 1.2); }},
                        {0.8, 0.82, add_armchair},
                        {0.32, 0.32, add_waste_bin},
-                       {0.44, 0.42, [](MeshBuilder& m, const RoomStyle& t) {
+                       {0.44, 0.42,
+                        [](MeshBuilder& m, const RoomStyle& t) {
                           m.occupy({-0.2, 0, 0}, {0.2, 0.34, 0.4});
                           add_box_pile(m, t);
                         }}},

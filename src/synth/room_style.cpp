@@ -42,10 +42,10 @@ Material wood_of(Random& random, float gloss) {
 }
 
 Material cloth(Random& random, bool patterned) {
-  static const std::vector<Pair> kCloths = {{{96, 112, 128}, {62, 76, 92}},    {{150, 80, 62}, {108, 50, 40}},
-                                            {{88, 112, 88}, {56, 78, 60}},     {{186, 160, 120}, {146, 120, 84}},
-                                            {{70, 82, 130}, {44, 52, 92}},     {{170, 130, 60}, {126, 92, 36}},
-                                            {{130, 100, 126}, {92, 64, 90}},   {{120, 118, 112}, {84, 82, 78}}};
+  static const std::vector<Pair> kCloths = {{{96, 112, 128}, {62, 76, 92}},  {{150, 80, 62}, {108, 50, 40}},
+                                            {{88, 112, 88}, {56, 78, 60}},   {{186, 160, 120}, {146, 120, 84}},
+                                            {{70, 82, 130}, {44, 52, 92}},   {{170, 130, 60}, {126, 92, 36}},
+                                            {{130, 100, 126}, {92, 64, 90}}, {{120, 118, 112}, {84, 82, 78}}};
   static const TextureKind kPatterns[] = {TextureKind::kStripes, TextureKind::kChecks, TextureKind::kFloral};
   const Pair& p = pick(kCloths, random);
   const TextureKind kind = patterned ? kPatterns[random.below(3)] : TextureKind::kWeave;
@@ -63,7 +63,8 @@ Material floor_of(Random& random, float gloss) {
   const int choice = random.below(4);
   Material m;
   if (choice == 3) {
-    m = make(TextureKind::kTiles, {214, 206, 192}, {176, 164, 148}, static_cast<float>(random.uniform(1.0, 1.6)), random);
+    m = make(TextureKind::kTiles, {214, 206, 192}, {176, 164, 148}, static_cast<float>(random.uniform(1.0, 1.6)),
+             random);
     m.c = linear_rgb(112, 106, 98);
   } else {
     m = wood_of(random, 0);
@@ -81,8 +82,10 @@ Material feature_of(Random& random) {
     m.c = linear_rgb(196, 188, 176);
     return m;
   }
-  static const std::vector<Pair> kPapers = {{{206, 198, 176}, {128, 140, 120}}, {{178, 196, 204}, {92, 120, 140}},
-                                            {{214, 188, 170}, {164, 104, 88}},  {{190, 190, 204}, {116, 108, 146}},
+  static const std::vector<Pair> kPapers = {{{206, 198, 176}, {128, 140, 120}},
+                                            {{178, 196, 204}, {92, 120, 140}},
+                                            {{214, 188, 170}, {164, 104, 88}},
+                                            {{190, 190, 204}, {116, 108, 146}},
                                             {{92, 112, 118}, {170, 180, 170}}};
   static const TextureKind kKinds[] = {TextureKind::kWallStripes, TextureKind::kWallDamask, TextureKind::kWallLeaves,
                                        TextureKind::kWallDamask};

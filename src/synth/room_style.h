@@ -7,14 +7,14 @@
 namespace aligngs {
 
 struct RoomStyle {
-  Material bare_paint;     ///< walls and ceiling: near-white, no texture
-  Material feature_wall;   ///< the one wall with wallpaper, brick or coloured plaster
+  Material bare_paint;    ///< walls and ceiling: near-white, no texture
+  Material feature_wall;  ///< the one wall with wallpaper, brick or coloured plaster
   Material floor;
   Material skirting;
   Material wood, second_wood, lacquer;  ///< furniture
   Material metal, dark_metal, black_gloss, white_plastic, black_plastic;
-  Material upholstery, second_upholstery;      ///< sofas, chairs
-  Material bed_cloth, throw_cloth, linen;      ///< bed
+  Material upholstery, second_upholstery;  ///< sofas, chairs
+  Material bed_cloth, throw_cloth, linen;  ///< bed
   Material cushion_a, cushion_b, cushion_c;
   Material curtain, rug, lampshade, ceramic, leaf, soil, wicker, counter;
 };

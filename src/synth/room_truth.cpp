@@ -17,7 +17,8 @@ std::vector<std::vector<Vec3d>> points_of_objects(const RoomModel& room) {
   const Rigidd to_room = room.room_to_world.inverse();
   std::vector<std::vector<Vec3d>> out(room.objects.size());
   for (size_t t = 0; t < room.triangles.size(); ++t) {
-    for (const uint32_t v : room.triangles[t]) out[room.triangle_object[t]].push_back(to_room * room.positions[v].cast<double>());
+    for (const uint32_t v : room.triangles[t])
+      out[room.triangle_object[t]].push_back(to_room * room.positions[v].cast<double>());
   }
   return out;
 }
@@ -59,9 +60,11 @@ MeasuredRoom room_truth(const RoomModel& model) {
   room.floor_seen = room.ceiling_seen = 1;
   const Vec2d corners[4] = {{0, 0}, {model.width, 0}, {model.width, model.depth}, {0, model.depth}};
   const Vec3d normals[4] = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
-  for (size_t w = 0; w < 4; ++w) room.walls.push_back({corners[w], corners[(w + 1) % 4], normals[w], model.height, 1, 1, false});
+  for (size_t w = 0; w < 4; ++w)
+    room.walls.push_back({corners[w], corners[(w + 1) % 4], normals[w], model.height, 1, 1, false});
   for (const RoomOpening& o : model.openings) {
-    room.openings.push_back({o.is_door ? OpeningKind::kDoor : OpeningKind::kWindow, o.is_door ? "door" : "windowpane", o.wall, o.left, o.right, o.bottom, o.top, 1, 1});
+    room.openings.push_back({o.is_door ? OpeningKind::kDoor : OpeningKind::kWindow, o.is_door ? "door" : "windowpane",
+                             o.wall, o.left, o.right, o.bottom, o.top, 1, 1});
   }
 
   const std::vector<RoomClass> classes = room_classes(ade20k_labels());
@@ -77,7 +80,8 @@ MeasuredRoom room_truth(const RoomModel& model) {
       picture.kind = *c.opening;
       room.openings.push_back(picture);
     }
-    if (c.furniture && !points[i].empty()) furniture.push_back({object.class_name, ++numbers[object.class_name], points[i], 1});
+    if (c.furniture && !points[i].empty())
+      furniture.push_back({object.class_name, ++numbers[object.class_name], points[i], 1});
   }
   FurnitureSettings exact;
   exact.tail = 0;

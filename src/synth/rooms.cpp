@@ -39,10 +39,14 @@ RoomModel build_room(const RoomOptions& options) {
   const RoomStyle style = make_room_style(style_random, options.glossy);
   MeshBuilder builder(room, base.fork(3).state()[0]);
   RoomSite site{builder, style, {}, plan_random};
-  if (options.kind == "bedroom") furnish_bedroom(site);
-  else if (options.kind == "living") furnish_living(site);
-  else if (options.kind == "kitchen") furnish_kitchen(site);
-  else furnish_office(site);
+  if (options.kind == "bedroom")
+    furnish_bedroom(site);
+  else if (options.kind == "living")
+    furnish_living(site);
+  else if (options.kind == "kitchen")
+    furnish_kitchen(site);
+  else
+    furnish_office(site);
   room.remove_unused_vertices();
   return room;
 }

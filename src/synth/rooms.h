@@ -12,7 +12,7 @@ namespace aligngs {
 struct RoomOptions {
   std::string kind = "bedroom";  ///< bedroom, living, kitchen or office
   uint64_t seed = 1;
-  bool glossy = true;            ///< polished floor and table tops
+  bool glossy = true;  ///< polished floor and table tops
 };
 
 /// Names that RoomOptions::kind may take.

@@ -73,7 +73,8 @@ TEST_P(Rooms, LeaveThirtyPercentOfTheSurfaceBare) {
 INSTANTIATE_TEST_SUITE_P(AllKinds, Rooms, testing::Values("bedroom", "living", "kitchen", "office"));
 
 TEST(RoomSeeds, TheSameSeedGivesTheSameRoomAndAnotherSeedAnother) {
-  const RoomModel a = build_room({"bedroom", 7, true}), b = build_room({"bedroom", 7, true}), c = build_room({"bedroom", 8, true});
+  const RoomModel a = build_room({"bedroom", 7, true}), b = build_room({"bedroom", 7, true}),
+                  c = build_room({"bedroom", 8, true});
   ASSERT_EQ(a.positions.size(), b.positions.size());
   for (size_t i = 0; i < a.positions.size(); ++i) ASSERT_EQ(a.positions[i].x, b.positions[i].x);
   EXPECT_NE(a.width, c.width);

@@ -10,7 +10,6 @@
 namespace aligngs {
 namespace {
 
-
 /// Place of the point in a photo.
 struct Sighting {
   size_t view;
@@ -54,7 +53,7 @@ bool triangulate(const std::vector<SfmView>& views, const std::vector<Sighting>&
 
 /// The photos that see the surface point behind a corner and match it.
 std::vector<Sighting> track_of(const std::vector<SfmView>& views, size_t first, const Vec3d& world,
-                                  const SfmSettings& settings, Random& random) {
+                               const SfmSettings& settings, Random& random) {
   std::vector<Sighting> track;
   for (size_t v = 0; v < views.size(); ++v) {
     const Camera& camera = views[v].truth->camera;
@@ -65,7 +64,8 @@ std::vector<Sighting> track_of(const std::vector<SfmView>& views, size_t first, 
     const double depth = views[v].truth->depth.at(static_cast<int>(at.x), static_cast<int>(at.y));
     if (!(depth > 0) || std::abs(depth - p.z) > settings.same_depth * p.z) continue;
     if (v != first && !random.chance(settings.found)) continue;
-    track.push_back({v, {at.x + settings.pixel_noise * random.normal(), at.y + settings.pixel_noise * random.normal()}});
+    track.push_back(
+        {v, {at.x + settings.pixel_noise * random.normal(), at.y + settings.pixel_noise * random.normal()}});
   }
   return track;
 }
@@ -89,7 +89,8 @@ PointCloud simulate_sfm_cloud(const std::vector<SfmView>& views, const SfmSettin
       if (track.size() < 2 || track.front().view != v || !triangulate(views, track, settings, point)) continue;
       cloud.positions.push_back(point.cast<float>());
       const uint8_t* c = views[v].photo->pixel(corner.x, corner.y);
-      cloud.colors.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
+      cloud.colors.push_back(
+          {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
     }
   }
   return cloud;

@@ -20,11 +20,11 @@ struct SfmView {
 
 struct SfmSettings {
   CornerSettings corners{900, 4, 0.01};  ///< of a photo of 320 x 240; as many per pixel in others
-  double same_depth = 0.02;        ///< a corner is seen by a photo whose depth there agrees within this share
-  double found = 0.6;              ///< chance that a photo that sees the point also matches it
-  double pixel_noise = 0.5;        ///< pixels, standard deviation of an observation
-  double largest_residual = 4;     ///< pixels; points that fit the cameras worse are dropped, as mappers do
-  double smallest_parallax = 1.5;  ///< degrees between two rays of the track
+  double same_depth = 0.02;              ///< a corner is seen by a photo whose depth there agrees within this share
+  double found = 0.6;                    ///< chance that a photo that sees the point also matches it
+  double pixel_noise = 0.5;              ///< pixels, standard deviation of an observation
+  double largest_residual = 4;           ///< pixels; points that fit the cameras worse are dropped, as mappers do
+  double smallest_parallax = 1.5;        ///< degrees between two rays of the track
 };
 
 /// Points with tracks of two or more photos; bare walls have none. Positions carry the cameras' errors, as they would.

@@ -63,7 +63,8 @@ TEST(SfmCloud, WithoutObservationNoisePositionsAreExact) {
   const WallPhotos wall(3);
   SfmSettings settings;
   settings.pixel_noise = 0;
-  for (const Vec3f& p : simulate_sfm_cloud(wall.views, settings, Random(1)).positions) EXPECT_NEAR(p.z, kWallDepth, 1e-4);
+  for (const Vec3f& p : simulate_sfm_cloud(wall.views, settings, Random(1)).positions)
+    EXPECT_NEAR(p.z, kWallDepth, 1e-4);
 }
 
 TEST(SfmCloud, ErrorsOfTheCamerasAreInThePoints) {

@@ -14,7 +14,7 @@ constexpr float kPiFloat = 3.14159265f;
 
 struct SurfacePoint {
   const Material* material = nullptr;
-  Vec3f normal;      // shading normal, not turned
+  Vec3f normal;  // shading normal, not turned
   Vec2f uv;
   Vec3f irradiance;
 };
@@ -63,7 +63,8 @@ Vec3f trace(const RoomRays& scene, const LightCache& lights, const Vec3d& origin
   Vec3f mirror = view - n * (2 * dot(view, n));
   constexpr float rough = 0.008f;  // radians: polish that is not a mirror
   mirror += Vec3f{lattice_random(0, 0, 0, jitter_seed) - 0.5f, lattice_random(1, 0, 0, jitter_seed) - 0.5f,
-                  lattice_random(2, 0, 0, jitter_seed) - 0.5f} * (2 * rough);
+                  lattice_random(2, 0, 0, jitter_seed) - 0.5f} *
+            (2 * rough);
   mirror = normalized(mirror);
   if (dot(mirror, n) <= 0.01f) return radiance;
   const Vec3d start = origin + direction * hit.distance + n.cast<double>() * 1e-3;
@@ -123,8 +124,9 @@ RenderedView render_view(const RoomRays& scene, const LightCache* lights, const 
           for (int i = 0; i < n; ++i) {
             const Vec3d ray = camera.ray(x + (i + 0.5) / n, y + (j + 0.5) / n);
             const uint32_t jitter = lattice_hash(x * n + i, y * n + j, 0, 77u);
-            sum += tone_map(trace(scene, *lights, camera_to_world.translation, camera_to_world.rotation * ray,
-                                  pixel_angle, jitter), lights->exposure);
+            sum += tone_map(
+                trace(scene, *lights, camera_to_world.translation, camera_to_world.rotation * ray, pixel_angle, jitter),
+                lights->exposure);
           }
         }
         sum *= 1.0f / static_cast<float>(n * n);

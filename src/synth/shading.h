@@ -27,9 +27,9 @@ LightCache light_room(const RoomRays& scene, ThreadPool& pool, const LightingOpt
 /// One picture with its exact maps. All maps are taken at pixel centres.
 struct RenderedView {
   Camera camera;
-  ImageF color;   ///< H x W x 3 sRGB [0, 1], antialiased; empty when not asked for
-  ImageF depth;   ///< metres along the camera's z axis; 0 where no surface
-  ImageF normal;  ///< H x W x 3, unit, world, turned to the camera
+  ImageF color;               ///< H x W x 3 sRGB [0, 1], antialiased; empty when not asked for
+  ImageF depth;               ///< metres along the camera's z axis; 0 where no surface
+  ImageF normal;              ///< H x W x 3, unit, world, turned to the camera
   Image<uint16_t> labels;     ///< ADE20K class; kNoLabel where no surface
   Image<uint16_t> instances;  ///< index into RoomModel::objects; 65535 where no surface
   Image<uint8_t> unreliable;  ///< 1 on glass, screens and dark gloss

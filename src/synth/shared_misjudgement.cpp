@@ -9,7 +9,7 @@ namespace aligngs {
 namespace {
 
 constexpr double kShortest = 1.0, kLongest = 2.5;  // wavelengths, metres: pieces of furniture and parts of walls
-constexpr double kMeanExcess = 0.36;  // mean of excess times |side| where there is excess, for shares of 5 to 25 %
+constexpr double kMeanExcess = 0.36;    // mean of excess times |side| where there is excess, for shares of 5 to 25 %
 constexpr double kLargestExcess = 1.2;  // nothing is misjudged by more than about three times the mean
 
 }  // namespace

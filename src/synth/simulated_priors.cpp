@@ -61,15 +61,17 @@ Vec3d up_of(const Scene& scene) {
 
 TriangleMesh truth_of(const Scene& scene) {
   if (scene.truth_mesh.empty()) {
-    throw_bad_input(scene.folder / "truth" / "mesh.ply", "", "the simulated network looks at the true surface, and there is none",
+    throw_bad_input(scene.folder / "truth" / "mesh.ply", "",
+                    "the simulated network looks at the true surface, and there is none",
                     "use a scene with a reference mesh");
   }
   if (!scene.metric) {
-    throw_bad_input(scene.folder / "scene.json", "units", "errors are simulated in metres, and this scene has another unit",
-                    "use a scene in metres");
+    throw_bad_input(scene.folder / "scene.json", "units",
+                    "errors are simulated in metres, and this scene has another unit", "use a scene in metres");
   }
   TriangleMesh mesh = read_mesh_ply(scene.truth_mesh);
-  if (mesh.triangles.empty()) throw_bad_input(scene.truth_mesh, "faces", "the true surface has none", "use a scene with a reference mesh");
+  if (mesh.triangles.empty())
+    throw_bad_input(scene.truth_mesh, "faces", "the true surface has none", "use a scene with a reference mesh");
   return mesh;
 }
 
@@ -84,7 +86,8 @@ PriorsJson priors_of(const SimulatedPriorOptions& options) {
 
 }  // namespace
 
-void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder, const SimulatedPriorOptions& options, ThreadPool& pool) {
+void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder,
+                            const SimulatedPriorOptions& options, ThreadPool& pool) {
   const std::vector<std::filesystem::path> sources = {scene.folder};
   require_scene_place(folder, options.overwrite, sources);
   const TriangleMesh mesh = truth_of(scene);
@@ -92,11 +95,13 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
   const RoomModel room = room_of(mesh);
   const RoomRays rays(room);
   std::vector<RenderedView> seen;
-  for (const Camera& camera : scene.evaluation_cameras) seen.push_back(render_view(rays, nullptr, camera, {false, 1}, pool));
+  for (const Camera& camera : scene.evaluation_cameras)
+    seen.push_back(render_view(rays, nullptr, camera, {false, 1}, pool));
   const Box box = box_of(mesh);
   const Vec3d size = box.high - box.low;
-  GeometryTeacher teacher = simulate_geometry_teacher(seen, geometry_teacher_settings(options.level), (box.low + box.high) * 0.5,
-                                                      std::max({size.x, size.y, size.z}), up_of(scene), Random(options.seed), pool);
+  GeometryTeacher teacher =
+      simulate_geometry_teacher(seen, geometry_teacher_settings(options.level), (box.low + box.high) * 0.5,
+                                std::max({size.x, size.y, size.z}), up_of(scene), Random(options.seed), pool);
   SceneParts parts;
   parts.split.train.emplace();
   parts.split.test.emplace();
@@ -116,7 +121,8 @@ void write_simulated_priors(const Scene& scene, const std::filesystem::path& fol
   std::vector<Image<uint8_t>> photos;
   for (const int i : scene.train) photos.push_back(read_view_photo(scene.views[static_cast<size_t>(i)]));
   std::vector<TeacherCloudView> cloud_views;
-  for (size_t k = 0; k < photos.size(); ++k) cloud_views.push_back({&teacher.views[static_cast<size_t>(scene.train[k])], &photos[k]});
+  for (size_t k = 0; k < photos.size(); ++k)
+    cloud_views.push_back({&teacher.views[static_cast<size_t>(scene.train[k])], &photos[k]});
   parts.cloud = teacher_cloud(cloud_views, Random(options.seed).fork(1));
   parts.description.metric = true;
   parts.description.up = scene.up;

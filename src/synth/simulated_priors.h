@@ -12,7 +12,7 @@ namespace aligngs {
 
 struct SimulatedPriorOptions {
   TeacherLevel level = TeacherLevel::kMedium;
-  uint64_t seed = 1;       ///< another one: another draw of all errors
+  uint64_t seed = 1;  ///< another one: another draw of all errors
   bool overwrite = false;
 };
 
@@ -21,6 +21,7 @@ struct SimulatedPriorOptions {
 /// through its true cameras, then everything is disturbed. priors.json calls the result simulated. Labels are not made:
 /// their values are unknown. Errors: kBadInput for a scene without truth mesh, or one that is not in metres, the unit
 /// of the errors; kUsage as SceneWriter.
-void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder, const SimulatedPriorOptions& options, ThreadPool& pool);
+void write_simulated_priors(const Scene& scene, const std::filesystem::path& folder,
+                            const SimulatedPriorOptions& options, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "scene/view_data.h"
 
 namespace aligngs {
@@ -50,7 +50,8 @@ double depth_error(const Scene& scene) {
   for (const int i : scene.train) {
     LoadOptions load;
     const ViewData view = load_view(scene, i, load);
-    const ImageF truth = test_scene::surface_depth_map(scene.evaluation_cameras[static_cast<size_t>(i)], view.camera.width, view.camera.height);
+    const ImageF truth = test_scene::surface_depth_map(scene.evaluation_cameras[static_cast<size_t>(i)],
+                                                       view.camera.width, view.camera.height);
     for (size_t p = 0; p < truth.data.size(); ++p) {
       if (!(view.prior_depth.data[p] > 0)) continue;
       sum += std::abs(std::log(view.prior_depth.data[p] / truth.data[p]));

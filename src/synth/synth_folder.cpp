@@ -89,7 +89,8 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
   parts.truth_mesh = scene.mesh;
   writer.write(parts);
   write_room(writer.folder() / "truth" / "room.json", room_truth(scene.room));
-  for (const RemovalTruth& removal : removals) write_removal_truth(scene, removal, writer.folder() / "truth" / "without");
+  for (const RemovalTruth& removal : removals)
+    write_removal_truth(scene, removal, writer.folder() / "truth" / "without");
   writer.commit();
 }
 
@@ -99,10 +100,11 @@ void write_synth_scene(const SynthScene& scene, const std::filesystem::path& fol
 
 uint64_t estimate_scene_bytes(const SynthOptions& o) {
   const uint64_t pixels = static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
-  const uint64_t scores = 150 * 2 * static_cast<uint64_t>(static_cast<double>(pixels) * o.semantic_scale * o.semantic_scale);
+  const uint64_t scores =
+      150 * 2 * static_cast<uint64_t>(static_cast<double>(pixels) * o.semantic_scale * o.semantic_scale);
   // Per pixel: noisy PNG 2.3, depth 4, confidence 2, truth depth about 1.2, labels 0.1 bytes.
   const uint64_t view = scores + pixels * 96 / 10;
-  constexpr uint64_t kMesh = 13000000;    // about 230,000 vertices of 27 bytes and 400,000 faces of 13
+  constexpr uint64_t kMesh = 13000000;     // about 230,000 vertices of 27 bytes and 400,000 faces of 13
   constexpr uint64_t kCloud = 30000 * 51;  // COLMAP points with a track of one
   return static_cast<uint64_t>(o.views) * view + kMesh + kCloud;
 }

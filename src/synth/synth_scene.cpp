@@ -16,7 +16,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kMinSize = 32, kMaxSize = 4096;   // pixels
+constexpr int kMinSize = 32, kMaxSize = 4096;  // pixels
 constexpr int kMaxViews = 1000;
 
 void check_options(const SynthOptions& o) {
@@ -40,13 +40,15 @@ Rigidd world_frame(const RoomModel& room, Random random) {
   const Mat3d y_down{{1, 0, 0, 0, 0, -1, 0, 1, 0}};  // room (x, y, z up) -> (x, -z, y)
   const Mat3d rotation = y_down * placement({}, a).rotation;
   const Vec3d middle{room.width / 2, room.depth / 2, 1.2};
-  return {rotation, -(rotation * middle) + Vec3d{random.uniform(-0.5, 0.5), random.uniform(-0.2, 0.2), random.uniform(-0.5, 0.5)}};
+  return {rotation, -(rotation * middle) +
+                        Vec3d{random.uniform(-0.5, 0.5), random.uniform(-0.2, 0.2), random.uniform(-0.5, 0.5)}};
 }
 
 PointCloud sparse_cloud(const SynthScene& scene, const Random& random) {
   if (scene.options.cloud == CloudTeacher::kFeedForward) {
     std::vector<TeacherCloudView> teachers;
-    for (const int i : scene.train) teachers.push_back({&scene.views[static_cast<size_t>(i)].teacher, &scene.views[static_cast<size_t>(i)].image});
+    for (const int i : scene.train)
+      teachers.push_back({&scene.views[static_cast<size_t>(i)].teacher, &scene.views[static_cast<size_t>(i)].image});
     return teacher_cloud(teachers, random);
   }
   std::vector<SfmView> views;
@@ -90,23 +92,27 @@ TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
 }
 
 const ImageF& SynthScene::prior_depth(const SynthView& view) const {
-  return options.teacher == TeacherKind::kSimulated && options.depth_teacher == DepthTeacher::kMono ? view.mono_depth
-                                                                                                     : view.teacher.depth;
+  return options.teacher == TeacherKind::kSimulated && options.depth_teacher == DepthTeacher::kMono
+             ? view.mono_depth
+             : view.teacher.depth;
 }
 
 std::string geometry_teacher_name(const SynthOptions& o) {
-  return o.teacher == TeacherKind::kExact ? "exact" : fmt::format("simulated feed-forward ({})", teacher_level_name(o.level));
+  return o.teacher == TeacherKind::kExact ? "exact"
+                                          : fmt::format("simulated feed-forward ({})", teacher_level_name(o.level));
 }
 
 std::string depth_teacher_name(const SynthOptions& o) {
-  if (o.teacher == TeacherKind::kExact || o.depth_teacher == DepthTeacher::kFeedForward) return geometry_teacher_name(o);
+  if (o.teacher == TeacherKind::kExact || o.depth_teacher == DepthTeacher::kFeedForward)
+    return geometry_teacher_name(o);
   return fmt::format("simulated mono-depth ({})", teacher_level_name(o.level));
 }
 
 std::string semantic_teacher_name(const SynthOptions& o) {
   if (o.labels == LabelTeacher::kTrue) return "exact";
   if (o.labels != LabelTeacher::kTeacher) return fmt::format("placebo, {} labels", label_teacher_name(o.labels));
-  return o.teacher == TeacherKind::kExact ? "exact" : fmt::format("simulated Mask2Former ({})", teacher_level_name(o.level));
+  return o.teacher == TeacherKind::kExact ? "exact"
+                                          : fmt::format("simulated Mask2Former ({})", teacher_level_name(o.level));
 }
 
 SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const SynthProgress& progress) {
@@ -151,18 +157,19 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
   const bool exact = options.teacher == TeacherKind::kExact;
   GeometryTeacherSettings settings = geometry_teacher_settings(options.level);
   settings.similarity = options.unknown_similarity;
-  const Vec3d centre = scene.room.room_to_world * Vec3d{scene.room.width / 2, scene.room.depth / 2, scene.room.height / 2};
-  GeometryTeacher geometry = exact ? exact_geometry_teacher(rendered)
-                                   : simulate_geometry_teacher(rendered, settings, centre,
-                                                               std::max(scene.room.width, scene.room.depth), scene.up,
-                                                               teacher_base.fork(1), pool);
+  const Vec3d centre =
+      scene.room.room_to_world * Vec3d{scene.room.width / 2, scene.room.depth / 2, scene.room.height / 2};
+  GeometryTeacher geometry =
+      exact ? exact_geometry_teacher(rendered)
+            : simulate_geometry_teacher(rendered, settings, centre, std::max(scene.room.width, scene.room.depth),
+                                        scene.up, teacher_base.fork(1), pool);
   scene.teacher_world = geometry.world;
   report(0.85, "running the semantic teacher");
   std::vector<ScoreMap> scores =
       exact || options.labels == LabelTeacher::kTrue
           ? exact_semantic_teacher(rendered, options.semantic_scale, pool)
-            : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
-                                        options.semantic_scale, teacher_base.fork(2), pool);
+          : simulate_semantic_teacher(rendered, scene.room, semantic_teacher_settings(options.level),
+                                      options.semantic_scale, teacher_base.fork(2), pool);
   apply_label_control(options.labels, scores, teacher_base.fork(5));
 
   report(0.95, "developing the pictures");

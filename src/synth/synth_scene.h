@@ -20,48 +20,49 @@
 namespace aligngs {
 
 enum class TeacherKind { kExact, kSimulated };
-enum class CloudTeacher { kFeedForward, kSfm };  ///< where sparse/points3D comes from
+enum class CloudTeacher { kFeedForward, kSfm };   ///< where sparse/points3D comes from
 enum class DepthTeacher { kFeedForward, kMono };  ///< which simulated network fills pred_depths/
 
 struct SynthOptions {
-  std::string room = "bedroom";    ///< bedroom, living, kitchen or office
-  int views = 28;                  ///< training and test together
-  int test_views = 8;              ///< half near the training path, half far from it
-  int width = 320, height = 240;   ///< pixels, 32 to 4096
-  uint64_t seed = 1;               ///< of room, furniture, light, walk and teachers
-  uint64_t teacher_seed = 0;       ///< 0: follows `seed`; otherwise another teacher for the same room
+  std::string room = "bedroom";   ///< bedroom, living, kitchen or office
+  int views = 28;                 ///< training and test together
+  int test_views = 8;             ///< half near the training path, half far from it
+  int width = 320, height = 240;  ///< pixels, 32 to 4096
+  uint64_t seed = 1;              ///< of room, furniture, light, walk and teachers
+  uint64_t teacher_seed = 0;      ///< 0: follows `seed`; otherwise another teacher for the same room
   TeacherKind teacher = TeacherKind::kSimulated;
   TeacherLevel level = TeacherLevel::kMedium;
   DepthTeacher depth_teacher = DepthTeacher::kFeedForward;
   CloudTeacher cloud = CloudTeacher::kFeedForward;
   LabelTeacher labels = LabelTeacher::kTeacher;
-  bool unknown_similarity = false; ///< teacher's world with unknown scale and rotation, as a real network's
-  bool degrade_images = true;      ///< noise, blur, exposure, white balance, JPEG
-  bool glossy = true;              ///< polished floor and table tops
-  double semantic_scale = 0.4;     ///< size of the score maps relative to the images, at most 0.5
-  int samples_per_side = 2;        ///< antialiasing: n x n rays per pixel
-  bool shadows = true;             ///< false: a draft without shadows and interreflection, in a tenth of the time
+  bool unknown_similarity = false;  ///< teacher's world with unknown scale and rotation, as a real network's
+  bool degrade_images = true;       ///< noise, blur, exposure, white balance, JPEG
+  bool glossy = true;               ///< polished floor and table tops
+  double semantic_scale = 0.4;      ///< size of the score maps relative to the images, at most 0.5
+  int samples_per_side = 2;         ///< antialiasing: n x n rays per pixel
+  bool shadows = true;              ///< false: a draft without shadows and interreflection, in a tenth of the time
 };
 
 /// One view with everything that is known of it.
 struct SynthView {
-  std::string name;          ///< "view_000", ... in the order of the walk
+  std::string name;  ///< "view_000", ... in the order of the walk
   ViewRole role = ViewRole::kTraining;
-  RenderedView truth;        ///< exact camera and maps, clean colour
-  Image<uint8_t> image;      ///< the photo
-  TeacherView teacher;       ///< camera, depth and confidence of the (simulated) reconstruction network
-  ImageF mono_depth;         ///< of the simulated single-image network; empty with exact teachers
+  RenderedView truth;    ///< exact camera and maps, clean colour
+  Image<uint8_t> image;  ///< the photo
+  TeacherView teacher;   ///< camera, depth and confidence of the (simulated) reconstruction network
+  ImageF mono_depth;     ///< of the simulated single-image network; empty with exact teachers
   ScoreMap scores;
 };
 
 struct SynthScene {
   SynthOptions options;
-  RoomModel room;            ///< in the world of the exact cameras
-  Vec3d up;                  ///< unit, world
+  RoomModel room;  ///< in the world of the exact cameras
+  Vec3d up;        ///< unit, world
   std::vector<SynthView> views;
   std::vector<int> train, test;
-  TriangleMesh mesh;         ///< the room's surface with labels and colours
-  PointCloud cloud;          ///< sparse/points3D: confident pixels of the teacher's depth, or corners triangulated with its cameras
+  TriangleMesh mesh;  ///< the room's surface with labels and colours
+  /// sparse/points3D: confident pixels of the teacher's depth, or corners triangulated with its cameras
+  PointCloud cloud;
   Similarity teacher_world;  ///< true world -> teacher's world; identity unless unknown_similarity
   double bare_share = 0;     ///< of the surface area: near-white without texture
   float exposure = 1;        ///< of the camera (LightCache::exposure)

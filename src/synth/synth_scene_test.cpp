@@ -69,7 +69,8 @@ TEST(SynthScene, ExactDepthReprojectsIntoOtherViews) {
     for (const int j : s.train) {
       const RenderedView& b = s.views[j].truth;
       for (size_t p = 0; p < a.depth.data.size(); p += 29) {
-        const Vec3d point = a.camera.unproject(static_cast<double>(p % 64) + 0.5, static_cast<double>(p / 64) + 0.5, a.depth.data[p]);
+        const Vec3d point =
+            a.camera.unproject(static_cast<double>(p % 64) + 0.5, static_cast<double>(p / 64) + 0.5, a.depth.data[p]);
         const Vec3d q = b.camera.world_to_camera * point;
         if (q.z < 0.1 || !b.camera.contains(b.camera.project(q))) continue;
         const Vec2d u = b.camera.project(q);
@@ -104,7 +105,8 @@ TEST(SynthScene, FarTestViewsAreFarFromEveryTrainingView) {
     for (const int j : s.train) {
       const Camera &a = test.truth.camera, &b = s.views[j].truth.camera;
       EXPECT_TRUE(norm(a.centre() - b.centre()) >= kFarMetres ||
-                  rotation_angle_between_degrees(a.world_to_camera.rotation, b.world_to_camera.rotation) >= kFarDegrees);
+                  rotation_angle_between_degrees(a.world_to_camera.rotation, b.world_to_camera.rotation) >=
+                      kFarDegrees);
     }
   }
 }
@@ -196,7 +198,8 @@ TEST(SynthFolder, OpensAsASceneWithEverythingInPlace) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) bytes += entry.file_size();
   }
-  EXPECT_NEAR(static_cast<double>(bytes), static_cast<double>(estimate_scene_bytes(small_options())), 0.25 * static_cast<double>(bytes));
+  EXPECT_NEAR(static_cast<double>(bytes), static_cast<double>(estimate_scene_bytes(small_options())),
+              0.25 * static_cast<double>(bytes));
   std::filesystem::remove_all(folder);
 }
 

@@ -5,8 +5,8 @@
 namespace aligngs {
 namespace {
 
-constexpr size_t kMaxCloudPoints = 30000;       // as clouds of VGGT are thinned, at random
-constexpr double kConfidentQuantile = 0.35;     // pixels below are left out of the cloud
+constexpr size_t kMaxCloudPoints = 30000;    // as clouds of VGGT are thinned, at random
+constexpr double kConfidentQuantile = 0.35;  // pixels below are left out of the cloud
 
 struct Pick {
   size_t view;
@@ -43,7 +43,8 @@ PointCloud teacher_cloud(const std::vector<TeacherCloudView>& views, Random rand
     const int x = static_cast<int>(picks[i].pixel) % camera.width, y = static_cast<int>(picks[i].pixel) / camera.width;
     cloud.positions.push_back(camera.unproject(x + 0.5, y + 0.5, view.teacher->depth.at(x, y)).cast<float>());
     const uint8_t* c = view.image->pixel(x, y);
-    cloud.colors.push_back({static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
+    cloud.colors.push_back(
+        {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255});
   }
   return cloud;
 }

@@ -15,7 +15,8 @@ struct TeacherCloudView {
   const Image<uint8_t>* image = nullptr;  ///< 3 or 4 channels
 };
 
-/// Unprojected confident pixels of all views (the worst third of each view left out), thinned at random to 30 000 points.
+/// Unprojected confident pixels of all views (the worst third of each view left out), thinned at random to 30 000
+/// points.
 PointCloud teacher_cloud(const std::vector<TeacherCloudView>& views, Random random);
 
 }  // namespace aligngs

@@ -48,8 +48,8 @@ BentDepth bent_depth(const RenderedView& view, const WorldBend& bend, const Shar
       const Vec3d direction = bent_to_world.rotation * ray;
       out.bent.at(x, y) = static_cast<float>(along_ray(moved, normal, direction));
       const double shift = misjudged(point);
-      out.misjudged.at(x, y) = shift == 0 ? out.bent.at(x, y)
-                                          : static_cast<float>(along_ray(moved + normal * shift, normal, direction));
+      out.misjudged.at(x, y) =
+          shift == 0 ? out.bent.at(x, y) : static_cast<float>(along_ray(moved + normal * shift, normal, direction));
     }
   }
   return out;
@@ -100,7 +100,8 @@ ImageF box_mean(const ImageF& in, int radius) {
 void normal_scores(std::vector<float>& values) {
   std::vector<uint32_t> order(values.size());
   for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
+  std::sort(order.begin(), order.end(),
+            [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
   for (size_t rank = 0; rank < order.size(); ++rank) {
     // Inverse of the logistic approximation to the normal distribution: enough for a score.
     const double p = (static_cast<double>(rank) + 0.5) / static_cast<double>(order.size());
@@ -159,7 +160,9 @@ GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level) {
 DepthJumps find_depth_jumps(const RenderedView& view, int radius) {
   const int w = view.depth.width, h = view.depth.height;
   DepthJumps jumps{ImageF(w, h, 1), ImageF(w, h, 1)};
-  const auto point = [&](int x, int y) { return view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(view.depth.at(x, y)); };
+  const auto point = [&](int x, int y) {
+    return view.camera.ray(x + 0.5, y + 0.5) * static_cast<double>(view.depth.at(x, y));
+  };
   const Mat3d& rotation = view.camera.world_to_camera.rotation;
   const auto normal = [&](int x, int y) {
     return rotation * Vec3d{view.normal.at(x, y, 0), view.normal.at(x, y, 1), view.normal.at(x, y, 2)};
@@ -233,7 +236,8 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
   std::vector<size_t> order(views.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   pose_random.shuffle(order);
-  for (int i = 0; i < outliers && i < static_cast<int>(order.size()); ++i) teacher.views[order[static_cast<size_t>(i)]].outlier = true;
+  for (int i = 0; i < outliers && i < static_cast<int>(order.size()); ++i)
+    teacher.views[order[static_cast<size_t>(i)]].outlier = true;
 
   // Uniform with the given root mean square: no scene gets a focal length that no network would claim.
   const double shared_focal = s.shared_focal * focal_random.uniform(-std::sqrt(3.0), std::sqrt(3.0));
@@ -250,7 +254,8 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       turn = turn * keep + gaussian_vector(pose_random) * fresh;
       shift = shift * keep + gaussian_vector(pose_random) * fresh;
     }
-    Vec3d axis = turn * (s.rotation_degrees * kPi / 180 / std::sqrt(3.0)), offset = shift * (s.translation / std::sqrt(3.0));
+    Vec3d axis = turn * (s.rotation_degrees * kPi / 180 / std::sqrt(3.0)),
+          offset = shift * (s.translation / std::sqrt(3.0));
     Random own = pose_random.fork(100 + i);
     if (t.outlier) {
       const double angle = own.uniform(3, 8) * kPi / 180, distance = own.uniform(0.1, 0.2);
@@ -271,7 +276,8 @@ GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views
       Random r = random.fork(1000 + i);
       const int w = view.depth.width, h = view.depth.height;
       const Rigidd exact = view.camera.world_to_camera.inverse();
-      const Rigidd bent_pose = Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
+      const Rigidd bent_pose =
+          Rigidd{bend.rotation(exact.translation) * exact.rotation, bend(exact.translation)}.inverse();
       const BentDepth depth = bent_depth(view, bend, misjudged, bent_pose);
       const DepthJumps jumps = find_depth_jumps(view, static_cast<int>(std::ceil(1.5 * s.edge_width)));
       // Region in which a smooth map of unit variance exceeds its (1 - share) quantile. The mean excess there is about

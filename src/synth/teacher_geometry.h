@@ -13,7 +13,7 @@
 namespace aligngs {
 
 enum class TeacherLevel { kLow, kMedium, kHigh };
-const char* teacher_level_name(TeacherLevel level);  ///< "low", "medium", "high"
+const char* teacher_level_name(TeacherLevel level);         ///< "low", "medium", "high"
 TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} for another name
 
 /// Error sizes for a metric room of 4 to 6 m. Pose and point errors match those of published feed-forward networks
@@ -21,24 +21,24 @@ TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} f
 /// give the heavy tail of published figures (mean well above the median). Most of these are shared by all views: with
 /// independent ones fusion is too good (TSDF F-score above the accepted range).
 struct GeometryTeacherSettings {
-  double bend_rms = 0.014;            ///< metres
-  double bend_degrees = 2.2;          ///< opposite walls from parallel
-  double rotation_degrees = 0.25;     ///< independent residual per camera, root mean square of the angle
-  double translation = 0.008;         ///< the same in metres
-  double neighbour_correlation = 0.5; ///< of residuals along the walk
-  double outlier_share = 0.03;        ///< of views that are off by 3 to 8 degrees and 10 to 20 cm
-  double shared_focal = 0.015;        ///< relative (root mean square of a bounded draw), one for all views
-  double view_focal = 0.007;          ///< relative, one draw per view
-  double view_scale = 0.008;          ///< relative depth scale per view
-  double warp_rms = 0.008;            ///< relative, 4 x 3 bicubic control points per view
-  double white = 0.003;               ///< relative, per pixel
-  double patch = 0.0015;              ///< relative, per 14-pixel patch of the network's 518-pixel input
-  double failure_share = 0.01;        ///< of a view: regions whose depth this view alone misjudges
-  double failure_size = 0.10;         ///< relative error there, mean
-  double shared_failure_share = 0.26; ///< of the room: regions that all views misjudge alike
-  double shared_failure_size = 0.08;  ///< metres along the surface normal there, mean
-  double edge_width = 2.5;            ///< pixels of the image: width of the sigmoid across a depth jump
-  bool similarity = false;            ///< unknown scale and rotation of the world as well
+  double bend_rms = 0.014;             ///< metres
+  double bend_degrees = 2.2;           ///< opposite walls from parallel
+  double rotation_degrees = 0.25;      ///< independent residual per camera, root mean square of the angle
+  double translation = 0.008;          ///< the same in metres
+  double neighbour_correlation = 0.5;  ///< of residuals along the walk
+  double outlier_share = 0.03;         ///< of views that are off by 3 to 8 degrees and 10 to 20 cm
+  double shared_focal = 0.015;         ///< relative (root mean square of a bounded draw), one for all views
+  double view_focal = 0.007;           ///< relative, one draw per view
+  double view_scale = 0.008;           ///< relative depth scale per view
+  double warp_rms = 0.008;             ///< relative, 4 x 3 bicubic control points per view
+  double white = 0.003;                ///< relative, per pixel
+  double patch = 0.0015;               ///< relative, per 14-pixel patch of the network's 518-pixel input
+  double failure_share = 0.01;         ///< of a view: regions whose depth this view alone misjudges
+  double failure_size = 0.10;          ///< relative error there, mean
+  double shared_failure_share = 0.26;  ///< of the room: regions that all views misjudge alike
+  double shared_failure_size = 0.08;   ///< metres along the surface normal there, mean
+  double edge_width = 2.5;             ///< pixels of the image: width of the sigmoid across a depth jump
+  bool similarity = false;             ///< unknown scale and rotation of the world as well
 };
 GeometryTeacherSettings geometry_teacher_settings(TeacherLevel level);
 
@@ -53,14 +53,14 @@ struct TeacherView {
 
 struct GeometryTeacher {
   std::vector<TeacherView> views;
-  Similarity world;   ///< true world -> teacher's world, before bend and residuals; identity when metric
+  Similarity world;  ///< true world -> teacher's world, before bend and residuals; identity when metric
 };
 
 /// Simulates the network on exact views (in the order of the walk). `centre`, `extent`, `up`: of the room, world
 /// frame. The errors of a view depend on the seed and on its own content, never on the truth of other views.
-GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views, const GeometryTeacherSettings& settings,
-                                          const Vec3d& centre, double extent, const Vec3d& up, Random random,
-                                          ThreadPool& pool);
+GeometryTeacher simulate_geometry_teacher(const std::vector<RenderedView>& views,
+                                          const GeometryTeacherSettings& settings, const Vec3d& centre, double extent,
+                                          const Vec3d& up, Random random, ThreadPool& pool);
 
 /// The teacher without errors: exact cameras and depth, confidence 10 everywhere.
 GeometryTeacher exact_geometry_teacher(const std::vector<RenderedView>& views);

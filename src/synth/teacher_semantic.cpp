@@ -13,23 +13,23 @@
 namespace aligngs {
 namespace {
 
-constexpr double kOutlineLength = 20;   // correlation length of outline errors, image pixels
-constexpr double kMaskSoftness = 2;     // m_q = sigmoid(signed distance / 2 px), image pixels
-constexpr int kStride = 4;              // of the network's mask features, image pixels
-constexpr double kReach = 14;           // masks are below 0.1 % this far outside, image pixels
-constexpr double kUnknown = 0.3;        // score sum below which a pixel counts as unknown
-constexpr double kSmallShare = 0.015;   // of the image: objects below are missed more often
-constexpr double kLargeShare = 0.06;    // of the image: objects above are hardly ever missed
+constexpr double kOutlineLength = 20;  // correlation length of outline errors, image pixels
+constexpr double kMaskSoftness = 2;    // m_q = sigmoid(signed distance / 2 px), image pixels
+constexpr int kStride = 4;             // of the network's mask features, image pixels
+constexpr double kReach = 14;          // masks are below 0.1 % this far outside, image pixels
+constexpr double kUnknown = 0.3;       // score sum below which a pixel counts as unknown
+constexpr double kSmallShare = 0.015;  // of the image: objects below are missed more often
+constexpr double kLargeShare = 0.06;   // of the image: objects above are hardly ever missed
 
 /// Content of one query: an object, or all surface of one stuff class.
 struct Region {
   uint16_t label = 0;
-  int key = 0;                 // object index, or -1 - label for stuff
-  std::vector<uint8_t> mask;   // per image pixel
+  int key = 0;                // object index, or -1 - label for stuff
+  std::vector<uint8_t> mask;  // per image pixel
   int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;
   size_t pixels = 0;
   double depth_sum = 0;
-  size_t border = 0;           // pixels on the border of the image
+  size_t border = 0;  // pixels on the border of the image
 };
 
 std::vector<Region> regions_of(const RenderedView& view) {
@@ -101,7 +101,8 @@ struct SoftMask {
 
 SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, double outline_rms, Random& random) {
   // The outline is displaced by a smooth random field ...
-  const int columns = std::max(1, static_cast<int>(w / kOutlineLength)), rows = std::max(1, static_cast<int>(h / kOutlineLength));
+  const int columns = std::max(1, static_cast<int>(w / kOutlineLength)),
+            rows = std::max(1, static_cast<int>(h / kOutlineLength));
   const double rms = outline_rms / std::sqrt(2.0);  // of each component
   const ImageF dx = smooth_random_map(w, h, columns, rows, rms, random);
   const ImageF dy = smooth_random_map(w, h, columns, rows, rms, random);
@@ -112,7 +113,8 @@ SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, dou
     for (int i = 0; i < cw; ++i) {
       float sum = 0;
       for (int k = 0; k < 4; ++k) {
-        const int x = std::min(w - 1, i * kStride + 1 + 2 * (k % 2)), y = std::min(h - 1, j * kStride + 1 + 2 * (k / 2));
+        const int x = std::min(w - 1, i * kStride + 1 + 2 * (k % 2)),
+                  y = std::min(h - 1, j * kStride + 1 + 2 * (k / 2));
         const int sx = std::clamp(static_cast<int>(std::lround(x + dx.at(x, y))), 0, w - 1);
         const int sy = std::clamp(static_cast<int>(std::lround(y + dy.at(x, y))), 0, h - 1);
         sum += region.mask[static_cast<size_t>(sy) * w + sx];
@@ -132,7 +134,8 @@ SoftMask soft_mask(const Region& region, int w, int h, int out_w, int out_h, dou
     for (int x = 0; x < inside.width; ++x) {
       const double u = std::clamp((m.x0 + x + 0.5) * scale / kStride - 0.5, 0.0, cw - 1.0);
       const double v = std::clamp((m.y0 + y + 0.5) * scale / kStride - 0.5, 0.0, ch - 1.0);
-      const int i = std::min(static_cast<int>(u), std::max(0, cw - 2)), j = std::min(static_cast<int>(v), std::max(0, ch - 2));
+      const int i = std::min(static_cast<int>(u), std::max(0, cw - 2)),
+                j = std::min(static_cast<int>(v), std::max(0, ch - 2));
       const int i1 = std::min(i + 1, cw - 1), j1 = std::min(j + 1, ch - 1);
       const float a = static_cast<float>(u - i), b = static_cast<float>(v - j);
       const float value = (coarse.at(i, j) * (1 - a) + coarse.at(i1, j) * a) * (1 - b) +
@@ -161,7 +164,7 @@ std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& vi
                                              const SemanticTeacherSettings& s, Random random) {
   constexpr int kDraws = 256;
   constexpr double kLargeAreClearer = 0.8;  // confused share of the pixels over that of the objects
-  constexpr double kPresent = 1e-3;  // share of the pixels from which a class counts, as in the acceptance check
+  constexpr double kPresent = 1e-3;         // share of the pixels from which a class counts, as in the acceptance check
   std::vector<double> pixels(room.objects.size(), 0);
   std::map<uint16_t, double> class_pixels;
   double things = 0, all = 0;
@@ -200,7 +203,8 @@ std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& vi
       classes += 1;
     }
     if (classes > 0) class_share /= classes;
-    const double error = std::fabs(share - kLargeAreClearer * s.confused_share) + std::fabs(class_share - s.confused_share);
+    const double error =
+        std::fabs(share - kLargeAreClearer * s.confused_share) + std::fabs(class_share - s.confused_share);
     if (error < best_error) best_error = error, best = std::move(draw);
   }
   return best;
@@ -209,7 +213,8 @@ std::vector<ObjectConfusion> draw_confusions(const std::vector<RenderedView>& vi
 /// p_q: the classes of a query, with their scores.
 std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, const RenderedView& view,
                                                       const std::vector<ObjectConfusion>& confusions,
-                                                      const SemanticTeacherSettings& s, bool duplicate, Random& random) {
+                                                      const SemanticTeacherSettings& s, bool duplicate,
+                                                      Random& random) {
   double top = random.uniform(s.low_top, s.high_top);
   if (duplicate) top *= random.uniform(0.3, 0.55);
   uint16_t first = region.label;
@@ -225,7 +230,8 @@ std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, cons
   }
   // A one-off mistake is likelier far away and for objects cut off by the image border.
   const double distance = region.depth_sum / static_cast<double>(std::max<size_t>(1, region.pixels));
-  const double cut = std::min(1.0, 12.0 * static_cast<double>(region.border) / static_cast<double>(std::max<size_t>(1, region.pixels)));
+  const double cut = std::min(
+      1.0, 12.0 * static_cast<double>(region.border) / static_cast<double>(std::max<size_t>(1, region.pixels)));
   const double chance = s.flip * (0.06 + 0.1 * distance + 0.35 * cut);
   const bool flip = random.chance(chance);
   const size_t pick = others.empty() ? 0 : static_cast<size_t>(random.below(static_cast<int>(others.size())));
@@ -235,17 +241,20 @@ std::vector<std::pair<uint16_t, double>> class_scores(const Region& region, cons
     split = random.uniform(0.55, 0.85);
   }
   std::vector<std::pair<uint16_t, double>> out = {{first, top * split}};
-  if (second != first) out.push_back({second, top * (1 - split)});
-  else out[0].second = top;
+  if (second != first)
+    out.push_back({second, top * (1 - split)});
+  else
+    out[0].second = top;
   // The tail goes to random classes, as it does in a trained network.
   for (int i = 0; i < 3; ++i) {
-    out.push_back({static_cast<uint16_t>(random.below(ade20k_labels().size())), (1 - std::min(1.0, top)) * 0.25 * random.uniform()});
+    out.push_back({static_cast<uint16_t>(random.below(ade20k_labels().size())),
+                   (1 - std::min(1.0, top)) * 0.25 * random.uniform()});
   }
   return out;
 }
 
 ScoreMap one_view(const RenderedView& view, const std::vector<ObjectConfusion>& confusions,
-                        const SemanticTeacherSettings& s, int out_w, int out_h, Random random) {
+                  const SemanticTeacherSettings& s, int out_w, int out_h, Random random) {
   const int w = view.labels.width, h = view.labels.height, classes = ade20k_labels().size();
   const size_t n = static_cast<size_t>(out_w) * out_h;
   std::vector<float> scores(static_cast<size_t>(classes) * n, 0.0f);
@@ -319,8 +328,8 @@ float ScoreMap::score(int channel, int x, int y) const {
 }
 
 std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
-                                                      const SemanticTeacherSettings& settings, double scale,
-                                                      Random random, ThreadPool& pool) {
+                                                const SemanticTeacherSettings& settings, double scale, Random random,
+                                                ThreadPool& pool) {
   const std::vector<ObjectConfusion> confusions = draw_confusions(views, room, settings, random.fork(1));
   std::vector<ScoreMap> out(views.size());
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
@@ -369,11 +378,13 @@ Image<uint16_t> semantic_labels(const ScoreMap& s, int width, int height) {
   std::vector<int> present;  // classes with any score: most of the 150 have none
   for (int c = 0; c < s.channels; ++c) {
     const auto first = s.values.begin() + static_cast<std::ptrdiff_t>(c * n);
-    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(n), [](uint16_t v) { return v != 0; })) present.push_back(c);
+    if (std::any_of(first, first + static_cast<std::ptrdiff_t>(n), [](uint16_t v) { return v != 0; }))
+      present.push_back(c);
   }
   ImageF planes(s.width, s.height, static_cast<int>(present.size()));
   for (size_t k = 0; k < present.size(); ++k) {
-    for (size_t i = 0; i < n; ++i) planes.data[i * present.size() + k] = half_to_float(s.values[static_cast<size_t>(present[k]) * n + i]);
+    for (size_t i = 0; i < n; ++i)
+      planes.data[i * present.size() + k] = half_to_float(s.values[static_cast<size_t>(present[k]) * n + i]);
   }
   for (int y = 0; y < height; ++y) {
     const double v = std::clamp((y + 0.5) * s.height / height - 0.5, 0.0, s.height - 1.0);

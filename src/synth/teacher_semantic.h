@@ -13,13 +13,13 @@ namespace aligngs {
 
 /// Chosen so that the figures of synth/acceptance.h lie where published networks do. Lengths in pixels of the image.
 struct SemanticTeacherSettings {
-  double outline_rms = 3.5;         ///< displacement of mask outlines, correlated over 20 pixels
-  double confused_share = 0.22;     ///< of the objects: wrong or ambiguous in most of their views
-  double confused_view_share = 0.93; ///< of such an object's views
-  double flip = 0.10;               ///< chance that a view names an object wrongly for once, for an average view
+  double outline_rms = 3.5;           ///< displacement of mask outlines, correlated over 20 pixels
+  double confused_share = 0.22;       ///< of the objects: wrong or ambiguous in most of their views
+  double confused_view_share = 0.93;  ///< of such an object's views
+  double flip = 0.10;                 ///< chance that a view names an object wrongly for once, for an average view
   double dropped = 0.05, dropped_small = 0.15, dropped_large = 0.02;  ///< chance that an object is not found
-  double duplicate = 0.10;          ///< share of second queries of the same object
-  double low_top = 0.75, high_top = 0.95;       ///< score of a query's first class
+  double duplicate = 0.10;                                            ///< share of second queries of the same object
+  double low_top = 0.75, high_top = 0.95;                             ///< score of a query's first class
 };
 SemanticTeacherSettings semantic_teacher_settings(TeacherLevel level);
 
@@ -33,14 +33,14 @@ struct ScoreMap {
 /// The confusions of one scene, drawn once: every view of an object shares them.
 struct ObjectConfusion {
   bool confused = false;
-  bool ambiguous = false;    ///< two classes with nearly the same score, otherwise simply wrong
-  uint16_t other = 0;        ///< the class it is taken for
+  bool ambiguous = false;  ///< two classes with nearly the same score, otherwise simply wrong
+  uint16_t other = 0;      ///< the class it is taken for
 };
 
 /// Simulates the network on exact views, at `scale` times their size. Objects are those of `room`.
 std::vector<ScoreMap> simulate_semantic_teacher(const std::vector<RenderedView>& views, const RoomModel& room,
-                                                      const SemanticTeacherSettings& settings, double scale,
-                                                      Random random, ThreadPool& pool);
+                                                const SemanticTeacherSettings& settings, double scale, Random random,
+                                                ThreadPool& pool);
 /// Scores of 0.97 on the true class (shared by area where a pixel holds several).
 std::vector<ScoreMap> exact_semantic_teacher(const std::vector<RenderedView>& views, double scale, ThreadPool& pool);
 

@@ -122,7 +122,8 @@ TEST(GeometryTeacher, DisturbsCamerasAndDepthByTheirSizes) {
   const std::vector<RenderedView> views = row_of_views(30);
   ThreadPool pool(2);
   GeometryTeacherSettings s = geometry_teacher_settings(TeacherLevel::kMedium);
-  s.bend_rms = s.bend_degrees = s.outlier_share = s.shared_focal = s.failure_share = s.shared_failure_share = 0;  // residuals alone
+  // residuals alone
+  s.bend_rms = s.bend_degrees = s.outlier_share = s.shared_focal = s.failure_share = s.shared_failure_share = 0;
   const GeometryTeacher t = simulate_geometry_teacher(views, s, {}, 4, {0, 0, 1}, Random(3), pool);
   double turn = 0, shift = 0, error = 0;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -156,7 +157,8 @@ TEST(GeometryTeacher, ConfidenceDoesNotKnowTheBend) {
   s.rotation_degrees = s.translation = s.outlier_share = s.shared_focal = s.view_focal = 0;
   s.view_scale = s.warp_rms = s.white = s.patch = s.failure_share = s.shared_failure_share = 0;
   s.bend_rms = 0.05;
-  const GeometryTeacher t = simulate_geometry_teacher({flat_view({}, false)}, s, {0, 1, 0}, 4, {0, 0, 1}, Random(3), pool);
+  const GeometryTeacher t =
+      simulate_geometry_teacher({flat_view({}, false)}, s, {0, 1, 0}, 4, {0, 0, 1}, Random(3), pool);
   std::vector<float> relative;
   for (const float z : t.views[0].depth.data) relative.push_back(z / 2.5f - 1);
   EXPECT_GT(rms(relative), 0.002);

@@ -58,7 +58,8 @@ Vec3f parquet(const Material& m, float u, float v, float footprint) {
   const float along = turned ? v : u, across = turned ? u : v;
   const int stave = static_cast<int>(std::floor(across / (side / 5)));
   const uint32_t board = lattice_hash(i, j, stave, m.seed);
-  Vec3f color = wood(m, along + static_cast<float>(board % 53), across + static_cast<float>(board % 17), footprint, board);
+  Vec3f color =
+      wood(m, along + static_cast<float>(board % 53), across + static_cast<float>(board % 17), footprint, board);
   color *= 0.72f + 0.5f * static_cast<float>(board >> 8 & 255) / 255;
   const float gap = std::max({line(across / (side / 5), 0.02f), line(u / side, 0.006f), line(v / side, 0.006f)});
   return mix(color, m.a * 0.2f, 0.7f * gap * resolved(0.01f, footprint * 0.5f));
@@ -123,20 +124,30 @@ Vec3f carpet(const Material& m, float u, float v, float footprint) {
   const float diamond = std::fabs(fraction(x) - 0.5f) + std::fabs(fraction(y) - 0.5f);
   const uint32_t cell = lattice_hash(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), 0, m.seed);
   Vec3f color;
-  if (edge < 0.015f) color = m.b * 0.8f;
-  else if (edge < 0.05f) color = fraction((u + v) * 24) < 0.5f ? m.b : m.c;
-  else if (edge < 0.06f) color = m.c * 0.5f;
-  else if (edge < 0.12f) color = diamond < 0.3f ? m.c : (diamond < 0.38f ? m.a * 0.4f : m.b);
-  else if (edge < 0.13f) color = m.c * 0.5f;
+  if (edge < 0.015f)
+    color = m.b * 0.8f;
+  else if (edge < 0.05f)
+    color = fraction((u + v) * 24) < 0.5f ? m.b : m.c;
+  else if (edge < 0.06f)
+    color = m.c * 0.5f;
+  else if (edge < 0.12f)
+    color = diamond < 0.3f ? m.c : (diamond < 0.38f ? m.a * 0.4f : m.b);
+  else if (edge < 0.13f)
+    color = m.c * 0.5f;
   else {
     const float r = std::hypot((u - 0.5f) * 2.2f, (v - 0.5f) * 2.6f);
     const float a = std::atan2(v - 0.5f, u - 0.5f);
     const float medallion = r + 0.06f * std::cos(8 * a);
-    if (medallion < 0.2f) color = diamond < 0.35f ? m.a : m.c;
-    else if (medallion < 0.24f) color = m.b * 0.5f;
-    else if (medallion < 0.48f) color = (cell & 3u) == 0 && diamond < 0.4f ? m.a : m.b;
-    else if (medallion < 0.52f) color = m.c;
-    else color = diamond < 0.25f ? ((cell & 1u) != 0 ? m.b : m.c) : m.a;
+    if (medallion < 0.2f)
+      color = diamond < 0.35f ? m.a : m.c;
+    else if (medallion < 0.24f)
+      color = m.b * 0.5f;
+    else if (medallion < 0.48f)
+      color = (cell & 3u) == 0 && diamond < 0.4f ? m.a : m.b;
+    else if (medallion < 0.52f)
+      color = m.c;
+    else
+      color = diamond < 0.25f ? ((cell & 1u) != 0 ? m.b : m.c) : m.a;
   }
   const float tuft = value_noise(u * size * 130, v * size * 130, m.seed) * resolved(0.015f, footprint);
   return color * (0.88f + 0.2f * tuft + 0.25f * fractal_noise(u * 20, v * 20, 2, m.seed + 2));
@@ -196,7 +207,8 @@ Vec3f damask(const Material& m, float u, float v, float footprint) {
 }
 
 Vec3f shag(const Material& m, float u, float v, float footprint) {
-  const float tuft = fractal_noise(u * 55 / m.scale, v * 55 / m.scale, 3, m.seed) * resolved(0.02f * m.scale, footprint);
+  const float tuft =
+      fractal_noise(u * 55 / m.scale, v * 55 / m.scale, 3, m.seed) * resolved(0.02f * m.scale, footprint);
   const float cloud = fractal_noise(u * 5, v * 5, 3, m.seed + 4);
   return mix(m.a, m.b, clamp01(0.45f + 1.1f * tuft + 0.7f * cloud));
 }
@@ -206,7 +218,8 @@ Vec3f book_side(const Material& m, float u, float v) {
   const float height = 0.18f + 0.1f * lattice_random(1, 0, 0, m.seed);
   const float y = v / height;
   Vec3f color = m.a * (0.93f + 0.14f * value_noise(u * 90, v * 90, m.seed));
-  const float low = 0.08f + 0.1f * lattice_random(2, 0, 0, m.seed), high = 0.82f + 0.1f * lattice_random(3, 0, 0, m.seed);
+  const float low = 0.08f + 0.1f * lattice_random(2, 0, 0, m.seed),
+              high = 0.82f + 0.1f * lattice_random(3, 0, 0, m.seed);
   if (std::fabs(y - low) < 0.02f || std::fabs(y - high) < 0.02f) color = m.b;
   const float title_low = 0.35f + 0.15f * lattice_random(4, 0, 0, m.seed);
   if (y > title_low && y < title_low + 0.28f && lattice_random(static_cast<int>(y * 26), 7, 0, m.seed) > 0.35f) {
@@ -234,29 +247,52 @@ Vec3f wicker(const Material& m, float u, float v, float footprint) {
 Vec3f texture_color(const Material& m, const Vec2f& uv, float footprint) {
   const float u = uv.x, v = uv.y;
   switch (m.kind) {
-    case TextureKind::kPlain: return m.a;
-    case TextureKind::kWood: return wood(m, u, v, footprint, m.seed);
-    case TextureKind::kPlanks: return planks(m, u, v, footprint);
-    case TextureKind::kParquet: return parquet(m, u, v, footprint);
-    case TextureKind::kWeave: return weave(m, u, v, footprint);
-    case TextureKind::kStripes: return stripes(m, u, v, footprint);
-    case TextureKind::kChecks: return checks(m, u, v, footprint);
-    case TextureKind::kFloral: return floral(m, u, v, footprint, 5, 0.13f * m.scale);
-    case TextureKind::kCarpet: return carpet(m, u, v, footprint);
-    case TextureKind::kShag: return shag(m, u, v, footprint);
-    case TextureKind::kBrick: return brick(m, u, v, footprint);
-    case TextureKind::kTiles: return tiles(m, u, v, footprint);
-    case TextureKind::kStone: return stone(m, u, v, footprint);
-    case TextureKind::kWallStripes: return wall_stripes(m, u, v, footprint);
-    case TextureKind::kWallDamask: return damask(m, u, v, footprint);
-    case TextureKind::kWallLeaves: return floral(m, u, v, footprint, 2, 0.2f * m.scale);
-    case TextureKind::kPainting: return painting_color(m, u, v);
-    case TextureKind::kBooks: return book_side(m, u, v);
-    case TextureKind::kLeaf: return leaf(m, u, v);
-    case TextureKind::kOutside: return garden_color(m, u, v);
-    case TextureKind::kScreen: return screen_color(m, u, v);
-    case TextureKind::kKeys: return keyboard_color(m, u, v);
-    case TextureKind::kWicker: return wicker(m, u, v, footprint);
+    case TextureKind::kPlain:
+      return m.a;
+    case TextureKind::kWood:
+      return wood(m, u, v, footprint, m.seed);
+    case TextureKind::kPlanks:
+      return planks(m, u, v, footprint);
+    case TextureKind::kParquet:
+      return parquet(m, u, v, footprint);
+    case TextureKind::kWeave:
+      return weave(m, u, v, footprint);
+    case TextureKind::kStripes:
+      return stripes(m, u, v, footprint);
+    case TextureKind::kChecks:
+      return checks(m, u, v, footprint);
+    case TextureKind::kFloral:
+      return floral(m, u, v, footprint, 5, 0.13f * m.scale);
+    case TextureKind::kCarpet:
+      return carpet(m, u, v, footprint);
+    case TextureKind::kShag:
+      return shag(m, u, v, footprint);
+    case TextureKind::kBrick:
+      return brick(m, u, v, footprint);
+    case TextureKind::kTiles:
+      return tiles(m, u, v, footprint);
+    case TextureKind::kStone:
+      return stone(m, u, v, footprint);
+    case TextureKind::kWallStripes:
+      return wall_stripes(m, u, v, footprint);
+    case TextureKind::kWallDamask:
+      return damask(m, u, v, footprint);
+    case TextureKind::kWallLeaves:
+      return floral(m, u, v, footprint, 2, 0.2f * m.scale);
+    case TextureKind::kPainting:
+      return painting_color(m, u, v);
+    case TextureKind::kBooks:
+      return book_side(m, u, v);
+    case TextureKind::kLeaf:
+      return leaf(m, u, v);
+    case TextureKind::kOutside:
+      return garden_color(m, u, v);
+    case TextureKind::kScreen:
+      return screen_color(m, u, v);
+    case TextureKind::kKeys:
+      return keyboard_color(m, u, v);
+    case TextureKind::kWicker:
+      return wicker(m, u, v, footprint);
   }
   return m.a;
 }

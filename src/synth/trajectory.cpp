@@ -11,7 +11,7 @@
 namespace aligngs {
 namespace {
 
-constexpr int kSurfacePoints = 2500;   // samples of the room's surface by which views are judged
+constexpr int kSurfacePoints = 2500;  // samples of the room's surface by which views are judged
 
 /// Everything the planning steps share.
 struct Planner {
@@ -20,7 +20,7 @@ struct Planner {
   ThreadPool& pool;
   FreeSpace space;
   Random random;
-  Vec3d up;                      // world
+  Vec3d up;                            // world
   std::vector<Vec3d> points, normals;  // on the surface, world
 
   Planner(const RoomRays& s, const TrajectoryOptions& o, ThreadPool& p)
@@ -58,14 +58,16 @@ struct Planner {
     }
     for (int i = 0; i < 2 * kSurfacePoints && static_cast<int>(points.size()) < kSurfacePoints; ++i) {
       const double at = random.uniform(0, total);
-      const size_t t = static_cast<size_t>(std::lower_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin());
+      const size_t t =
+          static_cast<size_t>(std::lower_bound(cumulative.begin(), cumulative.end(), at) - cumulative.begin());
       const auto& tri = room.triangles[std::min(t, room.triangles.size() - 1)];
       const Vec3d a = room.positions[tri[0]].cast<double>(), b = room.positions[tri[1]].cast<double>(),
                   c = room.positions[tri[2]].cast<double>();
       const Vec3d n = normalized(cross(b - a, c - a));
       const Vec3d p = (a + b + c) * (1.0 / 3) + n * 0.003;
       int seen = 0;
-      for (const Vec3d& eye : eyes) seen += dot(eye - p, n) > 0.1 * norm(eye - p) && scene.visible(eye, p, 0.005) ? 1 : 0;
+      for (const Vec3d& eye : eyes)
+        seen += dot(eye - p, n) > 0.1 * norm(eye - p) && scene.visible(eye, p, 0.005) ? 1 : 0;
       if (seen < 3) continue;
       points.push_back(p);
       normals.push_back(n);
@@ -258,7 +260,8 @@ std::vector<NearView> plan_near(const Planner& p, const std::vector<Station>& tr
   std::vector<Pair> pairs;
   for (size_t a = 0; a < training.size(); ++a) {
     for (size_t b = a + 1; b < training.size(); ++b) {
-      const double metres = norm(training[a].eye - training[b].eye), turn = turn_between(training[a].camera, training[b].camera);
+      const double metres = norm(training[a].eye - training[b].eye),
+                   turn = turn_between(training[a].camera, training[b].camera);
       pairs.push_back({a, b, metres + turn / 40});
     }
   }
@@ -298,7 +301,8 @@ std::vector<Camera> plan_far(Planner& p, const std::vector<Station>& training, i
     const Camera camera = p.camera(look_at(eye, target, p.up, roll));
     double novelty = 1e9;
     for (const Station& s : training) {
-      novelty = std::min(novelty, std::max(norm(s.eye - eye) / kFarMetres, turn_between(s.camera, camera) / kFarDegrees));
+      novelty =
+          std::min(novelty, std::max(norm(s.eye - eye) / kFarMetres, turn_between(s.camera, camera) / kFarDegrees));
     }
     if (novelty < 1.02 || p.clearance(eye) < 0.22) continue;
     const ViewContent content = content_of(p, camera, training);
@@ -341,7 +345,11 @@ std::vector<PlannedView> plan_views(const RoomRays& scene, const TrajectoryOptio
   const int missing = far_wanted - static_cast<int>(far.size());
   std::vector<NearView> near = plan_near(planner, training, near_wanted + missing);
   if (near.size() + far.size() < static_cast<size_t>(options.test_views)) {
-    throw Error({ErrorKind::kFailed, "the walk leaves no place for the test views", {}, {}, "use more training views or another seed"});
+    throw Error({ErrorKind::kFailed,
+                 "the walk leaves no place for the test views",
+                 {},
+                 {},
+                 "use more training views or another seed"});
   }
   std::vector<PlannedView> views;
   for (size_t i = 0; i < training.size(); ++i) {

@@ -11,7 +11,7 @@ namespace aligngs {
 
 struct TrajectoryOptions {
   int training_views = 20;
-  int test_views = 8;      ///< the first half interpolates between training views, the second half does not
+  int test_views = 8;  ///< the first half interpolates between training views, the second half does not
   int width = 320, height = 240;
   double horizontal_fov_degrees = 68;  ///< a phone's main camera
   uint64_t seed = 1;

@@ -7,9 +7,7 @@
 namespace aligngs {
 namespace {
 
-Vec3d random_direction(Random& random) {
-  return normalized(Vec3d{random.normal(), random.normal(), random.normal()});
-}
+Vec3d random_direction(Random& random) { return normalized(Vec3d{random.normal(), random.normal(), random.normal()}); }
 }  // namespace
 
 WorldBend::WorldBend(const WorldBendOptions& options, const Vec3d& centre, const Vec3d& up, Random& random)

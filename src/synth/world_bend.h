@@ -9,9 +9,9 @@
 namespace aligngs {
 
 struct WorldBendOptions {
-  double rms = 0.018;          ///< of the smooth modes' displacement, metres
-  double bend_degrees = 3;     ///< angle by which opposite walls are no longer parallel
-  double extent = 4.5;         ///< size of the room along the bend, metres
+  double rms = 0.018;       ///< of the smooth modes' displacement, metres
+  double bend_degrees = 3;  ///< angle by which opposite walls are no longer parallel
+  double extent = 4.5;      ///< size of the room along the bend, metres
 };
 
 /// x -> x + f(x): four sinusoidal modes with wavelengths of 1.5 to 4 m, and a bend of one horizontal axis onto an

@@ -16,11 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-bool contains(const std::vector<int>& list, int index) { return std::find(list.begin(), list.end(), index) != list.end(); }
-
-void write_json(const fs::path& path, const Json& json) {
-  write_file_atomically(path, json_document(json));
+bool contains(const std::vector<int>& list, int index) {
+  return std::find(list.begin(), list.end(), index) != list.end();
 }
+
+void write_json(const fs::path& path, const Json& json) { write_file_atomically(path, json_document(json)); }
 
 /// The layout that 3DGS viewers read (position and rotation are camera to world, OpenCV axes), plus the
 /// principal point and the split.
@@ -52,7 +52,8 @@ void write_cameras(const fs::path& path, const Scene& scene, const TrainConfig& 
 void write_sparse(const fs::path& folder, const Scene& scene) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw_resources(folder, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(folder, "the folder cannot be created: " + error.message(), "choose a place you may write to");
   ColmapModel model;
   for (size_t v = 0; v < scene.views.size(); ++v) {
     if (!contains(scene.train, static_cast<int>(v)) && !contains(scene.test, static_cast<int>(v))) continue;
@@ -79,8 +80,14 @@ void write_transforms(const fs::path& path, const Scene& scene) {
     matrix.push_back({0, 0, 0, 1});
     const std::string file = relative_scene_path(path.parent_path(), view.image);
     (train ? train_names : test_names).push_back(file);
-    frames.push_back({{"file_path", file}, {"w", camera.width}, {"h", camera.height}, {"fl_x", camera.fx}, {"fl_y", camera.fy},
-                      {"cx", camera.cx}, {"cy", camera.cy}, {"transform_matrix", matrix}});
+    frames.push_back({{"file_path", file},
+                      {"w", camera.width},
+                      {"h", camera.height},
+                      {"fl_x", camera.fx},
+                      {"fl_y", camera.fy},
+                      {"cx", camera.cx},
+                      {"cy", camera.cy},
+                      {"transform_matrix", matrix}});
   }
   Json out = {{"camera_model", "OPENCV"}};
   out["train_filenames"] = train_names;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "scene/import/capture.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -26,8 +26,8 @@ class CameraOutputs : public testing::Test {
   void expect_same_poses(const Capture& capture) const {
     ASSERT_EQ(capture.frames.size(), scene_.views.size());
     for (const CapturedFrame& frame : capture.frames) {
-      const auto view = std::find_if(scene_.views.begin(), scene_.views.end(),
-                                     [&](const View& v) { return v.name == frame.name; });
+      const auto view =
+          std::find_if(scene_.views.begin(), scene_.views.end(), [&](const View& v) { return v.name == frame.name; });
       ASSERT_NE(view, scene_.views.end()) << frame.name;
       const Rigidd& expected = view->camera.world_to_camera;
       for (int r = 0; r < 3; ++r) {

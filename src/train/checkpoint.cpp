@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/version.h"
 #include "io/byte_source.h"
 #include "io/safetensors.h"
 #include "train/checkpoint_packing.h"
@@ -21,13 +22,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kSchema = "aligngs-checkpoint-2";  // 1: an empty tensor hid damage in those before it from the checksum
+// 1: an empty tensor hid damage in those before it from the checksum
+constexpr const char* kSchema = "aligngs-checkpoint-2";
 constexpr const char* kPrefix = "step_";
 constexpr const char* kSuffix = ".safetensors";
-constexpr const char* kTrainable = "trainable";  // "0": without the arrays of the engine
+constexpr const char* kTrainable = "trainable";     // "0": without the arrays of the engine
 constexpr const char* kOtherScene = "other scene";  // field by which the caller tells this case from damage
-const std::string kEnginePrefix = "engine.";         // of the names of EngineState::arrays
-constexpr size_t kPieceBytes = size_t(1) << 18;      // of a tensor that is only summed: it fits the second-level cache
+const std::string kEnginePrefix = "engine.";        // of the names of EngineState::arrays
+constexpr size_t kPieceBytes = size_t(1) << 18;     // of a tensor that is only summed: it fits the second-level cache
 
 std::vector<float> float_tensor(const TensorFile& file, const std::string& name, size_t count, const fs::path& path) {
   const auto it = file.tensors.find(name);
@@ -42,10 +44,12 @@ uint32_t add_to_checksum(uint32_t crc, const void* data, size_t bytes) {
   return static_cast<uint32_t>(crc32_z(crc, static_cast<const Bytef*>(data), bytes));
 }
 
-/// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too. `add_content(crc, name)` is the
+/// CRC-32 over names, types, content and metadata: damage that leaves the file well-formed is found too.
+/// `add_content(crc, name)` is the
 /// sum with the content of that tensor added.
 template <class Tensors, class AddContent>
-std::string checksum(const Tensors& tensors, const std::map<std::string, std::string>& metadata, const AddContent& add_content) {
+std::string checksum(const Tensors& tensors, const std::map<std::string, std::string>& metadata,
+                     const AddContent& add_content) {
   uint32_t crc = static_cast<uint32_t>(crc32_z(0, nullptr, 0));
   for (const auto& [name, tensor] : tensors) {
     crc = add_to_checksum(crc, name.data(), name.size());
@@ -147,7 +151,8 @@ std::vector<CameraMotion> take_motions(const TensorFile& file, const fs::path& p
   constexpr const char* kName = "camera_motions";
   if (file.tensors.count(kName) == 0) return {};
   const std::vector<double> numbers = raw_values<double>(file, kName, "F64", path);
-  if (numbers.size() % kMotionNumbers != 0) throw_bad_input(path, kName, "the tensor has another size than cameras need");
+  if (numbers.size() % kMotionNumbers != 0)
+    throw_bad_input(path, kName, "the tensor has another size than cameras need");
   std::vector<CameraMotion> motions(numbers.size() / kMotionNumbers);
   for (size_t i = 0; i < motions.size(); ++i) {
     const double* from = &numbers[i * kMotionNumbers];
@@ -190,7 +195,8 @@ std::vector<fs::path> list_checkpoints(const fs::path& folder) {
 void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene) {
   if (motions.empty()) return;
   if (motions.size() != scene.train.size()) {
-    throw_bad_input(scene.folder, "train", "the run moved the cameras of another number of training views", "give the scene the run began with");
+    throw_bad_input(scene.folder, "train", "the run moved the cameras of another number of training views",
+                    "give the scene the run began with");
   }
   for (size_t i = 0; i < motions.size(); ++i) {
     Rigidd& pose = scene.views[static_cast<size_t>(scene.train[i])].camera.world_to_camera;
@@ -219,7 +225,8 @@ void remove_checkpoints_beyond(const fs::path& folder, int64_t iteration) {
   }
 }
 
-void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint, int64_t keep) {
+void write_checkpoint(const fs::path& folder, const TrainingState& state, const std::string& fingerprint,
+                      int64_t keep) {
   TensorFile file;
   put_model(state.engine.model, file);
   if (state.trainable) {
@@ -238,7 +245,7 @@ void write_checkpoint(const fs::path& folder, const TrainingState& state, const 
   }
   put_planes(state.planes, file);
   file.metadata["schema"] = kSchema;
-  file.metadata["version"] = ALIGNGS_VERSION;
+  file.metadata["version"] = version();
   file.metadata["fingerprint"] = fingerprint;
   file.metadata["iteration"] = std::to_string(state.iteration);
   file.metadata["non_finite_steps"] = std::to_string(state.non_finite_steps);
@@ -265,7 +272,9 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
   };
-  if (meta("schema") != kSchema) throw_bad_input(path, "schema", fmt::format("not a checkpoint as this version writes them ({})", kSchema), "train again with --overwrite");
+  if (meta("schema") != kSchema)
+    throw_bad_input(path, "schema", fmt::format("not a checkpoint as this version writes them ({})", kSchema),
+                    "train again with --overwrite");
   if (meta("crc32") != sum) throw_bad_input(path, "crc32", "the checksum does not match: the file is damaged");
   if (meta("fingerprint") != fingerprint) {
     throw_bad_input(path, kOtherScene, "the checkpoint belongs to another scene, or the scene has changed since",
@@ -283,7 +292,8 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   state.seconds = metadata_number<double>(file, "seconds", path);
   state.engine.model = take_model(file, path);
   for (const auto& [name, tensor] : file.tensors) {
-    if (is_engine_array(name)) state.engine.arrays[name.substr(kEnginePrefix.size())] = floats_of(tensor, path.string() + ": " + name);
+    if (is_engine_array(name))
+      state.engine.arrays[name.substr(kEnginePrefix.size())] = floats_of(tensor, path.string() + ": " + name);
   }
   for (const int64_t view : raw_values<int64_t>(file, "order.left", "I64", path)) {
     state.order.left.push_back(static_cast<int>(view));
@@ -301,7 +311,8 @@ TrainingState read_checkpoint(const fs::path& path, const std::string& fingerpri
   return state;
 }
 
-std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, const std::string& fingerprint, CheckpointParts parts) {
+std::optional<TrainingState> read_latest_checkpoint(const fs::path& folder, const std::string& fingerprint,
+                                                    CheckpointParts parts) {
   for (const fs::path& path : list_checkpoints(folder)) {
     try {
       return read_checkpoint(path, fingerprint, parts);

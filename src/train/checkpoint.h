@@ -19,9 +19,9 @@ namespace aligngs {
 /// The state of a run between two iterations. Together with config.toml and the scene it determines every
 /// later number, so writing one changes nothing and reading one continues bit for bit.
 struct TrainingState {
-  int64_t iteration = 0;       ///< completed iterations
-  EngineState engine;          ///< parameters, moments, density statistics, running values
-  bool trainable = true;       ///< false: of a finished run, without moments, statistics and running values
+  int64_t iteration = 0;  ///< completed iterations
+  EngineState engine;     ///< parameters, moments, density statistics, running values
+  bool trainable = true;  ///< false: of a finished run, without moments, statistics and running values
   ViewOrder::State order;
   std::array<uint64_t, 4> density_random{};  ///< of density control
   std::vector<float> depth_scales;           ///< a_v per training view (prior_alignment.h)
@@ -30,8 +30,8 @@ struct TrainingState {
   int64_t non_finite_steps = 0;              ///< steps rolled back so far
   uint64_t max_gaussians = 0;                ///< cap found at the start, 0 = none
   bool dense_start = false, normals_at_start = false;
-  double psnr_average = 0;                   ///< running mean shown as progress, dB
-  double seconds = 0;                        ///< training time so far, over all resumes
+  double psnr_average = 0;  ///< running mean shown as progress, dB
+  double seconds = 0;       ///< training time so far, over all resumes
 };
 
 /// checkpoints/step_<iteration>.safetensors, atomic, with a checksum over its content; older ones beyond
@@ -41,19 +41,22 @@ void write_checkpoint(const std::filesystem::path& folder, const TrainingState& 
                       int64_t keep);
 
 enum class CheckpointParts {
-  kAll,                 ///< what a run needs to go on
-  kWithoutEngineArrays  ///< the same but moments and statistics, two thirds of the file: for those who only look at the scene
+  kAll,  ///< what a run needs to go on
+  /// the same but moments and statistics, two thirds of the file: for those who only look at the scene
+  kWithoutEngineArrays
 };
 
 /// Error{kBadInput} when the file is damaged, in whatever part, or belongs to another scene.
-TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint, CheckpointParts parts = CheckpointParts::kAll);
+TrainingState read_checkpoint(const std::filesystem::path& path, const std::string& fingerprint,
+                              CheckpointParts parts = CheckpointParts::kAll);
 
 /// The newest good checkpoint. A damaged one is reported as a warning and the one before is taken; nothing
 /// when there is none. Error{kBadInput} when a good one belongs to another scene.
 std::optional<TrainingState> read_latest_checkpoint(const std::filesystem::path& folder, const std::string& fingerprint,
                                                     CheckpointParts parts = CheckpointParts::kAll);
 
-/// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions. Error{kBadInput} when there are as
+/// Puts the cameras of the training views where the state of a run has them; the scene's own with no motions.
+/// Error{kBadInput} when there are as
 /// many motions as another number of views has.
 void apply_motions(const std::vector<CameraMotion>& motions, Scene& scene);
 

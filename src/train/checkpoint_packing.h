@@ -1,4 +1,5 @@
-// Large tensors of a finished run's checkpoint, compressed: most rows of class scores are alike, and most harmonics are zero.
+// Large tensors of a finished run's checkpoint, compressed: most rows of class scores are alike, and most harmonics are
+// zero.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +8,8 @@
 
 namespace aligngs {
 
-/// Replaces every tensor of at least 64 KiB that becomes smaller by "gzip.NAME" (U8) and the metadata "gzip.NAME", its type and
+/// Replaces every tensor of at least 64 KiB that becomes smaller by "gzip.NAME" (U8) and the metadata "gzip.NAME", its
+/// type and
 /// shape: "F32 1000 150". Nothing is lost.
 void pack_tensors(TensorFile& file);
 

@@ -42,7 +42,8 @@ TEST(CheckpointPacking, NothingIsLostAndOnlyWhatShrinksIsPacked) {
 }
 
 TEST(CheckpointPacking, AWrongDescriptionIsBadInput) {
-  for (const char* const text : {"", "F32", "F32 400 99", "F32 400 101", "F16 400 100", "F32 -400 -100", "F32 400 x", "F32 9000000000 9000000000"}) {
+  for (const char* const text : {"", "F32", "F32 400 99", "F32 400 101", "F16 400 100", "F32 -400 -100", "F32 400 x",
+                                 "F32 9000000000 9000000000"}) {
     TensorFile file = some_tensors();
     pack_tensors(file);
     file.metadata["gzip.alike"] = text;

@@ -11,7 +11,7 @@ constexpr const char* kScales = "planes.scales";    // per view
 constexpr const char* kNumbers = "planes.numbers";  // per pixel
 constexpr const char* kWeights = "planes.weights";  // per pixel
 constexpr size_t kSizeNumbers = 3, kFrameNumbers = 4;
-constexpr int64_t kMostPlanes = 255;      // that a byte numbers
+constexpr int64_t kMostPlanes = 255;       // that a byte numbers
 constexpr int64_t kLargestSide = 1 << 20;  // pixels: products of sizes stay in 64 bits
 
 /// Takes a view's part of a tensor of all views.

@@ -22,7 +22,8 @@ TensorBytes raw_tensor(const char* dtype, const T* values, size_t count) {
 
 /// Error{kBadInput} when there is no tensor of this name and type.
 template <class T>
-std::vector<T> raw_values(const TensorFile& file, const char* name, const char* dtype, const std::filesystem::path& path) {
+std::vector<T> raw_values(const TensorFile& file, const char* name, const char* dtype,
+                          const std::filesystem::path& path) {
   const auto it = file.tensors.find(name);
   if (it == file.tensors.end() || it->second.dtype != dtype || it->second.bytes.size() % sizeof(T) != 0) {
     throw_bad_input(path, name, "the tensor is missing or of another type");

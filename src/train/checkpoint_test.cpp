@@ -176,7 +176,8 @@ TEST_F(Checkpoint, OneFlippedBitIsNoticed) {
   const TensorDirectory directory = read_safetensors_directory(*file_source(newest()));
   flip_bit_of(newest(), directory.tensors.at("engine.adam_m.positions").offset);
   for (const CheckpointParts parts : {CheckpointParts::kAll, CheckpointParts::kWithoutEngineArrays}) {
-    EXPECT_EQ(read_latest_checkpoint(folder_, "scene", parts)->iteration, 100);  // whether or not the damaged part is wanted
+    // whether or not the damaged part is wanted
+    EXPECT_EQ(read_latest_checkpoint(folder_, "scene", parts)->iteration, 100);
   }
 }
 
@@ -208,7 +209,8 @@ TEST_F(Checkpoint, AnotherSceneIsRefused) {
 }
 
 TEST_F(Checkpoint, FilesOfOtherNamesAreIgnored) {
-  for (const char* name : {"step_.safetensors", "step_12a.safetensors", "step_000001.safetensors.tmp-1-1", "notes.txt"}) {
+  for (const char* name :
+       {"step_.safetensors", "step_12a.safetensors", "step_000001.safetensors.tmp-1-1", "notes.txt"}) {
     std::ofstream(folder_ / name) << "x";
   }
   EXPECT_TRUE(list_checkpoints(folder_).empty());

@@ -18,13 +18,14 @@ constexpr double kCell = 0.01;         // edge of a square / extent: 3 to 5 cm i
 constexpr double kTaken = 0.75;        // squares; a Gaussian this near to a square's centre covers it
 constexpr float kTakenOpacity = 0.3f;  // if it is at least so opaque
 constexpr float kOpacity = 0.95f;
-constexpr float kThickness = 0.1f;     // of a Gaussian / its width, as in a start from depth
-constexpr float kWidth = 0.7f;         // standard deviation / edge of a square: neighbours overlap without ripples
-constexpr float kSureLogit = 8;        // of the class against all others: 0.95 among 150 classes
+constexpr float kThickness = 0.1f;  // of a Gaussian / its width, as in a start from depth
+constexpr float kWidth = 0.7f;      // standard deviation / edge of a square: neighbours overlap without ripples
+constexpr float kSureLogit = 8;     // of the class against all others: 0.95 among 150 classes
 
 /// Trained scene in a training view.
 LayoutView look(const Engine& engine, const GuideView& view, const RenderOptions& options) {
-  const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(view.camera.width, view.camera.height));
+  const double shrink =
+      std::min(1.0, static_cast<double>(kLongestSide) / std::max(view.camera.width, view.camera.height));
   LayoutView out;
   out.plane.camera = view.camera.resized(std::max(1, static_cast<int>(std::lround(view.camera.width * shrink))),
                                          std::max(1, static_cast<int>(std::lround(view.camera.height * shrink))));
@@ -33,7 +34,8 @@ LayoutView look(const Engine& engine, const GuideView& view, const RenderOptions
   out.color = std::move(seen.color);
   for (size_t i = 0; i < seen.alpha.data.size(); ++i) {
     const float alpha = seen.alpha.data[i];
-    for (size_t c = 0; alpha > 0 && c < 3; ++c) out.color.data[3 * i + c] = std::clamp(out.color.data[3 * i + c] / alpha, 0.0f, 1.0f);
+    for (size_t c = 0; alpha > 0 && c < 3; ++c)
+      out.color.data[3 * i + c] = std::clamp(out.color.data[3 * i + c] / alpha, 0.0f, 1.0f);
   }
   return out;
 }
@@ -116,7 +118,8 @@ size_t close_room(Engine& engine, const ClosedRoomRequest& request, ThreadPool& 
   if (unseen.cloud.size() == 0) return 0;
   const size_t allowed = request.most_gaussians - std::min(request.most_gaussians, model.size());
   if (unseen.cloud.size() > allowed) {
-    log_info("closed room: left open, as it would take {} more Gaussians and {} are allowed", unseen.cloud.size(), allowed);
+    log_info("closed room: left open, as it would take {} more Gaussians and {} are allowed", unseen.cloud.size(),
+             allowed);
     return 0;
   }
   append(engine, gaussians_of(unseen, settings.cell, model.semantic_channels));

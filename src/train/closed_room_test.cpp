@@ -60,7 +60,8 @@ TEST_F(ClosedRoom, ChangesNothingThatATrainingViewShows) {
   ASSERT_GT(close(), 0u);
   const Rendering after = render(views_[2].camera);
   double difference = 0;
-  for (size_t i = 0; i < before.color.data.size(); ++i) difference += std::abs(before.color.data[i] - after.color.data[i]);
+  for (size_t i = 0; i < before.color.data.size(); ++i)
+    difference += std::abs(before.color.data[i] - after.color.data[i]);
   EXPECT_LT(difference / static_cast<double>(before.color.data.size()), 0.002);
 }
 

@@ -59,13 +59,14 @@ void check_config(const TrainConfig& config) {
   require(config.semantic.coupling_start <= config.semantic.coupling_stop, "semantic.coupling_start",
           "the coupling would end before it starts", "make semantic.coupling_stop at least semantic.coupling_start");
   const double share = config.semantic.pixel_share;
-  require(share == 1 || share == 0.5 || share == 0.25, "semantic.pixel_share", "of four squares 4, 2 or 1 are taken", "use 1, 0.5 or 0.25");
+  require(share == 1 || share == 0.5 || share == 0.25, "semantic.pixel_share", "of four squares 4, 2 or 1 are taken",
+          "use 1, 0.5 or 0.25");
   const OptimizerConfig& o = config.optimizer;
   const char* remedy = "make it positive; a start value of 0 turns the term off";
   const char* to_zero = "a log-linear schedule cannot reach zero";
   require(o.position == 0 || o.position_end > 0, "optimizer.position_end", to_zero, remedy);
-  require(o.aspect_max == 0 || o.aspect_max >= 1, "optimizer.aspect_max", "the largest scale cannot be below the middle one",
-          "use 0 (off) or at least 1");
+  require(o.aspect_max == 0 || o.aspect_max >= 1, "optimizer.aspect_max",
+          "the largest scale cannot be below the middle one", "use 0 (off) or at least 1");
   const LossConfig& l = config.loss;
   for (const ScheduledLoss& row : scheduled_losses()) {
     const bool reached = row.end == nullptr || row.start(config) == 0 || row.end(config) > 0;
@@ -100,8 +101,7 @@ std::string config_to_toml(const TrainConfig& config) {
       group = this_group;
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", group);
     }
-    text += fmt::format("# {}{}\n{} = {}\n", key.doc,
-                        key.choices.empty() ? "" : fmt::format(" ({})", key.choices),
+    text += fmt::format("# {}{}\n{} = {}\n", key.doc, key.choices.empty() ? "" : fmt::format(" ({})", key.choices),
                         key.name.substr(group.size() + 1), config_value_text(get_config(config, key)));
   }
   return text;
@@ -111,7 +111,8 @@ std::vector<std::string> config_differences(const TrainConfig& a, const TrainCon
   std::vector<std::string> differences;
   for (const ConfigKey& key : config_keys()) {
     const ConfigValue x = get_config(a, key), y = get_config(b, key);
-    if (x != y) differences.push_back(fmt::format("{}: {} -> {}", key.name, config_value_text(x), config_value_text(y)));
+    if (x != y)
+      differences.push_back(fmt::format("{}: {} -> {}", key.name, config_value_text(x), config_value_text(y)));
   }
   return differences;
 }

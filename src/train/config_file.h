@@ -12,11 +12,11 @@ namespace aligngs {
 
 /// Sources of the settings of a run; later ones win: preset, config file, sets, iterations, seed.
 struct ConfigSources {
-  std::string preset;                   ///< empty: the file's train.preset, else "default"
-  std::filesystem::path config_file;    ///< empty: none
-  std::vector<std::string> sets;        ///< "key=value"
-  std::optional<int64_t> iterations;    ///< -n
-  std::optional<int64_t> seed;          ///< --seed
+  std::string preset;                 ///< empty: the file's train.preset, else "default"
+  std::filesystem::path config_file;  ///< empty: none
+  std::vector<std::string> sets;      ///< "key=value"
+  std::optional<int64_t> iterations;  ///< -n
+  std::optional<int64_t> seed;        ///< --seed
   bool any() const {
     return !preset.empty() || !config_file.empty() || !sets.empty() || iterations.has_value() || seed.has_value();
   }

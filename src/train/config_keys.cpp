@@ -16,9 +16,14 @@ void add_preset(Preset preset, const config_table::PresetChanges& changes, std::
   const auto value_of = [](ConfigKey& key, Preset p) -> ConfigValue& { return key.presets[static_cast<size_t>(p)]; };
   for (ConfigKey& key : keys) value_of(key, preset) = value_of(key, changes.basis);
   for (const auto& [name, value] : changes.values) {
-    const auto key = std::find_if(keys.begin(), keys.end(), [name = name](const ConfigKey& k) { return k.name == name; });
+    const auto key =
+        std::find_if(keys.begin(), keys.end(), [name = name](const ConfigKey& k) { return k.name == name; });
     if (key == keys.end() || value_of(*key, preset) == value) {
-      throw Error({ErrorKind::kFailed, fmt::format("preset '{}' changes nothing by '{}'", preset_name(preset), name), {}, std::string(name), {}});
+      throw Error({ErrorKind::kFailed,
+                   fmt::format("preset '{}' changes nothing by '{}'", preset_name(preset), name),
+                   {},
+                   std::string(name),
+                   {}});
     }
     value_of(*key, preset) = value;
   }
@@ -82,7 +87,8 @@ ConfigValue parse_value(const ConfigKey& key, const std::string& text) {
   if (std::holds_alternative<int64_t*>(field)) {
     int64_t v = 0;
     if (parse_whole(text, v)) return v;
-    fail(key.name, fmt::format("'{}' is no whole number", text), fmt::format("use a whole number, {}", range_text(key)));
+    fail(key.name, fmt::format("'{}' is no whole number", text),
+         fmt::format("use a whole number, {}", range_text(key)));
   }
   if (std::holds_alternative<bool*>(field)) {
     if (text == "true") return true;
@@ -171,7 +177,7 @@ std::string config_value_text(const ConfigValue& value) {
   if (const bool* b = std::get_if<bool>(&value)) return *b ? "true" : "false";
   if (const std::string* s = std::get_if<std::string>(&value)) return "\"" + *s + "\"";
   if (const int64_t* i = std::get_if<int64_t>(&value)) return std::to_string(*i);
-  std::string text = fmt::format("{}", std::get<double>(value));  // shortest that reads back the same
+  std::string text = fmt::format("{}", std::get<double>(value));     // shortest that reads back the same
   if (text.find_first_of(".en") == std::string::npos) text += ".0";  // TOML tells reals from whole numbers
   return text;
 }
@@ -180,17 +186,25 @@ Preset parse_preset(const std::string& name) {
   for (const Preset p : {Preset::kPreview, Preset::kDefault, Preset::kPaper, Preset::kHigh, Preset::kPgsr}) {
     if (preset_name(p) == name) return p;
   }
-  throw Error({ErrorKind::kUsage, fmt::format("unknown preset '{}'", name), {}, "--preset",
+  throw Error({ErrorKind::kUsage,
+               fmt::format("unknown preset '{}'", name),
+               {},
+               "--preset",
                "use preview, default, paper, high or pgsr"});
 }
 
 std::string preset_name(Preset preset) {
   switch (preset) {
-    case Preset::kPreview: return "preview";
-    case Preset::kDefault: return "default";
-    case Preset::kPaper: return "paper";
-    case Preset::kHigh: return "high";
-    case Preset::kPgsr: return "pgsr";
+    case Preset::kPreview:
+      return "preview";
+    case Preset::kDefault:
+      return "default";
+    case Preset::kPaper:
+      return "paper";
+    case Preset::kHigh:
+      return "high";
+    case Preset::kPgsr:
+      return "pgsr";
   }
   return {};
 }

@@ -1,4 +1,5 @@
-// The one table of all settings: name, field, range, value, documentation; presets.cpp has what the presets change. Command line,
+// The one table of all settings: name, field, range, value, documentation; presets.cpp has what the presets change.
+// Command line,
 // config.toml, --print-config, error messages and the manual are all made from it.
 #pragma once
 
@@ -18,12 +19,12 @@ using ConfigValue = std::variant<double, int64_t, bool, std::string>;
 using ConfigField = std::variant<double*, int64_t*, bool*, std::string*>;
 
 struct ConfigKey {
-  std::string_view name;                     ///< dotted, e.g. "loss.l1"
-  ConfigField (*field)(TrainConfig&);        ///< where it lives
-  double low, high;                          ///< inclusive range of numbers
-  std::string_view choices;                  ///< of strings: "a|b|c"; empty: any
-  ConfigValue standard;                      ///< of preset `default`
-  std::string_view doc;                      ///< one line
+  std::string_view name;                           ///< dotted, e.g. "loss.l1"
+  ConfigField (*field)(TrainConfig&);              ///< where it lives
+  double low, high;                                ///< inclusive range of numbers
+  std::string_view choices;                        ///< of strings: "a|b|c"; empty: any
+  ConfigValue standard;                            ///< of preset `default`
+  std::string_view doc;                            ///< one line
   std::array<ConfigValue, kPresets> presets = {};  ///< indexed by Preset; made from `standard` and presets.cpp
 };
 

@@ -8,12 +8,15 @@ std::vector<ConfigKey> data_init_train_keys() {
       {"data.scale", field<&C::data, &DataConfig::scale>, 0.05, 1, "", value(1.0),
        "working resolution / image resolution"},
       {"data.prior_depth", field<&C::data, &DataConfig::prior_depth>, 0, 0, "auto|metric|relative|none", value("auto"),
-       "use of pred_depths/: in scene units for start, losses and free space (metric), or its correlation alone (relative); auto: "
+       "use of pred_depths/: in scene units for start, losses and free space (metric), or its correlation alone "
+       "(relative); auto: "
        "metric where its scale (priors.json) can be brought to the scene's, to 5 %"},
       {"data.measure_depth", field<&C::data, &DataConfig::measure_depth>, 0, 0, "", value(true),
-       "`aligngs run` measures depth in the photos of a scene that has cameras and points and no prior depth (`aligngs refine`)"},
+       "`aligngs run` measures depth in the photos of a scene that has cameras and points and no prior depth (`aligngs "
+       "refine`)"},
       {"data.refine_cameras", field<&C::data, &DataConfig::refine_cameras>, 0, 0, "", value(true),
-       "`aligngs run` and `demo` correct cameras and metric prior depth from matches before training (`aligngs refine`)"},
+       "`aligngs run` and `demo` correct cameras and metric prior depth from matches before training (`aligngs "
+       "refine`)"},
       {"data.refine_stereo", field<&C::data, &DataConfig::refine_stereo>, 0, 0, "", value(true),
        "with data.refine_cameras: correct the depth by multi-view stereo near it"},
       {"data.refine_planes", field<&C::data, &DataConfig::refine_planes>, 0, 0, "", value(true),
@@ -41,7 +44,8 @@ std::vector<ConfigKey> data_init_train_keys() {
       {"data.semantics", field<&C::data, &DataConfig::semantics>, 0, 0, "", value(true),
        "use segmentation_logits/, if every training view has them"},
       {"data.ignore", field<&C::data, &DataConfig::ignore>, 0, 0, "", value("person"),
-       "classes that are left out of photos and depth where the teacher sees them, with commas: person, cat, dog; empty: none"},
+       "classes that are left out of photos and depth where the teacher sees them, with commas: person, cat, dog; "
+       "empty: none"},
       {"data.scores_as_logits", field<&C::data, &DataConfig::scores_as_logits>, 0, 0, "", value(false),
        "apply softmax to the teacher's numbers, also if priors.json calls them scores (the paper's reading)"},
       {"data.score_gamma", field<&C::data, &DataConfig::score_gamma>, 0.1, 10, "", value(1.0),
@@ -50,7 +54,8 @@ std::vector<ConfigKey> data_init_train_keys() {
        "pixels with a smaller sum of scores have no target: the teacher saw no object there, as along borders"},
 
       {"init.start", field<&C::init, &InitConfig::start>, 0, 0, "auto|depth|cloud|random", value("auto"),
-       "where Gaussians start: fused prior depth, sparse/points3D, random points; auto: depth when it is metric, else cloud"},
+       "where Gaussians start: fused prior depth, sparse/points3D, random points; auto: depth when it is metric, else "
+       "cloud"},
       {"init.depth_opacity", field<&C::init, &InitConfig::depth_opacity>, 0.01, 0.99, "", value(0.5),
        "initial opacity of a start from prior depth"},
       {"init.depth_flat_ratio", field<&C::init, &InitConfig::depth_flat_ratio>, 0.01, 1, "", value(0.1),
@@ -72,17 +77,19 @@ std::vector<ConfigKey> data_init_train_keys() {
       {"init.random_count", field<&C::init, &InitConfig::random_count>, 1, 1e8, "", value(100000),
        "points of a random start"},
 
-      {"train.preset", field<&C::train, &RunConfig::preset>, 0, 0, "preview|default|paper|high|pgsr",
-       value("default"), "the preset these settings began as"},
+      {"train.preset", field<&C::train, &RunConfig::preset>, 0, 0, "preview|default|paper|high|pgsr", value("default"),
+       "the preset these settings began as"},
       {"train.iterations", field<&C::train, &RunConfig::iterations>, 1, kIterationsMax, "", value(2000),
        "training steps, one view each; too many steps overfit few photos"},
-      {"train.reference_iterations", field<&C::train, &RunConfig::reference_iterations>, 1, kIterationsMax, "", value(7000),
-       "run length in which all keys marked [ref] are counted; they scale with the schedule's length"},
+      {"train.reference_iterations", field<&C::train, &RunConfig::reference_iterations>, 1, kIterationsMax, "",
+       value(7000), "run length in which all keys marked [ref] are counted; they scale with the schedule's length"},
       {"train.schedule_iterations", field<&C::train, &RunConfig::schedule_iterations>, 0, kIterationsMax, "", value(0),
        "length of all schedules; 0 = train.iterations; pinned to the old end when a run is extended"},
-      {"train.seed", field<&C::train, &RunConfig::seed>, 0, 9007199254740992.0, "", value(0), "seed of every random choice"},
+      {"train.seed", field<&C::train, &RunConfig::seed>, 0, 9007199254740992.0, "", value(0),
+       "seed of every random choice"},
       {"train.sh_degree", field<&C::train, &RunConfig::sh_degree>, -1, 3, "", value(-1),
-       "highest degree of the spherical harmonics; -1: 3, but where depth and cameras are a network's 1, and 2 above 30 training views"},
+       "highest degree of the spherical harmonics; -1: 3, but where depth and cameras are a network's 1, and 2 above "
+       "30 training views"},
       {"train.sh_every", field<&C::train, &RunConfig::sh_every>, 1, kIterationsMax, "", value(1000),
        "[ref] iterations after which one more degree is used"},
       {"train.coarse_scale", field<&C::train, &RunConfig::coarse_scale>, 0.1, 1, "", value(1.0),
@@ -96,12 +103,13 @@ std::vector<ConfigKey> data_init_train_keys() {
       {"train.opacity_dropout", field<&C::train, &RunConfig::opacity_dropout>, 0, 0.9, "", value(0.1),
        "share of the Gaussians that a step leaves out, with the others more opaque to balance it; rises evenly "
        "from 0 to this"},
-      {"train.opacity_dropout_stop", field<&C::train, &RunConfig::opacity_dropout_stop>, 0, kIterationsMax, "", value(7000),
-       "[ref] and none is left out after this step"},
+      {"train.opacity_dropout_stop", field<&C::train, &RunConfig::opacity_dropout_stop>, 0, kIterationsMax, "",
+       value(7000), "[ref] and none is left out after this step"},
       {"train.random_background", field<&C::train, &RunConfig::random_background>, 0, 0, "", value(true),
        "a new background colour every step, so that holes do not explain black surfaces"},
       {"train.closed_room", field<&C::train, &RunConfig::closed_room>, 0, 0, "", value(false),
-       "after the last step, close walls, floor and ceiling where no photo shows them, beyond the cap on Gaussians; needs semantics"},
+       "after the last step, close walls, floor and ceiling where no photo shows them, beyond the cap on Gaussians; "
+       "needs semantics"},
       {"train.log_every", field<&C::train, &RunConfig::log_every>, 1, kIterationsMax, "", value(10),
        "iterations between lines of events.ndjson"},
   };

@@ -12,7 +12,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.flatten", field<&C::loss, &L::flatten>, 0, 1e6, "", value(3.0),
        "weight of the mean smallest scale / extent of the visible Gaussians"},
       {"loss.pearson", field<&C::loss, &L::pearson>, 0, 1e6, "", value(0.5),
-       "weight of L_d, 1 - Pearson(depth, prior); acts on relative prior depth, and on metric one when loss.log_depth is 0"},
+       "weight of L_d, 1 - Pearson(depth, prior); acts on relative prior depth, and on metric one when loss.log_depth "
+       "is 0"},
       {"loss.log_depth", field<&C::loss, &L::log_depth>, 0, 1e6, "", value(0.5),
        "weight of L_z, Huber on log depth against metric prior depth, at the start"},
       {"loss.log_depth_end", field<&C::loss, &L::log_depth_end>, 0, 1e6, "", value(0.02),
@@ -41,7 +42,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"loss.plane_weight", field<&C::loss, &L::plane_weight>, 0, 16, "", value(0.0),
        "weight of fitted planes of walls, floor and ceiling as a target, beside prior depth of weight 1 (1 was "
        "tried); needs metric prior depth and labels; 0 = off"},
-      {"loss.plane_every", field<&C::loss, &L::plane_every>, 1, kIterationsMax, "", value(1000), "[ref] iterations between these fits"},
+      {"loss.plane_every", field<&C::loss, &L::plane_every>, 1, kIterationsMax, "", value(1000),
+       "[ref] iterations between these fits"},
       {"loss.multi_view_geometric", field<&C::loss, &L::multi_view_geometric>, 0, 1e6, "", value(0.0),
        "weight of the reprojection error (pixels) of rendered depth into a neighbouring view and back"},
       {"loss.multi_view_photometric", field<&C::loss, &L::multi_view_photometric>, 0, 1e6, "", value(0.0),
@@ -55,8 +57,7 @@ std::vector<ConfigKey> loss_semantic_keys() {
        "(docs/method.md)"},
       {"loss.opacity_l1", field<&C::loss, &L::opacity_l1>, 0, 1e6, "", value(0.01),
        "weight of the mean opacity (takes the place of opacity resets)"},
-      {"loss.scale_l1", field<&C::loss, &L::scale_l1>, 0, 1e6, "", value(0.01),
-       "weight of the mean scale / extent"},
+      {"loss.scale_l1", field<&C::loss, &L::scale_l1>, 0, 1e6, "", value(0.01), "weight of the mean scale / extent"},
 
       {"semantic.soft", field<&C::semantic, &S::soft>, 0, 1e6, "", value(1.0), "weight of KL(teacher || student)"},
       {"semantic.hard", field<&C::semantic, &S::hard>, 0, 1e6, "", value(0.1),
@@ -64,8 +65,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.pixel_share", field<&C::semantic, &S::pixel_share>, 0.25, 1, "", value(0.25),
        "share of the pixels for the semantic loss of a step: 1, 0.5 or 0.25, in squares that change from visit to "
        "visit"},
-      {"semantic.blend", field<&C::semantic, &S::blend>, 0, 0, "probabilities|logits",
-       value("probabilities"), "what is blended along the ray"},
+      {"semantic.blend", field<&C::semantic, &S::blend>, 0, 0, "probabilities|logits", value("probabilities"),
+       "what is blended along the ray"},
       {"semantic.coupling", field<&C::semantic, &S::coupling>, 0, 0, "bounded|plain|opacity", value("bounded"),
        "path of the semantic loss to geometry: bounded surrogate, plain gradient of the printed loss, or a push "
        "on opacity without classes as a control"},
@@ -80,7 +81,8 @@ std::vector<ConfigKey> loss_semantic_keys() {
       {"semantic.lift_at", field<&C::semantic, &S::lift_at>, 0, kIterationsMax, "", value(0),
        "[ref] iteration after which the closed form is taken"},
       {"semantic.drawn_sharpness", field<&C::semantic, &S::drawn_sharpness>, 0, 16, "", value(4.0),
-       "labels are drawn with each Gaussian's probabilities, smoothed over its neighbours, to this power; 0, or semantic.blend = "
+       "labels are drawn with each Gaussian's probabilities, smoothed over its neighbours, to this power; 0, or "
+       "semantic.blend = "
        "\"logits\": rows as trained"},
       {"semantic.object_labels", field<&C::semantic, &S::object_labels>, 0, 0, "", value(true),
        "after training the photos vote for the labels of whole objects, so small objects keep their names; off, "

@@ -115,7 +115,8 @@ TEST(ConfigKeys, RejectsValuesOutsideTheirRange) {
   }
   EXPECT_THAT(error_of([&] { set_config(c, "mesh.depth", std::string("mean")); }).remedy, HasSubstr("median"));
   EXPECT_THAT(error_of([&] { set_config(c, "train.iterations", std::string("1.5")); }).message, HasSubstr("whole"));
-  EXPECT_THAT(error_of([&] { set_config(c, "data.semantics", std::string("yes")); }).remedy, HasSubstr("true or false"));
+  EXPECT_THAT(error_of([&] { set_config(c, "data.semantics", std::string("yes")); }).remedy,
+              HasSubstr("true or false"));
 }
 
 TEST(ConfigFile, RoundTripIsExact) {
@@ -169,8 +170,8 @@ TEST(ConfigFile, SetNeedsAKeyAndAValue) {
 }
 
 TEST(ConfigFile, ContradictionsAreRefused) {
-  for (const char* set : {"densify.start=4000", "semantic.coupling_stop=10", "semantic.pixel_share=0.3", "optimizer.position_end=0",
-                          "optimizer.aspect_max=0.5", "loss.log_depth_end=0"}) {
+  for (const char* set : {"densify.start=4000", "semantic.coupling_stop=10", "semantic.pixel_share=0.3",
+                          "optimizer.position_end=0", "optimizer.aspect_max=0.5", "loss.log_depth_end=0"}) {
     ConfigSources sources;
     sources.sets = {set};
     EXPECT_EQ(error_of([&] { resolve_config(sources); }).kind, ErrorKind::kUsage) << set;
@@ -192,7 +193,8 @@ TEST(ConfigFile, ManualIsMadeFromTheTable) {
 /// The rows of docs/settings.md must stay settings that exist.
 TEST(ConfigFile, AblationRowsAreSettings) {
   const std::vector<std::vector<std::string>> rows = {
-      {"data.prior_depth=none", "data.semantics=false", "loss.pearson=0", "loss.normal_consistency=0", "loss.normal_boundary=0"},
+      {"data.prior_depth=none", "data.semantics=false", "loss.pearson=0", "loss.normal_consistency=0",
+       "loss.normal_boundary=0"},
       {"semantic.coupling_strength=0", "loss.pearson=0"},
       {"data.prior_depth=none", "data.semantics=false", "loss.normal_consistency=0"}};
   for (const std::vector<std::string>& row : rows) {

@@ -4,7 +4,7 @@
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/resumed_runs_for_tests.h"
 #include "train/run_folder.h"
 #include "train/textured_scene_for_tests.h"
@@ -34,10 +34,21 @@ class TrainOnCpu : public testing::Test {
     o.config.preset = preset;
     o.config.iterations = 42;
     // Everything that changes state happens within 42 iterations: density control, free space, alignment, coupling.
-    o.config.sets = {"checkpoint.every=10", "train.reference_iterations=420", "densify.every=60", "densify.start=60",
-                     "densify.min_epochs=0", "densify.stop=350", "densify.free_space_every=130", "loss.depth_align_every=110",
-                     "loss.normal_start=50", "loss.multi_view_from=60", "loss.depth_start=20", "semantic.coupling_start=50", "semantic.coupling_stop=380",
-                     "densify.opacity_reset_every=200", "train.sh_every=100"};
+    o.config.sets = {"checkpoint.every=10",
+                     "train.reference_iterations=420",
+                     "densify.every=60",
+                     "densify.start=60",
+                     "densify.min_epochs=0",
+                     "densify.stop=350",
+                     "densify.free_space_every=130",
+                     "loss.depth_align_every=110",
+                     "loss.normal_start=50",
+                     "loss.multi_view_from=60",
+                     "loss.depth_start=20",
+                     "semantic.coupling_start=50",
+                     "semantic.coupling_stop=380",
+                     "densify.opacity_reset_every=200",
+                     "train.sh_every=100"};
     o.progress.enabled = false;
     o.threads = threads;
     return o;
@@ -75,7 +86,8 @@ TEST_F(TrainOnCpu, RowsInMortonOrderResumeByteIdentical) {
 TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
   const auto moving = [&](const std::string& name, int threads) {
     TrainOptions o = options(name, "default", threads);
-    for (const char* set : {"optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4", "optimizer.pose_start=50"}) {
+    for (const char* set :
+         {"optimizer.pose_rotation=3e-4", "optimizer.pose_translation=3e-4", "optimizer.pose_start=50"}) {
       o.config.sets.emplace_back(set);
     }
     return o;
@@ -85,8 +97,9 @@ TEST_F(TrainOnCpu, MovedCamerasResumeByteIdentical) {
   train_run(options("still", "default"));
   const std::string cameras = read_file(whole.run / "cameras.json");
   EXPECT_NE(cameras, read_file(base_ / "still" / "cameras.json"));
-  expect_resumes(whole, [&](const std::string& run) { return moving(run, 2); },
-                 [&](const TrainOptions& o) { EXPECT_EQ(read_file(o.run / "cameras.json"), cameras) << o.run; });
+  expect_resumes(
+      whole, [&](const std::string& run) { return moving(run, 2); },
+      [&](const TrainOptions& o) { EXPECT_EQ(read_file(o.run / "cameras.json"), cameras) << o.run; });
 }
 
 TEST_F(TrainOnCpu, McmcGrowthWithAFloorOfScalesResumesByteIdentical) {
@@ -144,7 +157,8 @@ TEST_F(TrainOnCpu, ResultDoesNotDependOnThreads) {
 
 TEST_F(TrainOnCpu, ShortRunsEndAsIfThereWereNoOpacityResets) {
   for (const char* preset : {"paper", "pgsr"}) {
-    TrainOptions brief = options(std::string("brief_") + preset, preset), never = options(std::string("never_") + preset, preset);
+    TrainOptions brief = options(std::string("brief_") + preset, preset),
+                 never = options(std::string("never_") + preset, preset);
     brief.config.iterations = never.config.iterations = 60;
     brief.config.sets.clear();
     never.config.sets = {"densify.opacity_reset_every=0"};

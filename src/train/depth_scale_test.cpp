@@ -11,27 +11,31 @@
 #include "train/prior_alignment.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
+#include "train/scene_maintenance.h"
 #include "train/textured_scene_for_tests.h"
 #include "train/train_run.h"
 #include "train/training_set.h"
-#include "train/upkeep.h"
 
 namespace aligngs {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
 using test_train::TexturedScene;
+using testing::HasSubstr;
 
 constexpr double kWorlds[] = {1, 0.37};  // scene units per metre; the first scene is metric
 
 /// Relative to metres: what a network's map of a view holds for a metre of the slope.
 double unit_of(DepthScale scale, double world, int view) {
   switch (scale) {
-    case DepthScale::kScene: return world;
-    case DepthScale::kMetres: return 1 + 0.06 * (view - 0.5);
-    case DepthScale::kOwn: return 2.7;
-    case DepthScale::kPerView: return view == 0 ? 0.4 : 1.9;
+    case DepthScale::kScene:
+      return world;
+    case DepthScale::kMetres:
+      return 1 + 0.06 * (view - 0.5);
+    case DepthScale::kOwn:
+      return 2.7;
+    case DepthScale::kPerView:
+      return view == 0 ? 0.4 : 1.9;
   }
   return 0;
 }
@@ -48,7 +52,8 @@ TexturedScene textured(DepthScale scale, double world) {
 
 class DepthScales : public test_train::QuietRuns {
  protected:
-  fs::path trained(const fs::path& scene, const std::string& name, int64_t steps, const std::vector<std::string>& sets = {}) const {
+  fs::path trained(const fs::path& scene, const std::string& name, int64_t steps,
+                   const std::vector<std::string>& sets = {}) const {
     TrainOptions o;
     o.scene = scene;
     o.run = base_ / name;
@@ -70,16 +75,17 @@ class DepthScales : public test_train::QuietRuns {
     }
     return last;
   }
-
 };
 
 TEST_F(DepthScales, EveryKindTrainsAsDepthInSceneUnitsDoes) {
   for (const double world : kWorlds) {
-    const fs::path run = trained(test_train::write_textured_scene("scene", textured(DepthScale::kScene, world)), "scene" + std::to_string(world), 20);
+    const fs::path run = trained(test_train::write_textured_scene("scene", textured(DepthScale::kScene, world)),
+                                 "scene" + std::to_string(world), 20);
     const nlohmann::json want = last_step(run);
     for (const DepthScale scale : {DepthScale::kMetres, DepthScale::kOwn, DepthScale::kPerView}) {
       const std::string name = std::string(name_of(scale)) + std::to_string(world);
-      const nlohmann::json got = last_step(trained(test_train::write_textured_scene(name, textured(scale, world)), name, 20));
+      const nlohmann::json got =
+          last_step(trained(test_train::write_textured_scene(name, textured(scale, world)), name, 20));
       EXPECT_GT(got["losses"]["log_depth"].get<double>(), 0) << name;
       EXPECT_LT(got["losses"]["log_depth"].get<double>(), 0.01) << name << ": 1 % of depth";
       EXPECT_NEAR(got["gaussians"].get<double>() / want["gaussians"].get<double>(), 1, 0.05) << name;
@@ -103,7 +109,8 @@ TEST_F(DepthScales, DepthThatDoesNotFitThePointsGivesItsCorrelationAlone) {
   how.view = [=](int index, SceneViewParts& view) {
     scaled(index, view);
     for (int y = 0; y < view.prior_depth.height; ++y) {
-      for (int x = 0; x < view.prior_depth.width; ++x) view.prior_depth.at(x, y) *= 1 + 0.03f * static_cast<float>(x % 12);
+      for (int x = 0; x < view.prior_depth.width; ++x)
+        view.prior_depth.at(x, y) *= 1 + 0.03f * static_cast<float>(x % 12);
     }
   };
   const fs::path scene = test_train::write_textured_scene("rough", how);

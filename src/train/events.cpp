@@ -50,21 +50,31 @@ EventLog::EventLog(fs::path path, int64_t completed_iterations) : path_(std::mov
 void EventLog::line(const std::string& text) {
   // Flushed line by line: a viewer follows the file while the run goes on.
   if (std::fputs((text + "\n").c_str(), file_.get()) < 0 || std::fflush(file_.get()) != 0) {
-    throw_resources(path_, std::string("the file cannot be written: ") + std::strerror(errno), "free some disk space and use --resume");
+    throw_resources(path_, std::string("the file cannot be written: ") + std::strerror(errno),
+                    "free some disk space and use --resume");
   }
 }
 
 void EventLog::step(const Step& s) {
-  Json json = {{"step", s.step}, {"view", s.view}, {"losses", losses_of(s.report->losses)},
-               {"psnr", s.report->losses.psnr}, {"gaussians", s.gaussians}, {"visible", s.report->visible},
-               {"coupling_scale", s.report->coupling_scale}, {"seconds_per_step", s.seconds_per_step},
+  Json json = {{"step", s.step},
+               {"view", s.view},
+               {"losses", losses_of(s.report->losses)},
+               {"psnr", s.report->losses.psnr},
+               {"gaussians", s.gaussians},
+               {"visible", s.report->visible},
+               {"coupling_scale", s.report->coupling_scale},
+               {"seconds_per_step", s.seconds_per_step},
                {"memory_bytes", peak_memory_bytes()}};
   line(json_line(json));
 }
 
 void EventLog::restructured(int64_t step, const std::string& event, const RestructurePlan& plan) {
-  line(json_line(Json{{"step", step}, {"event", event}, {"gaussians", plan.rows.size()}, {"cloned", plan.cloned},
-                      {"split", plan.split}, {"pruned", plan.pruned}}));
+  line(json_line(Json{{"step", step},
+                      {"event", event},
+                      {"gaussians", plan.rows.size()},
+                      {"cloned", plan.cloned},
+                      {"split", plan.split},
+                      {"pruned", plan.pruned}}));
 }
 
 void EventLog::message(int64_t step, const std::string& event, const std::string& message) {

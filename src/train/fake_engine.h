@@ -36,7 +36,8 @@ class FakeEngine final : public Engine {
   }
   void save_state(EngineState& state) const override {
     state.model = model_;
-    state.arrays = {{"adam_m.positions", moments_}, {"gradient", gradient_}, {"visible", visible_}, {"running", {running_}}};
+    state.arrays = {
+        {"adam_m.positions", moments_}, {"gradient", gradient_}, {"visible", visible_}, {"running", {running_}}};
   }
   void load_state(const EngineState& state) override {
     model_ = state.model;
@@ -100,7 +101,8 @@ class FakeEngine final : public Engine {
   }
   void raise_scales(const std::vector<float>& log_floors) override {
     for (size_t i = 0; i < log_floors.size(); ++i) {
-      for (size_t k = 0; k < 3; ++k) model_.log_scales[3 * i + k] = std::max(model_.log_scales[3 * i + k], log_floors[i]);
+      for (size_t k = 0; k < 3; ++k)
+        model_.log_scales[3 * i + k] = std::max(model_.log_scales[3 * i + k], log_floors[i]);
     }
   }
   Rendering render(const Camera& camera, const RenderOptions&) const override {
@@ -119,7 +121,9 @@ class FakeEngine final : public Engine {
   }
   std::optional<OwnMemory> own_memory(const std::vector<TrainingView>&) const override { return memory; }
   uint64_t predicted_bytes(size_t gaussians, int channels, size_t) const override { return bytes(gaussians, channels); }
-  uint64_t predicted_host_bytes(size_t gaussians, int channels) const override { return bytes(gaussians, channels) / 2; }
+  uint64_t predicted_host_bytes(size_t gaussians, int channels) const override {
+    return bytes(gaussians, channels) / 2;
+  }
 
  private:
   GaussianModel model_;

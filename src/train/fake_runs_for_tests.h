@@ -12,7 +12,7 @@
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "io/atomic_file.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/fake_engine.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -44,7 +44,8 @@ class RunOnFakeEngine : public testing::Test {
     o.scene = scene_;
     o.run = base_ / "runs" / run;
     o.config.iterations = iterations;
-    o.config.sets = {"checkpoint.every=9", "train.log_every=5", "densify.residual_quantile=0", "densify.unsupported_min=0"};
+    o.config.sets = {"checkpoint.every=9", "train.log_every=5", "densify.residual_quantile=0",
+                     "densify.unsupported_min=0"};
     o.command_line = "aligngs train";
     o.progress.enabled = false;
     o.threads = 1;

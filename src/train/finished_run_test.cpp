@@ -23,7 +23,8 @@ TEST_F(FinishedRun, KeepsOneCheckpointWithoutTheOptimiser) {
   ASSERT_EQ(left.size(), 1u);
   EXPECT_EQ(kept.size(), 2u);
   const std::string fingerprint = record(small).fingerprint;
-  const TrainingState lean = read_checkpoint(left.front(), fingerprint), full = read_checkpoint(kept.front(), fingerprint);
+  const TrainingState lean = read_checkpoint(left.front(), fingerprint),
+                      full = read_checkpoint(kept.front(), fingerprint);
   EXPECT_FALSE(lean.trainable);
   EXPECT_TRUE(lean.engine.arrays.empty());
   EXPECT_TRUE(full.trainable);

@@ -13,7 +13,8 @@ bool in_front_of_prior(const FreeSpaceView& view, int x, int y, double z, const 
   if (!view.prior_depth || view.prior_depth->empty()) return false;
   const float raw = view.prior_depth->at(x, y);
   if (!is_depth(raw)) return false;
-  if (view.prior_weight && !view.prior_weight->empty() && view.prior_weight->at(x, y) < rule.prior_weight_min) return false;
+  if (view.prior_weight && !view.prior_weight->empty() && view.prior_weight->at(x, y) < rule.prior_weight_min)
+    return false;
   const double prior = static_cast<double>(raw) * view.prior_scale;
   return z < prior * (1 - rule.prior_relative) - rule.prior_offset;
 }

@@ -30,7 +30,8 @@ bool fill_row(const GaussianModel& model, size_t i, float* row) {
 
 }  // namespace
 
-void write_live_snapshot(const RunFolder& folder, const GaussianModel& model, const LabelSet& labels, ThreadPool& pool) {
+void write_live_snapshot(const RunFolder& folder, const GaussianModel& model, const LabelSet& labels,
+                         ThreadPool& pool) {
   const bool labelled = model.semantic_channels > 0;
   GaussianLabels assigned;
   if (labelled) assigned = best_labels(soft_labels(model, pool), labels);
@@ -47,7 +48,8 @@ void write_live_snapshot(const RunFolder& folder, const GaussianModel& model, co
     body.append(reinterpret_cast<const char*>(numbers), sizeof(numbers));
     body += static_cast<char>(assigned.confidence[i]);
   }
-  std::string header = "ply\nformat binary_little_endian 1.0\ncomment SplatRenderMode: default\nelement vertex " + std::to_string(count) + "\n";
+  std::string header = "ply\nformat binary_little_endian 1.0\ncomment SplatRenderMode: default\nelement vertex " +
+                       std::to_string(count) + "\n";
   for (const char* name : kNames) header += std::string("property float ") + name + "\n";
   if (labelled) header += "property ushort label\nproperty ushort instance\nproperty uchar confidence\n";
   write_file_atomically(folder.path() / "live" / "scene.ply", header + "end_header\n" + body);

@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 class LiveSnapshot : public testing::Test {
  protected:
   void SetUp() override {
-    run_ = fs::path(testing::TempDir()) / "aligngs_live_snapshot" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    run_ = fs::path(testing::TempDir()) / "aligngs_live_snapshot" /
+           testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(run_);
     model_.semantic_channels = 150;
     model_.resize(3);

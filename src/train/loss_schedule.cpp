@@ -18,7 +18,8 @@ using S = SemanticConfig;
 constexpr std::array<ScheduledLoss, kLosses> kSchedule = {{
     {Loss::kL1,                     "loss.l1",                      setting<&C::loss, &L::l1>,                     nullptr,                                 kAlways},
     {Loss::kSsim,                   "loss.ssim",                    setting<&C::loss, &L::ssim>,                   nullptr,                                 kAlways},
-    {Loss::kFlatten,                "loss.flatten",                 setting<&C::loss, &L::flatten>,                nullptr,                                 kAlways},  // the engine divides the scales by the extent
+    // the engine divides the scales by the extent
+    {Loss::kFlatten,                "loss.flatten",                 setting<&C::loss, &L::flatten>,                nullptr,                                 kAlways},
     {Loss::kSemanticSoft,           "semantic.soft",                setting<&C::semantic, &S::soft>,               nullptr,                                 kGateSemantics},
     {Loss::kSemanticHard,           "semantic.hard",                setting<&C::semantic, &S::hard>,               nullptr,                                 kGateSemantics},
     {Loss::kPearson,                "loss.pearson",                 setting<&C::loss, &L::pearson>,                nullptr,                                 kGateDepth | kGateCorrelated},

@@ -12,12 +12,12 @@ namespace aligngs {
 /// Conditions of a step; bits.
 enum LossGate : unsigned {
   kAlways = 0,
-  kGateSemantics = 1,    ///< the scene has a teacher's classes
-  kGateMetric = 2,       ///< its prior depth is metric
-  kGateCorrelated = 4,   ///< it is relative, or metric and loss.log_depth is off
-  kGateDepth = 8,        ///< the rendered depth means something: past loss.depth_start, and turned Gaussians
-  kGateNormals = 16,     ///< past loss.normal_start
-  kGateTwoViews = 32     ///< a step with a neighbour
+  kGateSemantics = 1,   ///< the scene has a teacher's classes
+  kGateMetric = 2,      ///< its prior depth is metric
+  kGateCorrelated = 4,  ///< it is relative, or metric and loss.log_depth is off
+  kGateDepth = 8,       ///< the rendered depth means something: past loss.depth_start, and turned Gaussians
+  kGateNormals = 16,    ///< past loss.normal_start
+  kGateTwoViews = 32    ///< a step with a neighbour
 };
 
 struct ScheduledLoss {

@@ -38,9 +38,8 @@ GaussianCap fit_gaussian_cap(const CapInputs& in, const std::vector<MemoryToFit>
   GaussianCap result;
   result.gaussians = cap_of_settings(in);
   const auto too_small = [&](uint64_t n) {  // the first memory that does not hold so many
-    return std::find_if(memories.begin(), memories.end(), [&](const MemoryToFit& m) {
-      return m.budget.total() + m.bytes(n) > m.budget.limit();
-    });
+    return std::find_if(memories.begin(), memories.end(),
+                        [&](const MemoryToFit& m) { return m.budget.total() + m.bytes(n) > m.budget.limit(); });
   };
   const auto fits = [&](uint64_t n) { return too_small(n) == memories.end(); };
   if (!fits(result.gaussians) && fits(in.start_size)) {
@@ -87,9 +86,10 @@ GaussianCap fit_to_engine(const CapInputs& in, const EngineFit& fit, MemoryBudge
   MemoryBudget device(std::max<uint64_t>(own->limit, 1));  // 0 would mean a share of the host's memory
   device.add("training views", own->views);
   const int channels = own->channels > 0 ? std::min(own->channels, fit.channels) : fit.channels;
-  GaussianCap cap = fit_gaussian_cap(
-      in, {{host, "copies for checkpoints", [&](uint64_t n) { return engine.predicted_host_bytes(in_the_end(n), fit.channels); }},
-           {device, "optimiser, workspace", engine_bytes(channels), engine.device_name()}});
+  GaussianCap cap =
+      fit_gaussian_cap(in, {{host, "copies for checkpoints",
+                             [&](uint64_t n) { return engine.predicted_host_bytes(in_the_end(n), fit.channels); }},
+                            {device, "optimiser, workspace", engine_bytes(channels), engine.device_name()}});
   say(host, "");
   say(device, " of " + engine.device_name());
   return cap;

@@ -15,20 +15,21 @@ namespace aligngs {
 inline constexpr const char* kMemoryRemedy =
     "use --preset preview or a smaller --set data.scale, or lower --set init.max_gaussians";
 inline constexpr const char* kDeviceMemoryRemedy =
-    "use --preset preview or a smaller --set data.scale, lower --set init.max_gaussians, or train on the CPU (--device cpu)";
+    "use --preset preview or a smaller --set data.scale, lower --set init.max_gaussians, or train on the CPU (--device "
+    "cpu)";
 
 struct CapInputs {
   const TrainConfig& config;
-  uint64_t start_size = 0;   ///< Gaussians at the start
-  bool dense_start = false;  ///< they came from prior depth
-  int64_t start_limit = 0;   ///< the most a start may have
+  uint64_t start_size = 0;       ///< Gaussians at the start
+  bool dense_start = false;      ///< they came from prior depth
+  int64_t start_limit = 0;       ///< the most a start may have
   uint64_t training_pixels = 0;  ///< of all training views together, at the working resolution
 };
 
 /// A memory that the run must fit into.
 struct MemoryToFit {
-  MemoryBudget& budget;  ///< holds already what does not depend on the number of Gaussians
-  std::string what;      ///< takes the room: "optimiser, workspace"
+  MemoryBudget& budget;                               ///< holds already what does not depend on the number of Gaussians
+  std::string what;                                   ///< takes the room: "optimiser, workspace"
   std::function<uint64_t(uint64_t gaussians)> bytes;  ///< for so many; grows with the number
   std::string device = {};                            ///< whose memory it is; empty: the host's
 };

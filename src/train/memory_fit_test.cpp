@@ -70,7 +70,8 @@ TEST(MemoryFit, TheSmallestMemoryDecides) {
   MemoryBudget host(1000000), device(10000000);
   device.add("training views", 4000000);
   const auto thousand_bytes = [](uint64_t n) { return 1000 * n; };
-  const GaussianCap cap = fit_gaussian_cap(in, {{host, "copies", hundred_bytes}, {device, "workspace", thousand_bytes, "cuda:7"}});
+  const GaussianCap cap =
+      fit_gaussian_cap(in, {{host, "copies", hundred_bytes}, {device, "workspace", thousand_bytes, "cuda:7"}});
   EXPECT_EQ(cap.gaussians, 6000u);
   EXPECT_THAT(cap.warning, testing::StartsWith("the memory of cuda:7 holds 6000 Gaussians"));
   EXPECT_EQ(host.total(), 600000u);
@@ -117,7 +118,8 @@ TEST_F(EngineMemoryFit, ARoomThatIsClosedInTheEndHasRoomKeptForThat) {
   config.train.closed_room = true;
   MemoryBudget host(FakeEngine::bytes(8000, 3)), unlabelled(FakeEngine::bytes(8000, 0));
   EXPECT_EQ(fit_to_engine({config, 1000, false, 250000, 20000000}, {engine_, views_, 3, 1200}, host).gaussians, 4000u);
-  EXPECT_EQ(fit_to_engine({config, 1000, false, 250000, 20000000}, {engine_, views_, 0, 1200}, unlabelled).gaussians, 8000u);
+  EXPECT_EQ(fit_to_engine({config, 1000, false, 250000, 20000000}, {engine_, views_, 0, 1200}, unlabelled).gaussians,
+            8000u);
 }
 
 TEST_F(EngineMemoryFit, AStartThatOwnMemoryDoesNotHoldNamesItAndTheRemedy) {

@@ -9,13 +9,14 @@
 
 namespace aligngs {
 
-/// The published rule. Its distances are world units of scenes of about unit size, so here they are shares of the robust
+/// The published rule. Its distances are world units of scenes of about unit size, so here they are shares of the
+/// robust
 /// scene extent.
 struct NeighbourRule {
-  double angle_max = 30;         ///< between the optical axes, degrees, exclusive
-  double distance_min = 0.01;    ///< between the centres / extent, exclusive: no parallax below
-  double distance_max = 1.5;     ///< the same, exclusive
-  size_t most = 8;               ///< the nearest so many are kept
+  double angle_max = 30;       ///< between the optical axes, degrees, exclusive
+  double distance_min = 0.01;  ///< between the centres / extent, exclusive: no parallax below
+  double distance_max = 1.5;   ///< the same, exclusive
+  size_t most = 8;             ///< the nearest so many are kept
 };
 
 /// Per camera the indices of its neighbours, nearest centre first, equal distances by index; possibly none.

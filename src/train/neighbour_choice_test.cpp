@@ -24,12 +24,14 @@ Camera camera_at(const Vec3d& centre, double degrees) {
 using Neighbours = std::vector<std::vector<int>>;
 
 TEST(ChooseNeighbours, NearestCentreFirst) {
-  const Neighbours n = choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({0.4, 0, 0}, 5), camera_at({-0.2, 0, 0}, -5)}, 1);
+  const Neighbours n =
+      choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({0.4, 0, 0}, 5), camera_at({-0.2, 0, 0}, -5)}, 1);
   EXPECT_EQ(n, (Neighbours{{2, 1}, {0, 2}, {0, 1}}));
 }
 
 TEST(ChooseNeighbours, AxesMustAgreeWithinThirtyDegrees) {
-  const Neighbours n = choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({0.1, 0, 0}, 29), camera_at({0.1, 0, 0}, 31)}, 1);
+  const Neighbours n =
+      choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({0.1, 0, 0}, 29), camera_at({0.1, 0, 0}, 31)}, 1);
   EXPECT_EQ(n[0], std::vector<int>{1});
 }
 
@@ -48,7 +50,8 @@ TEST(ChooseNeighbours, KeepsTheFirstEight) {
 
 TEST(ChooseNeighbours, ACameraThatIsNotFiniteHasNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const Neighbours n = choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({nan, 0, 0}, 0), camera_at({0.2, 0, 0}, 0)}, 1);
+  const Neighbours n =
+      choose_neighbours({camera_at({0, 0, 0}, 0), camera_at({nan, 0, 0}, 0), camera_at({0.2, 0, 0}, 0)}, 1);
   EXPECT_EQ(n, (Neighbours{{2}, {}, {0}}));
 }
 

@@ -11,14 +11,16 @@
 namespace aligngs {
 namespace {
 
-constexpr int kRanked = 2;               // classes that no teacher ranks among its two best have no say
-constexpr size_t kNeighbours = 16;       // as where labels are smoothed: the ring around a Gaussian on a surface, and the next one
-constexpr double kReach = 0.02;          // / extent: 6 cm in a room; what lies farther apart is not one thing
-constexpr double kLeastSeen = 16;        // pixels of a region in a photo that may name it
-constexpr float kLeastShare = 1e-4f;     // of a row: a class without votes
+constexpr int kRanked = 2;  // classes that no teacher ranks among its two best have no say
+// as where labels are smoothed: the ring around a Gaussian on a surface, and the next one
+constexpr size_t kNeighbours = 16;
+constexpr double kReach = 0.02;       // / extent: 6 cm in a room; what lies farther apart is not one thing
+constexpr double kLeastSeen = 16;     // pixels of a region in a photo that may name it
+constexpr float kLeastShare = 1e-4f;  // of a row: a class without votes
 
 /// Writes the shares of the votes as logarithms; rows without votes keep what they have.
-void write_rows(const std::vector<float>& votes, const std::vector<uint16_t>& classes, size_t channels, ThreadPool& pool, GaussianModel& model) {
+void write_rows(const std::vector<float>& votes, const std::vector<uint16_t>& classes, size_t channels,
+                ThreadPool& pool, GaussianModel& model) {
   const size_t all = static_cast<size_t>(model.semantic_channels);
   pool.parallel_for(model.size(), 2048, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
@@ -28,7 +30,8 @@ void write_rows(const std::vector<float>& votes, const std::vector<uint16_t>& cl
       float* row = &model.semantics[i * all];
       std::fill_n(row, all, std::log(kLeastShare));
       for (size_t k = 0; k < classes.size(); ++k) {
-        row[classes[k]] = std::log(std::max(static_cast<float>(static_cast<double>(votes[i * channels + k]) / sum), kLeastShare));
+        row[classes[k]] =
+            std::log(std::max(static_cast<float>(static_cast<double>(votes[i * channels + k]) / sum), kLeastShare));
       }
     }
   });
@@ -83,8 +86,8 @@ void weigh_by_scores(SemanticTarget& target) {
 }
 
 /// The votes of a region's Gaussians for other names that some photo has for it become votes for its name.
-void join_names(const RegionEvidence& evidence, const std::vector<uint16_t>& names, const LabelRegions& regions, size_t channels,
-                std::vector<float>& votes) {
+void join_names(const RegionEvidence& evidence, const std::vector<uint16_t>& names, const LabelRegions& regions,
+                size_t channels, std::vector<float>& votes) {
   for (size_t i = 0; i < regions.of_gaussian.size(); ++i) {
     const size_t r = regions.of_gaussian[i];
     if (names[r] == kNoLabel) continue;
@@ -98,8 +101,9 @@ void join_names(const RegionEvidence& evidence, const std::vector<uint16_t>& nam
 }
 
 /// Classes that two photos give a Gaussian or that a neighbour has.
-OutlineEvidence outlines_of(const PhotoOpinions& opinions, const std::vector<float>& votes, const std::vector<uint16_t>& classes,
-                            const NeighbourGraph& graph, double reach, SoftLabels soft, size_t all_classes) {
+OutlineEvidence outlines_of(const PhotoOpinions& opinions, const std::vector<float>& votes,
+                            const std::vector<uint16_t>& classes, const NeighbourGraph& graph, double reach,
+                            SoftLabels soft, size_t all_classes) {
   constexpr size_t kTop = SoftLabels::kTop;
   constexpr float kLeastOfBest = 0.3f;  // share / that of the commonest: what has less is noise of outlines
   constexpr uint8_t kPhotos = 2;
@@ -137,8 +141,10 @@ OutlineEvidence outlines_of(const PhotoOpinions& opinions, const std::vector<flo
 }
 
 /// Nine tenths of the decision and one of the shares, as logarithms.
-void write_decisions(const SoftLabels& soft, const std::vector<uint16_t>& label, const std::vector<double>& area, GaussianModel& model) {
-  constexpr float kDecided = 0.9f;  // a smoothed row keeps its decision among like neighbours, and edits still see what was doubtful
+void write_decisions(const SoftLabels& soft, const std::vector<uint16_t>& label, const std::vector<double>& area,
+                     GaussianModel& model) {
+  // a smoothed row keeps its decision among like neighbours, and edits still see what was doubtful
+  constexpr float kDecided = 0.9f;
   const size_t all = static_cast<size_t>(model.semantic_channels);
   for (size_t i = 0; i < model.size(); ++i) {
     if (!(area[i] > 0) || label[i] == kNoLabel) continue;
@@ -192,8 +198,9 @@ PhotoLabelReport vote_label_rows(GaussianModel& model, PhotoLabelInputs inputs, 
   join_names(evidence, names, regions, channels, votes);
   write_rows(votes, classes, channels, pool, model);
 
-  const OutlineEvidence outlines = outlines_of(opinions, votes, classes, graph, kReach * inputs.extent, smoothed_labels(model, inputs.extent, pool),
-                                               static_cast<size_t>(model.semantic_channels));
+  const OutlineEvidence outlines =
+      outlines_of(opinions, votes, classes, graph, kReach * inputs.extent, smoothed_labels(model, inputs.extent, pool),
+                  static_cast<size_t>(model.semantic_channels));
   const std::vector<uint16_t> decided = label_outlines(outlines);
   for (size_t i = 0; i < model.size(); ++i) report.moved += decided[i] != outlines.soft.label[SoftLabels::kTop * i];
   write_decisions(outlines.soft, decided, outlines.area, model);

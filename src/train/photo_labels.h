@@ -10,9 +10,9 @@ struct PhotoLabelInputs {
   std::vector<TrainingView> views;  ///< all classes, cameras in place
   std::vector<float> near_planes;   ///< of the views, scene units
   RasterSettings raster;
-  double extent = 1;                ///< of the scene, scene units
+  double extent = 1;  ///< of the scene, scene units
   NamingOptions naming;
-  bool calibrate = false;           ///< weigh opinions by how often such ones agree with others, too
+  bool calibrate = false;  ///< weigh opinions by how often such ones agree with others, too
 };
 
 struct PhotoLabelReport {

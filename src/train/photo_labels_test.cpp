@@ -28,7 +28,8 @@ GaussianModel wall() {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const size_t i = static_cast<size_t>(y * kWidth + x);
-      const float p[3] = {kSpacing * (static_cast<float>(x - kWidth / 2) + 0.5f), kSpacing * (static_cast<float>(y - kHeight / 2) + 0.5f), kDepth};
+      const float p[3] = {kSpacing * (static_cast<float>(x - kWidth / 2) + 0.5f),
+                          kSpacing * (static_cast<float>(y - kHeight / 2) + 0.5f), kDepth};
       const float s[3] = {0.5f * kSpacing, 0.5f * kSpacing, 0.05f * kSpacing};
       for (size_t a = 0; a < 3; ++a) {
         model.positions[3 * i + a] = p[a];
@@ -61,7 +62,10 @@ TrainingView photo(int k, uint16_t thing) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const uint16_t label = on_thing(x + 4 * k, y) ? thing : kWall;
-      for (int c = 0; c < kClasses; ++c) t.probabilities.push_back(float_to_half(c == label ? 0.8f : c == kWall || (label == kWall && c == 1) ? 0.2f : 0.0f));
+      for (int c = 0; c < kClasses; ++c)
+        t.probabilities.push_back(float_to_half(c == label                                 ? 0.8f
+                                                : c == kWall || (label == kWall && c == 1) ? 0.2f
+                                                                                           : 0.0f));
     }
   }
   t.confidence.assign(static_cast<size_t>(kWidth * kHeight), 1.0f);

@@ -11,7 +11,8 @@ namespace aligngs {
 namespace {
 
 constexpr float kLeastVotes = 0.01f;  // pixels
-constexpr size_t kRanges = 8;         // of a trait, each with as many opinions: thousands, so that rates are exact within a percent
+// of a trait, each with as many opinions: thousands, so that rates are exact within a percent
+constexpr size_t kRanges = 8;
 constexpr double kLeastWeight = 0.1;  // log-odds; 0 would be a coin
 constexpr double kPriorVotes = 100;   // pixels at the mean rate that every range begins with
 constexpr double kMostSure = 0.995;   // rate: what agrees always may still be wrong together
@@ -21,7 +22,8 @@ double log_odds(double rate) {
   return std::log(r / (1 - r));
 }
 
-PhotoOpinion opinion_of(const GaussianModel& model, size_t i, const float* votes, size_t channels, const Camera& camera, const Vec3d& centre) {
+PhotoOpinion opinion_of(const GaussianModel& model, size_t i, const float* votes, size_t channels, const Camera& camera,
+                        const Vec3d& centre) {
   PhotoOpinion o;
   o.gaussian = static_cast<uint32_t>(i);
   double sum = 0;
@@ -43,8 +45,8 @@ PhotoOpinion opinion_of(const GaussianModel& model, size_t i, const float* votes
   o.trait[PhotoOpinion::kConfidence] = o.share[0];
   o.trait[PhotoOpinion::kDistance] = static_cast<float>(norm(to_camera));
   o.trait[PhotoOpinion::kAngle] = static_cast<float>(std::abs(dot(normalized(to_camera), shortest_axis(model, i))));
-  o.trait[PhotoOpinion::kBorder] =
-      static_cast<float>(std::max(0.0, std::min(std::min(pixel.x, camera.width - pixel.x), std::min(pixel.y, camera.height - pixel.y))));
+  o.trait[PhotoOpinion::kBorder] = static_cast<float>(
+      std::max(0.0, std::min(std::min(pixel.x, camera.width - pixel.x), std::min(pixel.y, camera.height - pixel.y))));
   return o;
 }
 
@@ -82,8 +84,8 @@ bool others_agree(const PhotoOpinion& o, const float* all, size_t channels, bool
 
 }  // namespace
 
-PhotoOpinions gather_opinions(const GaussianModel& model, const std::vector<TrainingView>& views, const std::vector<float>& near_planes,
-                              const RasterSettings& raster, ThreadPool& pool) {
+PhotoOpinions gather_opinions(const GaussianModel& model, const std::vector<TrainingView>& views,
+                              const std::vector<float>& near_planes, const RasterSettings& raster, ThreadPool& pool) {
   PhotoOpinions opinions;
   opinions.of_photo.resize(views.size());
   if (views.empty()) return opinions;
@@ -109,7 +111,8 @@ std::vector<float> sum_votes(const PhotoOpinions& opinions, size_t gaussians) {
   std::vector<float> sums(gaussians * channels, 0.0f);
   for (const auto& photo : opinions.of_photo) {
     for (const PhotoOpinion& o : photo) {
-      for (size_t k = 0; k < PhotoOpinion::kNames; ++k) sums[o.gaussian * channels + o.channel[k]] += o.weight * o.votes * o.share[k];
+      for (size_t k = 0; k < PhotoOpinion::kNames; ++k)
+        sums[o.gaussian * channels + o.channel[k]] += o.weight * o.votes * o.share[k];
     }
   }
   return sums;
@@ -142,7 +145,8 @@ void calibrate_opinions(size_t gaussians, PhotoOpinions& opinions) {
   std::array<std::array<double, kRanges>, PhotoOpinion::kTraits> more{};
   for (size_t t = 0; t < PhotoOpinion::kTraits; ++t) {
     for (size_t r = 0; r < kRanges; ++r) {
-      more[t][r] = log_odds((range_right[t][r] + kPriorVotes * right / heard) / (range_heard[t][r] + kPriorVotes)) - mean;
+      more[t][r] =
+          log_odds((range_right[t][r] + kPriorVotes * right / heard) / (range_heard[t][r] + kPriorVotes)) - mean;
     }
   }
   for (auto& photo : opinions.of_photo) {

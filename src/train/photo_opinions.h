@@ -17,11 +17,12 @@ struct PhotoOpinion {
   enum Trait { kConfidence, kDistance, kAngle, kBorder, kTraits };
 
   uint32_t gaussian = 0;
-  float votes = 0;                  ///< pixels: blending weights times probabilities, all classes together
-  uint16_t channel[kNames] = {};    ///< of the teacher's maps, most votes first
-  float share[kNames] = {};         ///< of the votes; 0: no further class
-  float trait[kTraits] = {};        ///< share of the first class; distance; |cosine| of the viewing angle; distance to the image's border, pixels
-  float weight = 1;                 ///< times which its votes count
+  float votes = 0;                ///< pixels: blending weights times probabilities, all classes together
+  uint16_t channel[kNames] = {};  ///< of the teacher's maps, most votes first
+  float share[kNames] = {};       ///< of the votes; 0: no further class
+  /// share of the first class; distance; |cosine| of the viewing angle; distance to the image's border, pixels
+  float trait[kTraits] = {};
+  float weight = 1;  ///< times which its votes count
 };
 
 struct PhotoOpinions {
@@ -32,8 +33,8 @@ struct PhotoOpinions {
 /// Gathers them. `views` have their cameras in place; near_planes are theirs. Gaussians hidden in a photo get only as
 /// much of it as light reaches them. Less than a hundredth of a pixel is no opinion. The same for any number of
 /// threads.
-PhotoOpinions gather_opinions(const GaussianModel& model, const std::vector<TrainingView>& views, const std::vector<float>& near_planes,
-                              const RasterSettings& raster, ThreadPool& pool);
+PhotoOpinions gather_opinions(const GaussianModel& model, const std::vector<TrainingView>& views,
+                              const std::vector<float>& near_planes, const RasterSettings& raster, ThreadPool& pool);
 
 /// Sums of votes times weights, [N][channels].
 std::vector<float> sum_votes(const PhotoOpinions& opinions, size_t gaussians);

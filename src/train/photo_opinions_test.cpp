@@ -37,8 +37,8 @@ TEST(CalibrateOpinions, PhotosThatOthersContradictCountLess) {
   PhotoOpinions opinions = near_and_far();
   calibrate_opinions(kGaussians, opinions);
   const float near = opinions.of_photo[0][7].weight, far = opinions.of_photo[3][7].weight;
-  EXPECT_GT(near, 3.0f);              // log-odds of 0.995 are 5.3
-  EXPECT_LT(far, 0.2f);               // half of them are wrong: log-odds 0, at least 0.1
+  EXPECT_GT(near, 3.0f);  // log-odds of 0.995 are 5.3
+  EXPECT_LT(far, 0.2f);   // half of them are wrong: log-odds 0, at least 0.1
   EXPECT_GE(far, 0.1f);
   EXPECT_EQ(opinions.of_photo[3][8].weight, far) << "whether this one agrees is not what it is weighed by";
 }

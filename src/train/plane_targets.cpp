@@ -50,7 +50,8 @@ Prior drawn_to(const Prior& prior, double plane_depth, const Vec3d& plane_normal
 /// One training view, whose maps may be absent and are made where a plane needs them.
 class DrawnView {
  public:
-  explicit DrawnView(TrainingView& view) : view_(view), width_(view.data.camera.width), height_(view.data.camera.height) {
+  explicit DrawnView(TrainingView& view)
+      : view_(view), width_(view.data.camera.width), height_(view.data.camera.height) {
     if (view.data.prior_depth.empty()) view.data.prior_depth = ImageF(width_, height_, 1);
     if (view.depth_weight.empty()) view.depth_weight = ImageF(width_, height_, 1, 1.0f);
   }
@@ -95,7 +96,8 @@ void draw_view(const ViewPlanes& pixels, double strength, TrainingView& out) {
       if (number == 0 || !(weight > 0)) continue;
       const CameraPlane& plane = pixels.planes.at(number - 1);
       const double depth = plane.depth(out.data.camera.ray(x + 0.5, y + 0.5)) / static_cast<double>(pixels.depth_scale);
-      if (depth > 0) view.set(x, y, drawn_to(view.at(x, y), depth, plane.normal, weight));  // L_z multiplies the depth by a_v again
+      // L_z multiplies the depth by a_v again
+      if (depth > 0) view.set(x, y, drawn_to(view.at(x, y), depth, plane.normal, weight));
     }
   }
 }
@@ -106,7 +108,8 @@ double PlaneTargets::share() const {
   size_t all = 0, on_plane = 0;
   for (const ViewPlanes& view : views) {
     all += view.plane.data.size();
-    on_plane += view.plane.data.size() - static_cast<size_t>(std::count(view.plane.data.begin(), view.plane.data.end(), uint8_t(0)));
+    on_plane += view.plane.data.size() -
+                static_cast<size_t>(std::count(view.plane.data.begin(), view.plane.data.end(), uint8_t(0)));
   }
   return all == 0 ? 0 : static_cast<double>(on_plane) / static_cast<double>(all);
 }
@@ -133,7 +136,11 @@ PlaneTargets fit_plane_targets(const Engine& engine, const PlaneFitRequest& requ
 void draw_to_planes(const PlaneTargets& targets, double strength, std::vector<TrainingView>& views) {
   if (targets.empty()) return;
   if (targets.views.size() != views.size()) {
-    throw Error({ErrorKind::kFailed, "the planes are of another number of views", {}, "planes", "start again with --overwrite"});
+    throw Error({ErrorKind::kFailed,
+                 "the planes are of another number of views",
+                 {},
+                 "planes",
+                 "start again with --overwrite"});
   }
   for (size_t i = 0; i < views.size(); ++i) draw_view(targets.views[i], strength, views[i]);
 }

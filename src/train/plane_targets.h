@@ -13,12 +13,14 @@
 
 namespace aligngs {
 
-/// Plane of each pixel of a training view, at the working resolution. Everything in the camera's frame of the time of the fit.
+/// Plane of each pixel of a training view, at the working resolution. Everything in the camera's frame of the time of
+/// the fit.
 struct ViewPlanes {
   std::vector<CameraPlane> planes;
-  Image<uint8_t> plane;    ///< 1 + index into `planes`; 0: none
-  Image<uint8_t> weight;   ///< 255 times the rendered probability of the label and how near the plane is, both in [0, 1]
-  float depth_scale = 1;   ///< a_v of the view then (prior_alignment.h)
+  Image<uint8_t> plane;  ///< 1 + index into `planes`; 0: none
+  /// 255 times the rendered probability of the label and how near the plane is, both in [0, 1]
+  Image<uint8_t> weight;
+  float depth_scale = 1;  ///< a_v of the view then (prior_alignment.h)
 };
 
 /// Result of the last fit, one entry per training view; empty before the first one.
@@ -30,13 +32,14 @@ struct PlaneTargets {
 
 struct PlaneFitRequest {
   const std::vector<GuideView>& views;
-  const std::vector<PlaneClass>& classes;   ///< of the label set: which names are planes
+  const std::vector<PlaneClass>& classes;  ///< of the label set: which names are planes
   const std::vector<float>& depth_scales;
-  RenderOptions render;                     ///< near planes are those of the views
-  bool square = false;                      ///< planes of a room built square are turned to its axes
+  RenderOptions render;  ///< near planes are those of the views
+  bool square = false;   ///< planes of a room built square are turned to its axes
 };
 
-/// Planes of the rendered depth by the rendered labels: labels of all photos, which the Gaussians have fused. The same for any number of
+/// Planes of the rendered depth by the rendered labels: labels of all photos, which the Gaussians have fused. The same
+/// for any number of
 /// threads. A model without semantics, or nothing flat: no planes, and no pixel on one.
 PlaneTargets fit_plane_targets(const Engine& engine, const PlaneFitRequest& request, ThreadPool& pool);
 

@@ -62,7 +62,8 @@ TEST_F(FittedPlanes, AreThoseOfTheRoomWhereRenderedLabelsNameThem) {
 }
 
 TEST_F(FittedPlanes, WeighAsMuchAsTheRenderedClassIsProbable) {
-  const double sure = mean_weight(fit(box_room::trained_room(4, 6))), unsure = mean_weight(fit(box_room::trained_room(4, 1)));
+  const double sure = mean_weight(fit(box_room::trained_room(4, 6))),
+               unsure = mean_weight(fit(box_room::trained_room(4, 1)));
   EXPECT_GT(sure, 0.9);
   EXPECT_NEAR(unsure / sure, std::exp(1.0) / (std::exp(1.0) + 3), 0.05);
 }
@@ -138,7 +139,8 @@ TEST_F(DrawnToPlanes, WithoutAPriorThePlaneStandsAlone) {
   view_.depth_weight.at(2, 1) = 0;
   targets_.views[0].weight.at(2, 0) = 51;
   const TrainingView v = drawn();
-  for (const auto& [x, y] : {std::pair(2, 0), {3, 0}, {2, 1}}) EXPECT_NEAR(v.data.prior_depth.at(x, y), 2, 1e-6) << x << ", " << y;
+  for (const auto& [x, y] : {std::pair(2, 0), {3, 0}, {2, 1}})
+    EXPECT_NEAR(v.data.prior_depth.at(x, y), 2, 1e-6) << x << ", " << y;
   EXPECT_NEAR(v.depth_weight.at(2, 0), 0.2, 1e-6);
 }
 

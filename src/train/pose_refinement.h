@@ -9,7 +9,8 @@
 
 namespace aligngs {
 
-/// How training has moved a camera, and the moments of Adam: a rotation vector (radians), then a translation (scene units).
+/// How training has moved a camera, and the moments of Adam: a rotation vector (radians), then a translation (scene
+/// units).
 struct CameraMotion {
   std::array<double, 6> offset{}, m{}, v{};
   int64_t updates = 0;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/rotation_vector.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/engine.h"
 
 namespace aligngs {
@@ -53,7 +53,8 @@ TEST(PoseRefinement, FindsTheCameraThatTookThePhoto) {
   engine->load(make_model(o));
   StepRequest request = make_request();
   request.losses = {};
-  request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kSemanticSoft] = request.losses.weight[Loss::kSemanticHard] = 0;
+  request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kSemanticSoft] =
+      request.losses.weight[Loss::kSemanticHard] = 0;
   request.losses.weight[Loss::kL1] = 1;
   request.losses.weight[Loss::kSsim] = 0;
   request.rates = {};

@@ -63,7 +63,8 @@ std::optional<float> align_prior_to_points(const ImageF& prior, const ImageF& we
   return ratios.scale();
 }
 
-std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference, const PriorAlignmentRule& rule) {
+std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference,
+                                      const PriorAlignmentRule& rule) {
   if (prior.width != reference.width || prior.height != reference.height) return std::nullopt;
   std::vector<double> ratios;
   for (int y = 0; y < prior.height; ++y) {

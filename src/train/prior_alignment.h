@@ -10,9 +10,9 @@
 namespace aligngs {
 
 struct PriorAlignmentRule {
-  double limit = 0.03;         ///< |a_v - 1| is clamped to this: the prior has one scale, views deviate little
-  size_t min_samples = 100;    ///< fewer pixels or points determine nothing
-  double outlier = 0.2;        ///< samples whose depth differs by more than this share are other surfaces
+  double limit = 0.03;       ///< |a_v - 1| is clamped to this: the prior has one scale, views deviate little
+  size_t min_samples = 100;  ///< fewer pixels or points determine nothing
+  double outlier = 0.2;      ///< samples whose depth differs by more than this share are other surfaces
 };
 
 /// exp(median log(reference / prior)) over pixels where both have a value, clamped to [1 - limit, 1 + limit]: the
@@ -29,6 +29,7 @@ std::optional<float> align_prior_to_points(const ImageF& prior, const ImageF& we
 
 /// The scale of depth about which nothing is known: the robust centre of log(reference / prior) over such pixels
 /// (robust_log_scale of scene/depth_placement.h), without limits. Nothing below rule.min_samples.
-std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference, const PriorAlignmentRule& rule);
+std::optional<float> find_prior_scale(const ImageF& prior, const ImageF& weight, const ImageF& reference,
+                                      const PriorAlignmentRule& rule);
 
 }  // namespace aligngs

@@ -11,7 +11,8 @@
 namespace aligngs {
 
 ResolvedRun resolve_run(const TrainOptions& options) {
-  if (options.resume && options.overwrite) throw_usage("--resume and --overwrite contradict each other", "use one of them");
+  if (options.resume && options.overwrite)
+    throw_usage("--resume and --overwrite contradict each other", "use one of them");
   const RunFolder folder(options.run);
   ResolvedRun resolved;
   resolved.exists = options.resume && std::filesystem::exists(folder.config());
@@ -33,8 +34,11 @@ ResolvedRun resolve_run(const TrainOptions& options) {
     wanted.train.schedule_iterations = resolved.config.train.schedule_iterations;
     const std::vector<std::string> differences = config_differences(resolved.config, wanted);
     if (!differences.empty()) {
-      throw Error({ErrorKind::kUsage, "a resumed run keeps its settings, but others are given: " + differences.front(),
-                   folder.config(), {}, "leave them out, or start again with --overwrite"});
+      throw Error({ErrorKind::kUsage,
+                   "a resumed run keeps its settings, but others are given: " + differences.front(),
+                   folder.config(),
+                   {},
+                   "leave them out, or start again with --overwrite"});
     }
   }
   bool finished = false;
@@ -49,10 +53,15 @@ ResolvedRun resolve_run(const TrainOptions& options) {
                  folder.config(), "-n", "leave -n out, or start again with --overwrite"});
   }
   if (end > old_end && !latest_checkpoint_is_trainable(folder.checkpoints())) {
-    throw Error({ErrorKind::kUsage,
-                 fmt::format("training cannot go on beyond iteration {}: this finished run did not keep the state of its optimiser", old_end),
-                 folder.checkpoints(), "checkpoint.keep_finished",
-                 fmt::format("train again with --overwrite -n {}; a run that may have to go on needs --set checkpoint.keep_finished=true", end)});
+    throw Error(
+        {ErrorKind::kUsage,
+         fmt::format(
+             "training cannot go on beyond iteration {}: this finished run did not keep the state of its optimiser",
+             old_end),
+         folder.checkpoints(), "checkpoint.keep_finished",
+         fmt::format("train again with --overwrite -n {}; a run that may have to go on needs --set "
+                     "checkpoint.keep_finished=true",
+                     end)});
   }
   if (end > old_end) {
     if (resolved.config.train.schedule_iterations == 0) resolved.config.train.schedule_iterations = old_end;

@@ -17,12 +17,11 @@ namespace aligngs::test_train {
 
 /// An engine that dies in the middle of a step.
 inline EngineFactory engine_killed_at(int64_t step) {
-  return [step](int threads) {
-    return std::make_unique<WatchedEngine>(make_cpu_engine(threads), killed_at(step));
-  };
+  return [step](int threads) { return std::make_unique<WatchedEngine>(make_cpu_engine(threads), killed_at(step)); };
 }
 
-/// `make` gives the options of a run by its name. Killed and resumed, such a run must end with the very Gaussians of `whole`, which has
+/// `make` gives the options of a run by its name. Killed and resumed, such a run must end with the very Gaussians of
+/// `whole`, which has
 /// ended. `compare` looks at what else must be equal; `places` are the steps in which runs are killed.
 inline void expect_resumes(const TrainOptions& whole, const std::function<TrainOptions(const std::string&)>& make,
                            const std::function<void(const TrainOptions&)>& compare = {},
@@ -32,7 +31,8 @@ inline void expect_resumes(const TrainOptions& whole, const std::function<TrainO
     EXPECT_THROW(train_run(o, engine_killed_at(at)), Killed);
     o.resume = true;
     train_run(o);
-    EXPECT_TRUE(read_file(RunFolder(o.run).scene_ply()) == read_file(RunFolder(whole.run).scene_ply())) << o.run << " killed at " << at;
+    EXPECT_TRUE(read_file(RunFolder(o.run).scene_ply()) == read_file(RunFolder(whole.run).scene_ply()))
+        << o.run << " killed at " << at;
     if (compare) compare(o);
   }
 }

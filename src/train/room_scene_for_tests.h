@@ -9,7 +9,7 @@
 #include "core/log.h"
 #include "core/stop_signal.h"
 #include "refine/box_room_for_tests.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/train_run.h"
 #include "train/trained_room_for_tests.h"
 
@@ -21,7 +21,8 @@ inline SceneViewParts scene_view(int index, const Camera& camera) {
   view.name = "v" + std::to_string(index);
   view.camera = camera;
   view.image = Image<uint8_t>(camera.width, camera.height, 3);
-  for (size_t i = 0; i < view.image.data.size(); ++i) view.image.data[i] = static_cast<uint8_t>(255 * seen.color.data[i]);
+  for (size_t i = 0; i < view.image.data.size(); ++i)
+    view.image.data[i] = static_cast<uint8_t>(255 * seen.color.data[i]);
   view.prior_depth = seen.plane.depth;
   view.semantics = {4, camera.width, camera.height, std::vector<float>(4 * seen.plane.labels.data.size(), 0.01f)};
   for (size_t i = 0; i < seen.plane.labels.data.size(); ++i) {

@@ -20,10 +20,14 @@ constexpr RunControl::Flag kFlags[] = {RunControl::Flag::kPause, RunControl::Fla
 
 const char* name_of(RunControl::Flag flag) {
   switch (flag) {
-    case RunControl::Flag::kPause: return "pause";
-    case RunControl::Flag::kCheckpoint: return "checkpoint";
-    case RunControl::Flag::kStop: return "stop";
-    case RunControl::Flag::kSnapshot: return "snapshot";
+    case RunControl::Flag::kPause:
+      return "pause";
+    case RunControl::Flag::kCheckpoint:
+      return "checkpoint";
+    case RunControl::Flag::kStop:
+      return "stop";
+    case RunControl::Flag::kSnapshot:
+      return "snapshot";
   }
   return "";
 }
@@ -47,7 +51,8 @@ void RunControl::ask(Flag flag) const {
   fs::create_directories(folder_, error);
   const int descriptor = open(file(flag).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0644);
   if (descriptor < 0) {
-    throw_resources(file(flag), std::string("cannot be written: ") + std::strerror(errno), "you need write access to the run folder");
+    throw_resources(file(flag), std::string("cannot be written: ") + std::strerror(errno),
+                    "you need write access to the run folder");
   }
   close(descriptor);
 }
@@ -66,7 +71,8 @@ RunLock::RunLock(const fs::path& run) : control_(run) {
   fs::create_directories(control_.folder(), error);
   const fs::path path = control_.folder() / "lock";
   descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno), "choose a place you may write to");
+  if (descriptor_ < 0)
+    throw_resources(path, std::string("cannot be opened: ") + std::strerror(errno), "choose a place you may write to");
   // Somebody who only asks active() holds the lock for a moment: try again before giving up.
   constexpr int kTries = 100;  // half a second: on a busy machine the asker may sleep with the lock in its hands
   for (int i = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; ++i) {
@@ -77,7 +83,10 @@ RunLock::RunLock(const fs::path& run) : control_(run) {
       continue;
     }
     close(descriptor_);
-    throw Error({ErrorKind::kUsage, "another process is working on this run", run, {},
+    throw Error({ErrorKind::kUsage,
+                 "another process is working on this run",
+                 run,
+                 {},
                  "wait until it has ended, or stop it: touch " + control_.file(RunControl::Flag::kStop).string()});
   }
   for (const RunControl::Flag flag : kFlags) control_.withdraw(flag);

@@ -24,9 +24,9 @@ class RunControl {
 
   /// Error{kResources} when the flag cannot be written.
   void ask(Flag flag) const;
-  void withdraw(Flag flag) const;    ///< no error when it is not set
+  void withdraw(Flag flag) const;  ///< no error when it is not set
   bool asked(Flag flag) const;
-  bool take(Flag flag) const;        ///< asked(), and withdraws it
+  bool take(Flag flag) const;  ///< asked(), and withdraws it
   std::filesystem::path file(Flag flag) const;
   const std::filesystem::path& folder() const { return folder_; }
 

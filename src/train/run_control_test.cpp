@@ -17,7 +17,8 @@ using Flag = RunControl::Flag;
 class RunControlTest : public testing::Test {
  protected:
   void SetUp() override {
-    run_ = fs::path(testing::TempDir()) / "aligngs_run_control" / testing::UnitTest::GetInstance()->current_test_info()->name();
+    run_ = fs::path(testing::TempDir()) / "aligngs_run_control" /
+           testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(run_);
     fs::create_directories(run_);
   }

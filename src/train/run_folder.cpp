@@ -17,11 +17,12 @@ namespace fs = std::filesystem;
 
 /// Files that a run writes into its folder; scene/, a possible input, is not in the list.
 constexpr std::array<std::string_view, 22> kProducts = {
-    "run.json",      "config.toml", "events.ndjson", "checkpoints", "scene.ply",    "scene.labels.ply", "scene.glb",
-    "classes.json",  "cameras.json", "sparse",       "transforms.json", "mesh",     "renders",          "metrics.json",
-    "report.html",   "overview.jpg", "edits.json",  "edits",         "log.txt",
-    "control",       "live",        "room.json"};
-constexpr std::array<std::string_view, 2> kReplaceable = {"scene.glb", "mesh"};  // written by commands that are asked to
+    "run.json",  "config.toml",  "events.ndjson", "checkpoints",  "scene.ply",       "scene.labels.ply",
+    "scene.glb", "classes.json", "cameras.json",  "sparse",       "transforms.json", "mesh",
+    "renders",   "metrics.json", "report.html",   "overview.jpg", "edits.json",      "edits",
+    "log.txt",   "control",      "live",          "room.json"};
+// written by commands that are asked to
+constexpr std::array<std::string_view, 2> kReplaceable = {"scene.glb", "mesh"};
 constexpr std::string_view kSceneFolder = "scene";
 constexpr std::string_view kTemporary = ".tmp-";  // io/atomic_file.h
 
@@ -63,8 +64,9 @@ void RunFolder::require_apart_from(const fs::path& source) const {
   bool apart = !lies_within(folder_, source);
   for (const std::string_view product : kProducts) apart = apart && !lies_within(source, folder_ / product);
   if (apart) return;
-  throw Error({ErrorKind::kUsage, "a run here would write into its source (" + source.string() + "), which is never changed", folder_, "-o",
-               "name a folder outside of the source"});
+  throw Error({ErrorKind::kUsage,
+               "a run here would write into its source (" + source.string() + "), which is never changed", folder_,
+               "-o", "name a folder outside of the source"});
 }
 
 void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) const {
@@ -74,14 +76,16 @@ void RunFolder::require_not_of_run(const fs::path& file, const fs::path& scene) 
     own = own || lies_within(file, folder_ / product);
   }
   if (!own) return;
-  throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output", "name another file"});
+  throw Error({ErrorKind::kUsage, "this file belongs to the run or to its scene: it is never replaced", file, "output",
+               "name another file"});
 }
 
 void RunFolder::prepare(RunMode mode) const {
   check(mode);
   std::error_code error;
   fs::create_directories(folder_, error);
-  if (error) throw_resources(folder_, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(folder_, "the run folder cannot be created: " + error.message(), "choose a place you may write to");
   if (mode == RunMode::kOverwrite) {
     // run.json last: a folder that is cleared half-way is still recognised as a run's.
     for (auto product = kProducts.rbegin(); product != kProducts.rend(); ++product) {

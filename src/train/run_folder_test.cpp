@@ -68,7 +68,8 @@ TEST_F(RunFolderTest, ForeignFilesAreNeverTouched) {
 }
 
 TEST_F(RunFolderTest, FilesThatAreNamedLikeARunsAreNoRun) {
-  for (const char* name : {"config.toml", "run.json", "transforms.json"}) std::ofstream(base_ / name) << "{\"schema\": 1}";
+  for (const char* name : {"config.toml", "run.json", "transforms.json"})
+    std::ofstream(base_ / name) << "{\"schema\": 1}";
   for (const RunMode mode : {RunMode::kNew, RunMode::kResume, RunMode::kOverwrite}) {
     EXPECT_EQ(kind_of([&] { RunFolder(base_).prepare(mode); }), ErrorKind::kUsage);
   }
@@ -100,9 +101,12 @@ TEST_F(RunFolderTest, WhatTheRunWroteIsNoPlaceForOtherFiles) {
   const auto free = [&](const fs::path& file) {
     return kind_of([&] { RunFolder(run).require_not_of_run(file, base_ / "scene"); }) != ErrorKind::kUsage;
   };
-  for (const fs::path& file : {run / "scene.glb", run / "scene.edited.ply", run / "mesh" / "mesh.ply", base_ / "out.ply"}) EXPECT_TRUE(free(file)) << file;
-  for (const fs::path& file : {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", run / "scene" / "images" / "a.png", base_ / "scene" / "a.ply",
-                               base_ / "link" / "scene.ply", base_ / "scene" / ".." / "run" / "scene.ply"}) {
+  for (const fs::path& file :
+       {run / "scene.glb", run / "scene.edited.ply", run / "mesh" / "mesh.ply", base_ / "out.ply"})
+    EXPECT_TRUE(free(file)) << file;
+  for (const fs::path& file :
+       {run / "scene.ply", run / "run.json", run / "checkpoints" / "new.ply", run / "scene" / "images" / "a.png",
+        base_ / "scene" / "a.ply", base_ / "link" / "scene.ply", base_ / "scene" / ".." / "run" / "scene.ply"}) {
     EXPECT_FALSE(free(file)) << file;
   }
 }

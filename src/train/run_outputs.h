@@ -8,7 +8,8 @@
 
 namespace aligngs {
 
-/// scene.ply, and where `assigned` has labels scene.labels.ply and classes.json (counts and objects of each class), into
+/// scene.ply, and where `assigned` has labels scene.labels.ply and classes.json (counts and objects of each class),
+/// into
 /// `folder`; each atomically.
 void write_scene_files(const std::filesystem::path& folder, const GaussianModel& model, const LabelSet& labels,
                        const GaussianLabels& assigned);

@@ -17,7 +17,9 @@ namespace fs = std::filesystem;
 constexpr int kSchema = 1;
 constexpr uint64_t kLargestRecord = 1 << 24;
 
-nlohmann::json or_null(const std::string& text) { return text.empty() ? nlohmann::json(nullptr) : nlohmann::json(text); }
+nlohmann::json or_null(const std::string& text) {
+  return text.empty() ? nlohmann::json(nullptr) : nlohmann::json(text);
+}
 
 std::string text_of(const nlohmann::json& json, const char* name) {
   const auto it = json.find(name);
@@ -91,12 +93,14 @@ bool is_run_record(const fs::path& path) {
     return it != json.end() && it->is_string();
   };
   const auto schema = json.find("schema");
-  return schema != json.end() && schema->is_number_integer() && is_text("status") && is_text("version") && is_text("fingerprint");
+  return schema != json.end() && schema->is_number_integer() && is_text("status") && is_text("version") &&
+         is_text("fingerprint");
 }
 
 RunRecord read_run_record(const fs::path& path) {
   const nlohmann::json json = parse_json(read_file(path, kLargestRecord));
-  if (!json.is_object()) throw_bad_input(path, "", "this is no run record", "the file is damaged; start again with --overwrite");
+  if (!json.is_object())
+    throw_bad_input(path, "", "this is no run record", "the file is damaged; start again with --overwrite");
   RunRecord r;
   r.status = text_of(json, "status");
   r.stage = text_of(json, "stage");

@@ -9,10 +9,10 @@
 namespace aligngs {
 
 struct RunRecord {
-  std::string status;       ///< "running", "done", "stopped" (by a signal, can be resumed), "failed"
-  std::string stage;        ///< "check", "prepare", "train", then whatever later stages write
-  std::string command;      ///< the command line as typed
-  std::string version;      ///< of the program
+  std::string status;   ///< "running", "done", "stopped" (by a signal, can be resumed), "failed"
+  std::string stage;    ///< "check", "prepare", "train", then whatever later stages write
+  std::string command;  ///< the command line as typed
+  std::string version;  ///< of the program
   std::string device;
   int64_t seed = 0;
   std::string started, updated, finished;  ///< UTC, ISO 8601; finished is empty until the end
@@ -21,11 +21,12 @@ struct RunRecord {
   std::string scene;        ///< folder, relative to the run folder
   std::string fingerprint;  ///< scene_fingerprint
   std::vector<std::string> left_out;  ///< views of the scene that were not used: later stages leave them out as well
-  std::string prior_depth;  ///< scale of the prior depth, how it was laid on the scene, and its residual; empty without any
+  /// scale of the prior depth, how it was laid on the scene, and its residual; empty without any
+  std::string prior_depth;
   std::vector<std::string> warnings;  ///< e.g. priors that were missing
   struct Train {
-    double seconds = 0;     ///< over all resumes
-    int64_t iterations = 0; ///< completed
+    double seconds = 0;      ///< over all resumes
+    int64_t iterations = 0;  ///< completed
     uint64_t gaussians = 0;
     double iterations_per_second = 0;
     uint64_t peak_memory_bytes = 0;

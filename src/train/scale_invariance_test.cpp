@@ -30,9 +30,18 @@ constexpr int kSteps = 24;
 constexpr double kBump = 0.02;  // error of the prior depth
 
 /// Every term acts in the first step.
-const Sets kEveryTerm = {"loss.flatten=10", "loss.prior_normal=0.05", "loss.normal_consistency=0.015", "loss.normal_boundary=0.01",
-                         "loss.crease=0.02", "loss.opacity_l1=0.01", "loss.scale_l1=0.01", "loss.multi_view_geometric=0.03",
-                         "loss.multi_view_photometric=0.15", "loss.multi_view_from=0", "loss.normal_start=0", "loss.depth_start=0"};
+const Sets kEveryTerm = {"loss.flatten=10",
+                         "loss.prior_normal=0.05",
+                         "loss.normal_consistency=0.015",
+                         "loss.normal_boundary=0.01",
+                         "loss.crease=0.02",
+                         "loss.opacity_l1=0.01",
+                         "loss.scale_l1=0.01",
+                         "loss.multi_view_geometric=0.03",
+                         "loss.multi_view_photometric=0.15",
+                         "loss.multi_view_from=0",
+                         "loss.normal_start=0",
+                         "loss.depth_start=0"};
 const Sets kLogDepth = {"loss.log_depth=0.5", "loss.log_depth_end=0.02"};
 const Sets kPearson = {"loss.log_depth=0", "loss.pearson=0.5"};
 
@@ -46,7 +55,8 @@ class ScaleInvariance : public test_train::QuietRuns {
   /// The losses of the last step of a run on the scene times `scale`.
   Losses last_losses(double scale, const std::string& preset, int64_t steps, const Sets& sets) const {
     static std::map<double, fs::path> scenes;
-    if (!scenes.contains(scale)) scenes[scale] = test_train::write_textured_scene("scale" + std::to_string(scale), {scale, kBump});
+    if (!scenes.contains(scale))
+      scenes[scale] = test_train::write_textured_scene("scale" + std::to_string(scale), {scale, kBump});
     TrainOptions o;
     o.scene = scenes[scale];
     o.run = base_ / ("run" + std::to_string(runs_++));
@@ -60,7 +70,8 @@ class ScaleInvariance : public test_train::QuietRuns {
     Losses losses;
     for (std::string line; std::getline(lines, line);) {
       const nlohmann::json event = parse_json(line);
-      if (event.is_object() && event.contains("losses") && event["step"] == steps) losses = event["losses"].get<Losses>();
+      if (event.is_object() && event.contains("losses") && event["step"] == steps)
+        losses = event["losses"].get<Losses>();
     }
     return losses;
   }
@@ -68,7 +79,8 @@ class ScaleInvariance : public test_train::QuietRuns {
   static void expect_same(const Losses& got, const Losses& want, double share, const std::string& what) {
     ASSERT_FALSE(want.empty());
     ASSERT_EQ(got.size(), want.size());
-    for (const auto& [term, value] : want) EXPECT_NEAR(got.at(term), value, share * std::abs(value) + kNothing) << term << ", " << what;
+    for (const auto& [term, value] : want)
+      EXPECT_NEAR(got.at(term), value, share * std::abs(value) + kNothing) << term << ", " << what;
   }
 
  private:
@@ -81,7 +93,8 @@ TEST_F(ScaleInvariance, EveryLossOfTheFirstStep) {
     const Sets sets = joined(kEveryTerm, depth);
     const Losses want = last_losses(1, "default", 1, sets);
     for (const auto& [term, value] : want) acted[term] += std::abs(value);
-    for (const double scale : kScales) expect_same(last_losses(scale, "default", 1, sets), want, kSameStep, "scale " + std::to_string(scale));
+    for (const double scale : kScales)
+      expect_same(last_losses(scale, "default", 1, sets), want, kSameStep, "scale " + std::to_string(scale));
   }
   for (const auto& [term, value] : acted) EXPECT_GT(value, 0) << term << " did not act, so nothing is known of it";
 }
@@ -103,20 +116,34 @@ struct ShareOfExtent {
 };
 
 // Density control and free space act within kSteps.
-const Sets kGrowth = {"train.reference_iterations=24", "densify.start=2", "densify.stop=23", "densify.every=4", "densify.min_epochs=0",
-                      "densify.gradient=1e-7", "densify.max_growth=0", "densify.max_gaussians=5000", "densify.prune_scale_start=0",
-                      "densify.residual_quantile=0", "densify.unsupported_min=0"};
+const Sets kGrowth = {"train.reference_iterations=24",
+                      "densify.start=2",
+                      "densify.stop=23",
+                      "densify.every=4",
+                      "densify.min_epochs=0",
+                      "densify.gradient=1e-7",
+                      "densify.max_growth=0",
+                      "densify.max_gaussians=5000",
+                      "densify.prune_scale_start=0",
+                      "densify.residual_quantile=0",
+                      "densify.unsupported_min=0"};
 const Sets kCameras = {"train.reference_iterations=24", "optimizer.pose_start=0", "optimizer.pose_stop=24"};
-const Sets kFreeSpace = {"train.reference_iterations=24", "densify.free_space_every=5", "densify.free_space_prior=0", "densify.free_space_rendered=1"};
+const Sets kFreeSpace = {"train.reference_iterations=24", "densify.free_space_every=5", "densify.free_space_prior=0",
+                         "densify.free_space_rendered=1"};
 
 const std::vector<ShareOfExtent>& shares() {
   static const std::vector<ShareOfExtent> rows = {
       {"init.scale_max", 0.01, 0.05, {}},
-      {"train.near_plane", 0.9, 0.02, {"train.near_share=0", "init.start=random", "init.random_count=2000", "densify.enabled=false", "densify.free_space_every=0"}},
+      {"train.near_plane",
+       0.9,
+       0.02,
+       {"train.near_share=0", "init.start=random", "init.random_count=2000", "densify.enabled=false",
+        "densify.free_space_every=0"}},
       {"loss.flatten", 300, 0, {}},
       {"loss.scale_l1", 30, 0, {}},
       {"densify.small_scale", 1e-4, 1, kGrowth},
-      {"densify.prune_scale", 0.07, 0, joined(kGrowth, {"init.start=cloud", "init.scale_max=0", "densify.small_scale=1"})},
+      {"densify.prune_scale", 0.07, 0,
+       joined(kGrowth, {"init.start=cloud", "init.scale_max=0", "densify.small_scale=1"})},
       {"densify.free_space_offset", 0.002, 0.9, kFreeSpace},
       {"optimizer.position", 1e-3, 1e-5, {"optimizer.position_end=1e-5"}},
       {"optimizer.position_end", 1e-2, 1e-6, {}},
@@ -133,8 +160,10 @@ TEST_F(ScaleInvariance, EveryKeyThatIsAShareOfTheExtent) {
     const Sets acting = joined(row.with, {assignment(row.key, row.acting)});
     const Losses want = last_losses(1, row.preset, kSteps, acting);
     const Losses other = last_losses(1, row.preset, kSteps, joined(row.with, {assignment(row.key, row.other)}));
-    EXPECT_GT(std::abs(other.at("l1") / want.at("l1") - 1), 4 * kSameSteps) << row.key << " does nothing here, so nothing is known of it";
-    for (const double scale : kScales) expect_same(last_losses(scale, row.preset, kSteps, acting), want, kSameSteps, row.key);
+    EXPECT_GT(std::abs(other.at("l1") / want.at("l1") - 1), 4 * kSameSteps)
+        << row.key << " does nothing here, so nothing is known of it";
+    for (const double scale : kScales)
+      expect_same(last_losses(scale, row.preset, kSteps, acting), want, kSameSteps, row.key);
   }
 }
 

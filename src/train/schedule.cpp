@@ -106,7 +106,8 @@ PoseRates Schedule::pose_rates(int64_t iteration) const {
   const OptimizerConfig& o = config_.optimizer;
   const int64_t first = scaled(o.pose_start), last = scaled_stop(o.pose_stop);
   if (iteration <= first || iteration > last) return {};
-  const double over = static_cast<double>(iteration - first) / static_cast<double>(std::max<int64_t>(1, std::min(last, length_) - first));
+  const double over = static_cast<double>(iteration - first) /
+                      static_cast<double>(std::max<int64_t>(1, std::min(last, length_) - first));
   const double left = log_linear(1, o.pose_end, std::min(1.0, over));
   return {o.pose_rotation * left, o.pose_translation * left * facts_.extent, o.pose_decay};
 }
@@ -130,12 +131,11 @@ bool Schedule::resets_opacity(int64_t iteration) const {
          config_.train.iterations - iteration >= opacity_recovery();
 }
 
-bool Schedule::prunes_free_space(int64_t iteration) const {
-  return every(iteration, config_.densify.free_space_every);
-}
+bool Schedule::prunes_free_space(int64_t iteration) const { return every(iteration, config_.densify.free_space_every); }
 
 bool Schedule::raises_scales(int64_t iteration) const {
-  return config_.optimizer.scale_min_pixels > 0 && (every(iteration, kRaiseScalesEvery) || iteration == config_.train.iterations);
+  return config_.optimizer.scale_min_pixels > 0 &&
+         (every(iteration, kRaiseScalesEvery) || iteration == config_.train.iterations);
 }
 
 bool Schedule::aligns_prior_depth(int64_t iteration) const {
@@ -149,7 +149,8 @@ bool Schedule::fits_planes(int64_t iteration) const {
 }
 
 bool Schedule::names_objects(int64_t iteration) const {
-  return facts_.semantics && config_.semantic.object_labels && config_.semantic.blend == "probabilities" && iteration == config_.train.iterations;
+  return facts_.semantics && config_.semantic.object_labels && config_.semantic.blend == "probabilities" &&
+         iteration == config_.train.iterations;
 }
 
 bool Schedule::closes_room(int64_t iteration) const {
@@ -161,7 +162,8 @@ bool Schedule::lifts_semantics(int64_t iteration) const {
 }
 
 double Schedule::opacity_dropout(int64_t iteration) const {
-  return iteration <= scaled_stop(config_.train.opacity_dropout_stop) ? config_.train.opacity_dropout * share(iteration) : 0;
+  return iteration <= scaled_stop(config_.train.opacity_dropout_stop) ? config_.train.opacity_dropout * share(iteration)
+                                                                      : 0;
 }
 
 double Schedule::view_scale(int64_t iteration) const {

@@ -22,9 +22,9 @@ enum class PriorDepthKind {
 /// Facts about the scene and the start for the schedule.
 struct ScheduleFacts {
   int training_views = 1;
-  int image_side = 0;             ///< pixels along the larger side of the largest training image
+  int image_side = 0;  ///< pixels along the larger side of the largest training image
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
-  bool network_cameras = false;   ///< a network estimated cameras and depth: both are some percent off
+  bool network_cameras = false;  ///< a network estimated cameras and depth: both are some percent off
   bool semantics = false;
   bool dense_start = false;       ///< the Gaussians started from prior depth
   bool normals_at_start = false;  ///< the start had normals, so plane depth means something from the first step
@@ -46,7 +46,8 @@ class Schedule {
   /// After the step of this iteration. Only the closed room follows the last step of a run: other rows that no step has
   /// touched do not belong in its result.
   bool densifies(int64_t iteration) const;
-  /// Never so close to the end that the opacity could not recover: opacity_recovery() steps remain at least. Short runs have no reset.
+  /// Never so close to the end that the opacity could not recover: opacity_recovery() steps remain at least. Short runs
+  /// have no reset.
   bool resets_opacity(int64_t iteration) const;
   bool prunes_free_space(int64_t iteration) const;
   bool raises_scales(int64_t iteration) const;
@@ -54,7 +55,8 @@ class Schedule {
   bool fits_planes(int64_t iteration) const;
   /// After the last step.
   bool closes_room(int64_t iteration) const;
-  bool names_objects(int64_t iteration) const;  ///< the photos' votes take the place of the semantic rows (train/photo_labels.h)
+  /// the photos' votes take the place of the semantic rows (train/photo_labels.h)
+  bool names_objects(int64_t iteration) const;
   /// Before the step of this iteration.
   bool lifts_semantics(int64_t iteration) const;
 

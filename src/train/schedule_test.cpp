@@ -23,7 +23,8 @@ ScheduleFacts room() {
 
 TrainConfig paper() { return make_preset(Preset::kPaper); }
 
-/// The default preset in as many iterations as its [ref] keys count, so that these are the iterations at which things happen.
+/// The default preset in as many iterations as its [ref] keys count, so that these are the iterations at which things
+/// happen.
 TrainConfig standard() {
   TrainConfig c = make_preset(Preset::kDefault);
   c.train.iterations = c.train.reference_iterations;
@@ -63,7 +64,9 @@ TEST(Schedule, RatesOfTheSpec) {
 TEST(Schedule, PaperTurnsGuidanceOnAt1501) {
   const Schedule s(paper(), room());
   const LossSettings before = s.request(1500).losses, after = s.request(1501).losses;
-  EXPECT_EQ(before.weight[Loss::kPearson] + before.weight[Loss::kNormalConsistency] + before.weight[Loss::kNormalBoundary], 0);
+  EXPECT_EQ(
+      before.weight[Loss::kPearson] + before.weight[Loss::kNormalConsistency] + before.weight[Loss::kNormalBoundary],
+      0);
   EXPECT_FLOAT_EQ(after.weight[Loss::kPearson], 0.5f);
   EXPECT_FLOAT_EQ(after.weight[Loss::kNormalConsistency], 0.05f);
   EXPECT_FLOAT_EQ(after.weight[Loss::kNormalBoundary], 0.01f);
@@ -253,7 +256,9 @@ TEST(Schedule, WithoutPriorsTheirTermsAreOff) {
   f.prior_depth = PriorDepthKind::kNone;
   f.semantics = false;
   const LossSettings l = Schedule(paper(), f).request(5000).losses;
-  EXPECT_EQ(l.weight[Loss::kPearson] + l.weight[Loss::kSemanticSoft] + l.weight[Loss::kSemanticHard] + l.weight[Loss::kNormalBoundary], 0);
+  EXPECT_EQ(l.weight[Loss::kPearson] + l.weight[Loss::kSemanticSoft] + l.weight[Loss::kSemanticHard] +
+                l.weight[Loss::kNormalBoundary],
+            0);
   EXPECT_FALSE(Schedule(standard(), f).lifts_semantics(1));
 }
 
@@ -348,7 +353,8 @@ TEST(Schedule, McmcBringsNoiseThatFallsWithTheRateOfPositions) {
   EXPECT_EQ(Schedule(c, room()).position_noise(10), 0);
   c.densify.strategy = "mcmc";
   const Schedule s(c, room());
-  EXPECT_NEAR(s.position_noise(3500) / s.position_noise(7000), s.request(3500).rates.position / s.request(7000).rates.position, 1e-3);
+  EXPECT_NEAR(s.position_noise(3500) / s.position_noise(7000),
+              s.request(3500).rates.position / s.request(7000).rates.position, 1e-3);
   EXPECT_NEAR(s.position_noise(7000), 5e5 * static_cast<double>(s.request(7000).rates.position), 1e-3);
 }
 

@@ -23,7 +23,8 @@ double sampling_rate(const GuideView& view, const Vec3d& world) {
 
 }  // namespace
 
-std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels, ThreadPool& pool) {
+std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels,
+                                       ThreadPool& pool) {
   std::vector<float> out(model.size(), -std::numeric_limits<float>::infinity());
   pool.parallel_for(model.size(), kGrain, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {

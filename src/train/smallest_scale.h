@@ -13,6 +13,7 @@ namespace aligngs {
 /// Per Gaussian the natural logarithm of `pixels` of the training view that sees it sharpest (focal length / depth),
 /// scene units. Minus infinity if no view sees it. A view sees everything beyond its near plane and in its image, or up
 /// to 15 % of it beside, as there.
-std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels, ThreadPool& pool);
+std::vector<float> smallest_log_scales(const GaussianModel& model, const std::vector<GuideView>& views, double pixels,
+                                       ThreadPool& pool);
 
 }  // namespace aligngs

@@ -36,7 +36,7 @@ TEST(SmallestScale, IsThatOfTheSharpestView) {
 TEST(SmallestScale, ViewsThatDoNotSeeItDoNotCount) {
   EXPECT_EQ(floor_of({0, 0, -1}, {view_at(0, 100)}), -INFINITY);
   EXPECT_EQ(floor_of({0, 0, 0.05f}, {view_at(0, 100)}), -INFINITY);
-  EXPECT_EQ(floor_of({1.4f, 0, 2}, {view_at(0, 100)}), -INFINITY);     // 20 pixels beside
+  EXPECT_EQ(floor_of({1.4f, 0, 2}, {view_at(0, 100)}), -INFINITY);                // 20 pixels beside
   EXPECT_NEAR(std::exp(floor_of({1.2f, 0, 2}, {view_at(0, 100)})), 0.014, 1e-6);  // 10 pixels beside
   EXPECT_EQ(floor_of({NAN, 0, 2}, {view_at(0, 100)}), -INFINITY);
   EXPECT_EQ(floor_of({0, 0, 2}, {}), -INFINITY);

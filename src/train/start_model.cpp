@@ -11,8 +11,9 @@
 namespace aligngs {
 namespace {
 
-constexpr int kThinningRounds = 8;       // each round enlarges the cubes by at least a few per cent; 2 suffice in practice
-constexpr double kThinningMargin = 1.02; // so that a round that lands just above the cap is not repeated in vain
+// each round enlarges the cubes by at least a few per cent; 2 suffice in practice
+constexpr int kThinningRounds = 8;
+constexpr double kThinningMargin = 1.02;  // so that a round that lands just above the cap is not repeated in vain
 // Depths of random points, shares of the extent: from arm's length to across the room.
 constexpr double kRandomNear = 0.1, kRandomFar = 2.0;
 
@@ -23,7 +24,9 @@ float opacity_logit(double opacity) { return static_cast<float>(std::log(opacity
 constexpr float kLeastStartWeight = 0.06f;
 
 /// By how much cubes must grow when n points are too many: points of a surface fall with the square of the edge.
-double growth(size_t n, int64_t cap) { return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin; }
+double growth(size_t n, int64_t cap) {
+  return std::sqrt(static_cast<double>(n) / static_cast<double>(cap)) * kThinningMargin;
+}
 
 DepthCloud fuse(const StartInputs& in) {
   std::vector<ImageF> depths, weights;  // changed copies
@@ -74,7 +77,7 @@ StartModel start_from_cloud(const StartInputs& in, PointCloud cloud) {
   // A first edge that surely merges something: the extent over the square root of the cap.
   double edge = in.extent / std::sqrt(static_cast<double>(in.max_gaussians));
   const PointCloud all = cloud;
-  for (int round = 0; round < kThinningRounds && static_cast<int64_t>(cloud.size()) > in.max_gaussians; ++round) {
+  for (int round = 0; round<kThinningRounds&& static_cast<int64_t>(cloud.size())> in.max_gaussians; ++round) {
     cloud = voxel_thin(all, edge);
     edge *= std::max(growth(cloud.size(), in.max_gaussians), kThinningMargin);
   }
@@ -114,7 +117,8 @@ StartModel make_start_model(const StartInputs& in, Random random) {
   if (source == "auto") source = in.prior_depth == PriorDepthKind::kMetric ? "depth" : "cloud";
   if (source == "depth") {
     if (in.prior_depth != PriorDepthKind::kMetric) {
-      throw_bad_input({}, "init.start", "there is no metric prior depth to start from", "use init.start=cloud or random");
+      throw_bad_input({}, "init.start", "there is no metric prior depth to start from",
+                      "use init.start=cloud or random");
     }
     StartModel start = start_from_depth(in);
     if (start.model.size() > 0) return start;

@@ -20,8 +20,8 @@ struct StartInputs {
   const PointCloud& cloud;                 ///< sparse/points3D
   PriorDepthKind prior_depth = PriorDepthKind::kNone;
   int semantic_channels = 0;
-  int64_t max_gaussians = 1;               ///< start_limit() of training_set.h
-  double extent = 1;                       ///< robust scene extent, scene units
+  int64_t max_gaussians = 1;  ///< start_limit() of training_set.h
+  double extent = 1;          ///< robust scene extent, scene units
   ThreadPool& pool;
 };
 

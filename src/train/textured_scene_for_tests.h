@@ -1,4 +1,4 @@
-// For tests: the slope of scene/test_scene_folder.h with a texture of its own, at any scale of the world.
+// For tests: the slope of scene/scene_folder_for_tests.h with a texture of its own, at any scale of the world.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include "core/log.h"
 #include "core/stop_signal.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs::test_train {
 

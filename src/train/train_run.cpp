@@ -1,5 +1,6 @@
-#include "scene/ignored_classes.h"
 #include "train/train_run.h"
+#include "core/version.h"
+#include "scene/ignored_classes.h"
 
 #include <fmt/format.h>
 
@@ -22,9 +23,9 @@
 #include "train/random_purpose.h"
 #include "train/run_control.h"
 #include "train/run_outputs.h"
+#include "train/scene_maintenance.h"
 #include "train/start_model.h"
 #include "train/trainer.h"
-#include "train/upkeep.h"
 
 namespace aligngs {
 namespace {
@@ -35,7 +36,8 @@ RunMode mode_of(const TrainOptions& options) {
 
 std::string resume_command_of(const TrainOptions& options) {
   if (!options.resume_command.empty()) return options.resume_command;
-  return fmt::format("aligngs train {}-o {} --resume", options.scene.empty() ? "" : options.scene.string() + " ", options.run.string());
+  return fmt::format("aligngs train {}-o {} --resume", options.scene.empty() ? "" : options.scene.string() + " ",
+                     options.run.string());
 }
 
 TrainResult result_of_finished(const RunRecord& record) {
@@ -52,7 +54,11 @@ TrainResult result_of_finished(const RunRecord& record) {
 class Run {
  public:
   Run(const TrainOptions& options, const ResolvedRun& resolved, const EngineFactory& make_engine)
-      : options_(options), config_(resolved.config), resolved_(resolved), folder_(options.run), make_engine_(make_engine),
+      : options_(options),
+        config_(resolved.config),
+        resolved_(resolved),
+        folder_(options.run),
+        make_engine_(make_engine),
         budget_(options.memory_limit) {}
 
   void open_scene_and_check();
@@ -100,7 +106,8 @@ void Run::open_scene_and_check() {
   folder_.require_apart_from(folder);
   scene_ = open_scene(folder);
   scene_.ignored = ignored_classes(scene_.labels, config_.data.ignore);
-  if (scene_.train.empty()) throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
+  if (scene_.train.empty())
+    throw_bad_input(folder, "train", "the scene has no training view", "list training views in split.json");
   if (const std::string choice = choice_of_model(folder); !choice.empty()) log_warning("{}", choice);
   log_info("checking {} views", scene_.train.size() + scene_.test.size());
   const SceneProblem* first = nullptr;
@@ -124,9 +131,12 @@ void Run::open_scene_and_check() {
   warn_left_out(used, scene_.left_out, "views");
   use_ = decide_prior_use(scene_, config_);
   if (options_.require_priors && !use_.warnings.empty()) {
-    throw Error({ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
+    throw Error(
+        {ErrorKind::kWeights, use_.warnings.front(), folder, {}, "make the priors, or leave --require-priors out"});
   }
-  if (!use_.depth_note.empty()) log_info("prior depth of {}: {}", scene_.prior_source.empty() ? "unknown origin" : scene_.prior_source, use_.depth_note);
+  if (!use_.depth_note.empty())
+    log_info("prior depth of {}: {}", scene_.prior_source.empty() ? "unknown origin" : scene_.prior_source,
+             use_.depth_note);
   check_prior_confidence(scene_, config_, use_);
   fingerprint_ = scene_fingerprint(scene_);
   extent_ = robust_extent(scene_);
@@ -141,7 +151,7 @@ void Run::prepare_folder() {
   record_.status = "running";
   record_.stage = "train";
   record_.command = options_.command_line;
-  record_.version = ALIGNGS_VERSION;
+  record_.version = version();
   record_.seed = config_.train.seed;
   record_.updated = utc_now();
   record_.finished.clear();
@@ -154,7 +164,8 @@ void Run::prepare_folder() {
   record_.trained.clear();
   record_.prior_depth = use_.depth_note;
   for (const std::string& message : use_.warnings) warn(message);
-  // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes first: it is what
+  // A run that exists keeps its file unless its end moves: every byte of it is the user's. A new run's record comes
+  // first: it is what
   // says whose folder this is.
   if (!resolved_.exists) write_run_record(folder_.record(), record_);
   if (!resolved_.exists || resolved_.extended) write_file_atomically(folder_.config(), config_to_toml(config_));
@@ -162,8 +173,9 @@ void Run::prepare_folder() {
 }
 
 TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views, TrainerInputs& inputs, bool& fresh) {
-  PriorScales aligned = is_refined_scene(scene_.folder) ? scales_of_agreeing_depth(inputs.guides.size())
-                                                        : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
+  PriorScales aligned = is_refined_scene(scene_.folder)
+                            ? scales_of_agreeing_depth(inputs.guides.size())
+                            : align_to_points(inputs.guides, scene_.cloud, config_.loss.depth_align_limit);
   free_unplaced(use_, aligned);
   inputs.known_scales = aligned.known;
   inputs.free_scales = aligned.free;
@@ -182,7 +194,8 @@ TrainingState Run::start(Engine& engine, const std::vector<TrainingView>& views,
   }
   const int64_t limit = start_limit(config_, pixels);
   const StartInputs start_inputs{config_, views, scales, scene_.cloud, use_.depth, channels, limit, extent_, *pool_};
-  StartModel begun = make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
+  StartModel begun =
+      make_start_model(start_inputs, random_of(static_cast<uint64_t>(config_.train.seed), RandomPurpose::kStart));
   if (config_.densify.morton_order) sort_by_morton(begun.model);
   log_info("{} Gaussians to start with, from {}", begun.model.size(), begun.dense ? "prior depth" : "points");
   TrainingState state;
@@ -214,8 +227,8 @@ TrainResult Run::train() {
   std::unique_ptr<Engine> engine = make_engine_(options_.threads);
   const bool multi_view = config_.loss.multi_view_geometric > 0 || config_.loss.multi_view_photometric > 0;
   if (multi_view && !engine->offers_multi_view()) {
-    throw Error({ErrorKind::kUsage, fmt::format("{} does not have the multi-view terms", engine->device_name()), folder_.path(),
-                 "loss.multi_view_photometric",
+    throw Error({ErrorKind::kUsage, fmt::format("{} does not have the multi-view terms", engine->device_name()),
+                 folder_.path(), "loss.multi_view_photometric",
                  "use --device cpu, or set loss.multi_view_geometric=0 and loss.multi_view_photometric=0"});
   }
   record_.device = engine->device_name();

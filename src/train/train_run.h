@@ -20,9 +20,9 @@ using EngineFactory = std::function<std::unique_ptr<Engine>(int threads)>;
 struct TrainOptions {
   std::filesystem::path scene;  ///< may be empty when resuming: run.json knows it
   std::filesystem::path run;
-  ConfigSources config;         ///< preset, config file, --set, -n, --seed
-  EngineFactory make_engine;    ///< of the device to train on; empty: the CPU
-  int threads = 0;              ///< 0: all hardware threads; the result does not depend on it
+  ConfigSources config;       ///< preset, config file, --set, -n, --seed
+  EngineFactory make_engine;  ///< of the device to train on; empty: the CPU
+  int threads = 0;            ///< 0: all hardware threads; the result does not depend on it
   bool resume = false, overwrite = false;
   bool require_priors = false;  ///< missing depth or semantics are Error{kWeights} instead of a warning
   bool strict = false;          ///< a view that cannot be used is Error{kBadInput} instead of being left out
@@ -36,8 +36,8 @@ struct TrainResult {
   bool already_finished = false;  ///< --resume on a finished run: nothing was changed
   int64_t iterations = 0;         ///< completed
   uint64_t gaussians = 0;
-  double seconds = 0;             ///< training time over all resumes
-  double psnr = 0;                ///< running mean over the last training views, dB
+  double seconds = 0;  ///< training time over all resumes
+  double psnr = 0;     ///< running mean over the last training views, dB
   std::vector<std::string> warnings;
 };
 

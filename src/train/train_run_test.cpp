@@ -4,16 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
-#include "io/colmap.h"
 #include "io/atomic_file.h"
-#include "scene/test_scene_folder.h"
+#include "io/colmap.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/checkpoint.h"
 #include "train/fake_engine.h"
 #include "train/fake_runs_for_tests.h"
@@ -47,9 +47,9 @@ TEST_F(TrainRun, LeavesACompleteRunFolder) {
   const TrainResult result = train_run(o, plain_engine());
   EXPECT_EQ(result.iterations, 30);
   EXPECT_GT(result.gaussians, 0u);
-  for (const char* name : {"run.json", "config.toml", "events.ndjson", "scene.ply", "scene.labels.ply", "classes.json",
-                           "cameras.json", "sparse/0/images.bin", "transforms.json",
-                           "checkpoints/step_000030.safetensors"}) {
+  for (const char* name :
+       {"run.json", "config.toml", "events.ndjson", "scene.ply", "scene.labels.ply", "classes.json", "cameras.json",
+        "sparse/0/images.bin", "transforms.json", "checkpoints/step_000030.safetensors"}) {
     EXPECT_TRUE(fs::exists(o.run / name)) << name;
   }
   const RunRecord r = record(o);
@@ -218,7 +218,8 @@ TEST_F(TrainRun, FlagsStopPauseAndSaveAndTheResultIsTheSame) {
         control.ask(Flag::kPause);
         control.ask(Flag::kSnapshot);
         resume = std::thread([&] {
-          for (int i = 0; i < 500 && record(o).status != "paused"; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+          for (int i = 0; i < 500 && record(o).status != "paused"; ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
           paused_status = record(o).status;
           control.withdraw(Flag::kPause);
         });
@@ -378,7 +379,8 @@ TEST_F(TrainRun, MissingPriorsAreSaidOrRefused) {
   EXPECT_EQ(kind_of([&] { train_run(strict, plain_engine()); }), ErrorKind::kWeights);
 }
 
-/// The 200 points of the test scene, 2 % farther away than its prior depth has them, from cameras that are 0 to 0.2 units apart.
+/// The 200 points of the test scene, 2 % farther away than its prior depth has them, from cameras that are 0 to 0.2
+/// units apart.
 void move_points_away(const fs::path& scene) {
   ColmapModel model = read_colmap_model(scene / "sparse");
   for (ColmapPoint& point : model.points) point.position = point.position * 1.02;

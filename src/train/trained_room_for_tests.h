@@ -14,8 +14,8 @@ inline LabelSet room_labels() {
 }
 
 inline uint16_t label_at(const Vec3f& p) {
-  if (p.x < kChestHigh.x + 0.03 && p.x > kChestLow.x - 0.03 && p.z > kChestLow.z - 0.03 && p.z < kChestHigh.z + 0.03 && p.y > kChestLow.y - 0.03 &&
-      p.y < kFloor - 0.03) {
+  if (p.x < kChestHigh.x + 0.03 && p.x > kChestLow.x - 0.03 && p.z > kChestLow.z - 0.03 && p.z < kChestHigh.z + 0.03 &&
+      p.y > kChestLow.y - 0.03 && p.y < kFloor - 0.03) {
     return kChestLabel;
   }
   return p.y > kFloor - 0.03 ? kFloorLabel : p.y < kCeiling + 0.03 ? kCeilingLabel : kWallLabel;
@@ -27,7 +27,8 @@ inline PointCloud shown_points(int stride) {
   for (const LayoutView& view : photos()) {
     for (int y = stride / 2; y < view.plane.camera.height; y += stride) {
       for (int x = stride / 2; x < view.plane.camera.width; x += stride) {
-        cloud.positions.push_back(view.plane.camera.unproject(x + 0.5, y + 0.5, view.plane.depth.at(x, y)).cast<float>());
+        cloud.positions.push_back(
+            view.plane.camera.unproject(x + 0.5, y + 0.5, view.plane.depth.at(x, y)).cast<float>());
         cloud.colors.push_back(kColors[view.plane.labels.at(x, y)]);
       }
     }

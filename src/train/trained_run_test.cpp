@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/fake_engine.h"
 #include "train/run_folder.h"
 #include "train/train_run.h"

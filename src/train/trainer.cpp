@@ -18,7 +18,7 @@
 #include "train/neighbour_choice.h"
 #include "train/photo_labels.h"
 #include "train/random_purpose.h"
-#include "train/upkeep.h"
+#include "train/scene_maintenance.h"
 
 namespace aligngs {
 namespace {
@@ -44,7 +44,8 @@ void set_random_background(const TrainConfig& config, int64_t iteration, RasterS
 
 /// The same holds for the Gaussians that a step leaves out.
 OpacityDropout draw_dropout(const TrainConfig& config, int64_t iteration, double rate) {
-  return {static_cast<float>(rate), generator(config, RandomPurpose::kDropout).fork(static_cast<uint64_t>(iteration)).next()};
+  return {static_cast<float>(rate),
+          generator(config, RandomPurpose::kDropout).fork(static_cast<uint64_t>(iteration)).next()};
 }
 
 }  // namespace
@@ -77,11 +78,14 @@ TrainingState Trainer::run(TrainingState state) {
   const StopDeferral until_checkpoint;  // stop_here() writes one first
   state_ = std::move(state);
   if (state_.depth_scales.size() != in_.guides.size()) {
-    throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views", "start again with --overwrite");
+    throw_bad_input(folder_.checkpoints(), "depth_scales", "the checkpoint has another number of views",
+                    "start again with --overwrite");
   }
   if (state_.engine.model.size() > 0) {
-    if (state_.trainable) engine_.load_state(state_.engine);
-    else engine_.load(state_.engine.model);
+    if (state_.trainable)
+      engine_.load_state(state_.engine);
+    else
+      engine_.load(state_.engine.model);
     checkpointed_ = state_.iteration;
   }
   state_.engine = {};  // the engine owns the parameters from here on; no second copy is kept
@@ -93,7 +97,8 @@ TrainingState Trainer::run(TrainingState state) {
   schedule_ = Schedule(in_.config, in_.facts);
 
   if (!state_.motions.empty() && state_.motions.size() != in_.guides.size()) {
-    throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views", "start again with --overwrite");
+    throw_bad_input(folder_.checkpoints(), "camera_motions", "the checkpoint has another number of views",
+                    "start again with --overwrite");
   }
   view_scale_ = schedule_.view_scale(state_.iteration + 1);
   if (state_.planes.empty()) {
@@ -104,7 +109,8 @@ TrainingState Trainer::run(TrainingState state) {
 
   const int64_t last = in_.config.train.iterations;
   if (!state_.trainable && state_.iteration < last) {
-    throw_bad_input(folder_.checkpoints(), "checkpoint.keep_finished", "the checkpoint of a finished run does not have the state of its optimiser",
+    throw_bad_input(folder_.checkpoints(), "checkpoint.keep_finished",
+                    "the checkpoint of a finished run does not have the state of its optimiser",
                     "start again with --overwrite");
   }
   EventLog events(folder_.events(), state_.iteration);
@@ -152,47 +158,56 @@ void Trainer::iterate(int64_t iteration, EventLog& events) {
   state_.iteration = iteration;
   if (request.pose_gradient && !report_.non_finite.found) move_camera(static_cast<size_t>(request.view), pose_rates);
   if (const double noise = schedule_.position_noise(iteration); noise > 0) {
-    engine_.add_position_noise({static_cast<float>(noise), generator(in_.config, RandomPurpose::kNoise).fork(static_cast<uint64_t>(iteration)).next()});
+    engine_.add_position_noise(
+        {static_cast<float>(noise),
+         generator(in_.config, RandomPurpose::kNoise).fork(static_cast<uint64_t>(iteration)).next()});
   }
   if (report_.non_finite.found) {
     handle_non_finite(report_, request.view, events);
   } else {
     const double psnr = report_.losses.psnr;
     if (std::isfinite(psnr)) {
-      state_.psnr_average = state_.psnr_average == 0 ? psnr : kAverageKeep * state_.psnr_average + (1 - kAverageKeep) * psnr;
+      state_.psnr_average =
+          state_.psnr_average == 0 ? psnr : kAverageKeep * state_.psnr_average + (1 - kAverageKeep) * psnr;
     }
     if (iteration % in_.config.train.log_every == 0 || iteration == in_.config.train.iterations) {
-      events.step({iteration, in_.guides[static_cast<size_t>(request.view)].name, &report_, engine_.size(), now_seconds() - begun});
+      events.step({iteration, in_.guides[static_cast<size_t>(request.view)].name, &report_, engine_.size(),
+                   now_seconds() - begun});
     }
   }
-  upkeep(iteration, events);
+  maintain_scene(iteration, events);
 }
 
-void Trainer::upkeep(int64_t iteration, EventLog& events) {
+void Trainer::maintain_scene(int64_t iteration, EventLog& events) {
   const RasterSettings raster = schedule_.request(iteration).raster;
   if (schedule_.densifies(iteration)) {
     events.restructured(iteration, "densify",
-                        schedule_.uses_mcmc() ? grow_by_mcmc(engine_, schedule_.mcmc_rule(), density_random_)
-                                              : control_density(engine_, schedule_.density_rule(iteration), density_random_));
+                        schedule_.uses_mcmc()
+                            ? grow_by_mcmc(engine_, schedule_.mcmc_rule(), density_random_)
+                            : control_density(engine_, schedule_.density_rule(iteration), density_random_));
   }
   if (schedule_.resets_opacity(iteration)) {
     engine_.reset_opacity(kResetOpacity);
     events.message(iteration, "opacity_reset", fmt::format("opacities capped at {}", kResetOpacity));
   }
   if (schedule_.prunes_free_space(iteration)) {
-    events.restructured(iteration, "free_space", prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config,
-                                                                   in_.facts.extent, raster, pool_));
+    events.restructured(
+        iteration, "free_space",
+        prune_free_space(engine_, in_.guides, state_.depth_scales, in_.config, in_.facts.extent, raster, pool_));
   }
-  if (schedule_.raises_scales(iteration)) raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
+  if (schedule_.raises_scales(iteration))
+    raise_small_scales(engine_, in_.guides, in_.config.optimizer.scale_min_pixels, pool_);
   if (schedule_.aligns_prior_depth(iteration)) {
-    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.free_scales, in_.config.loss.depth_align_limit, raster, state_.depth_scales);
+    align_to_renderings(engine_, in_.guides, in_.known_scales, in_.free_scales, in_.config.loss.depth_align_limit,
+                        raster, state_.depth_scales);
   }
   if (schedule_.fits_planes(iteration)) fit_planes_now(iteration, events);
   if (schedule_.closes_room(iteration)) close_room_now(iteration, events);
   if (schedule_.names_objects(iteration)) name_objects_now(iteration, events);
   if (engine_.size() > 0) return;
-  throw Error({ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
-               "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
+  throw Error(
+      {ErrorKind::kFailed, fmt::format("no Gaussian was left after iteration {}", iteration), folder_.path(), "densify",
+       "check the scene with 'aligngs data check'; prune less (densify.prune_opacity, densify.free_space_every=0)"});
 }
 
 void Trainer::place_cameras() {
@@ -226,21 +241,26 @@ RenderOptions Trainer::labelled_rendering(int64_t iteration) const {
 }
 
 void Trainer::fit_planes_now(int64_t iteration, EventLog& events) {
-  const PlaneSurfaces surfaces = in_.config.data.refine_tables ? PlaneSurfaces::kLayoutAndTables : PlaneSurfaces::kLayout;
+  const PlaneSurfaces surfaces =
+      in_.config.data.refine_tables ? PlaneSurfaces::kLayoutAndTables : PlaneSurfaces::kLayout;
   const std::vector<PlaneClass> classes = plane_classes(in_.labels, surfaces);
   state_.planes = fit_plane_targets(
-      engine_, {in_.guides, classes, state_.depth_scales, labelled_rendering(iteration), in_.config.data.refine_square}, pool_);
+      engine_, {in_.guides, classes, state_.depth_scales, labelled_rendering(iteration), in_.config.data.refine_square},
+      pool_);
   give_views();
-  events.message(iteration, "planes", fmt::format("planes of walls, floor and ceiling under {:.0f} % of the pixels",
-                                                  100 * state_.planes.share()));
+  events.message(
+      iteration, "planes",
+      fmt::format("planes of walls, floor and ceiling under {:.0f} % of the pixels", 100 * state_.planes.share()));
 }
 
 void Trainer::close_room_now(int64_t iteration, EventLog& events) {
   const size_t cap = in_.facts.max_gaussians;
   const size_t most = cap > 0 ? most_in_closed_room(cap) : std::numeric_limits<size_t>::max();
-  const size_t added = close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
+  const size_t added =
+      close_room(engine_, {in_.guides, in_.labels, in_.facts.extent, most, labelled_rendering(iteration)}, pool_);
   if (added == 0) return;
-  events.message(iteration, "closed_room", fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
+  events.message(iteration, "closed_room",
+                 fmt::format("{} Gaussians for walls, floor and ceiling that no photo shows", added));
   log_info("closed room: {} Gaussians for walls, floor and ceiling that no photo shows", added);
 }
 
@@ -259,39 +279,49 @@ void Trainer::name_objects_now(int64_t iteration, EventLog& events) {
   const PhotoLabelReport report = vote_label_rows(state.model, std::move(inputs), pool_);
   if (report.regions == 0) return;
   engine_.load_state(state);
-  events.message(iteration, "labels", fmt::format("{} regions named by the photos, {} of them against their commonest name; {} Gaussians moved at outlines", report.regions,
-                                                  report.renamed, report.moved));
+  events.message(
+      iteration, "labels",
+      fmt::format(
+          "{} regions named by the photos, {} of them against their commonest name; {} Gaussians moved at outlines",
+          report.regions, report.renamed, report.moved));
 }
 
 void Trainer::handle_non_finite(const StepReport& report, int view, EventLog& events) {
   ++state_.non_finite_steps;
   const NonFinite& bad = report.non_finite;
   const std::string& name = in_.guides[static_cast<size_t>(view)].name;
-  const std::string what = bad.gaussian >= 0
-                               ? fmt::format("iteration {}: {} of Gaussian {} became non-finite in view {}", state_.iteration,
-                                             bad.term, bad.gaussian, name)
-                               : fmt::format("iteration {}: loss {} became non-finite in view {}", state_.iteration, bad.term, name);
+  const std::string what =
+      bad.gaussian >= 0
+          ? fmt::format("iteration {}: {} of Gaussian {} became non-finite in view {}", state_.iteration, bad.term,
+                        bad.gaussian, name)
+          : fmt::format("iteration {}: loss {} became non-finite in view {}", state_.iteration, bad.term, name);
   log_warning("{}; the step was rolled back{}", what, bad.gaussian >= 0 ? " and the Gaussian removed" : "");
   events.message(state_.iteration, "non_finite", what);
   if (bad.gaussian >= 0) remove_gaussian(engine_, bad.gaussian);
   if (state_.non_finite_steps < kNonFiniteLimit || engine_.size() == 0) return;
   write_state();
-  throw Error({ErrorKind::kFailed, fmt::format("{}; {} such steps are the limit", what, kNonFiniteLimit), folder_.path(), bad.term,
-               "check this view with 'aligngs data check'; lower the learning rates (optimizer.*) or loss weights (loss.*)"});
+  throw Error(
+      {ErrorKind::kFailed, fmt::format("{}; {} such steps are the limit", what, kNonFiniteLimit), folder_.path(),
+       bad.term,
+       "check this view with 'aligngs data check'; lower the learning rates (optimizer.*) or loss weights (loss.*)"});
 }
 
 void Trainer::stop_here() {
   if (checkpointed_ != state_.iteration) write_state();
-  throw Error({ErrorKind::kInterrupted, fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
-                                                    in_.config.train.iterations),
-               folder_.path(), {}, "resume with: " + in_.resume_command});
+  throw Error({ErrorKind::kInterrupted,
+               fmt::format("stopped at iteration {} of {}, a checkpoint is written", state_.iteration,
+                           in_.config.train.iterations),
+               folder_.path(),
+               {},
+               "resume with: " + in_.resume_command});
 }
 
 void Trainer::obey() {
   if (now_seconds() < look_at_) return;
   obey_once();
   if (control_.asked(RunControl::Flag::kPause)) {
-    log_info("paused at iteration {}; remove {} to continue", state_.iteration, control_.file(RunControl::Flag::kPause).string());
+    log_info("paused at iteration {}; remove {} to continue", state_.iteration,
+             control_.file(RunControl::Flag::kPause).string());
     record_.status = "paused";
     record_.updated = utc_now();
     write_run_record(folder_.record(), record_);
@@ -335,8 +365,10 @@ void Trainer::write_state() {
   state_.seconds = seconds_before_ + seconds_since_start();
   // Stages and edits need the scene alone of a finished run.
   state_.trainable = in_.config.checkpoint.keep_finished || state_.iteration < in_.config.train.iterations;
-  if (state_.trainable) engine_.save_state(state_.engine);
-  else engine_.store(state_.engine.model);
+  if (state_.trainable)
+    engine_.save_state(state_.engine);
+  else
+    engine_.store(state_.engine.model);
   write_checkpoint(folder_.checkpoints(), state_, in_.fingerprint, state_.trainable ? in_.config.checkpoint.keep : 1);
   state_.engine = {};
   checkpointed_ = state_.iteration;

@@ -1,4 +1,4 @@
-// The training loop: steps, upkeep, checkpoints, progress. One object per run.
+// The training loop: steps, maintenance, checkpoints, progress. One object per run.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +23,18 @@ namespace aligngs {
 
 struct TrainerInputs {
   TrainConfig config;
-  ScheduleFacts facts;               ///< dense_start, normals_at_start and max_gaussians come from the state
-  std::vector<GuideView> guides;     ///< one per training view, in the engine's order
-  std::vector<std::vector<int>> neighbours;  ///< of every view, for the multi-view terms (neighbour_choice.h); empty: none
-  std::vector<uint8_t> known_scales, free_scales;  ///< views whose prior scale stays, or may become any (PriorScales of upkeep.h)
-  LabelSet labels;                   ///< of the scene, for live snapshots
-  std::string fingerprint;           ///< of the scene
-  std::string resume_command;        ///< shown when the run is interrupted
+  ScheduleFacts facts;            ///< dense_start, normals_at_start and max_gaussians come from the state
+  std::vector<GuideView> guides;  ///< one per training view, in the engine's order
+  /// of every view, for the multi-view terms (neighbour_choice.h); empty: none
+  std::vector<std::vector<int>> neighbours;
+  /// views whose prior scale stays, or may become any (PriorScales of scene_maintenance.h)
+  std::vector<uint8_t> known_scales, free_scales;
+  LabelSet labels;             ///< of the scene, for live snapshots
+  std::string fingerprint;     ///< of the scene
+  std::string resume_command;  ///< shown when the run is interrupted
   ProgressStyle progress;
-  /// The training views at this share of the working resolution; called when Schedule::view_scale changes and for new planes.
+  /// The training views at this share of the working resolution; called when Schedule::view_scale changes and for new
+  /// planes.
   std::function<std::vector<TrainingView>(double scale)> load_views;
 };
 
@@ -56,7 +59,7 @@ class Trainer {
  private:
   void iterate(int64_t iteration, EventLog& events);
   void handle_non_finite(const StepReport& report, int view, EventLog& events);
-  void upkeep(int64_t iteration, EventLog& events);
+  void maintain_scene(int64_t iteration, EventLog& events);
   /// Puts the cameras where the state has them, in the engine and in the guides.
   void place_cameras();
   void place_camera(size_t view);
@@ -90,10 +93,10 @@ class Trainer {
   int64_t checkpointed_ = -1;  ///< iteration of the newest checkpoint of this process
   double seconds_before_ = 0;  ///< training time of earlier processes
   int64_t iterations_before_ = 0;
-  double begun_ = 0;           ///< steady clock, seconds
+  double begun_ = 0;  ///< steady clock, seconds
   RunControl control_;
-  double look_at_ = 0;         ///< when to look for flags again, steady clock
-  double snapshot_at_ = 0;     ///< when the next snapshot may be written
+  double look_at_ = 0;      ///< when to look for flags again, steady clock
+  double snapshot_at_ = 0;  ///< when the next snapshot may be written
 };
 
 }  // namespace aligngs

@@ -20,7 +20,8 @@ constexpr uint64_t kPlaneBytes = 2;  // number and weight, train/plane_targets.h
 
 constexpr double kNearQuantile = 0.01;  // of a view's depths: a few wrong pixels do not move the near plane
 
-// Free space is cleared 4 % before metric depth, and L_z pulls at 2 %: depth that is farther off would do harm. Without points it
+// Free space is cleared 4 % before metric depth, and L_z pulls at 2 %: depth that is farther off would do harm. Without
+// points it
 // is the only start, and coarse surfaces are better than random ones.
 constexpr double kSureResidual = 0.05, kStartResidual = 0.2;
 
@@ -31,10 +32,12 @@ void decide_depth(const Scene& scene, const std::string& wanted, PriorUse& use) 
     return;
   }
   const bool forced = wanted == "metric";
-  DepthPlacement placement = forced && !scene.depth_scale_stated ? as_given(scene.train.size()) : place_prior_depth(scene);
+  DepthPlacement placement =
+      forced && !scene.depth_scale_stated ? as_given(scene.train.size()) : place_prior_depth(scene);
   use.depth_note = describe(placement);
   const double limit = scene.cloud.size() > 0 ? kSureResidual : kStartResidual;
-  const bool fits = placement.placed() > 0 && (placement.scale == DepthScale::kScene || placement.residual.value_or(limit + 1) <= limit);
+  const bool fits = placement.placed() > 0 &&
+                    (placement.scale == DepthScale::kScene || placement.residual.value_or(limit + 1) <= limit);
   if (!fits && !forced) {
     use.depth_note += "; only its correlation with the rendered depth is used";
     return;
@@ -68,7 +71,8 @@ std::filesystem::path confidence_path(const Scene& scene, const TrainConfig& con
   return std::filesystem::exists(path) ? path : std::filesystem::path();
 }
 
-MapShape confidence_shape(const Scene& scene, const std::vector<int64_t>& shape, const std::filesystem::path& path, int view) {
+MapShape confidence_shape(const Scene& scene, const std::vector<int64_t>& shape, const std::filesystem::path& path,
+                          int view) {
   const MapShape map = depth_map_shape(shape, path);
   const Camera& camera = scene.views[static_cast<size_t>(view)].camera;
   require_same_aspect(map, camera.width, camera.height, path, "shape");
@@ -84,13 +88,15 @@ ImageF load_confidence(const Scene& scene, const std::filesystem::path& path, in
   map.channels = 1;
   map.data = std::move(array.data);
   for (float& c : map.data) c = std::isfinite(c) ? c : 0.0f;
-  return map.width == camera.width && map.height == camera.height ? map : resize_bilinear(map, camera.width, camera.height);
+  return map.width == camera.width && map.height == camera.height ? map
+                                                                  : resize_bilinear(map, camera.width, camera.height);
 }
 
 }  // namespace
 
 double PriorUse::depth_factor(size_t training_view) const {
-  return training_view < placement.views.size() && !is_unplaced(training_view) ? placement.views[training_view].factor : 1;
+  return training_view < placement.views.size() && !is_unplaced(training_view) ? placement.views[training_view].factor
+                                                                               : 1;
 }
 
 bool PriorUse::is_unplaced(size_t training_view) const {
@@ -110,12 +116,14 @@ PriorUse decide_prior_use(const Scene& scene, const TrainConfig& config) {
   if (wanted != "none" && scene.has_prior_depth()) {
     decide_depth(scene, wanted, use);
   } else if (wanted != "none") {
-    use.warnings.push_back("not every training view has prior depth (pred_depths/): training goes on without depth terms");
+    use.warnings.push_back(
+        "not every training view has prior depth (pred_depths/): training goes on without depth terms");
   }
   if (config.data.semantics && scene.has_semantics()) {
     use.semantics = true;
   } else if (config.data.semantics) {
-    use.warnings.push_back("not every training view has semantics (segmentation_logits/): training goes on without labels");
+    use.warnings.push_back(
+        "not every training view has semantics (segmentation_logits/): training goes on without labels");
   }
   return use;
 }
@@ -133,7 +141,8 @@ std::vector<TrainingView> load_training_views(const Scene& scene, const TrainCon
   prepare.paper = config.loss.paper_normals;
   prepare.prior_normals = use.depth == PriorDepthKind::kMetric && settings_need(config, kNeedsPriorNormal);
   // The control of the bounded coupling pushes as much and where it does, so it has the same omega.
-  prepare.semantic_weights = is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
+  prepare.semantic_weights =
+      is_balanced(semantic_coupling_named(config.semantic.coupling)) && config.semantic.coupling_strength > 0;
   pool.parallel_for(views.size(), 1, [&](size_t begin, size_t end, int) {
     for (size_t i = begin; i < end; ++i) {
       ViewData data = load_view(scene, scene.train[i], load_options(config, use, i));
@@ -154,13 +163,15 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
     const uint64_t pixels = uint64_t(camera.width) * static_cast<uint64_t>(camera.height);
     uint64_t per_pixel = kColorBytes + kMaskBytes;
     if (use.depth != PriorDepthKind::kNone) per_pixel += kDepthBytes;
-    if (use.depth == PriorDepthKind::kMetric) per_pixel += 2 * 4;  // the copy kept for upkeep
+    if (use.depth == PriorDepthKind::kMetric) per_pixel += 2 * 4;  // the copy kept for maintenance
     if (use.semantics) {
       per_pixel += kSemanticBytes;
       const View& view = scene.views[static_cast<size_t>(v)];
-      const MapShape shape = semantic_map_shape(read_map_header(view.semantics).shape, scene.labels.size(), view.semantics);
+      const MapShape shape =
+          semantic_map_shape(read_map_header(view.semantics).shape, scene.labels.size(), view.semantics);
       const uint64_t texels = uint64_t(shape.width) * static_cast<uint64_t>(shape.height);
-      bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 12);  // float16 probabilities, a confidence, a scale and a sum of scores
+      // float16 probabilities, a confidence, a scale and a sum of scores
+      bytes += texels * (2 * static_cast<uint64_t>(shape.channels) + 12);
     }
     bytes += pixels * per_pixel;
     if (planes) bytes += pixels * kPlaneBytes;
@@ -184,7 +195,8 @@ float near_plane_of_view(const Scene& scene, const TrainConfig& config, const Pr
   const auto trained = std::find(scene.train.begin(), scene.train.end(), view);
   const auto index = static_cast<size_t>(trained - scene.train.begin());
   ImageF depth;
-  if (trained != scene.train.end() && use.depth == PriorDepthKind::kMetric && !use.is_unplaced(index) && config.train.near_share > 0) {
+  if (trained != scene.train.end() && use.depth == PriorDepthKind::kMetric && !use.is_unplaced(index) &&
+      config.train.near_share > 0) {
     LoadOptions options = load_options(config, use, index);
     options.semantics = false;
     depth = load_view(scene, view, options).prior_depth;

@@ -18,13 +18,13 @@ namespace aligngs {
 struct PriorUse {
   PriorDepthKind depth = PriorDepthKind::kNone;
   bool semantics = false;
-  DepthPlacement placement;  ///< of metric prior depth, in the order of Scene::train; no views otherwise
+  DepthPlacement placement;           ///< of metric prior depth, in the order of Scene::train; no views otherwise
   std::vector<std::string> warnings;  ///< one sentence per prior that training goes without
-  std::string depth_note;    ///< how prior depth is used, and why; empty without any
+  std::string depth_note;             ///< how prior depth is used, and why; empty without any
 
   /// Prior depth of a training view is multiplied by it; 1 where the view is not placed.
   double depth_factor(size_t training_view) const;
-  /// The view has metric depth whose scale only the rendered scene can tell (PriorScales::free of upkeep.h).
+  /// The view has metric depth whose scale only the rendered scene can tell (PriorScales::free of scene_maintenance.h).
   bool is_unplaced(size_t training_view) const;
 };
 
@@ -47,13 +47,13 @@ uint64_t predicted_view_bytes(const Scene& scene, const TrainConfig& config, con
 /// Camera of a view at the working resolution.
 Camera working_camera(const Scene& scene, const TrainConfig& config, int view);
 
-/// Data of a view for upkeep between the steps, after the engine has taken it.
+/// Data of a view for maintenance between the steps, after the engine has taken it.
 struct GuideView {
   std::string name;
   Camera camera;
-  ImageF prior_depth;   ///< empty unless the prior is metric
-  ImageF depth_weight;  ///< empty = 1
-  float near_plane = 0; ///< of this view, scene units
+  ImageF prior_depth;    ///< empty unless the prior is metric
+  ImageF depth_weight;   ///< empty = 1
+  float near_plane = 0;  ///< of this view, scene units
 };
 std::vector<GuideView> guides_of(const std::vector<TrainingView>& views, const PriorUse& use, const TrainConfig& config,
                                  double extent);

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -61,12 +61,15 @@ TEST(TrainingSet, PredictedBytesCoverWhatIsLoaded) {
   const std::vector<TrainingView> views = load_training_views(scene, config, use, pool);
   uint64_t bytes = 0;
   for (const TrainingView& v : views) {
-    bytes += 4 * (v.data.color.data.size() + v.data.mask.data.size() + v.data.prior_depth.data.size() +
-                  v.depth_weight.data.size() + v.prior_normal.data.size() + v.semantic_weight.data.size()) +
-             2 * (v.data.semantics.probabilities.size() + v.data.labels.data.size()) +
-             4 * (v.data.semantics.confidence.size() + v.data.semantics.scale.size() + v.data.semantics.score_sum.size()) + v.label_edge.data.size();
+    bytes +=
+        4 * (v.data.color.data.size() + v.data.mask.data.size() + v.data.prior_depth.data.size() +
+             v.depth_weight.data.size() + v.prior_normal.data.size() + v.semantic_weight.data.size()) +
+        2 * (v.data.semantics.probabilities.size() + v.data.labels.data.size()) +
+        4 * (v.data.semantics.confidence.size() + v.data.semantics.scale.size() + v.data.semantics.score_sum.size()) +
+        v.label_edge.data.size();
   }
-  for (const GuideView& g : guides_of(views, use, config, 1)) bytes += 4 * (g.prior_depth.data.size() + g.depth_weight.data.size());
+  for (const GuideView& g : guides_of(views, use, config, 1))
+    bytes += 4 * (g.prior_depth.data.size() + g.depth_weight.data.size());
   EXPECT_GE(predicted_view_bytes(scene, config, use), bytes);
   EXPECT_LE(predicted_view_bytes(scene, config, use), 2 * bytes);
 }
@@ -109,7 +112,8 @@ TEST(TrainingSet, TheOpacityControlHasTheWeightsOfTheBoundedCoupling) {
   config.semantic.coupling = "opacity";
   const ImageF opacity = load_training_views(scene, config, use, pool)[0].semantic_weight;
   ASSERT_FALSE(bounded.empty());
-  EXPECT_NE(*std::min_element(bounded.data.begin(), bounded.data.end()), *std::max_element(bounded.data.begin(), bounded.data.end()))
+  EXPECT_NE(*std::min_element(bounded.data.begin(), bounded.data.end()),
+            *std::max_element(bounded.data.begin(), bounded.data.end()))
       << "the test tells nothing where omega is even";
   EXPECT_EQ(opacity.data, bounded.data);
 }

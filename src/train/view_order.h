@@ -13,7 +13,7 @@ namespace aligngs {
 class ViewOrder {
  public:
   struct State {
-    std::vector<int> left;            ///< views still to come in this epoch, last first
+    std::vector<int> left;  ///< views still to come in this epoch, last first
     std::array<uint64_t, 4> random{};
   };
 

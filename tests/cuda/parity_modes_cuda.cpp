@@ -1,8 +1,8 @@
 // On a CUDA device, or on its emulation. The limits are those of the processor.
 #include <cstdio>
 
-#include "engine/cuda/networks/network_device.h"
-#include "engine/cuda/runtime/cuda_device.h"
+#include "device/cuda_device.h"
+#include "nn/cuda/network_device.h"
 #include "parity_case.h"
 
 namespace aligngs::parity {

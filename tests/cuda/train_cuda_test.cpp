@@ -8,10 +8,10 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/stop_signal.h"
+#include "device/device_for_tests.h"
 #include "engine/cuda/cuda_engine.h"
-#include "engine/cuda/runtime/test_device.h"
 #include "io/atomic_file.h"
-#include "scene/test_scene_folder.h"
+#include "scene/scene_folder_for_tests.h"
 #include "train/checkpoint.h"
 #include "train/run_folder.h"
 #include "train/run_record.h"
@@ -51,12 +51,27 @@ class TrainOnCuda : public testing::Test {
     o.run = base_ / run;
     o.config.preset = "default";
     o.config.iterations = 12;
-    o.config.sets = {"checkpoint.every=3", "train.reference_iterations=120", "init.max_gaussians=60", "densify.every=40",
-                     "densify.start=30", "densify.min_epochs=0", "densify.stop=110", "densify.gradient=1e-9",
-                     "densify.residual_quantile=0", "densify.unsupported_min=0", "densify.opacity_reset_every=60",
-                     "densify.free_space_every=70", "loss.depth_align_every=50", "loss.normal_start=20",
-                     "loss.depth_start=10", "semantic.lift=true", "semantic.lift_at=30", "semantic.coupling_start=40",
-                     "semantic.coupling_stop=100", "train.sh_every=40", "train.log_every=1",
+    o.config.sets = {"checkpoint.every=3",
+                     "train.reference_iterations=120",
+                     "init.max_gaussians=60",
+                     "densify.every=40",
+                     "densify.start=30",
+                     "densify.min_epochs=0",
+                     "densify.stop=110",
+                     "densify.gradient=1e-9",
+                     "densify.residual_quantile=0",
+                     "densify.unsupported_min=0",
+                     "densify.opacity_reset_every=60",
+                     "densify.free_space_every=70",
+                     "loss.depth_align_every=50",
+                     "loss.normal_start=20",
+                     "loss.depth_start=10",
+                     "semantic.lift=true",
+                     "semantic.lift_at=30",
+                     "semantic.coupling_start=40",
+                     "semantic.coupling_stop=100",
+                     "train.sh_every=40",
+                     "train.log_every=1",
                      "optimizer.opacity=3"};  // recovers from the reset within the steps that are left
     o.progress.enabled = false;
     o.threads = 1;
@@ -111,7 +126,8 @@ TEST_F(TrainOnCuda, LabelsStartFromTheTeachers) {
     o->config.iterations = 4;
     o->config.sets.push_back("train.schedule_iterations=12");
     o->config.sets.push_back("densify.enabled=false");
-    o->config.sets.push_back("semantic.object_labels=false");  // they are drawn from the photos anew, wherever rows started
+    // they are drawn from the photos anew, wherever rows started
+    o->config.sets.push_back("semantic.object_labels=false");
   }
   plain.config.sets.push_back("semantic.lift=false");
   train_run(lifted, engine());
@@ -135,8 +151,8 @@ TEST_F(TrainOnCuda, KilledAnywhereAndResumedEndsByteIdentical) {
 TEST_F(TrainOnCuda, MultiViewTermsActAndAResumedRunDrawsTheSameNeighbours) {
   const auto with_terms = [&](const char* run) {
     TrainOptions o = options(run);
-    for (const char* set : {"loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15", "loss.multi_view_from=40",
-                            "init.max_gaussians=400", "densify.enabled=false"}) {
+    for (const char* set : {"loss.multi_view_geometric=0.03", "loss.multi_view_photometric=0.15",
+                            "loss.multi_view_from=40", "init.max_gaussians=400", "densify.enabled=false"}) {
       o.config.sets.push_back(set);
     }
     return o;
@@ -165,9 +181,9 @@ TEST_F(TrainOnCuda, OutOfMemoryInTheMiddleLeavesACheckpointToGoOnFrom) {
   uint64_t early = 0, late = 0;
   const TrainOptions whole = growing("whole");
   train_run(whole, engine([&](const StepRequest& r, const cuda::CudaEngine& e) {
-    if (r.step <= 2) early = std::max(early, e.context().peak());
-    late = e.context().used();
-  }));
+              if (r.step <= 2) early = std::max(early, e.context().peak());
+              late = e.context().used();
+            }));
   const uint64_t budget = early + (late - early) / 3;
   ASSERT_GT(late, early + (uint64_t(1) << 19)) << "the scene does not grow enough for this test";
 

@@ -2,6 +2,5 @@
 #include "io/image_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  return aligngs::accept_or_refuse(
-      data, size, [](const std::string& bytes) { aligngs::decode_image(bytes, "fuzz"); });
+  return aligngs::accept_or_refuse(data, size, [](const std::string& bytes) { aligngs::decode_image(bytes, "fuzz"); });
 }

@@ -2,6 +2,5 @@
 #include "io/npy.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  return aligngs::accept_or_refuse(
-      data, size, [](const std::string& bytes) { aligngs::decode_npy(bytes, "fuzz"); });
+  return aligngs::accept_or_refuse(data, size, [](const std::string& bytes) { aligngs::decode_npy(bytes, "fuzz"); });
 }

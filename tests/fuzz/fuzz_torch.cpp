@@ -2,6 +2,6 @@
 #include "io/torch_archive.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  return aligngs::accept_or_refuse(
-      data, size, [](const std::string& bytes) { aligngs::decode_torch_tensor(bytes, "fuzz"); });
+  return aligngs::accept_or_refuse(data, size,
+                                   [](const std::string& bytes) { aligngs::decode_torch_tensor(bytes, "fuzz"); });
 }

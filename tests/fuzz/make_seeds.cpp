@@ -37,13 +37,18 @@ void make_seeds(const std::filesystem::path& out) {
   seed("fuzz_colmap_text", "cameras", text.cameras);
   seed("fuzz_colmap_text", "images", text.images);
   seed("fuzz_colmap_text", "points", text.points);
-  seed("fuzz_edits", "two", R"({"schema": 1, "edits": [{"operation": "delete", "select": "pillow#2", "threshold": "auto", "fill": true},
+  seed("fuzz_edits", "two",
+       R"({"schema": 1, "edits": [{"operation": "delete", "select": "pillow#2", "threshold": "auto", "fill": true},
     {"operation": "recolor", "select": "sofa", "threshold": "0.25", "color": "#add8e6"}]})");
   seed("fuzz_selection", "list", "pillow, Cushions#2 and the couch");
   seed("fuzz_selection", "exclusion", "everything but wall, floor");
-  seed("fuzz_room_list", "table", "# room\nkitchen\tphotos/kitchen\t--method colmap\ntrial\tdemo\t-n 50 --config 'a b.toml'\n");
-  seed("fuzz_room_list", "tables", "options = [\"-n\", \"50\"]\n[[room]]\nname = \"a\"\nsource = \"demo\"\noptions = \"--strict\"\n");
-  seed("fuzz_camera_path", "keys.json", R"({"format": "aligngs camera path", "version": 1, "keys": [{"time": 0, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62},
+  seed("fuzz_room_list", "table",
+       "# room\nkitchen\tphotos/kitchen\t--method colmap\ntrial\tdemo\t-n 50 --config 'a b.toml'\n");
+  seed("fuzz_room_list", "tables",
+       "options = [\"-n\", \"50\"]\n[[room]]\nname = \"a\"\nsource = \"demo\"\noptions = \"--strict\"\n");
+  seed(
+      "fuzz_camera_path", "keys.json",
+      R"({"format": "aligngs camera path", "version": 1, "keys": [{"time": 0, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62},
     {"time": 2.5, "eye": [1, 1.5, -1], "target": [0, 1, 0]}, {"time": 4, "eye": [0, 1.5, -2], "target": [0, 1, 0], "fov": 62}]})");
   std::filesystem::remove_all(scratch);
 }

@@ -13,8 +13,10 @@ std::vector<float> extrinsics_of(const std::vector<nn::NetworkCamera>& cameras, 
 /// [views, 3, 3].
 std::vector<float> intrinsics_of(const std::vector<nn::NetworkCamera>& cameras);
 
-/// Judges the cameras in the world of the first one, "out_extrinsics_norm", and their encodings for photos of this size, pixels, under `name`.
-void compare_encoded(Case& test, const std::vector<nn::NetworkCamera>& given, int64_t width, int64_t height, const std::string& name);
+/// Judges the cameras in the world of the first one, "out_extrinsics_norm", and their encodings for photos of this
+/// size, pixels, under `name`.
+void compare_encoded(Case& test, const std::vector<nn::NetworkCamera>& given, int64_t width, int64_t height,
+                     const std::string& name);
 
 /// Stored draws [draws, 8].
 nn::RayDraws draws_of(const FloatArray& array);

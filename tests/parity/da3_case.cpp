@@ -11,8 +11,8 @@ namespace {
 // Errors of the publisher's own program with a trunk in bfloat16, by the README of the data.
 constexpr Case::Limits kTokens{8e-2, 6e-2}, kDepth{1e-1, 4.5e-2}, kEncoding{6e-2, 4e-2}, kCameras{1.3e-1, 1.3e-1};
 constexpr std::nullopt_t kMeaningless = std::nullopt;  // in bfloat16
-constexpr double kSafeMargin = 0.1;  // between the reference view and the next, in bfloat16
-constexpr double kScoreLimit = 1e-4;  // scores are differences of nearly equal numbers
+constexpr double kSafeMargin = 0.1;                    // between the reference view and the next, in bfloat16
+constexpr double kScoreLimit = 1e-4;                   // scores are differences of nearly equal numbers
 
 nn::Da3Options options_of(const Json& config) {
   nn::Da3Options options;

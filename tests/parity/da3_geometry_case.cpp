@@ -59,7 +59,8 @@ std::vector<nn::NetworkCamera> decoded(const FloatArray& encodings, int64_t widt
 
 }  // namespace
 
-void compare_encoded(Case& test, const std::vector<nn::NetworkCamera>& given, int64_t width, int64_t height, const std::string& name) {
+void compare_encoded(Case& test, const std::vector<nn::NetworkCamera>& given, int64_t width, int64_t height,
+                     const std::string& name) {
   const auto views = int64_t(given.size());
   const auto normal = nn::normalised_cameras(given);
   std::vector<float> encodings;

@@ -12,8 +12,8 @@ void run_depth(Case& test, nn::Compute& compute) {
   options.layers = config.at("layers").get<std::vector<int>>();
   options.min_depth = config.at("min").get<double>();
   options.max_depth = config.at("max").get<double>();
-  const auto network = nn::make_depth_network(compute, test.weights("backbone.safetensors"),
-                                              test.weights("head.safetensors"), options);
+  const auto network =
+      nn::make_depth_network(compute, test.weights("backbone.safetensors"), test.weights("head.safetensors"), options);
   const std::vector<nn::FeatureMap> images = maps_of(test.array("in_image"));
   std::vector<nn::FeatureMap> raw, depth;
   for (const nn::FeatureMap& image : images) {

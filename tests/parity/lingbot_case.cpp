@@ -37,8 +37,8 @@ void run_lingbot(Case& test, nn::Compute& compute) {
   const std::vector<int> labels = nn::argmax_channels(logits);
   test.compare_labels("out_labels", {labels.begin(), labels.end()}, {1, photo.height, photo.width});
   if (!test.has("in_rect.npy")) return;
-  const nn::FeatureMap rect = network.grid_logits(
-      compute, nn::normalised_image(image_of_nchw(test.array("in_rect"))), &tokens);
+  const nn::FeatureMap rect =
+      network.grid_logits(compute, nn::normalised_image(image_of_nchw(test.array("in_rect"))), &tokens);
   test.compare("out_rect_prenorm", tokens.tokens.data, {1, tokens.tokens.rows, c});
   test.compare("out_rect_logits", nchw({rect}), nchw_shape({rect}));
 }

@@ -8,8 +8,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Every tensor of `file` against the one of that name, without `prefix`, in `expected`.
-void compare_files(Case& test, const fs::path& path, const WeightFile& file,
-                   const WeightFile& expected, const std::string& prefix) {
+void compare_files(Case& test, const fs::path& path, const WeightFile& file, const WeightFile& expected,
+                   const std::string& prefix) {
   const std::string name = path.filename().string();
   if (file.tensors().size() != expected.tensors().size())
     test.fail(name, std::to_string(file.tensors().size()) + " tensors found");
@@ -30,8 +30,7 @@ std::string prefix_of(const WeightFile& file, const WeightFile& expected) {
   const std::string& shorter = expected.tensors().begin()->first;
   for (const auto& tensor : file.tensors()) {
     const size_t at = tensor.first.rfind(shorter);
-    if (at != std::string::npos && at + shorter.size() == tensor.first.size())
-      return tensor.first.substr(0, at);
+    if (at != std::string::npos && at + shorter.size() == tensor.first.size()) return tensor.first.substr(0, at);
   }
   return "";
 }

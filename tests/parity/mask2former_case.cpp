@@ -19,8 +19,7 @@ namespace {
 // cause.
 
 /// Mask bits that differ between two maps of logits once both are brought to a level's size.
-int64_t flipped(nn::Compute& compute, const nn::FeatureMap& a, const nn::FeatureMap& b,
-                const nn::FeatureMap& level) {
+int64_t flipped(nn::Compute& compute, const nn::FeatureMap& a, const nn::FeatureMap& b, const nn::FeatureMap& level) {
   const nn::FeatureMap x = nn::resize_bilinear_map(compute, a, level.height, level.width, false);
   const nn::FeatureMap y = nn::resize_bilinear_map(compute, b, level.height, level.width, false);
   int64_t count = 0;
@@ -49,8 +48,7 @@ struct Decoded {
 };
 
 /// `given_masks`: every layer looks where the reference's does.
-Decoded decode_crops(Case& test, nn::Compute& compute, const nn::Mask2Former& network,
-                     bool given_masks) {
+Decoded decode_crops(Case& test, nn::Compute& compute, const nn::Mask2Former& network, bool given_masks) {
   Decoded decoded;
   const std::vector<nn::FeatureMap> crops = maps_of(test.array("in_crop"));
   for (size_t n = 0; n < crops.size(); ++n) {
@@ -97,8 +95,8 @@ void compare_crops(Case& test, nn::Compute& compute, const nn::Mask2Former& netw
     }
     if (!worst.empty()) {
       decoded = decode_crops(test, compute, network, true);
-      test.note("with its own masks " + worst + "; mask bits that flip: " +
-                std::to_string(decoded.flips) + "; compared with the reference's masks");
+      test.note("with its own masks " + worst + "; mask bits that flip: " + std::to_string(decoded.flips) +
+                "; compared with the reference's masks");
       if (decoded.flips == 0) test.fail("in_crop", worst + ", though no mask differs");
     }
   }
@@ -122,8 +120,7 @@ class WithMasksOf : public nn::SegmentationNetwork {
     std::vector<nn::FeatureMap> masks;
     nn::Mask2Former::DecodingHooks record, replay;
     record.visit = [&](int, const nn::Mask2Former::Prediction& p) { masks.push_back(p.masks); };
-    exact_.decode(compute_, exact_.pixel_decoder()(compute_, exact_.backbone()(compute_, window)),
-                  record);
+    exact_.decode(compute_, exact_.pixel_decoder()(compute_, exact_.backbone()(compute_, window)), record);
     const auto pixels = network_.pixel_decoder()(compute, network_.backbone()(compute, window));
     nn::FeatureMap own;
     replay.visit = [&](int, const nn::Mask2Former::Prediction& p) { own = p.masks; };
@@ -131,9 +128,8 @@ class WithMasksOf : public nn::SegmentationNetwork {
       flips_ += flipped(compute, own, masks.at(size_t(layer)), pixels.memories[size_t(layer) % 3]);
       return masks.at(size_t(layer));
     };
-    return nn::resize_bilinear_map(compute,
-                                   network_.scores_of(network_.decode(compute, pixels, replay)),
-                                   window.height, window.width, false);
+    return nn::resize_bilinear_map(compute, network_.scores_of(network_.decode(compute, pixels, replay)), window.height,
+                                   window.width, false);
   }
   /// Mask bits unlike those of the float32 network, of all windows so far.
   int64_t flips() const { return flips_; }
@@ -149,9 +145,8 @@ struct Slid {
 };
 
 /// Probabilities and labels of all images of the case at height x width.
-Slid slide_all(nn::Compute& compute, const nn::SegmentationNetwork& network,
-               const std::vector<nn::FeatureMap>& images, const nn::SlidingWindow& window,
-               int64_t height, int64_t width) {
+Slid slide_all(nn::Compute& compute, const nn::SegmentationNetwork& network, const std::vector<nn::FeatureMap>& images,
+               const nn::SlidingWindow& window, int64_t height, int64_t width) {
   Slid out;
   for (const nn::FeatureMap& image : images) {
     nn::FeatureMap map = nn::segmentation_logits(compute, network, image, window, height, width);
@@ -170,16 +165,14 @@ Slid judged_result(Case& test, nn::Compute& compute, const nn::Mask2Former& netw
                    const nn::Mask2FormerOptions& options, const std::vector<nn::FeatureMap>& images,
                    const nn::SlidingWindow& window, int64_t height, int64_t width) {
   const Slid own = slide_all(compute, network, images, window, height, width);
-  if (test.mode().options.precision != nn::Precision::kBfloat16 || !test.has("out_slide_probs.npy"))
-    return own;
+  if (test.mode().options.precision != nn::Precision::kBfloat16 || !test.has("out_slide_probs.npy")) return own;
   const Case::Distance distance = test.distance("out_slide_probs", own.probabilities);
   const double differ = test.distance("out_slide_labels", own.labels).different;
   if (distance.max <= test.mode().max_limit && distance.rms <= test.mode().rms_limit &&
       differ <= test.mode().label_limit)
     return own;
   char text[160];
-  std::snprintf(text, sizeof text,
-                "with its own masks: probabilities max %.1e, rms %.1e, %.1f %% of labels differ",
+  std::snprintf(text, sizeof text, "with its own masks: probabilities max %.1e, rms %.1e, %.1f %% of labels differ",
                 distance.max, distance.rms, 100 * differ);
   test.note(text);
   constexpr double kLabelsWithFlippedMasks = 0.1;

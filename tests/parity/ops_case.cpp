@@ -21,22 +21,17 @@ struct Op {
   Json attributes;
   nn::Compute& compute;
 
-  bool has(const std::string& tensor) const {
-    return file->tensors().count(name + "." + tensor) > 0;
-  }
+  bool has(const std::string& tensor) const { return file->tensors().count(name + "." + tensor) > 0; }
   Shape shape(const std::string& tensor) const {
     const auto found = file->tensors().find(name + "." + tensor);
-    if (found == file->tensors().end())
-      throw_bad_input(file->name(), name + "." + tensor, "missing");
+    if (found == file->tensors().end()) throw_bad_input(file->name(), name + "." + tensor, "missing");
     return found->second.shape;
   }
   std::vector<float> values(const std::string& tensor) const {
     shape(tensor);
     return file->read(name + "." + tensor);
   }
-  std::vector<nn::FeatureMap> maps(const std::string& tensor) const {
-    return maps_of({shape(tensor), values(tensor)});
-  }
+  std::vector<nn::FeatureMap> maps(const std::string& tensor) const { return maps_of({shape(tensor), values(tensor)}); }
   nn::Matrix matrix(const std::string& tensor) const {  // the last axis as columns
     nn::Matrix m;
     m.columns = shape(tensor).back();
@@ -59,8 +54,7 @@ double number_after(const std::string& name, const std::string& key, double othe
   const size_t start = name.find('_');
   const size_t at = start == std::string::npos ? start : name.find(key, start);
   const size_t digits = at + key.size();
-  if (at == std::string::npos || digits >= name.size() || name[digits] < '0' || name[digits] > '9')
-    return otherwise;
+  if (at == std::string::npos || digits >= name.size() || name[digits] < '0' || name[digits] > '9') return otherwise;
   return std::stod(name.substr(digits));
 }
 
@@ -78,8 +72,7 @@ Result resize(const Op& op) {
     if (n.rfind("area", 0) == 0) return nn::area_axis(from, to);
     return nn::bilinear_axis(from, to, n.find("ac1") != std::string::npos);
   };
-  return op.each(
-      [&](const nn::FeatureMap& map) { return nn::resample(op.compute, map, axis(2), axis(3)); });
+  return op.each([&](const nn::FeatureMap& map) { return nn::resample(op.compute, map, axis(2), axis(3)); });
 }
 
 Result grid_sample(const Op& op) {
@@ -93,12 +86,10 @@ Result grid_sample(const Op& op) {
     nn::FeatureMap result(out.at(2), out.at(3), map.channels);
     for (int64_t p = 0; p < result.places(); ++p) {
       const float* g = grid.row(int64_t(m) * result.places() + p);
-      const float x = corners ? (g[0] + 1) * float(map.width - 1) / 2
-                              : ((g[0] + 1) * float(map.width) - 1) / 2;
-      const float y = corners ? (g[1] + 1) * float(map.height - 1) / 2
-                              : ((g[1] + 1) * float(map.height) - 1) / 2;
-      nn::add_bilinear_sample({map.data.data(), map.channels, map.channels, map.height, map.width},
-                              x, y, 1, result.data.data() + p * map.channels);
+      const float x = corners ? (g[0] + 1) * float(map.width - 1) / 2 : ((g[0] + 1) * float(map.width) - 1) / 2;
+      const float y = corners ? (g[1] + 1) * float(map.height - 1) / 2 : ((g[1] + 1) * float(map.height) - 1) / 2;
+      nn::add_bilinear_sample({map.data.data(), map.channels, map.channels, map.height, map.width}, x, y, 1,
+                              result.data.data() + p * map.channels);
     }
     results.push_back(std::move(result));
   }
@@ -109,13 +100,11 @@ Result convolution(const Op& op) {
   const Shape w = op.shape("w");
   const std::vector<float> bias = op.has("b") ? op.values("b") : std::vector<float>();
   if (op.name.rfind("convtranspose", 0) == 0) {
-    const nn::TransposedConvolution c(op.compute, w.at(1), w.at(0), w.at(2), op.values("w"),
-                                      bias);
+    const nn::TransposedConvolution c(op.compute, w.at(1), w.at(0), w.at(2), op.values("w"), bias);
     return op.each([&](const nn::FeatureMap& map) { return c(op.compute, map); });
   }
   if (op.name.rfind("dwconv", 0) == 0) {
-    const nn::DepthwiseConvolution c(
-        op.values("w"), bias.empty() ? std::vector<float>(size_t(w.at(0)), 0.0f) : bias);
+    const nn::DepthwiseConvolution c(op.values("w"), bias.empty() ? std::vector<float>(size_t(w.at(0)), 0.0f) : bias);
     return op.each([&](const nn::FeatureMap& map) {
       nn::FeatureMap y(map.height, map.width, map.channels);
       c.apply(op.compute, map.data.data(), map.height, map.width, y.data.data());
@@ -149,14 +138,12 @@ Result softmax(const Op& op) {
 Result layer_norm(const Op& op) {
   nn::Matrix m = op.matrix("x");
   const float eps = std::stof(op.name.substr(op.name.find('_') + 1));
-  nn::layer_norm(m.data.data(), m.rows, m.columns, op.values("w").data(), op.values("b").data(),
-                 eps, m.data.data());
+  nn::layer_norm(m.data.data(), m.rows, m.columns, op.values("w").data(), op.values("b").data(), eps, m.data.data());
   return m.data;
 }
 
 Result group_norm(const Op& op) {
-  const nn::GroupNorm norm(op.values("w"), op.values("b"),
-                           op.attributes.at("groups").get<int64_t>());
+  const nn::GroupNorm norm(op.values("w"), op.values("b"), op.attributes.at("groups").get<int64_t>());
   return op.each([&](nn::FeatureMap map) {
     norm.apply(op.compute, map);
     return map;
@@ -191,8 +178,7 @@ Result position_encoding(const Op& op) {
   if (op.name == "uv_embed") {
     return nn::uv_embedding(a.at("height"), a.at("width"), a.at("dim"), a.at("aspect_ratio")).data;
   }
-  if (op.name == "uv_grid")
-    return nn::uv_grid(a.at("height"), a.at("width"), a.at("aspect_ratio")).data;
+  if (op.name == "uv_grid") return nn::uv_grid(a.at("height"), a.at("width"), a.at("aspect_ratio")).data;
   return nchw({nn::sine_encoding(a.at("h"), a.at("w"), a.at("num_feats"))});
 }
 
@@ -224,8 +210,7 @@ Result rotations(const Op& op) {
     return out;
   }
   for (size_t i = 0; i + 4 <= x.size(); i += 4) {
-    for (const double v : nn::rotation_from_xyzw(
-             {double(x[i]), double(x[i + 1]), double(x[i + 2]), double(x[i + 3])}))
+    for (const double v : nn::rotation_from_xyzw({double(x[i]), double(x[i + 1]), double(x[i + 2]), double(x[i + 3])}))
       out.push_back(float(v));
   }
   return out;
@@ -240,8 +225,7 @@ Result pose_decoding(const Op& op) {
     const Json& hw = op.attributes.at("hw");
     const nn::VggtCamera c = nn::decode_pose(e, hw.at(1), hw.at(0));
     if (op.name == "pose_dec_intrinsic") {
-      for (const double v : {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0})
-        out.push_back(float(v));
+      for (const double v : {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0}) out.push_back(float(v));
       continue;
     }
     for (size_t r = 0; r < 3; ++r) {
@@ -259,8 +243,7 @@ Result masked_attention(const Op& op) {
   weights.add("out_proj.weight", op.file, {op.name + ".out_proj_weight"});
   weights.add("out_proj.bias", op.file, {op.name + ".out_proj_bias"});
   const nn::Matrix q = op.matrix("q"), kv = op.matrix("kv");
-  const nn::MultiheadAttention attention(op.compute, weights, q.columns,
-                                         op.attributes.at("heads").get<int64_t>());
+  const nn::MultiheadAttention attention(op.compute, weights, q.columns, op.attributes.at("heads").get<int64_t>());
   std::vector<uint8_t> mask;
   int64_t masks = 1;
   if (op.has("mask")) {
@@ -271,8 +254,7 @@ Result masked_attention(const Op& op) {
 }
 
 Result max_pool(const Op& op) {
-  return op.each(
-      [&](const nn::FeatureMap& map) { return nn::max_pool_3x3_stride_2(op.compute, map); });
+  return op.each([&](const nn::FeatureMap& map) { return nn::max_pool_3x3_stride_2(op.compute, map); });
 }
 
 /// By the beginning of the name; the longest that fits counts.

@@ -9,8 +9,7 @@
 
 namespace aligngs::parity {
 
-Case::Case(std::filesystem::path folder, const Mode& mode)
-    : folder_(std::move(folder)), mode_(mode) {
+Case::Case(std::filesystem::path folder, const Mode& mode) : folder_(std::move(folder)), mode_(mode) {
   try {
     config_ = Json::parse(read_file(folder_ / "case.json"));
   } catch (const Json::exception& error) {
@@ -35,9 +34,7 @@ bool Case::reference(const std::string& name, const Shape& shape, std::vector<fl
   return true;
 }
 
-void Case::fail(const std::string& name, const std::string& why) {
-  failures_.push_back(name + ": " + why);
-}
+void Case::fail(const std::string& name, const std::string& why) { failures_.push_back(name + ": " + why); }
 
 namespace {
 
@@ -64,14 +61,14 @@ Case::Distance Case::distance(const std::string& name, const std::vector<float>&
   return distance_of(values, array.data);
 }
 
-void Case::judge(const std::string& name, const std::vector<float>& values,
-                 const std::vector<float>& reference, double limit) {
+void Case::judge(const std::string& name, const std::vector<float>& values, const std::vector<float>& reference,
+                 double limit) {
   const Limits mode{mode_.max_limit, mode_.rms_limit};
   judge(name, values, reference, limit >= 0 ? Limits{limit, limit} : mode);
 }
 
-void Case::judge(const std::string& name, const std::vector<float>& values,
-                 const std::vector<float>& reference, const Limits& limits) {
+void Case::judge(const std::string& name, const std::vector<float>& values, const std::vector<float>& reference,
+                 const Limits& limits) {
   if (values.size() != reference.size()) return fail(name, "another number of values");
   const auto [max_error, rms_error, different] = distance_of(values, reference);
   if (max_error >= worst_) {
@@ -80,8 +77,8 @@ void Case::judge(const std::string& name, const std::vector<float>& values,
   }
   if (!(max_error <= limits.max) || !(rms_error <= limits.rms)) {
     char text[160];
-    std::snprintf(text, sizeof text, "max %.2e (limit %.0e), rms %.2e (limit %.0e)", max_error,
-                  limits.max, rms_error, limits.rms);
+    std::snprintf(text, sizeof text, "max %.2e (limit %.0e), rms %.2e (limit %.0e)", max_error, limits.max, rms_error,
+                  limits.rms);
     fail(name, text);
   }
 }
@@ -98,22 +95,19 @@ void Case::compare(const std::string& name, const std::vector<float>& values, co
   if (reference(name, shape, expected) && rounded) judge(name, values, expected, *rounded);
 }
 
-void Case::compare_exactly(const std::string& name, const std::vector<float>& values,
-                           const Shape& shape) {
+void Case::compare_exactly(const std::string& name, const std::vector<float>& values, const Shape& shape) {
   std::vector<float> expected;
   if (reference(name, shape, expected)) judge(name, values, expected, 0);
 }
 
-void Case::compare_labels(const std::string& name, const std::vector<float>& labels,
-                          const Shape& shape) {
+void Case::compare_labels(const std::string& name, const std::vector<float>& labels, const Shape& shape) {
   std::vector<float> expected;
   if (!reference(name, shape, expected)) return;
   size_t different = 0;
   for (size_t i = 0; i < labels.size(); ++i) different += labels[i] != expected[i];
   const double fraction = double(different) / double(labels.size());
   if (fraction > mode_.label_limit)
-    fail(name,
-         std::to_string(different) + " of " + std::to_string(labels.size()) + " labels differ");
+    fail(name, std::to_string(different) + " of " + std::to_string(labels.size()) + " labels differ");
 }
 
 void Case::collect(const std::string& name, const std::vector<float>& values, const Shape& one) {
@@ -149,15 +143,13 @@ nn::VitOptions vit_options(const Json& config) {
   options.position_offset = value_or(config, "offset", 0.1);
   const bool scaled = options.position_offset != 0;
   options.position = value_or(config, "aa", false)
-                         ? (scaled ? nn::PositionRule::kAntialiasedScaleOffset
-                                   : nn::PositionRule::kAntialiased)
+                         ? (scaled ? nn::PositionRule::kAntialiasedScaleOffset : nn::PositionRule::kAntialiased)
                          : (scaled ? nn::PositionRule::kScaleOffset : nn::PositionRule::kPlain);
   return options;
 }
 
 nn::SlidingWindow sliding_window(const Json& config) {
-  if (!config.contains("crop") || value_or<std::string>(config, "mode", "slide") != "slide")
-    return {};
+  if (!config.contains("crop") || value_or<std::string>(config, "mode", "slide") != "slide") return {};
   const Json &crop = config.at("crop"), &stride = config.at("stride");
   return {crop.at(0), crop.at(1), stride.at(0), stride.at(1)};
 }
@@ -194,8 +186,7 @@ std::vector<nn::FeatureMap> maps_of(const FloatArray& array) {
     nn::FeatureMap map(height, width, channels);
     for (int64_t c = 0; c < channels; ++c) {
       for (int64_t p = 0; p < height * width; ++p) {
-        map.data[size_t(p * channels + c)] =
-            array.data[size_t((n * channels + c) * height * width + p)];
+        map.data[size_t(p * channels + c)] = array.data[size_t((n * channels + c) * height * width + p)];
       }
     }
     maps.push_back(std::move(map));
@@ -207,8 +198,7 @@ std::vector<float> nchw(const std::vector<nn::FeatureMap>& maps) {
   std::vector<float> out;
   for (const nn::FeatureMap& map : maps) {
     for (int64_t c = 0; c < map.channels; ++c) {
-      for (int64_t p = 0; p < map.places(); ++p)
-        out.push_back(map.data[size_t(p * map.channels + c)]);
+      for (int64_t p = 0; p < map.places(); ++p) out.push_back(map.data[size_t(p * map.channels + c)]);
     }
   }
   return out;

@@ -59,10 +59,8 @@ class Case {
   /// output anywhere.
   void compare(const std::string& name, const std::vector<float>& values, const Shape& shape,
                const std::optional<Limits>& rounded);
-  void compare_labels(const std::string& name, const std::vector<float>& labels,
-                      const Shape& shape);
-  void compare_exactly(const std::string& name, const std::vector<float>& values,
-                       const Shape& shape);
+  void compare_labels(const std::string& name, const std::vector<float>& labels, const Shape& shape);
+  void compare_exactly(const std::string& name, const std::vector<float>& values, const Shape& shape);
   /// How far values lie from name.npy (of `shape`), relative to it; nothing fails. For labels the
   /// fraction that differs is of use.
   struct Distance {
@@ -72,10 +70,10 @@ class Case {
   /// A line below that of the case.
   void note(const std::string& text) { notes_.push_back(text); }
   /// The comparison itself; `limit` < 0: those of the mode.
-  void judge(const std::string& name, const std::vector<float>& values,
-             const std::vector<float>& reference, double limit = -1);
-  void judge(const std::string& name, const std::vector<float>& values,
-             const std::vector<float>& reference, const Limits& limits);
+  void judge(const std::string& name, const std::vector<float>& values, const std::vector<float>& reference,
+             double limit = -1);
+  void judge(const std::string& name, const std::vector<float>& values, const std::vector<float>& reference,
+             const Limits& limits);
   void fail(const std::string& name, const std::string& why);
 
   /// Values of one image, or scene, of several: joined with those collected before under that name. compare_collected()

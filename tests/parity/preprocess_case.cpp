@@ -38,8 +38,8 @@ struct Selection {
 
 /// Interleaved images to selected rows and columns, channels first.
 template <class T>
-void append_selected(const T* data, int64_t height, int64_t width, const Selection& s,
-                     std::vector<float>& out, Shape& shape) {
+void append_selected(const T* data, int64_t height, int64_t width, const Selection& s, std::vector<float>& out,
+                     Shape& shape) {
   const std::vector<int64_t> rows = slice_of(s.rows, height), columns = slice_of(s.columns, width);
   for (int64_t c = 0; c < 3; ++c) {
     for (const int64_t y : rows) {
@@ -49,14 +49,12 @@ void append_selected(const T* data, int64_t height, int64_t width, const Selecti
   shape = {3, int64_t(rows.size()), int64_t(columns.size())};
 }
 
-void compare_image(Case& test, const std::string& name, const Image<uint8_t>& image,
-                   const Json& entry) {
+void compare_image(Case& test, const std::string& name, const Image<uint8_t>& image, const Json& entry) {
   std::vector<float> values;
   Shape shape;
   append_selected(image.data.data(), image.height, image.width, Selection(entry), values, shape);
   test.compare_exactly(name, values, shape);
-  if (entry.contains("full_shape") &&
-      entry.at("full_shape") != Json({3, image.height, image.width}))
+  if (entry.contains("full_shape") && entry.at("full_shape") != Json({3, image.height, image.width}))
     test.fail(name, "the result has another size");
 }
 
@@ -68,10 +66,9 @@ void run_entry(Case& test, const Json& entry) {
   };
   if (name.rfind("mmseg_norm_", 0) == 0) {
     const auto scale = entry.at("img_scale").get<std::vector<int>>();
-    const nn::FeatureMap map = nn::normalised_image(
-        nn::segmentation_image(image_of(test.array("mmseg_rgb_" + source)),
-                               {std::max(scale.at(0), scale.at(1)), std::min(scale.at(0), scale.at(1)),
-                                value_or(entry, "size_multiple", 0)}));
+    const nn::FeatureMap map = nn::normalised_image(nn::segmentation_image(
+        image_of(test.array("mmseg_rgb_" + source)),
+        {std::max(scale.at(0), scale.at(1)), std::min(scale.at(0), scale.at(1)), value_or(entry, "size_multiple", 0)}));
     std::vector<float> values;
     Shape shape;
     append_selected(map.data.data(), map.height, map.width, Selection(entry), values, shape);
@@ -80,24 +77,21 @@ void run_entry(Case& test, const Json& entry) {
     if (reference.shape != shape) test.fail(name, "the result has another size");
     test.judge(name, values, reference.data, kNormalisedLimit);
   } else if (name.rfind("vggt_square", 0) == 0) {
-    const nn::VggtSquare square = nn::vggt_square_image(
-        photo(source), std::stoi(name.substr(std::string("vggt_square").size())));
+    const nn::VggtSquare square =
+        nn::vggt_square_image(photo(source), std::stoi(name.substr(std::string("vggt_square").size())));
     compare_image(test, name, square.image, entry);
-    test.compare_exactly(name + "_coords",
-                         {square.x1, square.y1, square.x2, square.y2, square.width, square.height},
+    test.compare_exactly(name + "_coords", {square.x1, square.y1, square.x2, square.y2, square.width, square.height},
                          {1, 6});
   } else if (name.rfind("vggt_pad_", 0) == 0) {
     compare_image(test, name, nn::vggt_image(photo(source), nn::VggtFit::kPad), entry);
   } else if (name == "vggt_crop_two") {
     std::vector<Image<uint8_t>> both;
-    for (const char* const which : {"0", "1"})
-      both.push_back(nn::vggt_image(photo(which), nn::VggtFit::kCrop));
+    for (const char* const which : {"0", "1"}) both.push_back(nn::vggt_image(photo(which), nn::VggtFit::kCrop));
     nn::vggt_common_size(both);
     std::vector<float> values;
     Shape shape;
     for (const Image<uint8_t>& image : both)
-      append_selected(image.data.data(), image.height, image.width, Selection(entry), values,
-                      shape);
+      append_selected(image.data.data(), image.height, image.width, Selection(entry), values, shape);
     shape.insert(shape.begin(), 2);
     test.compare_exactly(name, values, shape);
   } else if (name.rfind("vggt_crop_", 0) == 0) {
@@ -114,14 +108,13 @@ void run_preprocess(Case& test, nn::Compute&) {
   // The plain resizes carry their size in the name of the file: pil_bicubic_20x31 (height x width).
   for (const auto& file : std::filesystem::directory_iterator(test.folder())) {
     const std::string name = file.path().stem().string();
-    const bool pillow = name.rfind("pil_bicubic_", 0) == 0,
-               opencv = name.rfind("cv2_linear_", 0) == 0;
+    const bool pillow = name.rfind("pil_bicubic_", 0) == 0, opencv = name.rfind("cv2_linear_", 0) == 0;
     if (!pillow && !opencv) continue;
     const std::string size = name.substr(name.rfind('_') + 1);
     const int height = std::stoi(size), width = std::stoi(size.substr(size.find('x') + 1));
     const Image<uint8_t> input = image_of(test.array("resize_in"));
-    const Image<uint8_t> out = pillow ? nn::pillow_resize_bicubic(input, width, height)
-                                      : nn::opencv_resize_linear(input, width, height);
+    const Image<uint8_t> out =
+        pillow ? nn::pillow_resize_bicubic(input, width, height) : nn::opencv_resize_linear(input, width, height);
     test.compare_exactly(name, {out.data.begin(), out.data.end()}, {height, width, 3});
   }
 }

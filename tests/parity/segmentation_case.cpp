@@ -17,8 +17,8 @@ void run_segmentation(Case& test, nn::Compute& compute) {
   options.vit = vit_options(config);
   options.layers = config.at("layers").get<std::vector<int>>();
   options.in_index = config.at("in_index").get<std::vector<int>>();
-  const nn::BnHeadNetwork network(compute, test.weights("backbone.safetensors"),
-                                  test.weights("head.safetensors"), options);
+  const nn::BnHeadNetwork network(compute, test.weights("backbone.safetensors"), test.weights("head.safetensors"),
+                                  options);
   const nn::SlidingWindow window = sliding_window(config);
   const int64_t height = config.at("ori").at(0), width = config.at("ori").at(1);
 
@@ -27,8 +27,8 @@ void run_segmentation(Case& test, nn::Compute& compute) {
   for (const nn::FeatureMap& image : maps_of(test.array("in_image"))) {
     logits.push_back(network.grid_logits(compute, image));
     for (const bool flip : {false, true}) {
-      nn::FeatureMap map = nn::segmentation_logits(
-          compute, network, flip ? nn::flip_horizontally(image) : image, window, height, width);
+      nn::FeatureMap map =
+          nn::segmentation_logits(compute, network, flip ? nn::flip_horizontally(image) : image, window, height, width);
       nn::softmax_channels(compute, map);
       if (flip) map = nn::flip_horizontally(map);
       const std::vector<float> l = labels_of(map);

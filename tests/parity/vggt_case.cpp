@@ -21,11 +21,9 @@ void run_vggt(Case& test, nn::Compute& compute) {
   for (int i = 0; i < int(vggt.aggregator().depth()); ++i) all.push_back(i);
   nn::AggregatedTokens tokens = vggt.aggregator()(compute, images, all, true);
   const int64_t c = vggt.aggregator().channels();
-  test.compare("out_patch_tokens", tokens.patch_tokens.data,
-               {frames, tokens.grid_height * tokens.grid_width, c});
+  test.compare("out_patch_tokens", tokens.patch_tokens.data, {frames, tokens.grid_height * tokens.grid_width, c});
   for (const int i : all) {
-    test.compare("out_agg_" + std::to_string(i), tokens.layers[size_t(i)].data,
-                 {1, frames, tokens.per_frame(), 2 * c});
+    test.compare("out_agg_" + std::to_string(i), tokens.layers[size_t(i)].data, {1, frames, tokens.per_frame(), 2 * c});
   }
 
   const auto iterations = vggt.camera_head()(vggt.exact(), nn::Vggt::camera_tokens(tokens));
@@ -33,8 +31,7 @@ void run_vggt(Case& test, nn::Compute& compute) {
   nn::VggtCamera last;
   for (size_t i = 0; i < iterations.size(); ++i) {
     std::vector<float> encodings;
-    for (const nn::PoseEncoding& e : iterations[i])
-      encodings.insert(encodings.end(), e.begin(), e.end());
+    for (const nn::PoseEncoding& e : iterations[i]) encodings.insert(encodings.end(), e.begin(), e.end());
     test.compare("out_pose_enc_iter" + std::to_string(i), encodings, {1, frames, 9});
   }
   for (const nn::PoseEncoding& e : iterations.back()) {
@@ -43,8 +40,7 @@ void run_vggt(Case& test, nn::Compute& compute) {
       for (size_t k = 0; k < 3; ++k) extrinsics.push_back(float(last.rotation[3 * r + k]));
       extrinsics.push_back(float(last.translation[r]));
     }
-    for (const double v : {last.fx, 0.0, last.cx, 0.0, last.fy, last.cy, 0.0, 0.0, 1.0})
-      intrinsics.push_back(float(v));
+    for (const double v : {last.fx, 0.0, last.cx, 0.0, last.fy, last.cy, 0.0, 0.0, 1.0}) intrinsics.push_back(float(v));
   }
   test.compare("out_extrinsic", extrinsics, {1, frames, 3, 4});
   test.compare("out_intrinsic", intrinsics, {1, frames, 3, 3});
@@ -65,10 +61,8 @@ void run_vggt(Case& test, nn::Compute& compute) {
       if (!points) last_depth = std::move(map);
     }
     const int64_t channels = points ? 3 : 1;
-    test.compare(points ? "out_world_points" : "out_depth", values,
-                 {1, frames, height, width, channels});
-    test.compare(points ? "out_world_points_conf" : "out_depth_conf", confidence,
-                 {1, frames, height, width});
+    test.compare(points ? "out_world_points" : "out_depth", values, {1, frames, height, width, channels});
+    test.compare(points ? "out_world_points_conf" : "out_depth_conf", confidence, {1, frames, height, width});
   }
   const nn::FeatureMap cloud = nn::unproject_depth(last_depth, last);
   test.compare("out_points_from_depth", cloud.data, {1, height, width, 3});

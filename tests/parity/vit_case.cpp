@@ -6,8 +6,7 @@
 namespace aligngs::parity {
 namespace {
 
-std::vector<float> token_rows(const nn::VitTokens& t, const nn::Matrix& of, int64_t first,
-                              int64_t count) {
+std::vector<float> token_rows(const nn::VitTokens& t, const nn::Matrix& of, int64_t first, int64_t count) {
   std::vector<float> out;
   for (int64_t i = 0; i < t.images; ++i) {
     const float* row = of.row(i * t.per_image() + first);
@@ -33,8 +32,7 @@ void run_vit(Case& test, nn::Compute& compute) {
     const nn::Matrix block_normed = vit.normed(compute, t.blocks[j]);
     for (const bool norm : {false, true}) {
       const nn::Matrix& of = norm ? block_normed : t.blocks[j];
-      const std::string name =
-          std::string("out_inter_") + (norm ? "norm_" : "") + std::to_string(j);
+      const std::string name = std::string("out_inter_") + (norm ? "norm_" : "") + std::to_string(j);
       std::vector<nn::FeatureMap> maps;
       std::vector<float> cls;
       for (int64_t i = 0; i < n; ++i) {

@@ -79,7 +79,8 @@ class StartedProcess {
   bool has(const std::string& mask, int signal) const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
     for (std::string line; std::getline(status, line);) {
-      if (line.rfind(mask, 0) == 0) return (std::stoull(line.substr(mask.size()), nullptr, 16) >> (signal - 1) & 1) != 0;
+      if (line.rfind(mask, 0) == 0)
+        return (std::stoull(line.substr(mask.size()), nullptr, 16) >> (signal - 1) & 1) != 0;
     }
     return false;
   }

@@ -26,9 +26,10 @@ code{background:#f3f4f6;border-radius:4px;padding:1px 5px;user-select:all}
 )";
 
 /// The columns that a page has room for; the CSV has all.
-constexpr Score kShown[] = {Score::kPsnr, Score::kSsim, Score::kAccuracy, Score::kCompleteness, Score::kFscore, Score::kNormals,
-                            Score::kMiou, Score::kSeconds, Score::kGaussians};
-constexpr const char* kKinds[][2] = {{"gt", "photo"}, {"rgb", "render"}, {"depth", "depth"}, {"normal", "normals"}, {"label", "labels"}};
+constexpr Score kShown[] = {Score::kPsnr,    Score::kSsim, Score::kAccuracy, Score::kCompleteness, Score::kFscore,
+                            Score::kNormals, Score::kMiou, Score::kSeconds,  Score::kGaussians};
+constexpr const char* kKinds[][2] = {
+    {"gt", "photo"}, {"rgb", "render"}, {"depth", "depth"}, {"normal", "normals"}, {"label", "labels"}};
 
 std::string link_to(const std::string& room, const char* file) { return fmt::format("rooms/{}/{}", room, file); }
 
@@ -37,11 +38,12 @@ std::string failures(const BatchFolder& folder, const std::vector<RoomStatus>& r
   for (const RoomStatus& s : rooms) {
     if (s.state != RoomState::kFailed) continue;
     const RoomRecord& r = s.record;
-    html += fmt::format("<div class=\"failed\"><p><b>{}</b>: status {}: {}</p>", escape_html(s.room.name), r.exit_status, escape_html(r.message));
+    html += fmt::format("<div class=\"failed\"><p><b>{}</b>: status {}: {}</p>", escape_html(s.room.name),
+                        r.exit_status, escape_html(r.message));
     if (!r.path.empty()) html += fmt::format("<p>file: {} {}</p>", escape_html(r.path), escape_html(r.field));
     if (!r.remedy.empty()) html += fmt::format("<p>remedy: {}</p>", escape_html(r.remedy));
-    html += fmt::format("<p>again: <code>{}</code></p><p><a href=\"logs/{}.txt\">log</a></p></div>", escape_html(retry_command(folder, s.room.name)),
-                        escape_html(s.room.name));
+    html += fmt::format("<p>again: <code>{}</code></p><p><a href=\"logs/{}.txt\">log</a></p></div>",
+                        escape_html(retry_command(folder, s.room.name)), escape_html(s.room.name));
   }
   return html.empty() ? "" : "<h2>Failed</h2>" + html;
 }
@@ -54,7 +56,10 @@ std::string figures(const BatchFolder& folder, const std::vector<RoomStatus>& ro
     const fs::path run = folder.run(s.room.name);
     const bool done = s.state == RoomState::kDone && fs::exists(run / "metrics.json");
     const std::string name = escape_html(s.room.name);
-    html += "<tr><td>" + (fs::exists(run / "report.html") ? fmt::format("<a href=\"{}\">{}</a>", link_to(name, "report.html"), name) : name) + "</td>";
+    html += "<tr><td>" +
+            (fs::exists(run / "report.html") ? fmt::format("<a href=\"{}\">{}</a>", link_to(name, "report.html"), name)
+                                             : name) +
+            "</td>";
     html += fmt::format("<td>{}</td>", name_of(s.state));
     if (done) {
       const RunScores scores = read_run_scores(run);
@@ -76,7 +81,8 @@ std::string pictures(const BatchFolder& folder, const std::vector<RoomStatus>& r
     const std::vector<std::string> views = rendered_views(run, "test");
     if (views.empty()) continue;
     rows += fmt::format("<tr><td>{}</td>", escape_html(s.room.name));
-    for (const auto& [kind, title] : kKinds) rows += picture_cell(run / "renders" / "test" / kind / (views.front() + ".png"));
+    for (const auto& [kind, title] : kKinds)
+      rows += picture_cell(run / "renders" / "test" / kind / (views.front() + ".png"));
     rows += "</tr>";
   }
   if (rows.empty()) return "";
@@ -88,10 +94,12 @@ std::string pictures(const BatchFolder& folder, const std::vector<RoomStatus>& r
 }  // namespace
 
 std::string batch_page(const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
-  const auto done = std::count_if(rooms.begin(), rooms.end(), [](const RoomStatus& s) { return s.state == RoomState::kDone; });
+  const auto done =
+      std::count_if(rooms.begin(), rooms.end(), [](const RoomStatus& s) { return s.state == RoomState::kDone; });
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
-      "<title>aligngs: rooms</title><style>" + std::string(kBatchStyle) + "</style>";
+      "<title>aligngs: rooms</title><style>" +
+      std::string(kBatchStyle) + "</style>";
   html += fmt::format("<h1>{} of {} rooms are done</h1>", done, rooms.size());
   return html + failures(folder, rooms) + figures(folder, rooms) + pictures(folder, rooms) + "</html>\n";
 }

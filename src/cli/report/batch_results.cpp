@@ -35,8 +35,9 @@ std::string batch_csv(const BatchFolder& folder, const std::vector<RoomStatus>& 
   csv += "\n";
   for (const RoomStatus& s : rooms) {
     const bool failed = s.state == RoomState::kFailed;
-    csv += fmt::format("{},{},{},{},{},{},{}", csv_field(s.room.name), name_of(s.state), s.record.attempts, failed ? std::to_string(s.record.exit_status) : "",
-                       failed ? csv_field(s.record.message) : "", failed ? csv_field(s.record.remedy) : "",
+    csv += fmt::format("{},{},{},{},{},{},{}", csv_field(s.room.name), name_of(s.state), s.record.attempts,
+                       failed ? std::to_string(s.record.exit_status) : "", failed ? csv_field(s.record.message) : "",
+                       failed ? csv_field(s.record.remedy) : "",
                        failed ? csv_field(retry_command(folder, s.room.name)) : "");
     RunScores scores;
     scores.score.fill(std::nan(""));
@@ -50,12 +51,20 @@ std::string batch_csv(const BatchFolder& folder, const std::vector<RoomStatus>& 
 OrderedJson batch_json(const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
   OrderedJson list = OrderedJson::array();
   for (const RoomStatus& s : rooms) {
-    OrderedJson room = {{"room", s.room.name}, {"state", name_of(s.state)}, {"run", folder.run(s.room.name).string()}, {"attempts", s.record.attempts}};
+    OrderedJson room = {{"room", s.room.name},
+                        {"state", name_of(s.state)},
+                        {"run", folder.run(s.room.name).string()},
+                        {"attempts", s.record.attempts}};
     if (!s.stage.empty()) room.update({{"stage", s.stage}, {"iterations", s.iterations}});
     if (!s.worker.empty()) room["worker"] = s.worker;
     if (s.state == RoomState::kFailed) {
-      room.update({{"exit_status", s.record.exit_status}, {"message", s.record.message}, {"path", s.record.path}, {"field", s.record.field},
-                   {"remedy", s.record.remedy}, {"log", folder.log(s.room.name).string()}, {"retry", retry_command(folder, s.room.name)}});
+      room.update({{"exit_status", s.record.exit_status},
+                   {"message", s.record.message},
+                   {"path", s.record.path},
+                   {"field", s.record.field},
+                   {"remedy", s.record.remedy},
+                   {"log", folder.log(s.room.name).string()},
+                   {"retry", retry_command(folder, s.room.name)}});
     }
     if (has_figures(folder, s)) {
       const RunScores scores = read_run_scores(folder.run(s.room.name));
@@ -68,7 +77,8 @@ OrderedJson batch_json(const BatchFolder& folder, const std::vector<RoomStatus>&
   return {{"folder", folder.path().string()}, {"rooms", list}};
 }
 
-void write_batch_json(const std::filesystem::path& file, const BatchFolder& folder, const std::vector<RoomStatus>& rooms) {
+void write_batch_json(const std::filesystem::path& file, const BatchFolder& folder,
+                      const std::vector<RoomStatus>& rooms) {
   write_file_atomically(file, json_document(batch_json(folder, rooms)));
 }
 

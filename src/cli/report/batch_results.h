@@ -9,12 +9,15 @@
 
 namespace aligngs {
 
-/// A header line and a line per room, in the order of the list. Figures have full precision and are empty where there are none.
+/// A header line and a line per room, in the order of the list. Figures have full precision and are empty where there
+/// are none.
 std::string batch_csv(const BatchFolder& folder, const std::vector<RoomStatus>& rooms);
 
-/// {"folder", "rooms": [{"room", "state", "run", "attempts", "exit_status", "message", "path", "field", "remedy", "retry", "figures": {...}}]}
+/// {"folder", "rooms": [{"room", "state", "run", "attempts", "exit_status", "message", "path", "field", "remedy",
+/// "retry", "figures": {...}}]}
 nlohmann::ordered_json batch_json(const BatchFolder& folder, const std::vector<RoomStatus>& rooms);
-void write_batch_json(const std::filesystem::path& file, const BatchFolder& folder, const std::vector<RoomStatus>& rooms);
+void write_batch_json(const std::filesystem::path& file, const BatchFolder& folder,
+                      const std::vector<RoomStatus>& rooms);
 
 /// Failures first with the commands that try again, then figures, then a test view of each room.
 std::string batch_page(const BatchFolder& folder, const std::vector<RoomStatus>& rooms);

@@ -66,7 +66,7 @@ std::string comparison_csv(const std::vector<RunScores>& runs) {
   return out;
 }
 
-PairedDifference view_difference(const RunScores& base, const RunScores& run, double ViewScore::* score) {
+PairedDifference view_difference(const RunScores& base, const RunScores& run, double ViewScore::*score) {
   std::map<std::string, double> of_base;
   for (const ViewScore& v : base.views) of_base[v.view] = v.*score;
   std::vector<double> a, b;
@@ -103,9 +103,9 @@ std::string comparison_text(const std::vector<RunScores>& runs) {
     for (const ViewScoreColumn& c : view_score_columns()) {
       const PairedDifference d = view_difference(runs[0], runs[i], c.score);
       if (d.pairs == 0) continue;
-      out += fmt::format("{} against {}: {} {:+.{}f}, 95 % interval {:+.{}f} to {:+.{}f} over {} shared test views{}\n", runs[i].name,
-                         runs[0].name, c.name, d.mean, c.digits, d.low, c.digits, d.high, c.digits, d.pairs,
-                         d.beyond_noise() ? "" : " (inside the noise)");
+      out += fmt::format("{} against {}: {} {:+.{}f}, 95 % interval {:+.{}f} to {:+.{}f} over {} shared test views{}\n",
+                         runs[i].name, runs[0].name, c.name, d.mean, c.digits, d.low, c.digits, d.high, c.digits,
+                         d.pairs, d.beyond_noise() ? "" : " (inside the noise)");
     }
   }
   return out;

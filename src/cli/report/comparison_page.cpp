@@ -27,16 +27,23 @@ td:first-child,th:first-child{text-align:left}
 /// Whether a larger figure is the better one; 0: neither is.
 int better_sign(size_t column) {
   switch (static_cast<Score>(column)) {
-    case Score::kLpips: case Score::kAccuracy: case Score::kCompleteness: case Score::kSeconds: return -1;
-    case Score::kGaussians: return 0;
-    default: return 1;
+    case Score::kLpips:
+    case Score::kAccuracy:
+    case Score::kCompleteness:
+    case Score::kSeconds:
+      return -1;
+    case Score::kGaussians:
+      return 0;
+    default:
+      return 1;
   }
 }
 
 std::string table(const std::vector<RunScores>& runs) {
   std::string html = "<table><tr><th>run</th>";
   for (const ScoreColumn& c : score_columns()) html += fmt::format("<th>{}</th>", c.name);
-  for (const ViewScoreColumn& c : view_score_columns()) html += fmt::format("<th>{}: difference from the first, 95 % interval</th>", c.name);
+  for (const ViewScoreColumn& c : view_score_columns())
+    html += fmt::format("<th>{}: difference from the first, 95 % interval</th>", c.name);
   html += "</tr>";
   for (size_t i = 0; i < runs.size(); ++i) {
     html += "<tr><td>" + escape_html(runs[i].name) + "</td>";
@@ -48,9 +55,10 @@ std::string table(const std::vector<RunScores>& runs) {
     }
     for (const ViewScoreColumn& c : view_score_columns()) {
       const PairedDifference d = i == 0 ? PairedDifference{} : view_difference(runs[0], runs[i], c.score);
-      html += i == 0 || d.pairs == 0 ? "<td></td>"
-                                     : fmt::format("<td>{:+.{}f} [{:+.{}f}, {:+.{}f}]{}</td>", d.mean, c.digits, d.low, c.digits, d.high,
-                                                   c.digits, d.beyond_noise() ? "" : " inside the noise");
+      html += i == 0 || d.pairs == 0
+                  ? "<td></td>"
+                  : fmt::format("<td>{:+.{}f} [{:+.{}f}, {:+.{}f}]{}</td>", d.mean, c.digits, d.low, c.digits, d.high,
+                                c.digits, d.beyond_noise() ? "" : " inside the noise");
     }
     html += "</tr>";
   }
@@ -86,8 +94,10 @@ std::string pictures(const std::vector<RunScores>& runs, const char* kind) {
 std::string comparison_page(const std::vector<RunScores>& runs) {
   std::string html =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">"
-      "<title>aligngs: comparison</title><style>" + std::string(kComparisonStyle) + "</style><h1>Runs side by side</h1>";
-  for (const std::string& warning : comparison_warnings(runs)) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
+      "<title>aligngs: comparison</title><style>" +
+      std::string(kComparisonStyle) + "</style><h1>Runs side by side</h1>";
+  for (const std::string& warning : comparison_warnings(runs))
+    html += "<p class=\"note\">" + escape_html(warning) + "</p>";
   html += table(runs);
   for (const char* kind : {"rgb", "depth", "normal", "label"}) html += pictures(runs, kind);
   return html + "</html>\n";

@@ -22,8 +22,8 @@ class ComparisonTest : public testing::Test {
  protected:
   void SetUp() override { fs::remove_all(root()); }
   static fs::path root() {
-    return fs::path(testing::TempDir()) / (std::string("comparison_") +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
+    return fs::path(testing::TempDir()) /
+           (std::string("comparison_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   }
   static fs::path write_run(const std::string& name, double first_psnr, const std::string& priors = "exact") {
     const fs::path run = root() / name;
@@ -36,7 +36,8 @@ class ComparisonTest : public testing::Test {
     write_file_atomically(run / "metrics.json",
                           R"({"nvs": {"psnr": )" + std::to_string(first_psnr + 1.5) +
                               R"(, "ssim": 0.5, "lpips": null}, "geometry": {"fscore": 0.8, "protocol": "area"},
-                              "semantics": null, "priors": ")" + priors + R"(", "per_view": [)" + views + "]}");
+                              "semantics": null, "priors": ")" +
+                              priors + R"(", "per_view": [)" + views + "]}");
     return run;
   }
   static std::vector<RunScores> read(const std::vector<fs::path>& folders) {
@@ -77,7 +78,10 @@ TEST_F(ComparisonTest, TextHasARowPerRunAndTheDifferenceOverSharedViews) {
   EXPECT_THAT(text, HasSubstr("21.50"));
   EXPECT_THAT(text, HasSubstr("22.00"));
   EXPECT_THAT(text, HasSubstr("b against a: PSNR (dB) +0.50, 95 % interval +0.50 to +0.50 over 4 shared test views\n"));
-  EXPECT_THAT(text, HasSubstr("b against a: SSIM +0.000, 95 % interval +0.000 to +0.000 over 4 shared test views (inside the noise)\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "b against a: SSIM +0.000, 95 % interval +0.000 to +0.000 over 4 shared test views (inside the noise)\n"));
   EXPECT_THAT(text, Not(HasSubstr("label accuracy"))) << "no view has labels";
   EXPECT_THAT(text, Not(HasSubstr("LPIPS"))) << "no run has it";
 }
@@ -100,8 +104,8 @@ TEST_F(ComparisonTest, WarnsOfOtherViewsAndSimulatedPriors) {
   runs[1].views.pop_back();
   runs[1].protocol = "vertices";
   runs[1].priors = "simulated teacher";
-  EXPECT_THAT(comparison_warnings(runs), ElementsAre(HasSubstr("different test views"), HasSubstr("vertices"),
-                                                     HasSubstr("simulated in: b")));
+  EXPECT_THAT(comparison_warnings(runs),
+              ElementsAre(HasSubstr("different test views"), HasSubstr("vertices"), HasSubstr("simulated in: b")));
 }
 
 TEST_F(ComparisonTest, PageShowsPhotoAndRendersAndMarksTheBest) {

@@ -12,9 +12,9 @@
 #include "cli/report/overview.h"
 #include "cli/report/picture_cell.h"
 #include "cli/report/svg_chart.h"
+#include "engine/loss_catalogue.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "engine/loss_catalogue.h"
 #include "metrics/semantic_metrics.h"
 
 namespace aligngs {
@@ -54,13 +54,16 @@ std::string card(const std::string& name, const std::string& value) {
 
 std::string summary(const Json& metrics) {
   return "<div class=\"cards\">" + card("PSNR (dB)", number(metrics, "nvs.psnr", "{:.2f}")) +
-         card("SSIM", number(metrics, "nvs.ssim", "{:.3f}")) + card("F-score at 5 cm", number(metrics, "geometry.fscore", "{:.3f}")) +
+         card("SSIM", number(metrics, "nvs.ssim", "{:.3f}")) +
+         card("F-score at 5 cm", number(metrics, "geometry.fscore", "{:.3f}")) +
          card("F-score at 2 cm", number(metrics, "geometry.fscore_2cm", "{:.3f}")) +
          card("normal error (degrees)", number(metrics, "geometry.surface.normal_error_median_deg", "{:.1f}")) +
          card("accuracy (m)", number(metrics, "geometry.accuracy", "{:.3f}")) +
          card("completeness (m)", number(metrics, "geometry.completeness", "{:.3f}")) +
-         card(fmt::format("mIoU, classes with at least {:g} % of the pixels", 100 * kLeastClassShare), number(metrics, "semantics.miou", "{:.3f}")) +
-         card("mIoU, all classes present", number(metrics, "semantics.present.miou", "{:.3f}")) + card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
+         card(fmt::format("mIoU, classes with at least {:g} % of the pixels", 100 * kLeastClassShare),
+              number(metrics, "semantics.miou", "{:.3f}")) +
+         card("mIoU, all classes present", number(metrics, "semantics.present.miou", "{:.3f}")) +
+         card("Gaussians", number(metrics, "train.gaussians", "{:.0f}")) +
          card("training (s)", number(metrics, "train.seconds", "{:.1f}")) + "</div>";
 }
 
@@ -86,7 +89,8 @@ std::vector<ChartSeries> series_of(const std::vector<Json>& events, const std::v
     for (const Json& event : events) {
       if (!event.contains("step") || !event["step"].is_number()) continue;
       const Json* value = event.contains(field) ? &event[field] : nullptr;
-      if (!value && event.contains("losses") && event["losses"].is_object() && event["losses"].contains(field)) value = &event["losses"][field];
+      if (!value && event.contains("losses") && event["losses"].is_object() && event["losses"].contains(field))
+        value = &event["losses"][field];
       if (value && value->is_number()) one.points.emplace_back(event["step"].get<double>(), value->get<double>());
     }
     if (!one.points.empty()) series.push_back(std::move(one));
@@ -121,7 +125,9 @@ std::string loss_charts(const std::vector<Json>& events) {
     for (ChartSeries& one : series_of(events, names)) {
       if (acts(one)) series.push_back(smoothed(std::move(one)));
     }
-    if (!series.empty()) html += svg_line_chart({fmt::format("losses on {} (unweighted, running mean)", title), "iteration", "", true}, series);
+    if (!series.empty())
+      html += svg_line_chart({fmt::format("losses on {} (unweighted, running mean)", title), "iteration", "", true},
+                             series);
   }
   return html;
 }
@@ -139,18 +145,22 @@ std::string charts(const fs::path& run) {
   for (ChartSeries& s : total) s = smoothed(std::move(s));
   std::vector<ChartSeries> quality = series_of(events, {"psnr"});
   for (ChartSeries& s : quality) s = smoothed(std::move(s));
-  return "<h2>Training</h2>" + svg_line_chart({"total loss (weighted, running mean)", "iteration", "", true}, total) + loss_charts(events) +
+  return "<h2>Training</h2>" + svg_line_chart({"total loss (weighted, running mean)", "iteration", "", true}, total) +
+         loss_charts(events) +
          svg_line_chart({"PSNR of training views (dB, running mean)", "iteration", "", false}, quality) +
          svg_line_chart({"Gaussians", "iteration", "", false}, series_of(events, {"gaussians"}));
 }
 
 std::string per_view_table(const Json& metrics) {
   if (!metrics.contains("per_view") || !metrics["per_view"].is_array() || metrics["per_view"].empty()) return "";
-  std::string html = "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>after pose fit</th><th>SSIM</th><th>label accuracy</th></tr>";
+  std::string html =
+      "<h2>Test views</h2><table><tr><th>view</th><th>PSNR</th><th>after colour fit</th><th>after pose "
+      "fit</th><th>SSIM</th><th>label accuracy</th></tr>";
   for (const Json& view : metrics["per_view"]) {
     html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
                         escape_html(view.value("name", std::string())), number(view, "psnr", "{:.2f}"),
-                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "pose_refined.psnr", "{:.2f}"), number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
+                        number(view, "psnr_exposure_fitted", "{:.2f}"), number(view, "pose_refined.psnr", "{:.2f}"),
+                        number(view, "ssim", "{:.3f}"), number(view, "label_accuracy", "{:.3f}"));
   }
   return html + "</table>";
 }
@@ -159,11 +169,13 @@ std::string per_view_table(const Json& metrics) {
 std::string surface_table(const Json& metrics) {
   if (!metrics["geometry"].contains("surface")) return "";
   const auto row = [&](const char* what, const char* all, const char* structure, const char* format) {
-    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", what, number(metrics, std::string("geometry.surface.") + all, format),
+    return fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", what,
+                       number(metrics, std::string("geometry.surface.") + all, format),
                        *structure ? number(metrics, std::string("geometry.surface.") + structure, format) : "–");
   };
   return "<h2>Surface</h2><table><tr><th></th><th>everywhere</th><th>walls, floor, ceiling</th></tr>" +
-         row("normal error, median (degrees)", "normal_error_median_deg", "structure_normal_error_median_deg", "{:.2f}") +
+         row("normal error, median (degrees)", "normal_error_median_deg", "structure_normal_error_median_deg",
+             "{:.2f}") +
          row("normal error, mean (degrees)", "normal_error_mean_deg", "structure_normal_error_mean_deg", "{:.2f}") +
          row("roughness on planes, median (degrees)", "roughness_median_deg", "", "{:.2f}") +
          row("roughness on planes, mean (degrees)", "roughness_mean_deg", "", "{:.2f}") +
@@ -171,22 +183,28 @@ std::string surface_table(const Json& metrics) {
 }
 
 std::string geometry_table(const Json& metrics) {
-  if (!metrics.contains("geometry") || !metrics["geometry"].is_object() || !metrics["geometry"].contains("variants")) return "";
-  std::string html = "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp (m)</th><th>Prec</th><th>Recall</th><th>F</th><th>F at 2 cm</th><th>F at 1 cm</th></tr>";
+  if (!metrics.contains("geometry") || !metrics["geometry"].is_object() || !metrics["geometry"].contains("variants"))
+    return "";
+  std::string html =
+      "<h2>Geometry</h2><table><tr><th>protocol</th><th>Acc (m)</th><th>Comp "
+      "(m)</th><th>Prec</th><th>Recall</th><th>F</th><th>F at 2 cm</th><th>F at 1 cm</th></tr>";
   for (const Json& v : metrics["geometry"]["variants"]) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>", escape_html(v.value("protocol", std::string())),
-                        number(v, "accuracy", "{:.4f}"), number(v, "completeness", "{:.4f}"), number(v, "precision", "{:.3f}"),
-                        number(v, "recall", "{:.3f}"), number(v, "fscore", "{:.3f}"), number(v, "fscore_2cm", "{:.3f}"),
-                        number(v, "fscore_1cm", "{:.3f}"));
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+        escape_html(v.value("protocol", std::string())), number(v, "accuracy", "{:.4f}"),
+        number(v, "completeness", "{:.4f}"), number(v, "precision", "{:.3f}"), number(v, "recall", "{:.3f}"),
+        number(v, "fscore", "{:.3f}"), number(v, "fscore_2cm", "{:.3f}"), number(v, "fscore_1cm", "{:.3f}"));
   }
   return html + "</table>" + surface_table(metrics);
 }
 
 std::string notes(const Json& run, const Json& metrics) {
   std::string html;
-  const std::string priors = metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
+  const std::string priors =
+      metrics.contains("priors") && metrics["priors"].is_string() ? metrics["priors"].get<std::string>() : "";
   if (priors.find("simulated") != std::string::npos) {
-    html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) + "): these figures do not show how real networks would do.</p>";
+    html += "<p class=\"note\">Priors of this scene are <b>simulated</b> (" + escape_html(priors) +
+            "): these figures do not show how real networks would do.</p>";
   }
   if (run.contains("warnings") && run["warnings"].is_array()) {
     for (const Json& w : run["warnings"]) {
@@ -202,11 +220,14 @@ std::string html_report(const fs::path& run) {
   const Json state = read_json(run / "run.json"), metrics = read_json(run / "metrics.json");
   const std::string title = "aligngs: " + fs::absolute(run).lexically_normal().filename().string();
   const std::string config = fs::exists(run / "config.toml") ? read_file(run / "config.toml") : "";
-  std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" +
-                     escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
+  std::string html =
+      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width\"><title>" +
+      escape_html(title) + "</title><style>" + kReportStyle + "</style><h1>" + escape_html(title) + "</h1>";
   html += "<p><code>" + escape_html(state.value("command", std::string())) + "</code></p>";
   html += notes(state, metrics) + summary(metrics);
-  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics) + per_view_table(metrics) + charts(run);
+  html += "<h2>Renders of test views</h2>" + pictures(run) + geometry_table(metrics) + per_view_table(metrics) +
+          charts(run);
   html += "<h2>Settings</h2><details><summary>config.toml</summary><pre>" + escape_html(config) + "</pre></details>";
   return html + "</html>\n";
 }

@@ -10,7 +10,8 @@ namespace aligngs {
 /// missing file is named in the page, not an error.
 std::string html_report(const std::filesystem::path& run);
 
-/// Writes report.html and overview.jpg (photo, render, depth, normals, labels of a few test views side by side; not written
+/// Writes report.html and overview.jpg (photo, render, depth, normals, labels of a few test views side by side; not
+/// written
 /// without renders). Atomic.
 void write_report(const std::filesystem::path& run);
 

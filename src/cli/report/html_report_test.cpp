@@ -17,8 +17,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::filesystem::path fresh_folder() {
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "html_report" / testing::UnitTest::GetInstance()->current_test_info()->name();
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "html_report" /
+                                       testing::UnitTest::GetInstance()->current_test_info()->name();
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
@@ -28,7 +28,8 @@ std::filesystem::path fresh_folder() {
 std::string report_with(const std::filesystem::path& run, const std::vector<Loss>& acting) {
   std::string events;
   for (int step = 1; step <= 3; ++step) {
-    nlohmann::json line = {{"step", step}, {"psnr", 20 + step}, {"gaussians", 100}, {"losses", {{"total", 1.0 / step}}}};
+    nlohmann::json line = {
+        {"step", step}, {"psnr", 20 + step}, {"gaussians", 100}, {"losses", {{"total", 1.0 / step}}}};
     for (const LossRow& row : kLossCatalogue) line["losses"][std::string(row.name)] = 0.0;
     for (const Loss loss : acting) line["losses"][std::string(row_of(loss).name)] = 0.5 / step;
     events += line.dump() + "\n";

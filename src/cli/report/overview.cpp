@@ -12,9 +12,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kRows = 3;     // views shown
-constexpr int kGap = 4;      // pixels between pictures
-constexpr int kQuality = 90; // JPEG
+constexpr int kRows = 3;      // views shown
+constexpr int kGap = 4;       // pixels between pictures
+constexpr int kQuality = 90;  // JPEG
 
 void paste(const Image<uint8_t>& from, Image<uint8_t>& to, int x0, int y0) {
   for (int y = 0; y < from.height && y0 + y < to.height; ++y) {
@@ -54,7 +54,8 @@ void write_overview(const fs::path& run) {
       if (!fs::exists(file)) continue;
       const Image<uint8_t> picture = read_image(file);
       if (canvas.empty()) {
-        canvas = Image<uint8_t>(static_cast<int>(kinds.size()) * (picture.width + kGap) - kGap, kTitleHeight + rows * (picture.height + kGap) - kGap, 3, 255);
+        canvas = Image<uint8_t>(static_cast<int>(kinds.size()) * (picture.width + kGap) - kGap,
+                                kTitleHeight + rows * (picture.height + kGap) - kGap, 3, 255);
       }
       const int x = static_cast<int>(k) * (picture.width + kGap);
       if (r == 0) draw_title(canvas, x, 0, kinds[k].second);

@@ -9,7 +9,8 @@ constexpr int kColumns = 5, kRows = 7, kScale = 2, kAdvance = (kColumns + 1) * k
 constexpr int kTail = 1;  // rows below the line
 constexpr uint8_t kInk = 40;
 
-/// Rows from the top, five bits each, the highest on the left. Letters with a tail (g, j, p, q, y) are drawn a row lower.
+/// Rows from the top, five bits each, the highest on the left. Letters with a tail (g, j, p, q, y) are drawn a row
+/// lower.
 using Glyph = std::array<uint8_t, kRows>;
 constexpr std::array<Glyph, 26> kLetters = {{
     {0b00000, 0b00000, 0b01110, 0b00001, 0b01111, 0b10001, 0b01111},  // a
@@ -56,7 +57,8 @@ void draw_title(Image<uint8_t>& picture, int x0, int y0, std::string_view title)
   int x = x0 + kMargin;
   for (const char letter : title) {
     const int tail = std::string_view("gjpqy").find(letter) == std::string_view::npos ? 0 : kTail;
-    if (letter >= 'a' && letter <= 'z') draw_letter(picture, x, y0 + (kTitleHeight - kRows * kScale) / 2 + tail * kScale, kLetters[size_t(letter - 'a')]);
+    if (letter >= 'a' && letter <= 'z')
+      draw_letter(picture, x, y0 + (kTitleHeight - kRows * kScale) / 2 + tail * kScale, kLetters[size_t(letter - 'a')]);
     x += kAdvance;
   }
 }

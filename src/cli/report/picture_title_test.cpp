@@ -8,7 +8,8 @@ namespace aligngs {
 namespace {
 
 size_t inked(const Image<uint8_t>& picture) {
-  return static_cast<size_t>(std::count_if(picture.data.begin(), picture.data.end(), [](uint8_t v) { return v != 255; }));
+  return static_cast<size_t>(
+      std::count_if(picture.data.begin(), picture.data.end(), [](uint8_t v) { return v != 255; }));
 }
 
 TEST(PictureTitle, DrawsLettersIntoItsBand) {

@@ -52,16 +52,18 @@ const std::array<ScoreColumn, kScoreCount>& score_columns() {
 }
 
 const std::array<ViewScoreColumn, 3>& view_score_columns() {
-  static constexpr std::array<ViewScoreColumn, 3> columns = {{{"PSNR (dB)", "psnr", &ViewScore::psnr, 2},
-                                                              {"SSIM", "ssim", &ViewScore::ssim, 3},
-                                                              {"label accuracy", "label_accuracy", &ViewScore::label_accuracy, 3}}};
+  static constexpr std::array<ViewScoreColumn, 3> columns = {
+      {{"PSNR (dB)", "psnr", &ViewScore::psnr, 2},
+       {"SSIM", "ssim", &ViewScore::ssim, 3},
+       {"label accuracy", "label_accuracy", &ViewScore::label_accuracy, 3}}};
   return columns;
 }
 
 RunScores read_run_scores(const std::filesystem::path& run) {
   const std::filesystem::path file = run / "metrics.json";
   if (!std::filesystem::exists(file)) {
-    throw_bad_input(file, "metrics.json", "this run has not been measured", "run `aligngs eval " + run.string() + "` first");
+    throw_bad_input(file, "metrics.json", "this run has not been measured",
+                    "run `aligngs eval " + run.string() + "` first");
   }
   const Json metrics = parse_json(read_file(file));
   if (!metrics.is_object()) throw_bad_input(file, "metrics.json", "is not JSON", "measure again with `aligngs eval`");

@@ -11,8 +11,28 @@ namespace aligngs {
 /// Columns of a comparison, in the order in which they are printed. "between" and "beyond" are the PSNR (dB) of test
 /// views that interpolate and extrapolate the training views (metrics/view_novelty.h).
 enum class Score {
-  kPsnr, kPsnrFitted, kPsnrPose, kPsnrBetween, kPsnrBeyond, kSsim, kLpips, kAccuracy, kCompleteness, kPrecision, kRecall, kFscore,
-  kFscore2, kFscore1, kNormals, kStructureNormals, kRoughness, kPinholes, kMiou, kMiouPresent, kSeconds, kGaussians
+  kPsnr,
+  kPsnrFitted,
+  kPsnrPose,
+  kPsnrBetween,
+  kPsnrBeyond,
+  kSsim,
+  kLpips,
+  kAccuracy,
+  kCompleteness,
+  kPrecision,
+  kRecall,
+  kFscore,
+  kFscore2,
+  kFscore1,
+  kNormals,
+  kStructureNormals,
+  kRoughness,
+  kPinholes,
+  kMiou,
+  kMiouPresent,
+  kSeconds,
+  kGaussians
 };
 inline constexpr size_t kScoreCount = 22;
 
@@ -31,9 +51,9 @@ struct ViewScore {
 };
 
 struct ViewScoreColumn {
-  const char* name;            ///< with unit
-  const char* field;           ///< in metrics.json's per_view[]
-  double ViewScore::* score;
+  const char* name;   ///< with unit
+  const char* field;  ///< in metrics.json's per_view[]
+  double ViewScore::*score;
   int digits;
 };
 const std::array<ViewScoreColumn, 3>& view_score_columns();

@@ -40,11 +40,20 @@ std::string escape_html(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -78,7 +87,8 @@ std::string svg_line_chart(const ChartOptions& options, const std::vector<ChartS
       "<text x=\"{2}\" y=\"18\" class=\"chart-title\">{3}</text>",
       options.width, options.height, kLeft, escape_html(options.title));
   if (xs.empty()) {
-    return svg + fmt::format("<text x=\"{}\" y=\"{}\">no data</text></svg>", options.width / 2 - 25, options.height / 2);
+    return svg +
+           fmt::format("<text x=\"{}\" y=\"{}\">no data</text></svg>", options.width / 2 - 25, options.height / 2);
   }
   xs.widen();
   ys.widen();
@@ -86,9 +96,11 @@ std::string svg_line_chart(const ChartOptions& options, const std::vector<ChartS
   const auto px = [&](double x) { return kLeft + (x - xs.low) / (xs.high - xs.low) * plot_width; };
   const auto py = [&](double y) { return kTop + (ys.high - y) / (ys.high - ys.low) * plot_height; };
   for (const double t : round_ticks(ys.low, ys.high, 5)) {
-    svg += fmt::format("<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" class=\"tick\" text-anchor=\"end\">{}</text>",
-                       kLeft, options.width - kRight, py(t), py(t), kLeft - 6, py(t) + 4,
-                       tick_text(options.log_y ? std::pow(10.0, t) : t));
+    svg += fmt::format(
+        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" class=\"grid\"/><text x=\"{}\" y=\"{:.1f}\" "
+        "class=\"tick\" text-anchor=\"end\">{}</text>",
+        kLeft, options.width - kRight, py(t), py(t), kLeft - 6, py(t) + 4,
+        tick_text(options.log_y ? std::pow(10.0, t) : t));
   }
   for (const double t : round_ticks(xs.low, xs.high, 6)) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\" class=\"tick\" text-anchor=\"middle\">{}</text>", px(t),
@@ -102,11 +114,13 @@ std::string svg_line_chart(const ChartOptions& options, const std::vector<ChartS
     const char* color = kPalette[index++ % std::size(kPalette)];
     std::string path;
     for (const auto& p : s.points) {
-      if (usable(p, options.log_y)) path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "" : " ", px(p.first), py(transform(p.second)));
+      if (usable(p, options.log_y))
+        path += fmt::format("{}{:.1f},{:.1f}", path.empty() ? "" : " ", px(p.first), py(transform(p.second)));
     }
     if (path.empty()) continue;
     svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\"/>", path, color);
-    svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" fill=\"{}\" class=\"legend\">{}</text>", legend_x, kTop + 12, color, escape_html(s.name));
+    svg += fmt::format("<text x=\"{:.0f}\" y=\"{}\" fill=\"{}\" class=\"legend\">{}</text>", legend_x, kTop + 12, color,
+                       escape_html(s.name));
     legend_x += 14 + 6.2 * static_cast<double>(s.name.size());  // about 6.2 px per letter at 11 px type
   }
   return svg + "</svg>";

@@ -14,7 +14,7 @@ struct ChartSeries {
 
 struct ChartOptions {
   std::string title, x_label, y_label;
-  bool log_y = false;  ///< logarithmic y axis; values <= 0 are left out
+  bool log_y = false;             ///< logarithmic y axis; values <= 0 are left out
   int width = 560, height = 260;  ///< pixels
 };
 

@@ -59,7 +59,8 @@ CommandInfo describe_command(const CLI::App& app, const std::string& path) {
   }
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_group().empty()) continue;
-    out.commands.push_back(describe_command(*command, path.empty() ? command->get_name() : path + " " + command->get_name()));
+    out.commands.push_back(
+        describe_command(*command, path.empty() ? command->get_name() : path + " " + command->get_name()));
   }
   return out;
 }

@@ -54,7 +54,8 @@ std::string bash_completion(const CommandInfo& program) {
     for (const OptionInfo& option : command->options) {
       if (option.choices.empty() || option.positional) continue;
       std::string names;
-      for (const std::string& name : option.names) names += (names.empty() ? "" : "|") + fmt::format("'{} {}'", command->path, name);
+      for (const std::string& name : option.names)
+        names += (names.empty() ? "" : "|") + fmt::format("'{} {}'", command->path, name);
       values += fmt::format("    {}) words='{}' ;;\n", names, joined(option.choices));
     }
   }
@@ -64,10 +65,16 @@ std::string bash_completion(const CommandInfo& program) {
          "  local commands='' options='' words=''\n"
          "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
          "    next=${path:+$path }$word\n"
-         "    case \"$next\" in\n      " + paths + ") path=$next ;;\n    esac\n"
+         "    case \"$next\" in\n      " +
+         paths +
+         ") path=$next ;;\n    esac\n"
          "  done\n"
-         "  case \"$path\" in\n" + tables + "  esac\n"
-         "  case \"$path $previous\" in\n" + values + "  esac\n"
+         "  case \"$path\" in\n" +
+         tables +
+         "  esac\n"
+         "  case \"$path $previous\" in\n" +
+         values +
+         "  esac\n"
          "  if [ -n \"$words\" ]; then\n"
          "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
          "  elif [[ $current == -* ]]; then\n"
@@ -100,7 +107,8 @@ std::string zsh_completion(const CommandInfo& program) {
     for (const OptionInfo& option : command->options) {
       if (option.choices.empty() || option.positional) continue;
       std::string names;
-      for (const std::string& name : option.names) names += (names.empty() ? "" : "|") + fmt::format("'{} {}'", command->path, name);
+      for (const std::string& name : option.names)
+        names += (names.empty() ? "" : "|") + fmt::format("'{} {}'", command->path, name);
       values += fmt::format("    {}) choices=({}) ;;\n", names, joined(option.choices));
     }
   }
@@ -111,10 +119,16 @@ std::string zsh_completion(const CommandInfo& program) {
          "  local -a commands options choices\n"
          "  for word in \"${(@)words[2,CURRENT-1]}\"; do\n"
          "    next=${path_:+$path_ }$word\n"
-         "    case \"$next\" in\n      " + paths + ") path_=$next ;;\n    esac\n"
+         "    case \"$next\" in\n      " +
+         paths +
+         ") path_=$next ;;\n    esac\n"
          "  done\n"
-         "  case \"$path_\" in\n" + tables + "  esac\n"
-         "  case \"$path_ ${words[CURRENT-1]}\" in\n" + values + "  esac\n"
+         "  case \"$path_\" in\n" +
+         tables +
+         "  esac\n"
+         "  case \"$path_ ${words[CURRENT-1]}\" in\n" +
+         values +
+         "  esac\n"
          "  if (( $#choices )); then\n"
          "    compadd -a choices\n"
          "  elif [[ ${words[CURRENT]} == -* ]]; then\n"
@@ -134,21 +148,27 @@ std::string fish_completion(const CommandInfo& program) {
     std::string seen;  // all words of the path
     for (size_t begin = 0; begin < command->path.size();) {
       const size_t end = std::min(command->path.find(' ', begin), command->path.size());
-      seen += (seen.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + command->path.substr(begin, end - begin));
+      seen +=
+          (seen.empty() ? "" : "; and ") + ("__fish_seen_subcommand_from " + command->path.substr(begin, end - begin));
       begin = end + 1;
     }
     const std::vector<std::string> names = command_names(*command);
     for (const CommandInfo& below : command->commands) {
-      const std::string when = seen.empty() ? "__fish_use_subcommand" : seen + "; and not __fish_seen_subcommand_from " + joined(names);
-      out += fmt::format("complete -c aligngs -f -n {} -a {} -d {}\n", quoted(when), below.name(), quoted(below.description));
+      const std::string when =
+          seen.empty() ? "__fish_use_subcommand" : seen + "; and not __fish_seen_subcommand_from " + joined(names);
+      out += fmt::format("complete -c aligngs -f -n {} -a {} -d {}\n", quoted(when), below.name(),
+                         quoted(below.description));
     }
     for (const OptionInfo& option : command->options) {
       if (option.positional) continue;
       std::string line = "complete -c aligngs";
       if (!seen.empty()) line += " -n " + quoted(seen);
-      for (const std::string& name : option.names) line += name.rfind("--", 0) == 0 ? " -l " + name.substr(2) : " -s " + name.substr(1);
-      if (!option.choices.empty()) line += " -x -a " + quoted(joined(option.choices));
-      else if (!option.value.empty()) line += " -r";
+      for (const std::string& name : option.names)
+        line += name.rfind("--", 0) == 0 ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      if (!option.choices.empty())
+        line += " -x -a " + quoted(joined(option.choices));
+      else if (!option.value.empty())
+        line += " -r";
       out += line + " -d " + quoted(option.description) + "\n";
     }
   }

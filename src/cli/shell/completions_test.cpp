@@ -43,8 +43,8 @@ class Shell : public testing::Test {
   /// Words that bash completes the last word of `line` to.
   std::vector<std::string> bash(const std::vector<std::string>& line) const {
     const fs::path script = fs::path(testing::TempDir()) / "aligngs.bash";
-    std::ofstream(script) << bash_completion(tree_) << "\nCOMP_WORDS=(" << words(line) << ")\nCOMP_CWORD=" << line.size() - 1
-                          << "\n_aligngs\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
+    std::ofstream(script) << bash_completion(tree_) << "\nCOMP_WORDS=(" << words(line)
+                          << ")\nCOMP_CWORD=" << line.size() - 1 << "\n_aligngs\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
     FILE* pipe = popen(("bash '" + script.string() + "' 2>&1").c_str(), "r");
     std::string text;
     std::array<char, 256> piece{};
@@ -62,7 +62,9 @@ class Shell : public testing::Test {
     for (const std::string& word : line) out += "'" + word + "' ";
     return out;
   }
-  static bool installed(const std::string& program) { return std::system(("command -v " + program + " >/dev/null").c_str()) == 0; }
+  static bool installed(const std::string& program) {
+    return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
+  }
   /// Exit status of `command FILE` on a file with the text.
   static int check(const std::string& command, const std::string& text) {
     const fs::path file = fs::path(testing::TempDir()) / "script";
@@ -81,7 +83,8 @@ TEST_F(Shell, TheTreeHasCommandsOptionsAndChoices) {
   const CommandInfo& run = tree_.commands[0];
   EXPECT_EQ(run.path, "run");
   EXPECT_EQ(tree_.commands[1].commands[0].path, "models list");
-  const auto method = std::find_if(run.options.begin(), run.options.end(), [](const OptionInfo& o) { return o.names[0] == "--method"; });
+  const auto method = std::find_if(run.options.begin(), run.options.end(),
+                                   [](const OptionInfo& o) { return o.names[0] == "--method"; });
   ASSERT_NE(method, run.options.end());
   EXPECT_THAT(method->choices, ElementsAre("auto", "given"));
   EXPECT_EQ(method->standard, "auto");
@@ -126,7 +129,8 @@ TEST_F(Shell, FishAcceptsItsScript) {
 TEST_F(Shell, AManualPageHasEveryOptionAndNoStrayControlLine) {
   const std::string page = man_page(tree_.commands[0], tree_);
   EXPECT_EQ(man_page_name(tree_.commands[1].commands[0]), "aligngs-models-list.1");
-  for (const char* part : {".TH ALIGNGS\\-RUN 1", "\\-\\-method TEXT", "One of: auto, given.", "Default: auto.", "\\-q, \\-\\-quiet", ".SS Arguments"}) {
+  for (const char* part : {".TH ALIGNGS\\-RUN 1", "\\-\\-method TEXT", "One of: auto, given.", "Default: auto.",
+                           "\\-q, \\-\\-quiet", ".SS Arguments"}) {
     EXPECT_THAT(page, HasSubstr(part));
   }
   EXPECT_THAT(page, HasSubstr("\n\\&.starts with a dot"));

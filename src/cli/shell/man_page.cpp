@@ -1,4 +1,5 @@
 #include "cli/shell/man_page.h"
+#include "core/version.h"
 
 #include <fmt/format.h>
 
@@ -16,9 +17,12 @@ std::string plain(const std::string& text) {
   for (const char c : text) {
     if (line_start && (c == '.' || c == '\'')) out += "\\&";
     line_start = c == '\n';
-    if (c == '-') out += "\\-";
-    else if (c == '\\') out += "\\e";
-    else out += c;
+    if (c == '-')
+      out += "\\-";
+    else if (c == '\\')
+      out += "\\e";
+    else
+      out += c;
   }
   return out;
 }
@@ -56,7 +60,8 @@ std::string option_sections(const CommandInfo& command) {
   for (const OptionInfo& option : command.options) {
     const std::string heading = option.positional ? "Arguments" : option.group == "Options" ? "General" : option.group;
     auto found = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == heading; });
-    if (found == groups.end()) found = groups.insert(heading == "Arguments" ? groups.begin() : groups.end(), {heading, ""});
+    if (found == groups.end())
+      found = groups.insert(heading == "Arguments" ? groups.begin() : groups.end(), {heading, ""});
     found->second += option_entry(option);
   }
   std::string out;
@@ -73,11 +78,12 @@ std::string man_page(const CommandInfo& command, const CommandInfo& program) {
   const bool top = command.path.empty();
   std::string brief = command.description.substr(0, command.description.find('\n'));
   while (!brief.empty() && (brief.back() == ',' || brief.back() == '.')) brief.pop_back();
-  std::string out = fmt::format(".TH {} 1 \"\" \"aligngs {}\" \"aligngs\"\n", plain(upper(page)), ALIGNGS_VERSION);
+  std::string out = fmt::format(".TH {} 1 \"\" \"aligngs {}\" \"aligngs\"\n", plain(upper(page)), version());
   out += fmt::format(".SH NAME\n{} \\- {}\n", plain(page), plain(brief));
   out += fmt::format(".SH SYNOPSIS\n.B aligngs{}\n[OPTIONS]", top ? "" : " " + plain(command.path));
   for (const OptionInfo& option : command.options) {
-    if (option.positional) out += option.required ? " " + plain(option.names.front()) : " [" + plain(option.names.front()) + "]";
+    if (option.positional)
+      out += option.required ? " " + plain(option.names.front()) : " [" + plain(option.names.front()) + "]";
   }
   out += command.commands.empty() ? "\n" : " COMMAND ...\n";
   if (!command.footer.empty() || top) {
@@ -97,14 +103,15 @@ std::string man_page(const CommandInfo& command, const CommandInfo& program) {
     }
     out += option_sections(everywhere);
   }
-  out += ".SH EXIT STATUS\n"
-         ".TP\n.B 0\nThe command did its work.\n"
-         ".TP\n.B 2\nThe command line is wrong.\n"
-         ".TP\n.B 3\nThe input is bad.\n"
-         ".TP\n.B 4\nNetwork weights are missing or damaged.\n"
-         ".TP\n.B 5\nMemory, disk or a device is missing.\n"
-         ".TP\n.B 75\nA signal stopped the command, and the same command can go on.\n"
-         ".TP\n.B 1\nAnything else failed.\n";
+  out +=
+      ".SH EXIT STATUS\n"
+      ".TP\n.B 0\nThe command did its work.\n"
+      ".TP\n.B 2\nThe command line is wrong.\n"
+      ".TP\n.B 3\nThe input is bad.\n"
+      ".TP\n.B 4\nNetwork weights are missing or damaged.\n"
+      ".TP\n.B 5\nMemory, disk or a device is missing.\n"
+      ".TP\n.B 75\nA signal stopped the command, and the same command can go on.\n"
+      ".TP\n.B 1\nAnything else failed.\n";
   if (!top) out += ".SH SEE ALSO\n.BR aligngs (1)\n";
   return out;
 }

@@ -57,11 +57,20 @@ Json by_class(const std::vector<double>& values, const LabelSet& labels) {
 }
 
 Json semantic_json(const SemanticScores& scores, const LabelSet& labels) {
-  return {{"miou", number(scores.miou)}, {"accuracy", number(scores.accuracy)}, {"classes", scores.classes}, {"samples", scores.samples},
-          {"rule", fmt::format("mean over the classes with at least {:g} % of the labelled samples; present: over all classes of the truth",
-                               100 * kLeastClassShare)},
-          {"iou", by_class(scores.iou, labels)},
-          {"present", {{"miou", number(scores.present_miou)}, {"classes", scores.present_classes}, {"iou", by_class(scores.present_iou, labels)}}}};
+  return {
+      {"miou", number(scores.miou)},
+      {"accuracy", number(scores.accuracy)},
+      {"classes", scores.classes},
+      {"samples", scores.samples},
+      {"rule",
+       fmt::format(
+           "mean over the classes with at least {:g} % of the labelled samples; present: over all classes of the truth",
+           100 * kLeastClassShare)},
+      {"iou", by_class(scores.iou, labels)},
+      {"present",
+       {{"miou", number(scores.present_miou)},
+        {"classes", scores.present_classes},
+        {"iou", by_class(scores.present_iou, labels)}}}};
 }
 
 struct ViewMetrics {
@@ -103,7 +112,8 @@ void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, con
   };
   const PhotoAlignment aligned = align_to_photo(data.camera, data.color, data.mask, look);
   const ImageScores scores = compare_images(look(aligned.camera).color, data.color, data.mask, {}, run.pool.get());
-  entry["pose_refined"] = {{"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)},
+  entry["pose_refined"] = {{"psnr", number(scores.psnr)},
+                           {"ssim", number(scores.ssim)},
                            {"shift", norm(aligned.camera.centre() - data.camera.centre())},
                            {"turn_degrees", rotation_angle_between_degrees(aligned.camera.world_to_camera.rotation,
                                                                            data.camera.world_to_camera.rotation)}};
@@ -113,7 +123,8 @@ void measure_with_refined_pose(OpenRun& run, int view, const ViewData& data, con
   entry["pose_refined"]["error_after"] = pose_error(aligned.camera, *truth, to_truth);
 }
 
-/// Over the test views: scores with fitted poses, and the median distance of the poses from the true ones before and after.
+/// Over the test views: scores with fitted poses, and the median distance of the poses from the true ones before and
+/// after.
 Json refined_pose_json(const Json& per_view) {
   Json refined = Json::array();
   for (const Json& view : per_view) refined.push_back(view["pose_refined"]);
@@ -124,8 +135,11 @@ Json refined_pose_json(const Json& per_view) {
     }
     return values.empty() ? Json(nullptr) : Json(median_of(std::move(values)));
   };
-  return {{"psnr", mean_of(refined, "psnr")}, {"ssim", mean_of(refined, "ssim")}, {"median_error_before_m", median("error_before")},
-          {"median_error_after_m", median("error_after")}, {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
+  return {{"psnr", mean_of(refined, "psnr")},
+          {"ssim", mean_of(refined, "ssim")},
+          {"median_error_before_m", median("error_before")},
+          {"median_error_after_m", median("error_after")},
+          {"protocol", "pose of each test photo fitted to that photo, scene frozen"}};
 }
 
 ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
@@ -138,7 +152,8 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
   Progress progress(options.progress, "evaluate views", run.scene.test.size());
   LoadOptions load = run.load_options();
   load.scores_as_logits = run.config.data.scores_as_logits;
-  load.least_score_sum = 0;  // the teacher is judged by its best class of every pixel, whatever the run itself makes of its scores
+  // the teacher is judged by its best class of every pixel, whatever the run itself makes of its scores
+  load.least_score_sum = 0;
   const Similarity to_truth = align_on_training_cameras(evaluation_cameras_of(run.scene)).similarity;
   for (const int index : run.scene.test) {
     const View& view = run.scene.views[index];
@@ -148,8 +163,10 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
     Rendering rendering = run.engine->render(data.camera, run.render_options());
     run.expose_as(index, rendering.color);
     const ImageScores scores = compare_images(rendering.color, data.color, data.mask, {}, run.pool.get());
-    Json entry = {{"name", view.name}, {"psnr", number(scores.psnr)}, {"ssim", number(scores.ssim)}, {"lpips", nullptr},
-                  {"lpips_unit", nullptr}, {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)}, {"label_accuracy", nullptr}};
+    Json entry = {{"name", view.name},           {"psnr", number(scores.psnr)},
+                  {"ssim", number(scores.ssim)}, {"lpips", nullptr},
+                  {"lpips_unit", nullptr},       {"psnr_exposure_fitted", number(scores.psnr_affine_crossfit)},
+                  {"label_accuracy", nullptr}};
     const ViewNovelty novelty = view_novelty(run.scene.evaluation_cameras[static_cast<size_t>(index)], training);
     entry["extrapolates"] = extrapolates(novelty, metres_per_unit);
     if (const auto distances = perceptual.measure(rendering.color, data.color, data.mask)) {
@@ -170,14 +187,20 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
     result.per_view.push_back(std::move(entry));
     progress.update(result.per_view.size());
   }
-  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")}, {"ssim", mean_of(result.per_view, "ssim")},
-                {"lpips", mean_of(result.per_view, "lpips")}, {"lpips_unit", mean_of(result.per_view, "lpips_unit")},
-                {"lpips_note", perceptual.reason().empty() ? Json("VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]")
-                                                           : Json(perceptual.reason())},
-                {"views", result.per_view.size()}, {"pose_refined", nullptr},
-                {"exposure_fitted", {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
-                                     {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
-  if (options.refine_test_poses && !result.per_view.empty()) result.nvs["pose_refined"] = refined_pose_json(result.per_view);
+  result.nvs = {{"psnr", mean_of(result.per_view, "psnr")},
+                {"ssim", mean_of(result.per_view, "ssim")},
+                {"lpips", mean_of(result.per_view, "lpips")},
+                {"lpips_unit", mean_of(result.per_view, "lpips_unit")},
+                {"lpips_note", perceptual.reason().empty()
+                                   ? Json("VGG16, v0.1; lpips: inputs in [-1, 1], lpips_unit: inputs left in [0, 1]")
+                                   : Json(perceptual.reason())},
+                {"views", result.per_view.size()},
+                {"pose_refined", nullptr},
+                {"exposure_fitted",
+                 {{"psnr", mean_of(result.per_view, "psnr_exposure_fitted")},
+                  {"protocol", "3x4 affine, fitted on one half of the image and scored on the other"}}}};
+  if (options.refine_test_poses && !result.per_view.empty())
+    result.nvs["pose_refined"] = refined_pose_json(result.per_view);
   for (const bool extrapolating : {false, true}) {
     result.nvs[extrapolating ? "extrapolating" : "interpolating"] = {
         {"psnr", mean_of(result.per_view, "psnr", extrapolating)},
@@ -194,8 +217,12 @@ ViewMetrics measure_views(OpenRun& run, const EvalStageOptions& options) {
 Json geometry_json(const MeshProtocolResult& result) {
   const MeshScores& s = result.scores;
   Json json = {{"protocol", fmt::format("{}, {}, alignment: {}", result.protocol, result.culling, result.alignment)},
-               {"accuracy", number(s.accuracy)}, {"completeness", number(s.completeness)}, {"precision", number(s.precision)},
-               {"recall", number(s.recall)}, {"fscore", number(s.fscore)}, {"threshold_m", s.threshold},
+               {"accuracy", number(s.accuracy)},
+               {"completeness", number(s.completeness)},
+               {"precision", number(s.precision)},
+               {"recall", number(s.recall)},
+               {"fscore", number(s.fscore)},
+               {"threshold_m", s.threshold},
                {"camera_rmse_m", number(result.alignment_report.camera_rmse)},
                {"truth_area_m2", number(result.truth_area)}};
   for (const ThresholdScores& finer : s.finer) {
@@ -249,8 +276,8 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
   geometry["surface"] = surface_json(evaluation.surface);
   geometry["variants"] = Json::array();
   for (const MeshProtocolResult& variant : evaluation.variants) geometry["variants"].push_back(geometry_json(variant));
-  if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() && !truth.vertices.empty() &&
-      run.has_labels()) {
+  if (predicted.labels.size() == predicted.vertices.size() && truth.labels.size() == truth.vertices.size() &&
+      !truth.vertices.empty() && run.has_labels()) {
     const TriangleMesh seen = cull_to_first_hits(truth, input.truth_cameras, *run.pool);
     const TriangleMesh moved = transformed(predicted, evaluation.headline.alignment_report.similarity);
     const MeshLabelScores labels = compare_mesh_labels(moved, seen, run.scene.labels.size(), *run.pool);
@@ -262,8 +289,12 @@ void measure_mesh(OpenRun& run, const EvalStageOptions& options, Json& geometry,
 }
 
 Json training_json(const OpenRun& run) {
-  Json train = {{"seconds", nullptr}, {"iterations", run.config.train.iterations}, {"gaussians", run.model.size()},
-                {"iterations_per_second", nullptr}, {"peak_memory_bytes", nullptr}, {"device", run.engine->device_name()}};
+  Json train = {{"seconds", nullptr},
+                {"iterations", run.config.train.iterations},
+                {"gaussians", run.model.size()},
+                {"iterations_per_second", nullptr},
+                {"peak_memory_bytes", nullptr},
+                {"device", run.engine->device_name()}};
   const fs::path file = run.folder / "run.json";
   const Json state = fs::exists(file) ? parse_json(read_file(file)) : Json();
   if (!state.is_object() || !state.contains("train") || !state["train"].is_object()) return train;
@@ -283,10 +314,16 @@ Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
     if (semantics.is_null()) semantics = {{"miou", nullptr}, {"accuracy", nullptr}, {"present", {{"miou", nullptr}}}};
     semantics["mesh"] = mesh_semantics;
   }
-  const Json metrics = {{"schema", 1}, {"scene_source", run.scene.source}, {"priors", run.scene.prior_source},
-                        {"width", run.working_camera(0).width}, {"height", run.working_camera(0).height},
-                        {"nvs", views.nvs}, {"geometry", geometry}, {"semantics", semantics},
-                        {"train", training_json(run)}, {"per_view", views.per_view}};
+  const Json metrics = {{"schema", 1},
+                        {"scene_source", run.scene.source},
+                        {"priors", run.scene.prior_source},
+                        {"width", run.working_camera(0).width},
+                        {"height", run.working_camera(0).height},
+                        {"nvs", views.nvs},
+                        {"geometry", geometry},
+                        {"semantics", semantics},
+                        {"train", training_json(run)},
+                        {"per_view", views.per_view}};
   if (options.mesh.empty()) write_file_atomically(run.folder / "metrics.json", json_document(metrics));
   return metrics;
 }
@@ -307,10 +344,12 @@ void require_at_least(const Json& metrics, const std::vector<std::string>& condi
     }
     const double value = number_at(metrics, path);
     if (std::isnan(value)) {
-      throw_usage("--fail-under: this run has no number \"" + path + "\"", "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
+      throw_usage("--fail-under: this run has no number \"" + path + "\"",
+                  "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
     }
     if (value < wanted) {
-      throw Error({ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, wanted), {}, {}, {}});
+      throw Error(
+          {ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, wanted), {}, {}, {}});
     }
   }
 }

@@ -20,7 +20,8 @@ struct EvalStageOptions {
   ProgressStyle progress;
 };
 
-/// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null, never a substitute.
+/// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null,
+/// never a substitute.
 nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
 /// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics. Error{kBelow} (status 6) when one is

@@ -4,15 +4,16 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "mesh/surface_depth.h"
+#include "scene/depth_placement.h"
 #include "scene/mesh_ply.h"
 #include "scene/view_data.h"
-#include "scene/depth_placement.h"
 #include "train/training_set.h"
 
 namespace aligngs {
 namespace {
 
-constexpr float kPlaneCertainty = 100;  // of a depth on a plane of the room beside a rendered one, when surfaces are smoothed
+// of a depth on a plane of the room beside a rendered one, when surfaces are smoothed
+constexpr float kPlaneCertainty = 100;
 
 FusionOptions fusion_options(const OpenRun& run) {
   const MeshConfig& mesh = run.config.mesh;
@@ -35,8 +36,11 @@ FusionOptions fusion_options(const OpenRun& run) {
 }
 
 ImageF chosen_depth(const Rendering& rendering, const MeshConfig& mesh) {
-  if (mesh.depth == "agreeing") return agreeing_depth(rendering.depth_plane, rendering.depth_median, mesh.depth_agreement);
-  return mesh.depth == "plane" ? rendering.depth_plane : mesh.depth == "expected" ? rendering.depth_expected : rendering.depth_median;
+  if (mesh.depth == "agreeing")
+    return agreeing_depth(rendering.depth_plane, rendering.depth_median, mesh.depth_agreement);
+  return mesh.depth == "plane"      ? rendering.depth_plane
+         : mesh.depth == "expected" ? rendering.depth_expected
+                                    : rendering.depth_median;
 }
 
 FusionFrame rendered_frame(OpenRun& run, const Camera& camera, const std::string& name, const RenderOptions& options) {
@@ -58,12 +62,14 @@ FusionFrame prior_frame(const OpenRun& run, const ViewPlacement& placement, int 
   options.prior_depth = true;
   options.depth_factor = placement.factor;
   if (!(placement.factor > 0)) {
-    throw_bad_input(run.scene.folder / "priors.json", run.scene.views[static_cast<size_t>(view)].name, "nothing tells the scale of this view's prior depth",
+    throw_bad_input(run.scene.folder / "priors.json", run.scene.views[static_cast<size_t>(view)].name,
+                    "nothing tells the scale of this view's prior depth",
                     "fuse rendered depth instead (without --from-prior)");
   }
   const ViewData data = load_view(run.scene, view, options);
   if (data.prior_depth.empty()) {
-    throw_bad_input(run.scene.folder / "pred_depths", data.name, "this view has no prior depth", "fuse rendered depth instead (without --from-prior)");
+    throw_bad_input(run.scene.folder / "pred_depths", data.name, "this view has no prior depth",
+                    "fuse rendered depth instead (without --from-prior)");
   }
   FusionFrame frame;
   frame.name = data.name;
@@ -76,7 +82,8 @@ FusionFrame prior_frame(const OpenRun& run, const ViewPlacement& placement, int 
 FusionFrame truth_frame(const OpenRun& run, int view) {
   const View& v = run.scene.views[static_cast<size_t>(view)];
   if (v.truth_depth.empty()) {
-    throw_bad_input(run.scene.folder / "truth" / "depth", v.name, "this view has no true depth", "fuse rendered depth instead (without --from-truth)");
+    throw_bad_input(run.scene.folder / "truth" / "depth", v.name, "this view has no true depth",
+                    "fuse rendered depth instead (without --from-truth)");
   }
   FusionFrame frame;
   frame.name = v.name;
@@ -112,8 +119,8 @@ Camera between(const Camera& a, const Camera& b) {
   const Quaterniond p = quaternion_of(a.world_to_camera.rotation), q0 = quaternion_of(b.world_to_camera.rotation);
   const double sign = p.w * q0.w + p.x * q0.x + p.y * q0.y + p.z * q0.z < 0 ? -1 : 1;
   Camera camera = a;
-  camera.world_to_camera.rotation =
-      rotation_matrix(normalized(Quaterniond{p.w + sign * q0.w, p.x + sign * q0.x, p.y + sign * q0.y, p.z + sign * q0.z}));
+  camera.world_to_camera.rotation = rotation_matrix(
+      normalized(Quaterniond{p.w + sign * q0.w, p.x + sign * q0.x, p.y + sign * q0.y, p.z + sign * q0.z}));
   camera.world_to_camera.translation = -(camera.world_to_camera.rotation * ((a.centre() + b.centre()) * 0.5));
   return camera;
 }
@@ -123,8 +130,9 @@ void add_interpolated(OpenRun& run, std::vector<FusionFrame>& frames) {
   const size_t pairs = run.scene.train.size() - 1;
   for (size_t k = 0; k < wanted && k < pairs; ++k) {
     const size_t i = k * pairs / std::min(wanted, pairs);
-    frames.push_back(rendered_frame(run, between(run.working_camera(run.scene.train[i]), run.working_camera(run.scene.train[i + 1])),
-                                    "between " + std::to_string(i), run.render_options()));
+    frames.push_back(
+        rendered_frame(run, between(run.working_camera(run.scene.train[i]), run.working_camera(run.scene.train[i + 1])),
+                       "between " + std::to_string(i), run.render_options()));
     frames.back().interpolated = true;
     frames.back().label = {};
   }
@@ -156,11 +164,13 @@ void improve_depth(OpenRun& run, std::vector<FusionFrame>& frames) {
 MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
   std::vector<FusionFrame> frames;
   HiddenPixels hidden;
-  const DepthPlacement placement = options.source == DepthSource::kPrior ? place_prior_depth(run.scene) : DepthPlacement();
+  const DepthPlacement placement =
+      options.source == DepthSource::kPrior ? place_prior_depth(run.scene) : DepthPlacement();
   const PriorUse use = options.source == DepthSource::kRendered ? decide_prior_use(run.scene, run.config) : PriorUse();
   for (const int view : run.scene.train) {
     if (options.source != DepthSource::kRendered) {
-      frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, placement.views[frames.size()], view) : truth_frame(run, view));
+      frames.push_back(options.source == DepthSource::kPrior ? prior_frame(run, placement.views[frames.size()], view)
+                                                             : truth_frame(run, view));
       continue;
     }
     // The near plane of training: a camera whose estimated pose lies behind a wall would see nothing but that wall.
@@ -170,8 +180,11 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
     hide_pixels(run, view, frames.back(), hidden);
   }
   if (hidden.all > 0) {
-    log_info("{:.1f} % of the pixels are masked or show ignored classes; at {:.0f} % of them nothing is known of what lies behind",
-             100.0 * double(hidden.all) / double(run.scene.train.size() * frames.front().depth.pixels()), 100.0 * double(hidden.unknown) / double(hidden.all));
+    log_info(
+        "{:.1f} % of the pixels are masked or show ignored classes; at {:.0f} % of them nothing is known of what lies "
+        "behind",
+        100.0 * double(hidden.all) / double(run.scene.train.size() * frames.front().depth.pixels()),
+        100.0 * double(hidden.unknown) / double(hidden.all));
   }
   const bool rendered = options.source == DepthSource::kRendered;
   if (rendered && run.config.mesh.interpolated_views > 0 && frames.size() > 1) add_interpolated(run, frames);
@@ -186,15 +199,20 @@ MeshStageResult mesh_run(OpenRun& run, const MeshStageOptions& options) {
     return {};
   }
   if (fused.mesh.empty()) {
-    throw Error({ErrorKind::kFailed, "fusion found no surface", run.folder, {}, "look at the renders: is there anything in them?"});
+    throw Error({ErrorKind::kFailed,
+                 "fusion found no surface",
+                 run.folder,
+                 {},
+                 "look at the renders: is there anything in them?"});
   }
   MeshStageResult result;
   result.fusion = fused.report;
   if (run.has_labels() && rendered) result.labels = label_mesh(fused.mesh, frames, *run.pool);
   result.file = file;
   write_mesh_ply(result.file, fused.mesh);
-  const std::filesystem::path pictures =
-      options.output.empty() && options.pictures.empty() ? run.folder / "renders" / "test" / "surface" : options.pictures;
+  const std::filesystem::path pictures = options.output.empty() && options.pictures.empty()
+                                             ? run.folder / "renders" / "test" / "surface"
+                                             : options.pictures;
   if (!pictures.empty()) write_surface_pictures(run, fused.mesh, pictures);
   log_info("{}", fused.report.text());
   return result;

@@ -44,7 +44,9 @@ RenderOptions OpenRun::render_options() const {
   return options;
 }
 
-void OpenRun::expose_as(int view, ImageF& color) const { divide_exposure(log_gains[static_cast<size_t>(view)] * -1.0f, color); }
+void OpenRun::expose_as(int view, ImageF& color) const {
+  divide_exposure(log_gains[static_cast<size_t>(view)] * -1.0f, color);
+}
 
 OpenRun open_run(const fs::path& folder, const OpenRunOptions& options) {
   TrainedRun trained = read_trained_run(folder, options.scene, CheckpointParts::kWithoutEngineArrays);

@@ -25,7 +25,8 @@ struct OpenRun {
   TrainConfig config;
   Scene scene;
   GaussianModel model;  ///< semantic rows as labels are drawn with them (semantic.drawn_sharpness)
-  std::vector<Vec3f> log_gains;  ///< of all views: how a picture of the scene is exposed there; zeros without data.exposure
+  /// of all views: how a picture of the scene is exposed there; zeros without data.exposure
+  std::vector<Vec3f> log_gains;
   std::unique_ptr<Engine> engine;
   std::unique_ptr<ThreadPool> pool;
 

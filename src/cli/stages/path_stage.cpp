@@ -36,7 +36,8 @@ bool is_tour(const std::string& path) { return path == "orbit" || path == "walk"
 std::vector<Vec3d> solid_places(const GaussianModel& model) {
   std::vector<Vec3d> out;
   for (size_t i = 0; i < model.size(); ++i) {
-    if (opacity_of(model, i) >= kSolid) out.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
+    if (opacity_of(model, i) >= kSolid)
+      out.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
   }
   return out;
 }
@@ -52,7 +53,8 @@ Vec3d up_of(const Scene& scene) {
 CameraPath tour_of(const OpenRun& run, const std::string& name, double seconds) {
   const fs::path measured = run.folder / "room.json";
   const std::vector<Vec3d> places = solid_places(run.model);
-  RoomInside room = fs::exists(measured) ? RoomInside::of_room(read_room(measured)) : RoomInside::of_points(places, up_of(run.scene));
+  RoomInside room =
+      fs::exists(measured) ? RoomInside::of_room(read_room(measured)) : RoomInside::of_points(places, up_of(run.scene));
   std::vector<Camera> photos;
   for (const int view : run.scene.train) photos.push_back(run.scene.views[static_cast<size_t>(view)].camera);
   room.add_obstacles(places, tour_height(room, photos));
@@ -74,7 +76,8 @@ Image<uint8_t> picture_of(OpenRun& run, const Camera& camera) {
 void require_free_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error) || (fs::is_directory(folder, error) && fs::is_empty(folder, error))) return;
-  throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", folder, "-o", "name a new or empty folder, a .mp4 file, or a .png file for one picture"});
+  throw Error({ErrorKind::kUsage, "the folder for the pictures is taken", folder, "-o",
+               "name a new or empty folder, a .mp4 file, or a .png file for one picture"});
 }
 
 /// Calls `take` with every picture in order.
@@ -100,7 +103,8 @@ PictureSize parse_picture_size(const std::string& text) {
   const auto [rest, second] = std::from_chars(parted ? cross + 1 : end, end, size.height);
   const auto fits = [](int v) { return v >= kSmallest && v <= kLargest; };
   if (!parted || second != std::errc() || rest != end || !fits(size.width) || !fits(size.height)) {
-    throw_usage("\"" + text + "\" is no size", fmt::format("give width and height in pixels, {} to {}, as 1920x1080", kSmallest, kLargest));
+    throw_usage("\"" + text + "\" is no size",
+                fmt::format("give width and height in pixels, {} to {}, as 1920x1080", kSmallest, kLargest));
   }
   return size;
 }
@@ -114,8 +118,10 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
   }
   if (ending == ".png") return;
   if (ending == ".mp4" && can_write_video()) {
-    if (options.size.width % 2 != 0 || options.size.height % 2 != 0) throw_usage("a video has even numbers of pixels", "choose another --size");
-    if (fs::is_directory(options.output)) throw Error({ErrorKind::kUsage, "a folder has this name", options.output, "-o", "name a file"});
+    if (options.size.width % 2 != 0 || options.size.height % 2 != 0)
+      throw_usage("a video has even numbers of pixels", "choose another --size");
+    if (fs::is_directory(options.output))
+      throw Error({ErrorKind::kUsage, "a folder has this name", options.output, "-o", "name a file"});
     return;
   }
   require_free_folder(ending == ".mp4" ? fs::path(options.output).replace_extension("") : options.output);
@@ -130,11 +136,13 @@ PathPictures render_path(OpenRun& run, const PathStageOptions& options) {
       throw_usage(fmt::format("--at {} is not on the way, which takes {:.3g} s", options.at, path.duration()));
     }
     const CameraKey key = key_at(path, path.begin() + options.at);
-    write_png(options.output, picture_of(run, camera_of(key, up_of(run.scene), options.size.width, options.size.height)));
+    write_png(options.output,
+              picture_of(run, camera_of(key, up_of(run.scene), options.size.width, options.size.height)));
     return out;
   }
   const double frames = std::floor(path.duration() * options.frames_per_second) + 1;
-  if (frames > static_cast<double>(kMostFrames)) throw_usage(fmt::format("{:.0f} pictures are more than {}", frames, kMostFrames), "use less --seconds or --fps");
+  if (frames > static_cast<double>(kMostFrames))
+    throw_usage(fmt::format("{:.0f} pictures are more than {}", frames, kMostFrames), "use less --seconds or --fps");
   out.frames = static_cast<size_t>(frames);
   if (ending == ".mp4" && can_write_video()) {
     VideoWriter video(options.output, options.size.width, options.size.height, options.frames_per_second);
@@ -145,8 +153,9 @@ PathPictures render_path(OpenRun& run, const PathStageOptions& options) {
   out.video_missing = ending == ".mp4";
   if (out.video_missing) out.output.replace_extension("");
   FolderReplacement folder(out.output);
-  draw_all(run, path, options, out.frames,
-           [&](size_t i, const Image<uint8_t>& picture) { write_png(folder.path() / fmt::format("frame_{:05}.png", i + 1), picture); });
+  draw_all(run, path, options, out.frames, [&](size_t i, const Image<uint8_t>& picture) {
+    write_png(folder.path() / fmt::format("frame_{:05}.png", i + 1), picture);
+  });
   folder.commit();
   return out;
 }
@@ -158,11 +167,13 @@ void render_view_picture(OpenRun& run, const std::string& view, const PictureSiz
     std::vector<std::string> names;
     for (const View& v : views) names.push_back(v.name);
     const std::string near = nearest_word(view, names);
-    throw_usage("there is no view \"" + view + "\"", near.empty() ? "cameras.json of the run lists the views" : "did you mean " + near + "?");
+    throw_usage("there is no view \"" + view + "\"",
+                near.empty() ? "cameras.json of the run lists the views" : "did you mean " + near + "?");
   }
   // The photo fits into the picture.
   Camera camera = found->camera;
-  const double scale = std::min(static_cast<double>(size.width) / camera.width, static_cast<double>(size.height) / camera.height);
+  const double scale =
+      std::min(static_cast<double>(size.width) / camera.width, static_cast<double>(size.height) / camera.height);
   camera.cx = 0.5 * size.width + (camera.cx - 0.5 * camera.width) * scale;
   camera.cy = 0.5 * size.height + (camera.cy - 0.5 * camera.height) * scale;
   camera.fx *= scale;

@@ -17,8 +17,8 @@ struct PictureSize {
 PictureSize parse_picture_size(const std::string& text);
 
 struct PathStageOptions {
-  std::string path;               ///< "orbit", "walk" or a file of key frames (scene/camera_path_json.h)
-  std::filesystem::path output;   ///< FILE.mp4, FILE.png for one picture, else a folder that is absent or empty
+  std::string path;              ///< "orbit", "walk" or a file of key frames (scene/camera_path_json.h)
+  std::filesystem::path output;  ///< FILE.mp4, FILE.png for one picture, else a folder that is absent or empty
   PictureSize size;
   double frames_per_second = 30;
   std::optional<double> seconds;  ///< of the whole way; absent: those of the file, or kTourSeconds
@@ -32,10 +32,11 @@ struct PathPictures {
   std::filesystem::path output;  ///< what was written
   size_t frames = 0;
   double seconds = 0;
-  bool video_missing = false;    ///< a video was asked for and ffmpeg is not installed: output is a folder of pictures
+  bool video_missing = false;  ///< a video was asked for and ffmpeg is not installed: output is a folder of pictures
 };
 
-/// For before the run is opened, which takes seconds. Error{kUsage} for a place that is taken or belongs to the run, and for
+/// For before the run is opened, which takes seconds. Error{kUsage} for a place that is taken or belongs to the run,
+/// and for
 /// a size that a video cannot have. Error{kBadInput} for key frames that cannot be read.
 void require_path_place(const std::filesystem::path& run, const PathStageOptions& options);
 
@@ -44,6 +45,7 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
 PathPictures render_path(OpenRun& run, const PathStageOptions& options);
 
 /// One picture at the place of a photo, with its field of view. Error{kUsage} for a name that no view has.
-void render_view_picture(OpenRun& run, const std::string& view, const PictureSize& size, const std::filesystem::path& file);
+void render_view_picture(OpenRun& run, const std::string& view, const PictureSize& size,
+                         const std::filesystem::path& file);
 
 }  // namespace aligngs

@@ -31,7 +31,8 @@ PerceptualMetric::PerceptualMetric(const ModelStore& store, ThreadPool& pool) {
 
 PerceptualMetric::~PerceptualMetric() = default;
 
-std::optional<PerceptualMetric::Distances> PerceptualMetric::measure(const ImageF& rendered, const ImageF& truth, const ImageF& mask) const {
+std::optional<PerceptualMetric::Distances> PerceptualMetric::measure(const ImageF& rendered, const ImageF& truth,
+                                                                     const ImageF& mask) const {
   constexpr int kSmallest = 16;  // pixels; the network halves four times
   if (!network_ || rendered.width < kSmallest || rendered.height < kSmallest) return std::nullopt;
   ImageF masked = rendered;

@@ -22,7 +22,8 @@ class PerceptualMetric {
     double canonical = 0;  ///< inputs brought to [-1, 1], as the authors of the metric say
     double unit = 0;       ///< inputs left in [0, 1], as the tables of the field have it
   };
-  /// Both RGB in [0, 1], of one size; where `mask` (may be empty) is 0 they count as equal. Nothing below 16 x 16 pixels.
+  /// Both RGB in [0, 1], of one size; where `mask` (may be empty) is 0 they count as equal. Nothing below 16 x 16
+  /// pixels.
   std::optional<Distances> measure(const ImageF& rendered, const ImageF& truth, const ImageF& mask) const;
 
   /// Why nothing is measured; empty when it is.

@@ -68,7 +68,9 @@ nlohmann::json make_products(const TrainOptions& options, const TsdfDeviceFactor
   mesh.make_device = make_tsdf_device;
   mesh.may_be_empty = true;
   if (mesh_run(run, mesh).file.empty()) {
-    warn(options.run, "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at the renders");
+    warn(options.run,
+         "fusion found no surface, so that there is no mesh and geometry is not measured: train longer, or look at the "
+         "renders");
   }
   stop_here_if_asked(options.run);
   enter_stage(options.run, "measure");
@@ -99,7 +101,11 @@ nlohmann::json run_pipeline(const TrainOptions& options, const CommandContext& c
     metrics = make_products(options, make_tsdf_device);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kInterrupted) throw;
-    throw Error({ErrorKind::kInterrupted, "stopped; the training is finished", {}, {}, "run again to make the rest: " + options.resume_command});
+    throw Error({ErrorKind::kInterrupted,
+                 "stopped; the training is finished",
+                 {},
+                 {},
+                 "run again to make the rest: " + options.resume_command});
   }
   if (context.global.json) {
     print_json(metrics);

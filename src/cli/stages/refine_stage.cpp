@@ -40,12 +40,14 @@ Scene open_for(const fs::path& folder, const TrainConfig& config) {
 }  // namespace
 
 bool should_measure(const fs::path& scene, const TrainConfig& config) {
-  if (!config.data.measure_depth || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
+  if (!config.data.measure_depth || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric"))
+    return false;
   const Scene opened = open_scene(scene);
   return !opened.has_prior_depth() && opened.cloud.size() > 0;
 }
 
-bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
+bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+                      const CommandContext& context) {
   auto options = options_of<MeasureSceneOptions>(config, context);
   options.plane_settings.sure.square = config.data.refine_square;
   ThreadPool pool(context.global.threads);
@@ -55,7 +57,8 @@ bool measure_into_run(const fs::path& scene, const fs::path& run, const TrainCon
     log_warning("{}; training starts from the points", kNothingMeasured);
     return false;
   }
-  log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views, 100 * report.measured);
+  log_info("depth measured in {} photos: {:.0f} % of the pixels are confirmed by another photo", report.views,
+           100 * report.measured);
   return true;
 }
 
@@ -69,7 +72,8 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   }
   const PriorUse use = decide_prior_use(opened, config);
   if (use.depth != PriorDepthKind::kMetric || use.placement.placed() < use.placement.views.size()) {
-    log_info("cameras stay unrefined: the search for matches needs prior depth in the units of the scene ({})", use.depth_note);
+    log_info("cameras stay unrefined: the search for matches needs prior depth in the units of the scene ({})",
+             use.depth_note);
     return false;
   }
   if (!bundle_adjustment_available()) {
@@ -83,11 +87,12 @@ bool should_complete(const fs::path& scene, const TrainConfig& config) {
   const bool wanted = (config.data.exposure && config.data.sensor_exposure) || config.data.fill_depth;
   if (!wanted || (config.data.prior_depth != "auto" && config.data.prior_depth != "metric")) return false;
   const Scene opened = open_scene(scene);
-  return opened.has_prior_depth() && !opened.has_network_depth() && opened.prior_source != kStereoDepth && opened.depth_scale == DepthScale::kScene &&
-         !fs::exists(scene / "exposure.json") && !is_refined_scene(scene);
+  return opened.has_prior_depth() && !opened.has_network_depth() && opened.prior_source != kStereoDepth &&
+         opened.depth_scale == DepthScale::kScene && !fs::exists(scene / "exposure.json") && !is_refined_scene(scene);
 }
 
-bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
+bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+                       const CommandContext& context) {
   CompleteSceneOptions options;
   options.overwrite = options.in_place = true;  // RUN/scene may be what is read
   options.exposure = config.data.exposure && config.data.sensor_exposure;
@@ -97,17 +102,21 @@ bool complete_into_run(const fs::path& scene, const fs::path& run, const TrainCo
   fs::create_directories(run);
   const CompleteSceneReport report = complete_scene(open_for(scene, config), run / "scene", options, pool);
   if (options.exposure) {
-    log_info("exposures: the brightest photo has {:.2f} times the light of the darkest, in the channel that differs most{}", std::exp(report.span),
-             report.exposed ? "" : "; photos are used as they are");
+    log_info(
+        "exposures: the brightest photo has {:.2f} times the light of the darkest, in the channel that differs most{}",
+        std::exp(report.span), report.exposed ? "" : "; photos are used as they are");
   }
   if (report.completed) {
-    log_info("holes of the depth: {:.0f} % of the pixels have none, stereo fills {:.0f} %; where both measured they differ by {:.1f} %", 100 * report.holes,
-             100 * report.filled, 100 * report.disagreement);
+    log_info(
+        "holes of the depth: {:.0f} % of the pixels have none, stereo fills {:.0f} %; where both measured they differ "
+        "by {:.1f} %",
+        100 * report.holes, 100 * report.filled, 100 * report.disagreement);
   }
   return report.exposed || report.completed;
 }
 
-void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config, const CommandContext& context) {
+void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConfig& config,
+                     const CommandContext& context) {
   auto options = options_of<RefineSceneOptions>(config, context);
   options.stereo = config.data.refine_stereo;
   options.fuse_labels = config.data.refine_fused_labels;
@@ -118,14 +127,17 @@ void refine_into_run(const fs::path& scene, const fs::path& run, const TrainConf
   const RefineSceneReport report = refine_scene(open_for(scene, config), run / "scene", options, pool);
   log_info("prior depth: {}", report.depth_placement);
   const RefineResult& result = report.cameras;
-  log_info("cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}", result.tracks,
-           result.bundle.start_median, result.bundle.end_median, result.focal_factor);
-  const auto misplaced = std::count_if(result.views.begin(), result.views.end(), [](const RefinedView& v) { return v.misplaced; });
+  log_info(
+      "cameras refined from {} tracks: reprojection error {:.2f} px before, {:.2f} px after, focal length x {:.3f}",
+      result.tracks, result.bundle.start_median, result.bundle.end_median, result.focal_factor);
+  const auto misplaced =
+      std::count_if(result.views.begin(), result.views.end(), [](const RefinedView& v) { return v.misplaced; });
   if (misplaced > 0) log_info("{} misplaced photos were found at other places, by the points of the others", misplaced);
   if (!report.planes.empty()) {
     log_info("{} planes; {:.0f} % of the pixels lie on one", report.planes.size(), 100 * report.on_planes);
   }
-  if (!report.panels.empty()) log_info("{} panes, mirrors, screens or pictures have planes of their own", report.panels.size());
+  if (!report.panels.empty())
+    log_info("{} panes, mirrors, screens or pictures have planes of their own", report.panels.size());
 }
 
 }  // namespace aligngs

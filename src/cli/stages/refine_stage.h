@@ -22,17 +22,21 @@ bool measure_into_run(const std::filesystem::path& scene, const std::filesystem:
 /// made. The scene has not been refined before. Otherwise logs the reason.
 bool should_refine(const std::filesystem::path& scene, const TrainConfig& config);
 
-/// Whether a run with these settings first measures exposures (data.sensor_exposure and data.exposure) and fills holes of the
-/// depth (data.fill_depth). Every training view needs depth in scene units, of a sensor or given. Refining and measuring depth
+/// Whether a run with these settings first measures exposures (data.sensor_exposure and data.exposure) and fills holes
+/// of the
+/// depth (data.fill_depth). Every training view needs depth in scene units, of a sensor or given. Refining and
+/// measuring depth
 /// do such work themselves.
 bool should_complete(const std::filesystem::path& scene, const TrainConfig& config);
 
-/// Completes `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what was found.
+/// Completes `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all; says what
+/// was found.
 /// false: nothing was to be done, and nothing is written.
 bool complete_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
                        const CommandContext& context);
 
-/// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far the
+/// Refines `scene` (which may be RUN/scene itself) and puts the result in RUN/scene, whole or not at all. Says how far
+/// the
 /// photos agreed before and after. Error{kBadInput} for a scene without prior depth.
 void refine_into_run(const std::filesystem::path& scene, const std::filesystem::path& run, const TrainConfig& config,
                      const CommandContext& context);

@@ -17,8 +17,8 @@
 namespace aligngs {
 namespace {
 
-constexpr int kLongestSide = 640;       // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
-constexpr float kSolidOpacity = 0.3f;   // of a Gaussian whose centre is taken for a surface
+constexpr int kLongestSide = 640;      // pixels of a rendering: a square of 2 cm at 4 m is 2 pixels of it
+constexpr float kSolidOpacity = 0.3f;  // of a Gaussian whose centre is taken for a surface
 
 /// The mean probability of an object's class, by class and instance.
 double confidence_of(const LabelledGaussians& g, int label, int instance) {
@@ -41,7 +41,8 @@ ScaleSource scale_source_of(const Scene& scene) {
 PlaneView look(OpenRun& run, const PriorUse& use, int view) {
   Camera camera = run.working_camera(view);
   const double shrink = std::min(1.0, static_cast<double>(kLongestSide) / std::max(camera.width, camera.height));
-  camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))), std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
+  camera = camera.resized(std::max(1, static_cast<int>(std::lround(camera.width * shrink))),
+                          std::max(1, static_cast<int>(std::lround(camera.height * shrink))));
   RenderOptions options = run.render_options();
   options.geometry = options.labels = true;
   // The near plane of training, as for the mesh.
@@ -56,7 +57,9 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
   const LabelledGaussians& g = room.gaussians;
   std::vector<ObjectPoints> out;
   if (!g.has_labels()) return out;
-  const auto is_furniture = [&classes](int label) { return label >= 0 && static_cast<size_t>(label) < classes.size() && classes[static_cast<size_t>(label)].furniture; };
+  const auto is_furniture = [&classes](int label) {
+    return label >= 0 && static_cast<size_t>(label) < classes.size() && classes[static_cast<size_t>(label)].furniture;
+  };
   if (!room.mesh.empty() && !room.mesh.labels.empty()) {
     for (const ObjectMesh& object : object_meshes(room, pool)) {
       if (!is_furniture(object.label) || object.instance == 0) continue;
@@ -68,9 +71,14 @@ std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool&
   }
   for (const Instance& object : list_instances(g.model, g.labels)) {
     if (!is_furniture(object.label)) continue;
-    ObjectPoints points{room.labels.classes[static_cast<size_t>(object.label)].name, object.number, {}, confidence_of(g, object.label, object.number)};
+    ObjectPoints points{room.labels.classes[static_cast<size_t>(object.label)].name,
+                        object.number,
+                        {},
+                        confidence_of(g, object.label, object.number)};
     for (size_t i = 0; i < g.model.size(); ++i) {
-      if (g.labels.label[i] != object.label || g.labels.instance[i] != object.number || opacity_of(g.model, i) < kSolidOpacity) continue;
+      if (g.labels.label[i] != object.label || g.labels.instance[i] != object.number ||
+          opacity_of(g.model, i) < kSolidOpacity)
+        continue;
       points.points.push_back({g.model.positions[3 * i], g.model.positions[3 * i + 1], g.model.positions[3 * i + 2]});
     }
     out.push_back(std::move(points));
@@ -97,13 +105,15 @@ MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects) {
 MeasuredRoom read_run_room(const std::filesystem::path& run) {
   require_run_folder(run);
   if (!std::filesystem::exists(run / "room.json")) {
-    throw_bad_input(run / "room.json", "", "this run has no description of its room", "make it with: aligngs room " + run.string());
+    throw_bad_input(run / "room.json", "", "this run has no description of its room",
+                    "make it with: aligngs room " + run.string());
   }
   return read_room(run / "room.json");
 }
 
 MeasuredRoom with_scale_of_scene(const MeasuredRoom& room, const std::filesystem::path& run) {
-  if (room.scale_source != ScaleSource::kGiven) throw_usage("the scale of this run was not given by hand", "there is nothing to take back");
+  if (room.scale_source != ScaleSource::kGiven)
+    throw_usage("the scale of this run was not given by hand", "there is nothing to take back");
   const TrainedRun trained = read_trained_run(run, {}, CheckpointParts::kWithoutEngineArrays);
   MeasuredRoom out = rescaled(room, 1 / room.to_room.scale);
   out.metric = trained.scene.metric;
@@ -136,14 +146,16 @@ std::string room_summary(const MeasuredRoom& room) {
   const char* unit = room.metric ? "m" : "scene units";
   const char* square = room.metric ? "m²" : "square scene units";
   std::string lengths;
-  for (const MeasuredWall& wall : room.walls) lengths += fmt::format("{}{:.2f}{}", lengths.empty() ? "" : ", ", wall.length(), wall.assumed ? " (assumed)" : "");
-  std::string text = fmt::format("ceiling      {:.2f} {}\nfloor area   {:.2f} {}\nperimeter    {:.2f} {}\nwalls        {} {}\n", room.height, unit, room.area(), square,
-                                 room.perimeter(), unit, lengths, unit);
+  for (const MeasuredWall& wall : room.walls)
+    lengths += fmt::format("{}{:.2f}{}", lengths.empty() ? "" : ", ", wall.length(), wall.assumed ? " (assumed)" : "");
+  std::string text =
+      fmt::format("ceiling      {:.2f} {}\nfloor area   {:.2f} {}\nperimeter    {:.2f} {}\nwalls        {} {}\n",
+                  room.height, unit, room.area(), square, room.perimeter(), unit, lengths, unit);
   if (room.lowest < room.height) text += fmt::format("lowest       {:.2f} {}\n", room.lowest, unit);
   for (size_t i = 0; i < room.openings.size(); ++i) {
     const MeasuredOpening& o = room.openings[i];
-    text += fmt::format("{:<12} {:.2f} x {:.2f} {} at {:.2f} on {}\n", opening_name(room, i), o.right - o.left, o.top - o.bottom, unit, o.bottom,
-                        wall_name(static_cast<size_t>(o.wall)));
+    text += fmt::format("{:<12} {:.2f} x {:.2f} {} at {:.2f} on {}\n", opening_name(room, i), o.right - o.left,
+                        o.top - o.bottom, unit, o.bottom, wall_name(static_cast<size_t>(o.wall)));
   }
   text += fmt::format("furniture    {} boxes\nscale        {}\n", room.boxes.size(), name_of(room.scale_source));
   return text;

@@ -12,7 +12,8 @@ namespace aligngs {
 /// Surface points of the furniture of a room: vertices of its mesh, or where there is none centres of its Gaussians.
 std::vector<ObjectPoints> furniture_points(const EditableRoom& room, ThreadPool& pool);
 
-/// Describes the room of a run as its training views show it after training, with `objects` as its furniture. Error{kBadInput} for a run without
+/// Describes the room of a run as its training views show it after training, with `objects` as its furniture.
+/// Error{kBadInput} for a run without
 /// labels, and errors as find_room's.
 MeasuredRoom describe_room(OpenRun& run, std::vector<ObjectPoints> objects);
 
@@ -22,7 +23,8 @@ MeasuredRoom read_run_room(const std::filesystem::path& run);
 /// The room with the scale of the run's own scene, without what the user gave. Error{kUsage} where none was given.
 MeasuredRoom with_scale_of_scene(const MeasuredRoom& room, const std::filesystem::path& run);
 
-/// describe_room() of a run with its edits, written to RUN/room.json. A scale that the user gave before (`aligngs scale`) stays.
+/// describe_room() of a run with its edits, written to RUN/room.json. A scale that the user gave before (`aligngs
+/// scale`) stays.
 MeasuredRoom room_run(OpenRun& run, const std::filesystem::path& scene);
 
 /// The measures in lines of text, for people.

@@ -16,7 +16,8 @@ ImageF normals_of_hits(const TriangleMesh& mesh, const RayScene& rays, const Cam
       if (t == kNoTriangle) continue;
       const auto& corner = mesh.triangles[t];
       const Vec3d a = mesh.vertices[corner[0]].cast<double>();
-      const Vec3d world = cross(mesh.vertices[corner[1]].cast<double>() - a, mesh.vertices[corner[2]].cast<double>() - a);
+      const Vec3d world =
+          cross(mesh.vertices[corner[1]].cast<double>() - a, mesh.vertices[corner[2]].cast<double>() - a);
       Vec3d n = normalized(camera.world_to_camera.rotation * world);
       if (dot(n, camera.ray(x + 0.5, y + 0.5)) > 0) n = -n;
       for (int i = 0; i < 3; ++i) normals.at(x, y, i) = static_cast<float>(n[i]);

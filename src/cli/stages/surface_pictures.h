@@ -12,7 +12,8 @@ namespace aligngs {
 /// camera. Zero where nothing is met.
 ImageF face_normals(const TriangleMesh& mesh, const Camera& camera, ThreadPool& pool);
 
-/// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals are.
+/// Writes folder/VIEW.png for every test view: the mesh from there, coloured by its face normals as rendered normals
+/// are.
 void write_surface_pictures(const OpenRun& run, const TriangleMesh& mesh, const std::filesystem::path& folder);
 
 }  // namespace aligngs

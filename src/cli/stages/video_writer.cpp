@@ -29,15 +29,39 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kProgram = "ffmpeg";
-constexpr const char* kQuality = "18";          // constant rate factor of x264: no loss that is seen
+constexpr const char* kQuality = "18";               // constant rate factor of x264: no loss that is seen
 constexpr uint64_t kLongestLog = uint64_t(1) << 20;  // bytes
-constexpr size_t kToldBytes = 400;              // of what ffmpeg said last
+constexpr size_t kToldBytes = 400;                   // of what ffmpeg said last
 
 std::vector<std::string> command_of(const fs::path& file, int width, int height, double rate) {
-  return {kProgram, "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
-          "-video_size", fmt::format("{}x{}", width, height), "-framerate", fmt::format("{}", rate), "-i", "pipe:0",
-          "-c:v", "libx264", "-preset", "medium", "-crf", kQuality, "-pix_fmt", "yuv420p", "-movflags", "+faststart",
-          "-f", "mp4", file.string()};
+  return {kProgram,
+          "-hide_banner",
+          "-loglevel",
+          "error",
+          "-y",
+          "-f",
+          "rawvideo",
+          "-pixel_format",
+          "rgb24",
+          "-video_size",
+          fmt::format("{}x{}", width, height),
+          "-framerate",
+          fmt::format("{}", rate),
+          "-i",
+          "pipe:0",
+          "-c:v",
+          "libx264",
+          "-preset",
+          "medium",
+          "-crf",
+          kQuality,
+          "-pix_fmt",
+          "yuv420p",
+          "-movflags",
+          "+faststart",
+          "-f",
+          "mp4",
+          file.string()};
 }
 
 }  // namespace
@@ -47,7 +71,8 @@ bool can_write_video() { return !find_program(kProgram).empty(); }
 VideoWriter::VideoWriter(fs::path file, int width, int height, double rate) : file_(real_place(file)) {
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
-  if (error) throw_resources(file_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(file_, "the folder cannot be created: " + error.message(), "choose a place you may write to");
   temporary_ = temporary_beside(file_, ".tmp-" + std::to_string(::getpid()));
   log_ = temporary_beside(file_, ".log.tmp-" + std::to_string(::getpid()));
   note_temporary_path(temporary_);
@@ -75,7 +100,11 @@ VideoWriter::VideoWriter(fs::path file, int width, int height, double rate) : fi
   if (failed == 0) return;
   child_ = -1;
   end();
-  throw Error({ErrorKind::kFailed, "ffmpeg cannot be started: " + std::string(std::strerror(failed)), file_, {}, "see that the folder can be written to"});
+  throw Error({ErrorKind::kFailed,
+               "ffmpeg cannot be started: " + std::string(std::strerror(failed)),
+               file_,
+               {},
+               "see that the folder can be written to"});
 }
 
 VideoWriter::~VideoWriter() { end(); }
@@ -99,7 +128,8 @@ void VideoWriter::commit() {
   const auto lock = hold_temporary_paths();
   std::error_code error;
   fs::rename(temporary_, file_, error);
-  if (error) throw_resources(file_, "the video cannot take its place: " + error.message(), "choose a place you may write to");
+  if (error)
+    throw_resources(file_, "the video cannot take its place: " + error.message(), "choose a place you may write to");
   forget_temporary_path(temporary_);
   temporary_.clear();
 }
@@ -120,7 +150,11 @@ void VideoWriter::fail() {
   std::string told = fs::exists(log_, error) ? read_file(log_, kLongestLog) : std::string();
   if (told.size() > kToldBytes) told.erase(0, told.size() - kToldBytes);
   while (!told.empty() && told.back() == '\n') told.pop_back();
-  throw Error({ErrorKind::kFailed, "ffmpeg has ended: " + told, file_, {}, "name a folder instead of a video, and make the video from its pictures"});
+  throw Error({ErrorKind::kFailed,
+               "ffmpeg has ended: " + told,
+               file_,
+               {},
+               "name a folder instead of a video, and make the video from its pictures"});
 }
 
 void VideoWriter::end() {

@@ -16,7 +16,8 @@ bool can_write_video();
 /// without it.
 class VideoWriter {
  public:
-  /// Starts ffmpeg. `width`, `height`: even. Error{kFailed} when it cannot be started, Error{kResources} for a place that
+  /// Starts ffmpeg. `width`, `height`: even. Error{kFailed} when it cannot be started, Error{kResources} for a place
+  /// that
   /// cannot be written to.
   VideoWriter(std::filesystem::path file, int width, int height, double frames_per_second);
   ~VideoWriter();  ///< ends ffmpeg

@@ -1,4 +1,5 @@
-// A room in its own frame, as room.json has it: the floor at zero, walls along the axes, in metres where the scale is known.
+// A room in its own frame, as room.json has it: the floor at zero, walls along the axes, in metres where the scale is
+// known.
 #pragma once
 
 #include "core/rigid.h"

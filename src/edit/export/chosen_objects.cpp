@@ -11,7 +11,9 @@ namespace aligngs {
 namespace {
 
 bool among(const std::vector<SelectionTerm>& terms, int label, int instance) {
-  return std::any_of(terms.begin(), terms.end(), [&](const SelectionTerm& t) { return t.label == label && (t.instance == 0 || t.instance == instance); });
+  return std::any_of(terms.begin(), terms.end(), [&](const SelectionTerm& t) {
+    return t.label == label && (t.instance == 0 || t.instance == instance);
+  });
 }
 
 bool means(const SelectionQuery& query, int label, int instance) {
@@ -25,7 +27,8 @@ EditableRoom chosen_objects(const EditableRoom& room, const std::string& text, T
   const SelectionQuery query = read_selection(room, std::regex_replace(text, node_name, "#$2"));
   const GaussianLabels& labels = room.gaussians.labels;
   std::vector<uint8_t> keep(room.gaussians.model.size());
-  for (size_t i = 0; i < keep.size(); ++i) keep[i] = means(query, labels.label[i] == kNoLabel ? -1 : labels.label[i], labels.instance[i]);
+  for (size_t i = 0; i < keep.size(); ++i)
+    keep[i] = means(query, labels.label[i] == kNoLabel ? -1 : labels.label[i], labels.instance[i]);
   EditableRoom out;
   out.labels = room.labels;
   out.up = room.up;
@@ -41,7 +44,8 @@ EditableRoom chosen_objects(const EditableRoom& room, const std::string& text, T
     for (const auto& t : object.mesh.triangles) out.mesh.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
   }
   if (out.mesh.empty() && std::find(keep.begin(), keep.end(), 1) == keep.end()) {
-    throw_bad_input({}, "--object", "this room has no \"" + text + "\"", "it has " + objects_text(list_instances(room.gaussians.model, labels), room.labels));
+    throw_bad_input({}, "--object", "this room has no \"" + text + "\"",
+                    "it has " + objects_text(list_instances(room.gaussians.model, labels), room.labels));
   }
   out.gaussians = keep_rows(room.gaussians, keep);
   for (size_t i = 0; i < keep.size(); ++i) {

@@ -11,11 +11,11 @@
 namespace aligngs {
 
 struct ExportMesh {
-  std::vector<ObjectMesh> objects;  ///< none of them is empty
+  std::vector<ObjectMesh> objects;             ///< none of them is empty
   size_t triangles_before = 0, triangles = 0;  ///< of all objects
-  double error = 0;                 ///< units of the room: how far simplification says that the surface moved
-  Image<uint8_t> texture = {};      ///< RGB, sRGB; empty: vertices have the colours
-  size_t open_edges = 0;            ///< of all objects together; counted where the mesh is to be closed
+  double error = 0;             ///< units of the room: how far simplification says that the surface moved
+  Image<uint8_t> texture = {};  ///< RGB, sRGB; empty: vertices have the colours
+  size_t open_edges = 0;        ///< of all objects together; counted where the mesh is to be closed
 };
 
 /// Objects are simplified together, so that no gap opens between them.
@@ -27,7 +27,8 @@ inline constexpr int kTextureQuality = 90;
 /// How far the surface of a collider may move, as a share of the extent: 1 cm in a room.
 inline constexpr double kColliderError = 0.01 / 3;
 
-/// Positions and triangles alone, simplified to the error of `options`, else kColliderError, and further where they say fewer triangles.
+/// Positions and triangles alone, simplified to the error of `options`, else kColliderError, and further where they say
+/// fewer triangles.
 ExportMesh collision_mesh(const EditableRoom& room, const MeshOptions& options, ThreadPool& pool);
 
 }  // namespace aligngs

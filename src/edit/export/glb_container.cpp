@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/version.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/json_text.h"
@@ -24,7 +25,7 @@ void pad(std::string& bytes, char with) {
 }  // namespace
 
 GlbContainer::GlbContainer() {
-  json_["asset"] = {{"version", "2.0"}, {"generator", std::string("aligngs ") + ALIGNGS_VERSION}};
+  json_["asset"] = {{"version", "2.0"}, {"generator", std::string("aligngs ") + version()}};
   json_["scene"] = 0;
   for (const char* array : {"scenes", "nodes", "meshes", "materials", "accessors", "bufferViews"}) {
     json_[array] = nlohmann::ordered_json::array();
@@ -82,7 +83,9 @@ int GlbContainer::add_texture(const std::vector<uint8_t>& file, const char* type
   const int view = add("bufferViews", {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", file.size()}});
   buffer_.append(file.begin(), file.end());
   const int image = add("images", {{"name", "texture"}, {"bufferView", view}, {"mimeType", type}});
-  const int sampler = add("samplers", {{"magFilter", kLinear}, {"minFilter", kLinearMipmaps}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}});
+  const int sampler =
+      add("samplers",
+          {{"magFilter", kLinear}, {"minFilter", kLinearMipmaps}, {"wrapS", kClampToEdge}, {"wrapT", kClampToEdge}});
   return add("textures", {{"sampler", sampler}, {"source", image}});
 }
 

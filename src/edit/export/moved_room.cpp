@@ -33,7 +33,8 @@ EditableRoom moved(const EditableRoom& room, const Similarity& to) {
   model = rotated(room.gaussians.model, to.rotation);
   const float grown = static_cast<float>(std::log(to.scale));
   for (size_t i = 0; i < model.positions.size(); ++i) {
-    model.positions[i] = static_cast<float>(to.scale * static_cast<double>(model.positions[i]) + to.translation[static_cast<int>(i % 3)]);
+    model.positions[i] = static_cast<float>(to.scale * static_cast<double>(model.positions[i]) +
+                                            to.translation[static_cast<int>(i % 3)]);
   }
   for (float& s : model.log_scales) s += grown;
   out.gaussians.extent *= to.scale;
@@ -43,14 +44,19 @@ EditableRoom moved(const EditableRoom& room, const Similarity& to) {
   return out;
 }
 
-EditableRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original, const std::filesystem::path& scene_json) {
+EditableRoom in_original_coordinates(const EditableRoom& room, const Similarity& to_original,
+                                     const std::filesystem::path& scene_json) {
   constexpr double kLargestShare = 1e-4;  // of the room: half a millimetre in a room of five metres
   const Vec3d& t = to_original.translation;
   const double largest = std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)});
-  const double spacing = largest * std::numeric_limits<float>::epsilon(), size = to_original.scale * size_of(room.gaussians.model);
+  const double spacing = largest * std::numeric_limits<float>::epsilon(),
+               size = to_original.scale * size_of(room.gaussians.model);
   if (spacing > kLargestShare * size) {
-    throw_bad_input(scene_json, "to_original", fmt::format("coordinates near {:.4g} do not fit the files' 32-bit floats: points would move by {:.2g}", largest, spacing),
-                    "export without --original-coordinates, and apply to_original of scene.json in the other program");
+    throw_bad_input(
+        scene_json, "to_original",
+        fmt::format("coordinates near {:.4g} do not fit the files' 32-bit floats: points would move by {:.2g}", largest,
+                    spacing),
+        "export without --original-coordinates, and apply to_original of scene.json in the other program");
   }
   return moved(room, to_original);
 }

@@ -45,7 +45,8 @@ std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool
   return object_meshes(room.mesh, room.gaussians, room.labels, pool);
 }
 
-std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians, const LabelSet& classes, ThreadPool& pool) {
+std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians,
+                                      const LabelSet& classes, ThreadPool& pool) {
   std::vector<uint16_t> labels = mesh.labels, instances(mesh.vertices.size(), 0);
   labels.resize(mesh.vertices.size(), kNoLabel);
   for (uint16_t& label : labels) {

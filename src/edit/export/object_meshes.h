@@ -23,6 +23,7 @@ struct ObjectMesh {
 /// Gaussians are nearest. By class, then number; what has no class comes last.
 std::vector<ObjectMesh> object_meshes(const EditableRoom& room, ThreadPool& pool);
 /// The same of another mesh of the room.
-std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians, const LabelSet& classes, ThreadPool& pool);
+std::vector<ObjectMesh> object_meshes(const TriangleMesh& mesh, const LabelledGaussians& gaussians,
+                                      const LabelSet& classes, ThreadPool& pool);
 
 }  // namespace aligngs

@@ -9,7 +9,9 @@
 namespace aligngs::painted {
 
 /// Smooth in space, so that a texel's place need not be known well.
-inline Vec3f pattern(const Vec3f& p) { return {0.5f + 0.3f * std::sin(3 * p.x), 0.5f + 0.3f * std::cos(4 * p.z), 0.3f + 0.2f * std::sin(2 * p.x + 3 * p.z)}; }
+inline Vec3f pattern(const Vec3f& p) {
+  return {0.5f + 0.3f * std::sin(3 * p.x), 0.5f + 0.3f * std::cos(4 * p.z), 0.3f + 0.2f * std::sin(2 * p.x + 3 * p.z)};
+}
 
 /// Four photos from above the side z < 0 of the small room, whose up is -y; they look at its middle.
 inline TexturePhotos photos(const TriangleMesh& mesh, ThreadPool& pool) {
@@ -20,7 +22,8 @@ inline TexturePhotos photos(const TriangleMesh& mesh, ThreadPool& pool) {
     TexturePhoto photo;
     Camera& camera = photo.camera;
     camera = {320, 240, 260, 260, 160, 120, {}};
-    const Vec3d eye{x, -1.3, -1.4}, forward = normalized(Vec3d{0, 0, 0.1} - eye), right = normalized(cross(Vec3d{0, 1, 0}, forward)), down = cross(forward, right);
+    const Vec3d eye{x, -1.3, -1.4}, forward = normalized(Vec3d{0, 0, 0.1} - eye),
+                                    right = normalized(cross(Vec3d{0, 1, 0}, forward)), down = cross(forward, right);
     for (int i = 0; i < 3; ++i) {
       camera.world_to_camera.rotation(0, i) = right[i];
       camera.world_to_camera.rotation(1, i) = down[i];

@@ -24,11 +24,12 @@ class PhotoWeight {
   const TexturePhoto& photo_;
   BakeSettings settings_;
   Vec3d centre_;
-  double tolerance_;  ///< units
-  double texel_;      ///< units
-  ImageF silhouette_; ///< weight of each pixel
+  double tolerance_;   ///< units
+  double texel_;       ///< units
+  ImageF silhouette_;  ///< weight of each pixel
 };
 
-std::vector<PhotoWeight> photo_weights(const TexturePhotos& photos, double extent, double texel, const BakeSettings& settings, ThreadPool& pool);
+std::vector<PhotoWeight> photo_weights(const TexturePhotos& photos, double extent, double texel,
+                                       const BakeSettings& settings, ThreadPool& pool);
 
 }  // namespace aligngs

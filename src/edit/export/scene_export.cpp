@@ -8,7 +8,8 @@
 namespace aligngs {
 
 const std::vector<std::string>& export_formats() {
-  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usda", "usdz"};
+  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb",   "collision.glb", "obj",
+                                                   "sog", "spz",        "splat", "usda",          "usdz"};
   return formats;
 }
 
@@ -23,7 +24,9 @@ void require_export_format(const std::string& format, const std::vector<std::str
               (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + list);
 }
 
-bool holds_splats(const std::string& format) { return format != "obj" && format != "usdz" && format != "collision.glb"; }
+bool holds_splats(const std::string& format) {
+  return format != "obj" && format != "usdz" && format != "collision.glb";
+}
 bool holds_mesh(const std::string& format) {
   return format == "glb" || format == "collision.glb" || format == "obj" || format == "usda" || format == "usdz";
 }

@@ -19,10 +19,10 @@ void require_export_format(const std::string& format, const std::vector<std::str
 
 struct ExportReport {
   std::vector<std::filesystem::path> files;
-  size_t gaussians = 0, objects = 0;  ///< objects: nodes or groups, where the format has them
+  size_t gaussians = 0, objects = 0;           ///< objects: nodes or groups, where the format has them
   size_t triangles = 0, triangles_before = 0;  ///< of the mesh in the file; before it was simplified
-  double error = 0;                   ///< units of the room, of the simplification
-  size_t open_edges = 0;              ///< of a mesh that was to be closed
+  double error = 0;                            ///< units of the room, of the simplification
+  size_t open_edges = 0;                       ///< of a mesh that was to be closed
 
   void describe(const ExportMesh& mesh);
 };
@@ -37,23 +37,33 @@ ExportReport export_room(const EditableRoom& room, const std::string& format, co
                          ThreadPool& pool, const ExportOptions& options = {});
 
 /// scene.glb: under the node "room" one node per object, and the node "splats" with KHR_gaussian_splatting. An object
-/// has extras (class, class_id, instance), linear COLOR_0 or texture coordinates, a material that uses it, and _FEATURE_ID_0 = object number.
+/// has extras (class, class_id, instance), linear COLOR_0 or texture coordinates, a material that uses it, and
+/// _FEATURE_ID_0 = object number.
 /// y up, metres as the scene. The material is unlit (KHR_materials_unlit): the photos' light is in the colours. Viewers
 /// that do not know splats draw points in their COLOR_0.
-ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options = {});
-/// collision.glb: positions and triangles alone, a node per object with its class, simplified to kColliderError. Axes as write_glb.
-ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options = {});
-/// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up. With a texture: texture
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                       const ExportOptions& options = {});
+/// collision.glb: positions and triangles alone, a node per object with its class, simplified to kColliderError. Axes
+/// as write_glb.
+ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                                 const ExportOptions& options = {});
+/// Wavefront OBJ: one "o" per object with its class as group, vertex colours after the positions. y up. With a texture:
+/// texture
 /// coordinates instead, and beside the file its .mtl and .jpg of the same name.
-ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options = {});
+ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                       const ExportOptions& options = {});
 /// USD as text: under /room one Xform per object and structural part, with its class (SemanticsLabelsAPI:class), mesh
-/// and splats. The mesh has vertex colours in linear light, or a texture in a .jpg beside the file. An invisible mesh simplified to
+/// and splats. The mesh has vertex colours in linear light, or a texture in a .jpg beside the file. An invisible mesh
+/// simplified to
 /// kColliderError is its collider. Splats are
 /// ParticleField3DGaussianSplat of OpenUSD 26.03: linear scales, opacities in [0, 1]. y up, one unit is a metre.
 /// Error{kUsage} for the mesh alone of a room without one.
-ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options = {});
-/// The mesh of write_usda with its texture as one file, for phones: a stored zip whose files start at multiples of 64 bytes.
-ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options = {});
+ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                        const ExportOptions& options = {});
+/// The mesh of write_usda with its texture as one file, for phones: a stored zip whose files start at multiples of 64
+/// bytes.
+ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                        const ExportOptions& options = {});
 /// SPZ version 3 (Niantic): gzip; right-up-back axes; 24-bit fixed-point positions, 8-bit everything else.
 ExportReport write_spz(const std::filesystem::path& path, const GaussianModel& model);
 /// SOG version 2 (PlayCanvas): a zip of lossless WebP images and meta.json.

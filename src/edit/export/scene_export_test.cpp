@@ -95,8 +95,10 @@ TEST_F(SceneExport, GlbSplatsHaveAColourForViewersThatDrawPoints) {
   const std::string bytes = read_file(file("splats.glb"));
   const size_t binary = 20 + load_number<uint32_t>(bytes.data() + 12, false) + 8;
   const size_t at = binary + glb["bufferViews"][accessor["bufferView"].get<size_t>()]["byteOffset"].get<size_t>();
-  const double expected[] = {srgb_to_linear(0.2f), srgb_to_linear(0.4f), srgb_to_linear(0.8f), 1 / (1 + std::exp(-3.0))};
-  for (size_t c = 0; c < 4; ++c) EXPECT_NEAR(load_number<uint16_t>(bytes.data() + at + 2 * c, false) / 65535.0, expected[c], 1e-3) << c;
+  const double expected[] = {srgb_to_linear(0.2f), srgb_to_linear(0.4f), srgb_to_linear(0.8f),
+                             1 / (1 + std::exp(-3.0))};
+  for (size_t c = 0; c < 4; ++c)
+    EXPECT_NEAR(load_number<uint16_t>(bytes.data() + at + 2 * c, false) / 65535.0, expected[c], 1e-3) << c;
 }
 
 TEST_F(SceneExport, GlbColoursAreLinear) {
@@ -200,7 +202,8 @@ TEST_F(SceneExport, SpzKeepsWhatDependsOnTheDirection) {
   model.sh_degree = 3;
   Random random(1);
   for (size_t i = 0; i < model.size(); ++i) {
-    for (size_t k = 3; k < 3 * kShCoefficients; ++k) model.sh[3 * kShCoefficients * i + k] = static_cast<float>((k < 12 ? 0.02 : 0.01) * random.normal());
+    for (size_t k = 3; k < 3 * kShCoefficients; ++k)
+      model.sh[3 * kShCoefficients * i + k] = static_cast<float>((k < 12 ? 0.02 : 0.01) * random.normal());
   }
   export_room(room_, "spz", file("scene.spz"), pool_);
   const std::string body = gzip_expanded(read_file(file("scene.spz")), "scene.spz", uint64_t(1) << 30);

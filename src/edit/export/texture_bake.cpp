@@ -31,7 +31,8 @@ Texels place_texels(const TriangleMesh& mesh, const Atlas& atlas, ThreadPool& po
           std::array<std::array<double, 2>, 3> corners;
           for (size_t i = 0; i < 3; ++i) corners[i] = {atlas.corners[t][i][0], atlas.corners[t][i][1]};
           const auto& v = mesh.triangles[t];
-          const Vec3d a = mesh.vertices[v[0]].cast<double>(), b = mesh.vertices[v[1]].cast<double>(), d = mesh.vertices[v[2]].cast<double>();
+          const Vec3d a = mesh.vertices[v[0]].cast<double>(), b = mesh.vertices[v[1]].cast<double>(),
+                      d = mesh.vertices[v[2]].cast<double>();
           const Vec3d face = cross(b - a, d - a);
           for_cells(corners, margin, [&](int x, int y, const std::array<double, 3>& w) {
             if (x < chart.x || y < chart.y || x >= chart.x + chart.width || y >= chart.y + chart.height) return;
@@ -41,7 +42,8 @@ Texels place_texels(const TriangleMesh& mesh, const Atlas& atlas, ThreadPool& po
             out.place[at] = (a * w[0] + b * w[1] + d * w[2]).cast<float>();
             Vec3d n = face;
             if (!mesh.normals.empty()) {
-              const Vec3d smooth = mesh.normals[v[0]].cast<double>() * w[0] + mesh.normals[v[1]].cast<double>() * w[1] + mesh.normals[v[2]].cast<double>() * w[2];
+              const Vec3d smooth = mesh.normals[v[0]].cast<double>() * w[0] + mesh.normals[v[1]].cast<double>() * w[1] +
+                                   mesh.normals[v[2]].cast<double>() * w[2];
               if (dot(smooth, face) > 0) n = smooth;
             }
             out.normal[at] = (n * (1 / std::max(norm(n), 1e-30))).cast<float>();
@@ -73,7 +75,8 @@ class SplatColor {
       color += base_color_of(model_, rows_[near.index]).cast<double>() * w;
     }
     color = color * (1 / sum);
-    return {std::clamp(float(color.x), 0.f, 1.f), std::clamp(float(color.y), 0.f, 1.f), std::clamp(float(color.z), 0.f, 1.f)};
+    return {std::clamp(float(color.x), 0.f, 1.f), std::clamp(float(color.y), 0.f, 1.f),
+            std::clamp(float(color.z), 0.f, 1.f)};
   }
 
  private:
@@ -83,7 +86,8 @@ class SplatColor {
   static std::vector<Vec3f> places(const GaussianModel& model) {
     std::vector<Vec3f> out;
     for (size_t i = 0; i < model.size(); ++i) {
-      if (opacity_of(model, i) >= kLeastOpacity) out.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
+      if (opacity_of(model, i) >= kLeastOpacity)
+        out.push_back({model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]});
     }
     return out;
   }
@@ -111,8 +115,9 @@ Patches patches_of(const Atlas& atlas, int size) {
 
 }  // namespace
 
-Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const std::vector<uint8_t>& photographed, const TexturePhotos& photos,
-                            const GaussianModel& splats, double extent, ThreadPool& pool, const BakeSettings& settings, BakeReport* report) {
+Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const std::vector<uint8_t>& photographed,
+                            const TexturePhotos& photos, const GaussianModel& splats, double extent, ThreadPool& pool,
+                            const BakeSettings& settings, BakeReport* report) {
   const Texels texels = place_texels(mesh, atlas, pool);
   const SplatColor splat_color(splats);
   const std::vector<PhotoWeight> weights = photo_weights(photos, extent, atlas.texel, settings, pool);
@@ -127,16 +132,19 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
       const Chart& chart = atlas.charts[c];
       const int columns = patches.columns[c], rows = (chart.height + settings.patch - 1) / settings.patch;
       // The photos of each patch: those with the largest sums of weights.
-      std::vector<std::vector<uint8_t>> chosen(static_cast<size_t>(columns) * static_cast<size_t>(rows), std::vector<uint8_t>(weights.size(), 0));
+      std::vector<std::vector<uint8_t>> chosen(static_cast<size_t>(columns) * static_cast<size_t>(rows),
+                                               std::vector<uint8_t>(weights.size(), 0));
       for (int row = 0; row < rows; ++row) {
         for (int column = 0; column < columns; ++column) {
           std::vector<double> sum(weights.size(), 0);
-          const int x1 = std::min(chart.width, (column + 1) * settings.patch), y1 = std::min(chart.height, (row + 1) * settings.patch);
+          const int x1 = std::min(chart.width, (column + 1) * settings.patch),
+                    y1 = std::min(chart.height, (row + 1) * settings.patch);
           for (int y = row * settings.patch; y < y1; ++y) {
             for (int x = column * settings.patch; x < x1; ++x) {
               const size_t at = static_cast<size_t>(chart.y + y) * width + static_cast<size_t>(chart.x + x);
               if (texels.triangle[at] == kNone || !photographed[texels.triangle[at]]) continue;
-              for (size_t v = 0; v < weights.size(); ++v) sum[v] += weights[v].at(texels.place[at], texels.normal[at]).weight;
+              for (size_t v = 0; v < weights.size(); ++v)
+                sum[v] += weights[v].at(texels.place[at], texels.normal[at]).weight;
             }
           }
           auto& mine = chosen[static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column)];
@@ -156,12 +164,17 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
           Vec3d color;
           double sum = 0;
           // The four patches around, by their middles.
-          const double px = std::clamp((x + 0.5) / settings.patch - 0.5, 0.0, columns - 1.0), py = std::clamp((y + 0.5) / settings.patch - 0.5, 0.0, rows - 1.0);
-          const int i0 = static_cast<int>(px), j0 = static_cast<int>(py), i1 = std::min(i0 + 1, columns - 1), j1 = std::min(j0 + 1, rows - 1);
+          const double px = std::clamp((x + 0.5) / settings.patch - 0.5, 0.0, columns - 1.0),
+                       py = std::clamp((y + 0.5) / settings.patch - 0.5, 0.0, rows - 1.0);
+          const int i0 = static_cast<int>(px), j0 = static_cast<int>(py), i1 = std::min(i0 + 1, columns - 1),
+                    j1 = std::min(j0 + 1, rows - 1);
           const double fx = px - i0, fy = py - j0;
           for (size_t v = 0; photographed[texels.triangle[at]] && v < weights.size(); ++v) {
-            const auto has = [&](int i, int j) { return static_cast<double>(chosen[static_cast<size_t>(j * columns + i)][v]); };
-            const double share = (1 - fy) * ((1 - fx) * has(i0, j0) + fx * has(i1, j0)) + fy * ((1 - fx) * has(i0, j1) + fx * has(i1, j1));
+            const auto has = [&](int i, int j) {
+              return static_cast<double>(chosen[static_cast<size_t>(j * columns + i)][v]);
+            };
+            const double share = (1 - fy) * ((1 - fx) * has(i0, j0) + fx * has(i1, j0)) +
+                                 fy * ((1 - fx) * has(i0, j1) + fx * has(i1, j1));
             if (!(share > 0)) continue;
             const PhotoWeight::Look look = weights[v].at(texels.place[at], texels.normal[at]);
             if (!(look.weight > 0)) continue;
@@ -175,7 +188,9 @@ Image<uint8_t> bake_texture(const TriangleMesh& mesh, const Atlas& atlas, const 
             color += splat_color.at(texels.place[at], scratch).cast<double>() * settings.splat_weight;
             sum += settings.splat_weight;
           }
-          for (int k = 0; k < 3; ++k) out.data[3 * at + static_cast<size_t>(k)] = static_cast<uint8_t>(std::lround(255 * std::clamp(color[k] / sum, 0.0, 1.0)));
+          for (int k = 0; k < 3; ++k)
+            out.data[3 * at + static_cast<size_t>(k)] =
+                static_cast<uint8_t>(std::lround(255 * std::clamp(color[k] / sum, 0.0, 1.0)));
         }
       }
     }

@@ -60,7 +60,8 @@ TexturePhotos load_texture_photos(const Scene& scene, const TriangleMesh& surfac
     sharpest = std::max(sharpest, static_cast<double>(photo.sharpness));
     out.photos.push_back(std::move(photo));
   }
-  for (TexturePhoto& photo : out.photos) photo.sharpness = sharpest > 0 ? std::max(0.1f, static_cast<float>(photo.sharpness / sharpest)) : 1.0f;
+  for (TexturePhoto& photo : out.photos)
+    photo.sharpness = sharpest > 0 ? std::max(0.1f, static_cast<float>(photo.sharpness / sharpest)) : 1.0f;
   if (!options.exposure && out.photos.size() > 1) even_exposures(out.photos, pool);
   return out;
 }

@@ -9,7 +9,8 @@
 namespace aligngs {
 namespace {
 
-/// Texels per pixel of the photos, at the median distance of what they show. Photos are sampled between pixels: a finer texture keeps more.
+/// Texels per pixel of the photos, at the median distance of what they show. Photos are sampled between pixels: a finer
+/// texture keeps more.
 constexpr double kTexelsPerPixel = 1.5;
 constexpr double kLeastTexel = 1e-4;  // / extent: a third of a millimetre in a room
 
@@ -36,7 +37,8 @@ std::vector<uint8_t> unchanged(const TriangleMesh& mesh, const EditableRoom& roo
   const TriangleMesh& before = photos.surface;
   if (room.mesh.vertices.size() == before.vertices.size() && room.mesh.colors == before.colors) return out;
   std::map<Place, std::array<uint8_t, 3>> colors;
-  for (size_t v = 0; v < before.vertices.size(); ++v) colors[key(before.vertices[v])] = before.colors.empty() ? std::array<uint8_t, 3>{} : before.colors[v];
+  for (size_t v = 0; v < before.vertices.size(); ++v)
+    colors[key(before.vertices[v])] = before.colors.empty() ? std::array<uint8_t, 3>{} : before.colors[v];
   for (size_t t = 0; t < out.size(); ++t) {
     for (const uint32_t v : mesh.triangles[t]) {
       const auto found = colors.find(key(mesh.vertices[v]));
@@ -48,13 +50,19 @@ std::vector<uint8_t> unchanged(const TriangleMesh& mesh, const EditableRoom& roo
 
 /// A vertex per corner and chart.
 ObjectMesh unfolded(const ObjectMesh& object, const Atlas& atlas, size_t first) {
-  ObjectMesh out{.name = object.name, .class_name = object.class_name, .label = object.label, .instance = object.instance, .mesh = {}, .uv = {}};
+  ObjectMesh out{.name = object.name,
+                 .class_name = object.class_name,
+                 .label = object.label,
+                 .instance = object.instance,
+                 .mesh = {},
+                 .uv = {}};
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> made;
   for (size_t t = 0; t < object.mesh.triangles.size(); ++t) {
     std::array<uint32_t, 3> triangle;
     for (size_t i = 0; i < 3; ++i) {
       const uint32_t v = object.mesh.triangles[t][i];
-      const auto [at, fresh] = made.try_emplace({atlas.chart_of[first + t], v}, static_cast<uint32_t>(out.mesh.vertices.size()));
+      const auto [at, fresh] =
+          made.try_emplace({atlas.chart_of[first + t], v}, static_cast<uint32_t>(out.mesh.vertices.size()));
       triangle[i] = at->second;
       if (!fresh) continue;
       out.mesh.vertices.push_back(object.mesh.vertices[v]);
@@ -69,7 +77,8 @@ ObjectMesh unfolded(const ObjectMesh& object, const Atlas& atlas, size_t first) 
 
 }  // namespace
 
-BakeReport add_texture(ExportMesh& mesh, const EditableRoom& room, const TexturePhotos& photos, int size, ThreadPool& pool, const BakeSettings& settings) {
+BakeReport add_texture(ExportMesh& mesh, const EditableRoom& room, const TexturePhotos& photos, int size,
+                       ThreadPool& pool, const BakeSettings& settings) {
   TriangleMesh all;
   std::vector<uint32_t> part;
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -89,7 +98,8 @@ BakeReport add_texture(ExportMesh& mesh, const EditableRoom& room, const Texture
   layout.texel = texel_of(photos, extent);
   const Atlas atlas = make_atlas(all, part, layout);
   BakeReport report;
-  mesh.texture = bake_texture(all, atlas, unchanged(all, room, photos), photos, room.gaussians.model, extent, pool, settings, &report);
+  mesh.texture = bake_texture(all, atlas, unchanged(all, room, photos), photos, room.gaussians.model, extent, pool,
+                              settings, &report);
   size_t first = 0;
   for (ObjectMesh& object : mesh.objects) {
     const size_t triangles = object.mesh.triangles.size();

@@ -20,18 +20,21 @@ class TexturedMesh : public testing::Test {
     report_ = add_texture(mesh, room_, photos_, 2048, pool);
     return mesh;
   }
-  /// Mean distance of the texture's colours from the painted pattern, over corners and middles of triangles that satisfy a condition.
+  /// Mean distance of the texture's colours from the painted pattern, over corners and middles of triangles that
+  /// satisfy a condition.
   template <class Condition>
   double error(const ExportMesh& mesh, Condition&& condition) {
     double sum = 0;
     size_t count = 0;
     for (const ObjectMesh& object : mesh.objects) {
       for (const auto& t : object.mesh.triangles) {
-        const Vec3f middle = (object.mesh.vertices[t[0]] + object.mesh.vertices[t[1]] + object.mesh.vertices[t[2]]) * (1.f / 3);
+        const Vec3f middle =
+            (object.mesh.vertices[t[0]] + object.mesh.vertices[t[1]] + object.mesh.vertices[t[2]]) * (1.f / 3);
         if (!condition(middle)) continue;
         float u = 0, v = 0;
         for (const uint32_t c : t) u += object.uv[c][0] / 3, v += object.uv[c][1] / 3;
-        const uint8_t* pixel = mesh.texture.pixel(static_cast<int>(u * static_cast<float>(mesh.texture.width)), static_cast<int>(v * static_cast<float>(mesh.texture.height)));
+        const uint8_t* pixel = mesh.texture.pixel(static_cast<int>(u * static_cast<float>(mesh.texture.width)),
+                                                  static_cast<int>(v * static_cast<float>(mesh.texture.height)));
         const Vec3f wanted = painted::pattern(middle);
         for (int k = 0; k < 3; ++k) sum += std::abs(pixel[k] / 255.0 - static_cast<double>(wanted[k])) / 3;
         ++count;
@@ -64,7 +67,8 @@ TEST_F(TexturedMesh, WhatNoPhotoShowsHasTheColourOfTheSplats) {
     size_t seen = 0;
     for (size_t v = 0; v < object.mesh.vertices.size(); ++v) {
       if (object.mesh.normals[v].z < 0.9f) continue;
-      const int x = static_cast<int>(object.uv[v][0] * static_cast<float>(mesh.texture.width)), y = static_cast<int>(object.uv[v][1] * static_cast<float>(mesh.texture.height));
+      const int x = static_cast<int>(object.uv[v][0] * static_cast<float>(mesh.texture.width)),
+                y = static_cast<int>(object.uv[v][1] * static_cast<float>(mesh.texture.height));
       const uint8_t* pixel = mesh.texture.pixel(x, y);
       EXPECT_NEAR(pixel[0], 0.8 * 255, 40);
       EXPECT_NEAR(pixel[2], 0.5 * 255, 60);
@@ -108,7 +112,8 @@ TEST_F(TexturedMesh, MovesWithTheRoom) {
   photos_ = painted::photos(small_room::make(pool_).mesh, pool_);
   room_ = small_room::make(pool_);
   textured();
-  EXPECT_NEAR(static_cast<double>(there.from_photos) / static_cast<double>(there.texels), static_cast<double>(report_.from_photos) / static_cast<double>(report_.texels), 0.02);
+  EXPECT_NEAR(static_cast<double>(there.from_photos) / static_cast<double>(there.texels),
+              static_cast<double>(report_.from_photos) / static_cast<double>(report_.texels), 0.02);
 }
 
 TEST_F(TexturedMesh, ABlurredPhotoHasLittleWeight) {
@@ -146,12 +151,14 @@ TEST_F(TexturedMesh, AClosedRoomHasNoOpenEdge) {
 TEST_F(TexturedMesh, TheColliderHasNoColours) {
   const ExportMesh collider = collision_mesh(room_, {}, pool_);
   EXPECT_LT(collider.triangles, room_.mesh.triangles.size() / 3);
-  for (const ObjectMesh& object : collider.objects) EXPECT_TRUE(object.mesh.colors.empty() && object.mesh.normals.empty());
+  for (const ObjectMesh& object : collider.objects)
+    EXPECT_TRUE(object.mesh.colors.empty() && object.mesh.normals.empty());
 }
 
 TEST_F(TexturedMesh, TheColliderHasNoMoreTrianglesThanAskedFor) {
   const size_t usual = collision_mesh(room_, {}, pool_).triangles;
-  EXPECT_EQ(collision_mesh(room_, {.triangles = 100000}, pool_).triangles, usual) << "a limit far above changes nothing";
+  EXPECT_EQ(collision_mesh(room_, {.triangles = 100000}, pool_).triangles, usual)
+      << "a limit far above changes nothing";
   EXPECT_LT(collision_mesh(room_, {.triangles = usual / 2}, pool_).triangles, usual);
 }
 

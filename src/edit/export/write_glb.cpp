@@ -30,8 +30,7 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
   for (const Vec3f& v : mesh.vertices) push(positions, v);
   for (const Vec3f& n : mesh.normals) push(normals, dot(n, n) > 0 ? normalized(n) : Vec3f{0, 0, 1});
   for (const auto& c : mesh.colors) {
-    for (size_t k = 0; k < 3; ++k)
-      colors.push_back(linear16(c[k] / 255.f));
+    for (size_t k = 0; k < 3; ++k) colors.push_back(linear16(c[k] / 255.f));
     colors.push_back(65535);
   }
   std::vector<float> uv;
@@ -39,8 +38,10 @@ int add_object(GlbContainer& glb, const ObjectMesh& object, const Mat3d& rotatio
   for (const auto& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   Json attributes = {{"POSITION", glb.add_floats(positions, 3, true)}};
   if (!normals.empty()) attributes["NORMAL"] = glb.add_floats(normals, 3);
-  if (!uv.empty()) attributes["TEXCOORD_0"] = glb.add_floats(uv, 2);
-  else if (!colors.empty()) attributes["COLOR_0"] = glb.add_colors16(colors);
+  if (!uv.empty())
+    attributes["TEXCOORD_0"] = glb.add_floats(uv, 2);
+  else if (!colors.empty())
+    attributes["COLOR_0"] = glb.add_colors16(colors);
   attributes["_FEATURE_ID_0"] = glb.add_floats(feature, 1);
   Json primitive = {{"attributes", attributes}, {"indices", glb.add_indices(indices)}, {"mode", 4}};
   if (material >= 0) primitive["material"] = material;
@@ -117,7 +118,8 @@ Json add_objects(GlbContainer& glb, const ExportMesh& mesh, const Mat3d& rotatio
 /// Unlit: the photos' light is in the colours.
 int add_material(GlbContainer& glb, const Image<uint8_t>& texture) {
   Json surface = {{"baseColorFactor", {1, 1, 1, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}};
-  if (!texture.empty()) surface["baseColorTexture"] = {{"index", glb.add_texture(encode_jpeg(texture, kTextureQuality), "image/jpeg")}};
+  if (!texture.empty())
+    surface["baseColorTexture"] = {{"index", glb.add_texture(encode_jpeg(texture, kTextureQuality), "image/jpeg")}};
   glb.use_extension("KHR_materials_unlit");
   // The material uses the vertex colours; without one Blender drops them.
   return glb.add("materials", {{"name", texture.empty() ? "vertex_color" : "photos"},
@@ -134,9 +136,11 @@ void finish(GlbContainer& glb, int root, const Json& children, const std::filesy
 
 }  // namespace
 
-ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                       const ExportOptions& options) {
   if (options.parts == RoomParts::kMesh && room.mesh.empty())
-    throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--mesh-only", "make it first: aligngs mesh RUN"});
+    throw Error({ErrorKind::kUsage, "a GLB of the mesh alone needs one, and the run has none", path, "--mesh-only",
+                 "make it first: aligngs mesh RUN"});
   const Mat3d rotation = rotation_to_y_up(room.up);
   GlbContainer glb;
   ExportReport report{.files = {path}};
@@ -153,8 +157,11 @@ ExportReport write_glb(const std::filesystem::path& path, const EditableRoom& ro
   return report;
 }
 
-ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
-  if (room.mesh.empty()) throw Error({ErrorKind::kUsage, "a collision mesh needs a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
+ExportReport write_collision_glb(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                                 const ExportOptions& options) {
+  if (room.mesh.empty())
+    throw Error({ErrorKind::kUsage, "a collision mesh needs a mesh, and the run has none", path, "-f",
+                 "make it first: aligngs mesh RUN"});
   const ExportMesh mesh = collision_mesh(room, options.mesh, pool);
   ExportReport report{.files = {path}};
   report.describe(mesh);

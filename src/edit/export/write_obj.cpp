@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/version.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
@@ -22,7 +23,8 @@ void write_material(const std::filesystem::path& path, const Image<uint8_t>& tex
 
 }  // namespace
 
-ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                       const ExportOptions& options) {
   if (room.mesh.empty())
     throw Error(
         {ErrorKind::kUsage, "OBJ holds a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
@@ -30,7 +32,8 @@ ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& ro
   const ExportMesh all = export_mesh(room, options.mesh, pool);
   ExportReport report{.files = {path}};
   report.describe(all);
-  std::string text = std::string("# aligngs ") + ALIGNGS_VERSION + ", y up; vertices: x y z" + (all.texture.empty() ? " r g b\n" : "\n");
+  std::string text =
+      std::string("# aligngs ") + version() + ", y up; vertices: x y z" + (all.texture.empty() ? " r g b\n" : "\n");
   if (!all.texture.empty()) {
     write_material(path, all.texture, report);
     text += "mtllib " + report.files[1].filename().string() + "\nusemtl photos\n";
@@ -58,7 +61,8 @@ ExportReport write_obj(const std::filesystem::path& path, const EditableRoom& ro
       text += fmt::format("vn {:.4f} {:.4f} {:.4f}\n", n.x, n.y, n.z);
     }
     for (const auto& place : object.uv) text += fmt::format("vt {:.6f} {:.6f}\n", place[0], 1 - place[1]);
-    const std::string corner = object.uv.empty() ? (mesh.normals.empty() ? "{0}" : "{0}//{0}") : (mesh.normals.empty() ? "{0}/{0}" : "{0}/{0}/{0}");
+    const std::string corner = object.uv.empty() ? (mesh.normals.empty() ? "{0}" : "{0}//{0}")
+                                                 : (mesh.normals.empty() ? "{0}/{0}" : "{0}/{0}/{0}");
     for (const auto& t : mesh.triangles) {
       text += 'f';
       for (const uint32_t v : t) text += ' ' + fmt::format(fmt::runtime(corner), base + v);

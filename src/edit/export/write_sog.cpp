@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/version.h"
 #include "edit/export/codebook.h"
 #include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
@@ -176,7 +177,7 @@ ExportReport write_sog(const std::filesystem::path& path, const GaussianModel& m
     throw Error({ErrorKind::kUsage, "there is no Gaussian to write", path, {}, "undo the edit that removed all"});
   Files files;
   Json meta = {{"version", 2},
-               {"asset", {{"generator", std::string("aligngs ") + ALIGNGS_VERSION}}},
+               {"asset", {{"generator", std::string("aligngs ") + version()}}},
                {"count", model.size()},
                {"antialias", false}};
   meta["means"] = add_means(model, path, files);

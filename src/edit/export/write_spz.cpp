@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
 constexpr uint32_t kSpzVersion = 3;
-constexpr int kSpeedOverSize = 6;         // of zlib; 9 is three times slower and 1 % smaller
+constexpr int kSpeedOverSize = 6;     // of zlib; 9 is three times slower and 1 % smaller
 constexpr float kColorScale = 0.15f;  // of f_dc in a byte
 
 uint8_t quantized(float v) { return static_cast<uint8_t>(std::clamp(std::lround(v), 0L, 255L)); }

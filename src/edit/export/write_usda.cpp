@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/srgb.h"
+#include "core/version.h"
 #include "edit/export/scene_export.h"
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
@@ -33,7 +34,8 @@ using Parts = std::map<std::pair<uint16_t, uint16_t>, Part>;
 Parts parts_of(const EditableRoom& room, const ExportMesh& surfaces, const ExportMesh& colliders, bool with_splats) {
   Parts parts;
   const auto part_of = [&](const ObjectMesh& object) -> Part& {
-    Part& part = parts[{object.label < 0 ? kNoLabel : static_cast<uint16_t>(object.label), static_cast<uint16_t>(object.instance)}];
+    Part& part = parts[{object.label < 0 ? kNoLabel : static_cast<uint16_t>(object.label),
+                        static_cast<uint16_t>(object.instance)}];
     part.name = object.name;
     part.class_name = object.class_name;
     return part;
@@ -42,7 +44,8 @@ Parts parts_of(const EditableRoom& room, const ExportMesh& surfaces, const Expor
   for (const ObjectMesh& object : colliders.objects) part_of(object).collider = &object.mesh;
   const LabelledGaussians& g = room.gaussians;
   for (size_t i = 0; with_splats && i < g.model.size(); ++i) {
-    const uint16_t label = i < g.labels.label.size() && g.labels.label[i] < room.labels.size() ? g.labels.label[i] : kNoLabel;
+    const uint16_t label =
+        i < g.labels.label.size() && g.labels.label[i] < room.labels.size() ? g.labels.label[i] : kNoLabel;
     Part& part = parts[{label, label == kNoLabel ? uint16_t(0) : g.labels.instance[i]}];
     if (part.name.empty()) {
       part.class_name = label == kNoLabel ? "" : room.labels.classes[label].name;
@@ -122,8 +125,10 @@ void write_triangles(Writer& out, const TriangleMesh& mesh, const Mat3d& rotatio
   for (const Vec3f& v : mesh.vertices) extent.take(rotation * v.cast<double>(), 0);
   out.line(3, extent.text());
   out.list(3, "int[] faceVertexCounts", mesh.triangles.size(), [](size_t) { return "3"; });
-  out.list(3, "int[] faceVertexIndices", 3 * mesh.triangles.size(), [&](size_t i) { return fmt::format("{}", mesh.triangles[i / 3][i % 3]); });
-  out.list(3, "point3f[] points", mesh.vertices.size(), [&](size_t i) { return triple(rotation * mesh.vertices[i].cast<double>()); });
+  out.list(3, "int[] faceVertexIndices", 3 * mesh.triangles.size(),
+           [&](size_t i) { return fmt::format("{}", mesh.triangles[i / 3][i % 3]); });
+  out.list(3, "point3f[] points", mesh.vertices.size(),
+           [&](size_t i) { return triple(rotation * mesh.vertices[i].cast<double>()); });
   out.line(3, "uniform token subdivisionScheme = \"none\"");
 }
 
@@ -136,15 +141,23 @@ void write_surface(Writer& out, const ObjectMesh& object, const Mat3d& rotation)
   write_triangles(out, mesh, rotation);
   out.line(3, "uniform bool doubleSided = true");
   if (!mesh.normals.empty()) {
-    out.list(3, "normal3f[] normals", mesh.normals.size(), [&](size_t i) { return triple(rotation * mesh.normals[i].cast<double>()); }, kPerVertex);
+    out.list(
+        3, "normal3f[] normals", mesh.normals.size(),
+        [&](size_t i) { return triple(rotation * mesh.normals[i].cast<double>()); }, kPerVertex);
   }
   if (textured) {
-    out.list(3, "texCoord2f[] primvars:st", object.uv.size(), [&](size_t i) { return fmt::format("({:.6f}, {:.6f})", object.uv[i][0], 1 - object.uv[i][1]); }, kPerVertex);
+    out.list(
+        3, "texCoord2f[] primvars:st", object.uv.size(),
+        [&](size_t i) { return fmt::format("({:.6f}, {:.6f})", object.uv[i][0], 1 - object.uv[i][1]); }, kPerVertex);
     out.line(3, "rel material:binding = </room/photos>");
   } else if (!mesh.colors.empty()) {
     const auto linear = [](uint8_t c) { return static_cast<double>(srgb_decode(static_cast<float>(c) / 255)); };
-    out.list(3, "color3f[] primvars:displayColor", mesh.colors.size(),
-             [&](size_t i) { return triple(linear(mesh.colors[i][0]), linear(mesh.colors[i][1]), linear(mesh.colors[i][2])); }, kPerVertex);
+    out.list(
+        3, "color3f[] primvars:displayColor", mesh.colors.size(),
+        [&](size_t i) {
+          return triple(linear(mesh.colors[i][0]), linear(mesh.colors[i][1]), linear(mesh.colors[i][2]));
+        },
+        kPerVertex);
   }
   out.line(2, "}");
 }
@@ -179,7 +192,8 @@ void write_material(Writer& out, const std::string& texture) {
         def Shader "texture"
         {
             uniform token info:id = "UsdUVTexture"
-            asset inputs:file = @)" + texture + R"(@
+            asset inputs:file = @)" +
+                  texture + R"(@
             token inputs:sourceColorSpace = "sRGB"
             float2 inputs:st.connect = </room/photos/st.outputs:result>
             token inputs:wrapS = "clamp"
@@ -196,7 +210,9 @@ void write_material(Writer& out, const std::string& texture) {
 }
 
 void write_splats(Writer& out, const GaussianModel& model, const std::vector<uint32_t>& rows) {
-  const auto position = [&](size_t i) { return Vec3d{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]}; };
+  const auto position = [&](size_t i) {
+    return Vec3d{model.positions[3 * i], model.positions[3 * i + 1], model.positions[3 * i + 2]};
+  };
   const auto scale = [&](size_t i, size_t k) { return std::exp(static_cast<double>(model.log_scales[3 * i + k])); };
   Extent extent;
   for (const uint32_t i : rows) extent.take(position(i), kReach * std::max({scale(i, 0), scale(i, 1), scale(i, 2)}));
@@ -210,8 +226,10 @@ void write_splats(Writer& out, const GaussianModel& model, const std::vector<uin
     const Quaterniond n = normalized(Quaterniond{q[0], q[1], q[2], q[3]});
     return fmt::format("({:.5g}, {:.5g}, {:.5g}, {:.5g})", n.w, n.x, n.y, n.z);
   });
-  out.list(3, "float3[] scales", rows.size(), [&](size_t r) { return triple(scale(rows[r], 0), scale(rows[r], 1), scale(rows[r], 2)); });
-  out.list(3, "float[] opacities", rows.size(), [&](size_t r) { return fmt::format("{:.5g}", opacity_of(model, rows[r])); });
+  out.list(3, "float3[] scales", rows.size(),
+           [&](size_t r) { return triple(scale(rows[r], 0), scale(rows[r], 1), scale(rows[r], 2)); });
+  out.list(3, "float[] opacities", rows.size(),
+           [&](size_t r) { return fmt::format("{:.5g}", opacity_of(model, rows[r])); });
   out.line(3, fmt::format("int radiance:sphericalHarmonicsDegree = {}", model.sh_degree));
   out.list(3, "float3[] radiance:sphericalHarmonicsCoefficients", coefficients * rows.size(), [&](size_t c) {
     const float* sh = &model.sh[3 * (size_t(kShCoefficients) * rows[c / coefficients] + c % coefficients)];
@@ -221,15 +239,18 @@ void write_splats(Writer& out, const GaussianModel& model, const std::vector<uin
 }
 
 /// The file as text. `texture`: the name by which the surfaces refer to their texture.
-void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, const Mat3d& rotation, const std::string& texture) {
-  out.line(0, "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs " + std::string(ALIGNGS_VERSION) + "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n");
+void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, const Mat3d& rotation,
+                 const std::string& texture) {
+  out.line(0, "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs " + version() +
+                  "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n");
   out.line(0, "def Xform \"room\"\n{");
   if (!texture.empty()) write_material(out, texture);
   for (const auto& [key, part] : parts) {
     if (part.class_name.empty()) {
       out.line(1, "def Xform \"" + identifier(part.name) + "\"\n    {");
     } else {
-      out.line(1, "def Xform \"" + identifier(part.name) + "\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]\n    )\n    {");
+      out.line(1, "def Xform \"" + identifier(part.name) +
+                      "\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]\n    )\n    {");
       out.line(2, "token[] semantics:labels:class = [" + quoted(part.class_name) + "]");
     }
     if (part.surface) write_surface(out, *part.surface, rotation);
@@ -243,12 +264,14 @@ void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, c
 
 }  // namespace
 
-ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                        const ExportOptions& options) {
   if (options.parts == RoomParts::kMesh && room.mesh.empty()) {
     throw Error({ErrorKind::kUsage, "the run has no mesh", path, "--mesh-only", "make it first: aligngs mesh RUN"});
   }
   const Mat3d rotation = rotation_to_y_up(room.up);
-  const bool with_splats = options.parts != RoomParts::kMesh, with_mesh = options.parts != RoomParts::kSplats && !room.mesh.empty();
+  const bool with_splats = options.parts != RoomParts::kMesh,
+             with_mesh = options.parts != RoomParts::kSplats && !room.mesh.empty();
   const ExportMesh surfaces = with_mesh ? export_mesh(room, options.mesh, pool) : ExportMesh(),
                    colliders = with_mesh ? collision_mesh(room, options.mesh, pool) : ExportMesh();
   const GaussianModel splats = with_splats ? rotated(room.gaussians.model, rotation) : GaussianModel();
@@ -271,16 +294,20 @@ ExportReport write_usda(const std::filesystem::path& path, const EditableRoom& r
   return report;
 }
 
-ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool, const ExportOptions& options) {
+ExportReport write_usdz(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                        const ExportOptions& options) {
   constexpr size_t kAlignment = 64;  // bytes; specification of USDZ
-  if (room.mesh.empty()) throw Error({ErrorKind::kUsage, "a USDZ holds a mesh, and the run has none", path, "-f", "make it first: aligngs mesh RUN"});
+  if (room.mesh.empty())
+    throw Error({ErrorKind::kUsage, "a USDZ holds a mesh, and the run has none", path, "-f",
+                 "make it first: aligngs mesh RUN"});
   const ExportMesh surfaces = export_mesh(room, options.mesh, pool);
   ExportReport report{.files = {path}};
   report.describe(surfaces);
   const std::string name = "texture.jpg";
   std::string stage;
   Writer out([&](const std::string& text) { stage += text; });
-  write_stage(out, parts_of(room, surfaces, {}, false), {}, rotation_to_y_up(room.up), surfaces.texture.empty() ? "" : name);
+  write_stage(out, parts_of(room, surfaces, {}, false), {}, rotation_to_y_up(room.up),
+              surfaces.texture.empty() ? "" : name);
   // The first file is the stage.
   std::vector<std::pair<std::string, std::string_view>> files = {{"room.usda", stage}};
   std::vector<uint8_t> picture;

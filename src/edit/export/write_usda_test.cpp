@@ -37,7 +37,8 @@ TEST_F(Usda, EveryObjectHasItsLabelSplatsMeshAndCollider) {
   EXPECT_EQ(count(text, "{"), count(text, "}"));
   EXPECT_EQ(count(text, "def Mesh \"mesh\""), 4u);
   EXPECT_EQ(count(text, "def Mesh \"collider\""), count(text, "PhysicsMeshCollisionAPI"));
-  EXPECT_THAT(text, HasSubstr("def Xform \"pillow_001\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]"));
+  EXPECT_THAT(text,
+              HasSubstr("def Xform \"pillow_001\" (\n        prepend apiSchemas = [\"SemanticsLabelsAPI:class\"]"));
   EXPECT_EQ(count(text, "semantics:labels:class = [\"pillow\"]"), 2u);
   EXPECT_EQ(report_.gaussians, room_.gaussians.model.size());
 }
@@ -48,7 +49,9 @@ TEST_F(Usda, TheColliderIsInvisibleAndHasFewerTriangles) {
     size_t n = 0;
     for (size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
       const size_t list = text.find("faceVertexCounts = [", at);
-      n += 1 + static_cast<size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(list), text.begin() + static_cast<std::ptrdiff_t>(text.find(']', list + 20)), ','));
+      n += 1 +
+           static_cast<size_t>(std::count(text.begin() + static_cast<std::ptrdiff_t>(list),
+                                          text.begin() + static_cast<std::ptrdiff_t>(text.find(']', list + 20)), ','));
     }
     return n;
   };

@@ -4,12 +4,40 @@ namespace aligngs {
 namespace {
 
 /// Furniture with a top, a seat or a back that other things touch.
-constexpr const char* kFurniture[] = {
-    "bed",          "sofa",         "chair",          "armchair",   "swivel chair", "stool",    "ottoman",
-    "bench",        "seat",         "table",          "coffee table", "desk",       "counter",  "countertop",
-    "pool table",   "kitchen island", "bar",          "buffet",     "cabinet",      "wardrobe", "bookcase",
-    "shelf",        "chest of drawers", "case",       "refrigerator", "stove",      "washer",   "dishwasher",
-    "fireplace",    "box",          "stage",          "stairs",     "step",         "base"};
+constexpr const char* kFurniture[] = {"bed",
+                                      "sofa",
+                                      "chair",
+                                      "armchair",
+                                      "swivel chair",
+                                      "stool",
+                                      "ottoman",
+                                      "bench",
+                                      "seat",
+                                      "table",
+                                      "coffee table",
+                                      "desk",
+                                      "counter",
+                                      "countertop",
+                                      "pool table",
+                                      "kitchen island",
+                                      "bar",
+                                      "buffet",
+                                      "cabinet",
+                                      "wardrobe",
+                                      "bookcase",
+                                      "shelf",
+                                      "chest of drawers",
+                                      "case",
+                                      "refrigerator",
+                                      "stove",
+                                      "washer",
+                                      "dishwasher",
+                                      "fireplace",
+                                      "box",
+                                      "stage",
+                                      "stairs",
+                                      "step",
+                                      "base"};
 
 }  // namespace
 

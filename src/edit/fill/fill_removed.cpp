@@ -21,9 +21,14 @@ constexpr size_t kFewestCarriers = 12;  ///< Gaussians that make a surface belie
 class Filler {
  public:
   Filler(const FillInput& input, const FillSettings& settings)
-      : input_(input), settings_(settings), room_(input.room), extent_(input.room.extent),
-        classes_(carrying_classes(input.labels)), parts_(connected_parts(input.room, input.selected)),
-        hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent), tree_(removed_points()) {
+      : input_(input),
+        settings_(settings),
+        room_(input.room),
+        extent_(input.room.extent),
+        classes_(carrying_classes(input.labels)),
+        parts_(connected_parts(input.room, input.selected)),
+        hidden_(input.room.model, input.selected, input.cameras, settings.cube * input.room.extent),
+        tree_(removed_points()) {
     planes_ = room_planes(room_, classes_, input_.selected, inside());
     gone_ = input_.selected;
     for (const char* name : {"windowpane", "door", "screen door"}) openings_.push_back(input.labels.find(name));
@@ -53,8 +58,10 @@ class Filler {
     const auto chunk = [&](size_t begin, size_t end, int) {
       for (size_t i = begin; i < end; ++i) body(i);
     };
-    if (input_.pool) input_.pool->parallel_for(count, grain, chunk);
-    else chunk(0, count, 0);
+    if (input_.pool)
+      input_.pool->parallel_for(count, grain, chunk);
+    else
+      chunk(0, count, 0);
   }
   std::vector<Vec3f> removed_points() {
     std::vector<Vec3f> points;
@@ -72,7 +79,8 @@ class Filler {
       for (const Camera& c : input_.cameras) sum += c.centre() * (1.0 / static_cast<double>(input_.cameras.size()));
       return sum;
     }
-    for (size_t i = 0; i < room_.model.size(); ++i) sum += position_of(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
+    for (size_t i = 0; i < room_.model.size(); ++i)
+      sum += position_of(room_.model, i) * (1.0 / static_cast<double>(room_.model.size()));
     return sum;
   }
   bool touches(const std::vector<uint8_t>& part, const RoomPlane& plane) const {
@@ -118,7 +126,8 @@ class Filler {
     std::vector<float> cover(grid.size(), 0.f);
     const double tolerance = 2 * settings_.tolerance * extent_;
     for (size_t i = 0; i < room_.model.size(); ++i) {
-      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position_of(room_.model, i))) < tolerance) splat(room_.model, i, grid, false, cover);
+      if ((gone_[i] != 0) == gone && std::fabs(grid.height_of(position_of(room_.model, i))) < tolerance)
+        splat(room_.model, i, grid, false, cover);
     }
     return cover;
   }
@@ -128,7 +137,8 @@ class Filler {
     for (size_t i = 0; i < room_.model.size(); ++i) {
       const int label = room_.labels.label[i];
       if (gone_[i] || std::find(openings_.begin(), openings_.end(), label) == openings_.end()) continue;
-      if (std::fabs(grid.height_of(position_of(room_.model, i))) < settings_.opening * extent_) splat(room_.model, i, grid, true, cover);
+      if (std::fabs(grid.height_of(position_of(room_.model, i))) < settings_.opening * extent_)
+        splat(room_.model, i, grid, true, cover);
     }
     return cover;
   }
@@ -141,7 +151,9 @@ class Filler {
       const PointTree surface(points);
       for_each(debris.size(), [&](size_t i) {
         const uint16_t label = room_.labels.label[i];
-        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() || classes_[label].shell != plane.kind) return;
+        if (input_.selected[i] || debris[i] || label == kNoLabel || label >= classes_.size() ||
+            classes_[label].shell != plane.kind)
+          return;
         const Vec3d place = position_of(room_.model, i);
         if (nearest_plane(place, plane.kind) != &plane) return;
         debris[i] = has_color_of_removed(i, surface, carriers) || hidden_.from_all(place);
@@ -170,7 +182,8 @@ class Filler {
     const float to_object = norm(color - base_color_of(room_.model, removed_rows_[near.front().index]));
     surface.nearest(place, kAround, near);
     Vec3f mean;
-    for (const PointTree::Neighbour& n : near) mean += base_color_of(room_.model, carriers[n.index]) * (1.f / static_cast<float>(near.size()));
+    for (const PointTree::Neighbour& n : near)
+      mean += base_color_of(room_.model, carriers[n.index]) * (1.f / static_cast<float>(near.size()));
     const float to_surface = norm(color - mean);
     return to_surface > settings_.unlike && 2 * to_object < to_surface;
   }
@@ -189,7 +202,8 @@ class Filler {
     const double cell = cell_of(plane.carriers);
     const PlaneGrid grid = grid_over(points, plane, cell, 2 * cell);
     const std::vector<float> cover = coverage(grid, false), lost = coverage(grid, true);
-    const std::vector<float> open = plane.kind == PlaneKind::kWall ? opened(grid) : std::vector<float>(grid.size(), 0.f);
+    const std::vector<float> open =
+        plane.kind == PlaneKind::kWall ? opened(grid) : std::vector<float>(grid.size(), 0.f);
     std::vector<float> object(grid.size(), 0.f);
     for (const std::vector<uint8_t>* part : touching) {
       for (size_t i = 0; i < part->size(); ++i) {
@@ -198,16 +212,19 @@ class Filler {
     }
     const double tolerance = settings_.tolerance * extent_;
     std::vector<uint8_t> hole(grid.size(), 0);
-    for_each(static_cast<size_t>(grid.rows), [&](size_t row) {
-      const int j = static_cast<int>(row);
-      for (int i = 0; i < grid.columns; ++i) {
-        const size_t at = grid.index(i, j);
-        if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
-        const Vec3d place = grid.at(i + 0.5, j + 0.5);
-        if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
-        hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
-      }
-    }, 1);
+    for_each(
+        static_cast<size_t>(grid.rows),
+        [&](size_t row) {
+          const int j = static_cast<int>(row);
+          for (int i = 0; i < grid.columns; ++i) {
+            const size_t at = grid.index(i, j);
+            if (cover[at] >= settings_.covered || open[at] > settings_.shadow) continue;
+            const Vec3d place = grid.at(i + 0.5, j + 0.5);
+            if (!is_inside(place, planes_, tolerance, settings_.opening * extent_)) continue;
+            hole[at] = object[at] > settings_.shadow || lost[at] > settings_.shadow || hidden_.from_most(place);
+          }
+        },
+        1);
     return patches_of(plane, grid, hole);
   }
 
@@ -259,7 +276,9 @@ class Filler {
       // The furniture that most of the carriers are of.
       std::map<std::pair<uint16_t, uint16_t>, size_t> votes;
       for (const uint32_t i : plane.carriers) ++votes[{room_.labels.label[i], room_.labels.instance[i]}];
-      const auto [label, instance] = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+      const auto [label, instance] = std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) {
+                                       return a.second < b.second;
+                                     })->first;
       std::vector<Vec3d> points;
       for (size_t i = 0; i < part.size(); ++i) {
         if (part[i]) points.push_back(position_of(room_.model, i));
@@ -281,7 +300,8 @@ class Filler {
       for (int j = 0; j < grid.rows; ++j) {
         for (int i = 0; i < grid.columns; ++i) {
           const size_t at = grid.index(i, j);
-          hole[at] = object[at] > settings_.shadow && cover[at] < settings_.covered && bounds.holds({i + 0.5, j + 0.5}, 1);
+          hole[at] =
+              object[at] > settings_.shadow && cover[at] < settings_.covered && bounds.holds({i + 0.5, j + 0.5}, 1);
         }
       }
       patches.push_back(make_patch(room_, grid, hole, clean(rows)));
@@ -297,7 +317,7 @@ class Filler {
   std::vector<std::vector<uint8_t>> parts_;
   HiddenPlaces hidden_;
   std::vector<uint32_t> removed_rows_;
-  PointTree tree_;  ///< over the removed rows
+  PointTree tree_;             ///< over the removed rows
   std::vector<uint8_t> gone_;  ///< selected, and debris
   std::vector<RoomPlane> planes_;
   std::vector<int> openings_;  ///< classes

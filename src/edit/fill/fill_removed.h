@@ -1,4 +1,5 @@
-// Closes the holes that removed objects leave: the surfaces of the room behind and under them continue, and nothing else.
+// Closes the holes that removed objects leave: the surfaces of the room behind and under them continue, and nothing
+// else.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ struct FillSettings {
   float unlike = 0.1f;       ///< sRGB distance (norm over 3 channels) of a colour that a surface does not have
   double opening = 0.08;     ///< a window or door this near to a wall is an opening in it (25 cm)
   double cell_min = 0.005, cell_max = 0.012;  ///< edge of a cell (1.5 to 4 cm)
-  double cube = 0.013;       ///< edge of the cubes that tell what hides what (4 cm)
-  float covered = 0.6f;      ///< accumulated opacity of a place that has a surface
-  float shadow = 0.2f;       ///< accumulated opacity of a place that the object covers
+  double cube = 0.013;                        ///< edge of the cubes that tell what hides what (4 cm)
+  float covered = 0.6f;                       ///< accumulated opacity of a place that has a surface
+  float shadow = 0.2f;                        ///< accumulated opacity of a place that the object covers
 };
 
 struct Filling {

@@ -12,7 +12,8 @@ namespace {
 constexpr int kWall = 0, kWindow = 8, kRug = 28, kBook = 67;  // ADE20K class numbers
 const Vec3f kFloorColor{0.6f, 0.5f, 0.4f}, kWallColor{0.8f, 0.8f, 0.7f}, kBookColor{0.5f, 0.1f, 0.6f};
 
-/// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall of 1.6 m. The wall is at z = 1. A box is 25 cm before the
+/// A corner of a room: a floor of 3 m x 2 m (y = 0, up is -y) and a wall of 1.6 m. The wall is at z = 1. A box is 25 cm
+/// before the
 /// wall, and a camera in the middle of the room looks at it. Places that the box hides have no Gaussians.
 class FillRemoved : public testing::Test {
  protected:
@@ -32,7 +33,8 @@ class FillRemoved : public testing::Test {
     for (float x = -1.48f; x < 1.5f; x += small_room::kSpacing) {
       for (float z = -0.98f; z < 1; z += small_room::kSpacing) {
         const bool under = std::abs(x) < 0.2f && z > 0.35f && z < 0.75f;
-        if (!under && !is_behind_box(x, 0, z)) small_room::add_gaussian(model_, {x, 0, z}, {0, -1, 0}, kFloorColor, small_room::kFloor);
+        if (!under && !is_behind_box(x, 0, z))
+          small_room::add_gaussian(model_, {x, 0, z}, {0, -1, 0}, kFloorColor, small_room::kFloor);
       }
     }
   }
@@ -44,7 +46,9 @@ class FillRemoved : public testing::Test {
       }
     }
   }
-  void add_box() { small_room::add_box(model_, mesh_, {-0.2f, -0.4f, 0.35f}, {0.2f, 0, 0.75f}, {0.8f, 0.3f, 0.3f}, small_room::kBox); }
+  void add_box() {
+    small_room::add_box(model_, mesh_, {-0.2f, -0.4f, 0.35f}, {0.2f, 0, 0.75f}, {0.8f, 0.3f, 0.3f}, small_room::kBox);
+  }
 
   std::vector<SupportPatch> fill() {
     const LabelSet& labels = ade20k_labels();
@@ -97,7 +101,8 @@ TEST_F(FillRemoved, FloorAndWallContinueWhereTheBoxHidThem) {
 TEST_F(FillRemoved, ABookBesideIsNoSource) {
   add_floor();
   for (float x = 0.24f; x < 0.5f; x += 0.02f) {
-    for (float z = 0.35f; z < 0.7f; z += 0.02f) small_room::add_gaussian(model_, {x, -0.005f, z}, {0, -1, 0}, kBookColor, kBook);
+    for (float z = 0.35f; z < 0.7f; z += 0.02f)
+      small_room::add_gaussian(model_, {x, -0.005f, z}, {0, -1, 0}, kBookColor, kBook);
   }
   add_box();
   const auto patches = fill();
@@ -113,7 +118,7 @@ TEST_F(FillRemoved, ABookBesideIsNoSource) {
 TEST_F(FillRemoved, WhatNobodyCouldSeeIsMadeAnew) {
   add_floor();
   add_wall();
-  small_room::add_gaussian(model_, {0, -0.2f, 1}, {0, 0, -1}, kBookColor, kWall);    // behind the box
+  small_room::add_gaussian(model_, {0, -0.2f, 1}, {0, 0, -1}, kBookColor, kWall);      // behind the box
   small_room::add_gaussian(model_, {1.2f, -0.22f, 1}, {0, 0, -1}, kBookColor, kWall);  // beside, in view
   add_box();
   const auto patches = fill();
@@ -150,7 +155,8 @@ TEST_F(FillRemoved, ARugContinuesWithinItsRectangle) {
   size_t rug = 0, floor = 0;
   for (const SupportPatch& patch : fill()) {
     for (size_t i = 0; i < patch.gaussians.size(); ++i) {
-      const bool under = std::abs(patch.gaussians.positions[3 * i]) < 0.18f && patch.gaussians.positions[3 * i + 2] < 0.73f;
+      const bool under =
+          std::abs(patch.gaussians.positions[3 * i]) < 0.18f && patch.gaussians.positions[3 * i + 2] < 0.73f;
       if (!under) continue;
       (room_.labels.label[patch.sources[i]] == kRug ? rug : floor) += 1;
     }
@@ -163,7 +169,8 @@ TEST_F(FillRemoved, AWindowStaysOpen) {
   add_floor();
   add_wall(-0.4f, 0.4f);
   for (float x = -0.38f; x < 0.4f; x += small_room::kSpacing) {
-    for (float y = -1.5f; y < -0.3f; y += small_room::kSpacing) small_room::add_gaussian(model_, {x, y, 1.1f}, {0, 0, -1}, {0.9f, 0.95f, 1}, kWindow);
+    for (float y = -1.5f; y < -0.3f; y += small_room::kSpacing)
+      small_room::add_gaussian(model_, {x, y, 1.1f}, {0, 0, -1}, {0.9f, 0.95f, 1}, kWindow);
   }
   add_box();
   EXPECT_EQ(near(fill(), {0, -0.45, 1}), 0u);

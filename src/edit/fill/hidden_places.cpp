@@ -10,7 +10,8 @@ std::vector<uint8_t> inverted(std::vector<uint8_t> flags) {
 
 }  // namespace
 
-HiddenPlaces::HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected, const std::vector<Camera>& cameras, double cube)
+HiddenPlaces::HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected,
+                           const std::vector<Camera>& cameras, double cube)
     : cameras_(cameras), removed_(model, selected, cube), rest_(model, inverted(selected), cube) {}
 
 HiddenPlaces::Views HiddenPlaces::views_of(const Vec3d& place) const {
@@ -20,10 +21,13 @@ HiddenPlaces::Views HiddenPlaces::views_of(const Vec3d& place) const {
     const Vec3d local = camera.world_to_camera * place;
     if (!(local.z > 0) || !camera.contains(camera.project(local))) continue;
     const Vec3d eye = camera.centre();
-    if (removed_.hides(eye, place)) ++views.hidden;
-    else eyes.push_back(eye);
+    if (removed_.hides(eye, place))
+      ++views.hidden;
+    else
+      eyes.push_back(eye);
   }
-  // The removed objects are a small part of the room. Most places are not behind them, and nobody asks for the rest there.
+  // The removed objects are a small part of the room. Most places are not behind them, and nobody asks for the rest
+  // there.
   if (views.hidden == 0) return views;
   for (const Vec3d& eye : eyes) views.free += !rest_.hides(eye, place);
   return views;

@@ -10,9 +10,11 @@ namespace aligngs {
 
 class HiddenPlaces {
  public:
-  /// `selected` marks the rows that go; `cube` is the edge of the cubes that tell what hides what, scene units. The cameras
+  /// `selected` marks the rows that go; `cube` is the edge of the cubes that tell what hides what, scene units. The
+  /// cameras
   /// must outlive this.
-  HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected, const std::vector<Camera>& cameras, double cube);
+  HiddenPlaces(const GaussianModel& model, const std::vector<uint8_t>& selected, const std::vector<Camera>& cameras,
+               double cube);
 
   /// The removed objects hid the place from some photo, and no photo shows it.
   bool from_all(const Vec3d& place) const;
@@ -21,7 +23,8 @@ class HiddenPlaces {
 
  private:
   struct Views {
-    int hidden = 0, free = 0;  ///< photos whose view of the place the removed objects block, and those that show it; not counted without the former
+    /// photos whose view of the place the removed objects block, and those that show it; not counted without the former
+    int hidden = 0, free = 0;
   };
   Views views_of(const Vec3d& place) const;
 

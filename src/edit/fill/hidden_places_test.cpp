@@ -25,7 +25,8 @@ class HiddenPlacesTest : public testing::Test {
   HiddenPlacesTest() {
     model_.semantic_channels = 0;
     for (float x = -0.2f; x <= 0.2f; x += 0.02f) {
-      for (float y = -0.2f; y <= 0.2f; y += 0.02f) small_room::add_gaussian(model_, {x, y, 1}, {0, 0, -1}, {0.5f, 0.5f, 0.5f}, -1);
+      for (float y = -0.2f; y <= 0.2f; y += 0.02f)
+        small_room::add_gaussian(model_, {x, y, 1}, {0, 0, -1}, {0.5f, 0.5f, 0.5f}, -1);
     }
     selected_.assign(model_.size(), 1);
   }

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gaussians/gaussian_model.h"
 #include "core/vec.h"
+#include "gaussians/gaussian_model.h"
 
 namespace aligngs {
 
@@ -22,7 +22,9 @@ struct PlaneGrid {
   int columns = 0, rows = 0;
 
   size_t size() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
-  size_t index(int column, int row) const { return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column); }
+  size_t index(int column, int row) const {
+    return static_cast<size_t>(row) * static_cast<size_t>(columns) + static_cast<size_t>(column);
+  }
   /// World position of a place, in cells; the middle of cell (i, j) is at (i + 0.5, j + 0.5).
   Vec3d at(double column, double row) const { return origin + u * (column * cell) + v * (row * cell); }
   /// The inverse of at(), of the projection of a point on the plane.

@@ -8,8 +8,8 @@
 namespace aligngs {
 
 struct PlaneRectangle {
-  Vec2d centre, along;                         ///< `along` is unit
-  double low[2] = {0, 0}, high[2] = {0, 0};    ///< from the centre, along `along` and to its left
+  Vec2d centre, along;                       ///< `along` is unit
+  double low[2] = {0, 0}, high[2] = {0, 0};  ///< from the centre, along `along` and to its left
   bool holds(const Vec2d& place, double margin) const;
 };
 

@@ -14,7 +14,8 @@ constexpr uint64_t kSeed = 1;
 
 PlaneSettings plane_settings(const RoomPlaneSettings& settings) {
   PlaneSettings out;
-  out.inlier = 0.02;  // of the distance to the place inside: 5 cm at 2.5 m; a trained wall is less bent than a network's
+  // of the distance to the place inside: 5 cm at 2.5 m; a trained wall is less bent than a network's
+  out.inlier = 0.02;
   out.merge_distance = 0.03;
   out.least_views = 1;  // Gaussians are of no view
   out.least_points = settings.least_carriers;
@@ -24,12 +25,14 @@ PlaneSettings plane_settings(const RoomPlaneSettings& settings) {
 }  // namespace
 
 std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vector<CarryingClass>& classes,
-                                   const std::vector<uint8_t>& left_out, const Vec3d& inside, const RoomPlaneSettings& settings) {
+                                   const std::vector<uint8_t>& left_out, const Vec3d& inside,
+                                   const RoomPlaneSettings& settings) {
   std::vector<PlanePoint> points;
   std::vector<uint32_t> rows;
   for (uint32_t i = 0; i < room.model.size(); ++i) {
     const uint16_t label = room.labels.label[i];
-    if (left_out[i] || label == kNoLabel || label >= classes.size() || opacity_of(room.model, i) < settings.solid) continue;
+    if (left_out[i] || label == kNoLabel || label >= classes.size() || opacity_of(room.model, i) < settings.solid)
+      continue;
     PlanePoint point;
     point.kind = classes[label].shell;
     if (point.kind == PlaneKind::kNone) continue;
@@ -54,7 +57,8 @@ std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vec
     plane.low = {1e300, 1e300, 1e300};
     plane.high = {-1e300, -1e300, -1e300};
     for (size_t k = 0; k < points.size(); ++k) {
-      if (points[k].kind != plane.kind || std::fabs(dot(plane.normal, points[k].position) - plane.offset) > settings.tolerance * room.extent ||
+      if (points[k].kind != plane.kind ||
+          std::fabs(dot(plane.normal, points[k].position) - plane.offset) > settings.tolerance * room.extent ||
           std::fabs(dot(plane.normal, points[k].normal)) < settings.facing) {
         continue;
       }
@@ -75,7 +79,8 @@ bool is_inside(const Vec3d& place, const std::vector<RoomPlane>& planes, double 
     if (height > -tolerance) continue;
     const Vec3d on_plane = place - plane.normal * height;
     bool near = true;
-    for (int a = 0; a < 3; ++a) near = near && on_plane[a] > plane.low[a] - reach && on_plane[a] < plane.high[a] + reach;
+    for (int a = 0; a < 3; ++a)
+      near = near && on_plane[a] > plane.low[a] - reach && on_plane[a] < plane.high[a] + reach;
     if (near) return false;
   }
   return true;

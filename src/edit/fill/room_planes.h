@@ -18,16 +18,17 @@ struct RoomPlane : PlaneOf {
 };
 
 struct RoomPlaneSettings {
-  double tolerance = 0.010;   ///< / extent: a carrier is nearer to its plane (3 cm in a room)
-  double facing = 0.8;        ///< cosine between a carrier's shortest axis and the plane's normal
+  double tolerance = 0.010;  ///< / extent: a carrier is nearer to its plane (3 cm in a room)
+  double facing = 0.8;       ///< cosine between a carrier's shortest axis and the plane's normal
   size_t least_carriers = 40;
-  float solid = 0.3f;         ///< opacity of a Gaussian that is part of a surface
+  float solid = 0.3f;  ///< opacity of a Gaussian that is part of a surface
 };
 
 /// `inside` is a place in the room, e.g. the mean place of the cameras. `left_out` marks rows that say nothing: those
 /// that go. The same for the same room.
 std::vector<RoomPlane> room_planes(const LabelledGaussians& room, const std::vector<CarryingClass>& classes,
-                                   const std::vector<uint8_t>& left_out, const Vec3d& inside, const RoomPlaneSettings& settings = {});
+                                   const std::vector<uint8_t>& left_out, const Vec3d& inside,
+                                   const RoomPlaneSettings& settings = {});
 
 /// Whether a place is in the room as far as its planes tell: not behind a plane that has a surface near there.
 bool is_inside(const Vec3d& place, const std::vector<RoomPlane>& planes, double tolerance, double reach);

@@ -9,7 +9,7 @@
 namespace aligngs {
 namespace {
 
-constexpr float kSolid = 0.3f;    ///< opacity of a Gaussian that is part of a surface
+constexpr float kSolid = 0.3f;     ///< opacity of a Gaussian that is part of a surface
 constexpr int kMostCubes = 256;    ///< per side: 16 MB in all
 constexpr double kOwnCubes = 2.5;  ///< before the place: a surface seen at a slant does not hide itself
 
@@ -30,10 +30,12 @@ SolidSpace::SolidSpace(const GaussianModel& model, const std::vector<uint8_t>& s
   if (points.empty()) return;
   for (int a = 0; a < 3; ++a) cube_ = std::max(cube_, (high[a] - low_[a]) / (kMostCubes - 1));
   for (int a = 0; a < 3; ++a) counts_[a] = static_cast<int>((high[a] - low_[a]) / cube_) + 1;
-  filled_.assign(static_cast<size_t>(counts_[0]) * static_cast<size_t>(counts_[1]) * static_cast<size_t>(counts_[2]), 0);
+  filled_.assign(static_cast<size_t>(counts_[0]) * static_cast<size_t>(counts_[1]) * static_cast<size_t>(counts_[2]),
+                 0);
   for (const Vec3d& p : points) {
     size_t at = 0;
-    for (int a = 0; a < 3; ++a) at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>((p[a] - low_[a]) / cube_);
+    for (int a = 0; a < 3; ++a)
+      at = at * static_cast<size_t>(counts_[a]) + static_cast<size_t>((p[a] - low_[a]) / cube_);
     filled_[at] = 1;
   }
 }

@@ -7,13 +7,15 @@ namespace aligngs {
 namespace {
 
 constexpr float kKnown = 0.2f;  ///< weight above which a cell keeps its colour
-constexpr int kSweeps = 60;  ///< of relaxation on the finest level, which smooth the steps of the pyramid
+constexpr int kSweeps = 60;     ///< of relaxation on the finest level, which smooth the steps of the pyramid
 
 struct Level {
   int columns = 0, rows = 0;
   std::vector<Vec3f> color;   ///< premultiplied by weight while pulling
   std::vector<float> weight;  ///< in [0, 1] after pulling
-  size_t index(int i, int j) const { return static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i); }
+  size_t index(int i, int j) const {
+    return static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i);
+  }
 };
 
 Level make_level(int columns, int rows) {
@@ -49,12 +51,14 @@ Level half(const Level& fine) {
 
 /// Bilinear colour of a coarse level at a place of the next finer one.
 Vec3f sample(const Level& coarse, int i, int j) {
-  const double x = std::clamp(0.5 * (i + 0.5) - 0.5, 0.0, coarse.columns - 1.0), y = std::clamp(0.5 * (j + 0.5) - 0.5, 0.0, coarse.rows - 1.0);
+  const double x = std::clamp(0.5 * (i + 0.5) - 0.5, 0.0, coarse.columns - 1.0),
+               y = std::clamp(0.5 * (j + 0.5) - 0.5, 0.0, coarse.rows - 1.0);
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const int x1 = std::min(x0 + 1, coarse.columns - 1), y1 = std::min(y0 + 1, coarse.rows - 1);
   const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-  return coarse.color[coarse.index(x0, y0)] * ((1 - fx) * (1 - fy)) + coarse.color[coarse.index(x1, y0)] * (fx * (1 - fy)) +
-         coarse.color[coarse.index(x0, y1)] * ((1 - fx) * fy) + coarse.color[coarse.index(x1, y1)] * (fx * fy);
+  return coarse.color[coarse.index(x0, y0)] * ((1 - fx) * (1 - fy)) +
+         coarse.color[coarse.index(x1, y0)] * (fx * (1 - fy)) + coarse.color[coarse.index(x0, y1)] * ((1 - fx) * fy) +
+         coarse.color[coarse.index(x1, y1)] * (fx * fy);
 }
 
 /// Every unknown cell moves to the mean of its neighbours: the membrane with the known cells as its frame.
@@ -65,8 +69,11 @@ void relax(Level& level) {
       for (int i = 0; i < level.columns; ++i) {
         const size_t at = level.index(i, j);
         if (level.weight[at] > kKnown) continue;
-        const Vec3f mean = (level.color[level.index(std::max(0, i - 1), j)] + level.color[level.index(std::min(level.columns - 1, i + 1), j)] +
-                            level.color[level.index(i, std::max(0, j - 1))] + level.color[level.index(i, std::min(level.rows - 1, j + 1))]) * 0.25f;
+        const Vec3f mean = (level.color[level.index(std::max(0, i - 1), j)] +
+                            level.color[level.index(std::min(level.columns - 1, i + 1), j)] +
+                            level.color[level.index(i, std::max(0, j - 1))] +
+                            level.color[level.index(i, std::min(level.rows - 1, j + 1))]) *
+                           0.25f;
         next[at] = mean;
       }
     }

@@ -32,7 +32,8 @@ std::vector<KnownColor> frame(const std::function<float(double, double)>& shade)
 }
 
 TEST(ContinuedColors, AnEvenColourStays) {
-  for (const Vec3f& c : continued_colors(grid(), frame([](double, double) { return 0.4f; }))) EXPECT_NEAR(c.x, 0.4f, 1e-5);
+  for (const Vec3f& c : continued_colors(grid(), frame([](double, double) { return 0.4f; })))
+    EXPECT_NEAR(c.x, 0.4f, 1e-5);
 }
 
 TEST(ContinuedColors, AGradientOfLightGoesOn) {
@@ -41,7 +42,8 @@ TEST(ContinuedColors, AGradientOfLightGoesOn) {
 }
 
 TEST(ContinuedColors, OneStrangeColourDrawsNoStreak) {
-  const auto colors = continued_colors(grid(), frame([](double x, double y) { return x > 19 && x < 20 && y > 11 && y < 12 ? 1.f : 0.4f; }));
+  const auto colors = continued_colors(
+      grid(), frame([](double x, double y) { return x > 19 && x < 20 && y > 11 && y < 12 ? 1.f : 0.4f; }));
   EXPECT_NEAR(colors[grid().index(19, 16)].x, 0.4f, 0.08) << "four cells from it, little is left";
   EXPECT_NEAR(colors[grid().index(19, 24)].x, 0.4f, 0.02);
 }

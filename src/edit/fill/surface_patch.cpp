@@ -20,7 +20,7 @@ Vec3f constant_of(const GaussianModel& model, size_t i) {
 /// Carriers whose colour is like that of those around them: a stray one of another thing would leave a stain.
 std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::vector<uint32_t>& carriers) {
   constexpr size_t kNeighbours = 12;
-  constexpr float kSpreads = 4;       // median absolute deviations
+  constexpr float kSpreads = 4;          // median absolute deviations
   constexpr float kLeastSpread = 0.05f;  // of the harmonic: noise of an even surface
   if (carriers.size() <= kNeighbours) return carriers;
   std::vector<Vec3f> points;
@@ -51,7 +51,8 @@ std::vector<uint32_t> without_strays(const LabelledGaussians& room, const std::v
 std::vector<float> mean_shine(const GaussianModel& model, const std::vector<uint32_t>& carriers) {
   std::vector<float> mean(kPatchColorNumbers, 0.f);
   for (const uint32_t i : carriers) {
-    for (size_t k = 3; k < kPatchColorNumbers; ++k) mean[k] += model.sh[kPatchColorNumbers * i + k] / static_cast<float>(carriers.size());
+    for (size_t k = 3; k < kPatchColorNumbers; ++k)
+      mean[k] += model.sh[kPatchColorNumbers * i + k] / static_cast<float>(carriers.size());
   }
   return mean;
 }
@@ -71,7 +72,8 @@ void add_gaussian(const LabelledGaussians& room, const PlaneGrid& grid, const Ve
   const float scales[3] = {wide, wide, flat};
   std::copy_n(scales, 3, &g.log_scales[3 * i]);
   const Quaterniond q = quaternion_from_z_to(grid.normal);
-  const float rotation[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
+  const float rotation[4] = {static_cast<float>(q.w), static_cast<float>(q.x), static_cast<float>(q.y),
+                             static_cast<float>(q.z)};
   std::copy_n(rotation, 4, &g.rotations[4 * i]);
   g.opacity_logits[i] = 3;  // opacity 0.95: with its neighbours' shares nothing shows through
   const size_t channels = static_cast<size_t>(g.semantic_channels);
@@ -90,7 +92,8 @@ void add_mesh(const LabelledGaussians& room, const PlaneGrid& grid, const std::v
     const Vec3f sh = colors[grid.index(std::min(i, grid.columns - 1), std::min(j, grid.rows - 1))];
     std::array<uint8_t, 3> color;
     for (size_t c = 0; c < 3; ++c) {
-      color[c] = static_cast<uint8_t>(std::lround(255 * std::clamp(0.5f + static_cast<float>(kSh0) * sh[static_cast<int>(c)], 0.f, 1.f)));
+      color[c] = static_cast<uint8_t>(
+          std::lround(255 * std::clamp(0.5f + static_cast<float>(kSh0) * sh[static_cast<int>(c)], 0.f, 1.f)));
     }
     mesh.vertices.push_back(grid.at(i, j).cast<float>());
     mesh.normals.push_back(grid.normal.cast<float>());
@@ -142,7 +145,8 @@ SupportPatch make_patch(const LabelledGaussians& room, const PlaneGrid& grid, co
       add_gaussian(room, grid, place, colors[grid.index(i, j)], shine, source_at(place), patch);
     }
   }
-  add_mesh(room, grid, widened(hole, grid), colors, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows)), patch.mesh);
+  add_mesh(room, grid, widened(hole, grid), colors, source_at(grid.at(0.5 * grid.columns, 0.5 * grid.rows)),
+           patch.mesh);
   return patch;
 }
 

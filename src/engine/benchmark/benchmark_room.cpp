@@ -18,7 +18,7 @@ namespace {
 
 /// Half extents of the room, metres. The cameras are at one end and look to the other.
 constexpr double kHalf[3] = {2.2, 1.3, 3.4};
-constexpr int kFurniture = 9;       ///< boxes along the walls
+constexpr int kFurniture = 9;            ///< boxes along the walls
 constexpr double kFurnitureShare = 0.3;  ///< of the Gaussians
 /// Standard deviation of a splat along its plane, in units of the spacing of the splats. About 55 splats reach a pixel.
 constexpr double kSizeInSpacings = 1.12;
@@ -34,14 +34,17 @@ std::vector<Box> make_boxes() {
   Random random(3);
   for (int i = 0; i < kFurniture; ++i) {
     const Vec3d half{random.uniform(0.2, 0.6), random.uniform(0.2, 0.7), random.uniform(0.2, 0.6)};
-    const double x = (i % 3 - 1) * 1.5 + random.uniform(-0.2, 0.2), z = -1.2 + 1.7 * (i / 3) + random.uniform(-0.2, 0.2);
+    const double x = (i % 3 - 1) * 1.5 + random.uniform(-0.2, 0.2),
+                 z = -1.2 + 1.7 * (i / 3) + random.uniform(-0.2, 0.2);
     boxes.push_back({{x, kHalf[1] - half.y, z}, half, 6 + i});
   }
   return boxes;
 }
 
 /// Face of a box whose normal is along `axis`; the room's six faces have labels of their own.
-int label_of(const Box& box, int axis, double side) { return box.label > 0 ? box.label : 2 * axis + (side > 0 ? 1 : 0); }
+int label_of(const Box& box, int axis, double side) {
+  return box.label > 0 ? box.label : 2 * axis + (side > 0 ? 1 : 0);
+}
 
 Vec3d color_of(int label, const Vec3d& p) {
   const bool odd = (int(std::floor(4 * p.x)) + int(std::floor(4 * p.y)) + int(std::floor(4 * p.z))) & 1;

@@ -16,7 +16,8 @@ struct BenchmarkRoom {
   int width = 640, height = 480;  ///< pixels
   size_t gaussians = 200000;
   int channels = 150;  ///< classes, 0 = without semantics
-  bool morton_order = true;  ///< rows as training orders them (densify.morton_order); false: neighbours anywhere in memory
+  /// rows as training orders them (densify.morton_order); false: neighbours anywhere in memory
+  bool morton_order = true;
 };
 
 /// Positions from which the room is seen.

@@ -20,7 +20,9 @@ TEST(InstructionLimit, KernelsUseNoWiderVectorsWhileItLives) {
   {
     const InstructionLimit limit(Instructions::kSse4);
     const std::string limited = instructions_in_use();
-    EXPECT_TRUE(limited == "SSE4" || limited == "SSE2" || limited == "SCALAR" || limited == "EMU128" || limited == before) << limited;
+    EXPECT_TRUE(limited == "SSE4" || limited == "SSE2" || limited == "SCALAR" || limited == "EMU128" ||
+                limited == before)
+        << limited;
     EXPECT_NE(limited.substr(0, 3), "AVX");
   }
   EXPECT_EQ(instructions_in_use(), before);

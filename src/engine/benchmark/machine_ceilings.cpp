@@ -79,8 +79,8 @@ HWY_EXPORT(Triad);
 namespace {
 
 constexpr int kRuns = 5;
-constexpr size_t kFmaRounds = 2000000;     ///< some 10 ms
-constexpr int64_t kAmxRounds = 300000;     ///< some 10 ms
+constexpr size_t kFmaRounds = 2000000;         ///< some 10 ms
+constexpr int64_t kAmxRounds = 300000;         ///< some 10 ms
 constexpr size_t kElements = size_t(1) << 25;  ///< floats per array: 128 MB, beyond any cache of the day
 constexpr size_t kTaskElements = size_t(1) << 20;
 

@@ -8,10 +8,10 @@
 namespace aligngs {
 namespace {
 
-constexpr double kFloat = 4;                               // bytes
-constexpr double kShapeFloats = 11;                        // position, scale, rotation, opacity
-constexpr double kShFloats = 48;                           // degree 3
-constexpr double kAdamBytes = 28;                          // read p, m, v, g; write p, m, v
+constexpr double kFloat = 4;         // bytes
+constexpr double kShapeFloats = 11;  // position, scale, rotation, opacity
+constexpr double kShFloats = 48;     // degree 3
+constexpr double kAdamBytes = 28;    // read p, m, v, g; write p, m, v
 constexpr double kSplatBytes = sizeof(cpu::Splat);
 constexpr double kSlotBytes = sizeof(cpu::SplatGradient);
 
@@ -26,7 +26,8 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
                channels = room.channels;
   if (stage == "project") {
     // Frame, covariance and rectangle of every row; colour and record of the visible ones.
-    return {200 * n + 250 * visible, 0, (kShapeFloats * kFloat + 12) * n + (kShFloats * kFloat + kSplatBytes) * visible};
+    return {200 * n + 250 * visible, 0,
+            (kShapeFloats * kFloat + 12) * n + (kShFloats * kFloat + kSplatBytes) * visible};
   }
   if (stage == "bin") {
     // Rectangles; three passes over (key, row); the rows by tile, counted and written.
@@ -52,7 +53,8 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
   if (stage == "semantics") {
     // Three products over blocks of 64 pixels; softmax, loss and gradient 40 per pixel and class; rows in and out once.
     const double share = timing.pixel_share;
-    return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels, 2 * kFloat * share * touched * channels};
+    return {40 * share * pixels * channels, 3 * 2 * 64 * share * entries * channels,
+            2 * kFloat * share * touched * channels};
   }
   if (stage == "reduce") {
     return {700 * touched, 0,
@@ -64,7 +66,8 @@ StageWork stage_work(const std::string& stage, const StepTiming& timing, const B
     return {14 * numbers, 0, kAdamBytes * numbers};
   }
   if (stage == "densify") {
-    // The plan is made from a copy of the shapes (Engine::store_shapes); then parameters and both moments move to their new rows.
+    // The plan is made from a copy of the shapes (Engine::store_shapes); then parameters and both moments move to their
+    // new rows.
     const double per_row = kFloat * (kShapeFloats + kShFloats + channels);
     return {0, 0, kFloat * kShapeFloats * 2 * n + per_row * 3 * (n + static_cast<double>(timing.densified))};
   }

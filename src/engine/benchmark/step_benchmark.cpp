@@ -66,7 +66,8 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
   if (options.steps < 1 || options.warm_up < 0) throw_usage("a benchmark needs at least one step that counts");
   StepTiming out;
   const std::unique_ptr<Engine> engine = engine_for(options);
-  out.threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  out.threads =
+      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const StepRequest base = benchmark_request();
   Camera camera;
   {
@@ -88,13 +89,18 @@ StepTiming time_steps(const StepBenchmarkOptions& options) {
   for (int i = 0; i < options.warm_up + options.steps; ++i) {
     request.view = i % kBenchmarkViews;
     request.step = i + 1;
-    request.losses.semantic_sample = make_semantic_sample(options.pixel_share, i / kBenchmarkViews, std::max(camera.width, camera.height));
+    request.losses.semantic_sample =
+        make_semantic_sample(options.pixel_share, i / kBenchmarkViews, std::max(camera.width, camera.height));
     const std::clock_t cpu_start = std::clock();
     const auto start = std::chrono::steady_clock::now();
     const StepReport report = engine->step(request);
     const double seconds = seconds_since(start);
     if (report.non_finite.found) {
-      throw Error({ErrorKind::kFailed, "a step of the benchmark gave a value that is not finite", {}, report.non_finite.term, ""});
+      throw Error({ErrorKind::kFailed,
+                   "a step of the benchmark gave a value that is not finite",
+                   {},
+                   report.non_finite.term,
+                   ""});
     }
     if (i < options.warm_up) continue;
     totals.push_back(seconds);

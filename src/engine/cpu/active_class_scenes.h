@@ -1,7 +1,7 @@
 // Scenes whose teacher shows nine of many classes.
 #pragma once
 
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 
 namespace aligngs::cpu::testing_scene {
 
@@ -60,7 +60,7 @@ inline SceneOptions options(int channels) {
 }
 
 inline void prepare(CpuEngine& engine, int top_k, const GaussianModel& model, const TrainingView& view,
-             SemanticProducts products = SemanticProducts::kFloat32) {
+                    SemanticProducts products = SemanticProducts::kFloat32) {
   engine.set_semantic_products(products);
   engine.limit_classes(top_k);
   engine.load(model);

@@ -23,8 +23,8 @@
 namespace aligngs::cpu {
 
 struct ActiveClasses {
-  int classes = 0;                 ///< of the label set, C
-  std::vector<uint16_t> active;    ///< ascending; with a remainder only
+  int classes = 0;               ///< of the label set, C
+  std::vector<uint16_t> active;  ///< ascending; with a remainder only
   bool has_remainder() const { return !active.empty(); }
   int remainder() const { return has_remainder() ? classes - static_cast<int>(active.size()) : 0; }
   /// Channels of the model that trains: the active classes, then the remainder; or all classes.

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/cpu/active_class_scenes.h"
-#include "engine/cpu/matrix_tiles.h"
 #include "engine/cpu/active_classes.h"
+#include "engine/cpu/matrix_tiles.h"
 #include "engine/formulas/teacher_sampling.h"
 #include "scene/triangle_mesh.h"
 
@@ -60,7 +60,8 @@ TEST(ActiveClasses, StepEqualsThatOfAllClasses) {
         prepare(all, 0, model, view);
         prepare(few, 2, model, view);
         const StepReport a = all.step(r), b = few.step(r);
-        EXPECT_NEAR(b.losses[Loss::kSemanticSoft], a.losses[Loss::kSemanticSoft], 2.5e-4);  // float16 holds the sum of the rest, of targets that sum to one
+        // float16 holds the sum of the rest, of targets that sum to one
+        EXPECT_NEAR(b.losses[Loss::kSemanticSoft], a.losses[Loss::kSemanticSoft], 2.5e-4);
         EXPECT_NEAR(b.losses[Loss::kSemanticHard], a.losses[Loss::kSemanticHard], 1e-5);
         const GaussianModel ga = all.last_gradients(), gb = few.last_gradients();
         ASSERT_EQ(gb.semantic_channels, kActive + 1);
@@ -167,8 +168,8 @@ double unevenness_of(const TrainingView& view) {
 
 /// The bounds on which the remainder is on by default (docs/method.md). The rest is uneven and has a tenth of the mass.
 /// After training, the soft loss of all classes is that of the channels plus a constant for the unevenness.
-constexpr double kSoftAgreement = 0.002;   ///< nats
-constexpr double kHardAgreement = 0.002;   ///< nats
+constexpr double kSoftAgreement = 0.002;  ///< nats
+constexpr double kHardAgreement = 0.002;  ///< nats
 constexpr double kSameLabels = 0.995;     ///< of the labelled pixels
 
 TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
@@ -195,7 +196,8 @@ TEST(ActiveClasses, TrainingAgreesWithAllClasses) {
       b = few.step(r);
     }
     const std::string name = blend == SemanticBlend::kProbabilities ? "probabilities" : "logits";
-    RecordProperty(name + "_soft", std::to_string(a.losses[Loss::kSemanticSoft] - b.losses[Loss::kSemanticSoft] - unevenness));
+    RecordProperty(name + "_soft",
+                   std::to_string(a.losses[Loss::kSemanticSoft] - b.losses[Loss::kSemanticSoft] - unevenness));
     RecordProperty(name + "_hard", std::to_string(a.losses[Loss::kSemanticHard] - b.losses[Loss::kSemanticHard]));
     EXPECT_NEAR(a.losses[Loss::kSemanticSoft] - b.losses[Loss::kSemanticSoft], unevenness, kSoftAgreement);
     EXPECT_NEAR(a.losses[Loss::kSemanticHard], b.losses[Loss::kSemanticHard], kHardAgreement);

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "engine/cpu/aligned_array.h"
 #include "engine/cpu/bf16_packing.h"
-#include "engine/cpu/every_target.h"
+#include "engine/cpu/each_instruction_set_for_tests.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/semantic_loss.h"
 #include "gaussians/gaussian_model.h"
@@ -87,7 +87,8 @@ TEST(Adam, RowsOfHarmonicsHaveTwoRatesAndUntouchedOnesNoGradient) {
           for (size_t i = 0; i < kRow; ++i) {
             float& x = g[kRow * row + i];
             if (i >= used) x = 0;
-            if (i < visited) n.update(kRow * row + i, make_adam_step<double>({}, i < 3 ? dc : rest, t), touched[row] ? x : 0.0f);
+            if (i < visited)
+              n.update(kRow * row + i, make_adam_step<double>({}, i < 3 ? dc : rest, t), touched[row] ? x : 0.0f);
             if (touched[row] == 0) x = std::numeric_limits<float>::quiet_NaN();  // must not be read
           }
         }
@@ -122,7 +123,8 @@ void check_semantic_rows(Number (*stored)(float), float (*number_of)(Number)) {
         exact[c] = static_cast<double>(g[c]);
       }
       softmax_backward<double>(pi.data(), exact.data(), static_cast<int>(channels), ds.data());
-      adam_semantic_row(make_adam_step<float>({}, rate, t), g.data(), softmax.data(), channels, n.p.data(), n.m.data(), n.v.data());
+      adam_semantic_row(make_adam_step<float>({}, rate, t), g.data(), softmax.data(), channels, n.p.data(), n.m.data(),
+                        n.v.data());
       for (size_t c = 0; c < channels; ++c) n.update(c, make_adam_step<double>({}, rate, t), ds[c]);
     }
     n.expect_equal(rate);
@@ -132,7 +134,8 @@ void check_semantic_rows(Number (*stored)(float), float (*number_of)(Number)) {
 TEST(Adam, SemanticRowsThroughTheirSoftmax) {
   for_each_target([] {
     check_semantic_rows<float>([](float x) { return x; }, [](float x) { return x; });
-    check_semantic_rows<uint16_t>([](float x) { return float_to_bfloat16(x); }, [](uint16_t x) { return bfloat16_to_float(x); });
+    check_semantic_rows<uint16_t>([](float x) { return float_to_bfloat16(x); },
+                                  [](uint16_t x) { return bfloat16_to_float(x); });
   });
 }
 
@@ -159,7 +162,8 @@ TEST(Adam, BoundsFindWhatIsBeyondAndWhatIsNotANumber) {
       std::vector<float> values(count, 0.5f);
       EXPECT_TRUE(all_within(values.data(), count, 1));
       for (size_t i = 0; i < count; ++i) {
-        for (const float bad : {1.5f, -1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        for (const float bad :
+             {1.5f, -1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
           values[i] = bad;
           EXPECT_FALSE(all_within(values.data(), count, 1)) << i << " of " << count;
         }

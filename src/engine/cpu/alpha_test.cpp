@@ -1,6 +1,6 @@
 // The vectors' alpha against the scalar formula in double precision. Most cases lie near the two thresholds that decide
 // whether a Gaussian takes part in a pixel.
-#include "engine/cpu/every_target.h"
+#include "engine/cpu/each_instruction_set_for_tests.h"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,8 @@ HWY_EXPORT(AlphaAt);
 
 namespace {
 
-/// Relative to a threshold: what float and double may part over. exp2 has 2 units of 6e-8; the exponent, up to 8, as many
+/// Relative to a threshold: what float and double may part over. exp2 has 2 units of 6e-8; the exponent, up to 8, as
+/// many
 /// roundings of its own size.
 constexpr double kRounding = 5e-6;
 const std::vector<double> kBeside = {1e-2, -1e-2, 1e-3, -1e-3, 1e-4, -1e-4, 1e-5, -1e-5};
@@ -74,7 +75,8 @@ Sight random_sight(Random& random) {
   s.splat.fxy = static_cast<float>(random.uniform(-0.3, 0.3));
   const double angle = random.uniform(0, 6.2831853), reach = random.uniform(0, 2.6);  // exponents down to -6.8
   const double r = reach * std::sin(angle), dy = r / static_cast<double>(s.splat.fyy);
-  const double dx = (reach * std::cos(angle) - static_cast<double>(s.splat.fxy) * dy) / static_cast<double>(s.splat.fxx);
+  const double dx =
+      (reach * std::cos(angle) - static_cast<double>(s.splat.fxy) * dy) / static_cast<double>(s.splat.fxx);
   s.splat.x = static_cast<float>(static_cast<double>(s.x) - dx);
   s.splat.y = static_cast<float>(static_cast<double>(s.y) - dy);
   s.splat.opacity = 1;
@@ -85,8 +87,9 @@ Sight random_sight(Random& random) {
 AlphaSample<double> scalar_alpha(const Sight& s, const RasterSettings& raster) {
   const double xx = s.splat.fxx, xy = s.splat.fxy, yy = s.splat.fyy, k = 2 * std::log(2.0);
   const Vec2d mean{static_cast<double>(s.splat.x), static_cast<double>(s.splat.y)};
-  return alpha_at<double>(mean, {k * xx * xx, k * xx * xy, k * (xy * xy + yy * yy)}, static_cast<double>(s.splat.opacity),
-                          static_cast<double>(s.x), static_cast<double>(s.y), raster);
+  return alpha_at<double>(mean, {k * xx * xx, k * xx * xy, k * (xy * xy + yy * yy)},
+                          static_cast<double>(s.splat.opacity), static_cast<double>(s.x), static_cast<double>(s.y),
+                          raster);
 }
 
 struct Taken {
@@ -132,7 +135,7 @@ TEST(Alpha, TakesPartJustAboveTheThresholdAndNotJustBelow) {
       const Taken got = take(s, raster, 0.7f);
       ASSERT_NEAR(got.alpha[0], want, kRounding * want) << beside << ", number " << i;
       ASSERT_EQ(got.alpha[0], got.alpha[1]);
-      ASSERT_EQ(got.left < 0.7f, want > 0);
+      ASSERT_EQ((got.left < 0.7f), (want > 0));
     }
   });
 }
@@ -147,7 +150,8 @@ TEST(Alpha, APixelClosesBeforeItsTransmittanceFallsBelowTheLeast) {
       const double alpha = scalar_alpha(s, raster).alpha;
       if (alpha == 0) continue;
       const double beside = kBeside[static_cast<size_t>(i) % (kBeside.size() - 2)];  // float tells 1e-4 apart
-      const float before = static_cast<float>(static_cast<double>(raster.transmittance_min) * (1 + beside) / (1 - alpha));
+      const float before =
+          static_cast<float>(static_cast<double>(raster.transmittance_min) * (1 + beside) / (1 - alpha));
       double left = static_cast<double>(before), weight = 0;
       ASSERT_EQ(blend_step(alpha, static_cast<double>(raster.transmittance_min), left, weight), beside > 0);
       const Taken got = take(s, raster, before);
@@ -157,7 +161,8 @@ TEST(Alpha, APixelClosesBeforeItsTransmittanceFallsBelowTheLeast) {
       ASSERT_NEAR(std::abs(got.left), left, 1e-3 * left);
       ASSERT_EQ(std::signbit(got.left), beside < 0);
       Sight faint = s;
-      faint.splat.opacity = static_cast<float>(2 * static_cast<double>(raster.alpha_min) / scalar_alpha(s, raster).falloff);
+      faint.splat.opacity =
+          static_cast<float>(2 * static_cast<double>(raster.alpha_min) / scalar_alpha(s, raster).falloff);
       if (beside < 0) {
         ASSERT_EQ(take(faint, raster, got.left).alpha[0], 0.0f);
       }

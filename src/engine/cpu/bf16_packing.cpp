@@ -129,8 +129,8 @@ ALIGNGS_PACKING_TARGET void pack_pixels(const float* in, size_t padded, uint16_t
     const float *first = in + pixel * padded, *second = first + padded;
     uint16_t* to = out + (pixel / 32) * groups * kTileNumbers + (pixel % 32 / 2) * 32;
     for (size_t group = 0; group < groups; ++group) {
-      const __m512i both = round_32(_mm512_load_ps(first + group * kTileRows),
-                                    _mm512_load_ps(second + group * kTileRows));
+      const __m512i both =
+          round_32(_mm512_load_ps(first + group * kTileRows), _mm512_load_ps(second + group * kTileRows));
       _mm512_store_si512(to + group * kTileNumbers, _mm512_permutexvar_epi16(interleave, both));
     }
   }

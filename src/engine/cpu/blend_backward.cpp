@@ -37,7 +37,7 @@ HWY_INLINE void add_moments(FloatVec g, FloatVec p, FloatVec r, Moments& m) {
 
 /// Rays and centres of a tile's pixels.
 struct TileRays {
-  HWY_ALIGN float x[kTilePixels], y[kTilePixels];                              ///< pixels
+  HWY_ALIGN float x[kTilePixels], y[kTilePixels];  ///< pixels
   // With density only; the range of depths that the prior supports is empty where there is none.
   HWY_ALIGN float ray_x[kTilePixels], ray_y[kTilePixels], grazing[kTilePixels];
   HWY_ALIGN float supported_from[kTilePixels], supported_to[kTilePixels];
@@ -193,8 +193,8 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
           residual = hn::MulAdd(w, hn::Load(d, in.residual + at), residual);
           const FloatVec z = intersection(d, g, hn::Load(d, rays.ray_x + at), hn::Load(d, rays.ray_y + at),
                                           hn::Load(d, rays.grazing + at));
-          const auto supported = hn::And(hn::Ge(z, hn::Load(d, rays.supported_from + at)),
-                                         hn::Le(z, hn::Load(d, rays.supported_to + at)));
+          const auto supported =
+              hn::And(hn::Ge(z, hn::Load(d, rays.supported_from + at)), hn::Le(z, hn::Load(d, rays.supported_to + at)));
           unsupported = hn::Add(unsupported, hn::IfThenZeroElse(supported, w));
         }
         const FloatVec a = hn::Load(d, alpha + s);
@@ -242,16 +242,17 @@ void sweep(const TileWeights& tile, const TileRays& rays, const RasterSettings& 
       }
     }
     {
-      const FloatVec first[16] = {c0, c1, c2, w_sum, n0, n1, n2, dist, all.p, all.r, all.one, all.pp,
-                                  all.pr, all.rr, residual, unsupported};
+      const FloatVec first[16] = {c0,    c1,    c2,      w_sum,  n0,     n1,     n2,       dist,
+                                  all.p, all.r, all.one, all.pp, all.pr, all.rr, residual, unsupported};
       store_lane_sums(first, sums);
     }
     if constexpr (!kGeometry) {
       photo_p = all.p;
       photo_r = all.r;
     }
-    const FloatVec second[16] = {photo_p, photo_r, abs_p, abs_y, semantic.p, semantic.r, semantic.one, semantic.pp,
-                                 semantic.pr, semantic.rr, zero, zero, zero, zero, zero, zero};
+    const FloatVec second[16] = {photo_p,      photo_r,     abs_p,       abs_y,       semantic.p, semantic.r,
+                                 semantic.one, semantic.pp, semantic.pr, semantic.rr, zero,       zero,
+                                 zero,         zero,        zero,        zero};
     store_lane_sums(second, sums + 16);
     // Whole cache lines that nobody reads before the sweep ends: past the caches.
     float* to = reinterpret_cast<float*>(

@@ -21,7 +21,8 @@ namespace aligngs::cpu {
 namespace {
 
 constexpr size_t kEngineRowsPerTask = 512;
-constexpr size_t kEngineRowsAhead = 4;  ///< a row of 600 bytes is rounded in about a quarter of a miss of the last cache
+/// a row of 600 bytes is rounded in about a quarter of a miss of the last cache
+constexpr size_t kEngineRowsAhead = 4;
 
 /// Writes the wall time since the last call under a name.
 class Stopwatch {
@@ -40,17 +41,14 @@ class Stopwatch {
 
 /// MapGradients::reset on several threads: ten megabytes at 640 x 480.
 void clear_gradients(size_t pixels, ThreadPool& pool, MapGradients<float>& out) {
-  const std::pair<std::vector<float>*, size_t> maps[] = {{&out.color, 3 * pixels},
-                                                         {&out.normal, 3 * pixels},
-                                                         {&out.distance, pixels},
-                                                         {&out.alpha, pixels}};
-  pool.parallel_for(std::size(maps), 1,
-                    [&](size_t i, size_t, int) {
-                      std::vector<float>& map = *maps[i].first;
-                      const bool grows = map.capacity() < maps[i].second;
-                      map.assign(maps[i].second, 0.0f);
-                      if (grows) ask_for_huge_pages(map);
-                    });
+  const std::pair<std::vector<float>*, size_t> maps[] = {
+      {&out.color, 3 * pixels}, {&out.normal, 3 * pixels}, {&out.distance, pixels}, {&out.alpha, pixels}};
+  pool.parallel_for(std::size(maps), 1, [&](size_t i, size_t, int) {
+    std::vector<float>& map = *maps[i].first;
+    const bool grows = map.capacity() < maps[i].second;
+    map.assign(maps[i].second, 0.0f);
+    if (grows) ask_for_huge_pages(map);
+  });
 }
 
 /// First row of `values` (width numbers per row) that is not finite, or -1.
@@ -193,10 +191,11 @@ StepReport CpuEngine::step(const StepRequest& request) {
     const bool renewed = rounded && prepare_rounded(request.losses.semantic_blend);
     const bool exact = !rounded || keep_features_;
     if (exact) prepare_features(request.losses.semantic_blend, gradients_.touched.data());
-    if (renewed || exact) watch.lap("semantic_rows");  // no such stage where the last step left the rows as they are needed
+    // no such stage where the last step left the rows as they are needed
+    if (renewed || exact) watch.lap("semantic_rows");
   }
-  const MapLossInputs<float> inputs{frame_.maps, view, request.losses, pool_.get(), &loss_workspace_,
-                                    neighbour ? &*neighbour : nullptr};
+  const MapLossInputs<float> inputs{
+      frame_.maps, view, request.losses, pool_.get(), &loss_workspace_, neighbour ? &*neighbour : nullptr};
   clear_gradients(frame_.maps.pixels(), *pool_, map_gradients_);
   map_losses(inputs, report.losses, map_gradients_);
   if (density) color_residual(inputs, residual_);
@@ -209,9 +208,12 @@ StepReport CpuEngine::step(const StepRequest& request) {
   if (semantics) {
     const size_t padded = padded_channels(model_.semantic_channels);
     feature_gradients_.resize(frame_.lists.visible.size() * padded);
-    pass.step = {&view,           &semantic_views_[static_cast<size_t>(request.view)],
-                 &request.losses, &counts_,
-                 model_.semantic_channels, padded,
+    pass.step = {&view,
+                 &semantic_views_[static_cast<size_t>(request.view)],
+                 &request.losses,
+                 &counts_,
+                 model_.semantic_channels,
+                 padded,
                  strength != 0};
     pass.rank = frame_.lists.rank.data();
     pass.features = frame_.features.data();
@@ -240,7 +242,7 @@ StepReport CpuEngine::step(const StepRequest& request) {
   last_probabilities_ = probabilities;
 
   report.coupling_scale = !semantics ? 0.0 : bounded ? coupling_factor(strength, balance_) : double(strength);
-  const ReduceInputs reduce{model_, frame_.view, frame_.lists,    frame_.record,
+  const ReduceInputs reduce{model_, frame_.view, frame_.lists,   frame_.record,
                             slots_, request,     report.visible, static_cast<float>(report.coupling_scale)};
   ReduceTotals totals;
   const BadGradient bad = parameter_gradients(reduce, *pool_, report.losses, totals, gradients_);
@@ -267,8 +269,12 @@ StepReport CpuEngine::step(const StepRequest& request) {
   }
   SemanticGradients semantic_gradients;
   if (semantics) {
-    semantic_gradients = {frame_.lists.rank.data(), feature_written_.data(), feature_gradients_.data(), probabilities,
-                          probabilities && !rounded ? frame_.features.data() : nullptr, counts_.last_log_count(),
+    semantic_gradients = {frame_.lists.rank.data(),
+                          feature_written_.data(),
+                          feature_gradients_.data(),
+                          probabilities,
+                          probabilities && !rounded ? frame_.features.data() : nullptr,
+                          counts_.last_log_count(),
                           rounded ? rounded_.data() : nullptr};
   }
   if (!rounded) rounded_for_.reset();  // rows that this step changes are not rounded again

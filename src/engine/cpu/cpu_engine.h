@@ -21,7 +21,7 @@ struct Frame {
   TileLists lists;
   RenderMaps<float> maps;
   BlendRecord record;
-  AlignedArray<float> features;    ///< [visible][padded] semantic rows as they are blended
+  AlignedArray<float> features;  ///< [visible][padded] semantic rows as they are blended
 };
 
 /// How the semantic products of a training step are formed.
@@ -89,7 +89,7 @@ class CpuEngine final : public Engine {
   AdamMoments expanded_moments() const;
   bool has_moments() const { return !moments_.m.opacity_logits.empty(); }
   AdamMoments& moments_for_step();
-  void settle_memory();                                     ///< large pages for parameters and moments
+  void settle_memory();  ///< large pages for parameters and moments
   bool semantics_active(const StepRequest& request);
   /// Renders the neighbour's plane depth into loss_workspace_. False when a Gaussian in its view is not finite.
   bool render_neighbour(const StepRequest& request);

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "engine/cpu/engine_runs_for_tests.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/engine_arrays.h"
 #include "engine/formulas/adam.h"
 #include "gaussians/morton_order.h"

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/engine.h"
 
 namespace aligngs::cpu::testing_scene {

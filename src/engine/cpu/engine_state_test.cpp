@@ -62,7 +62,8 @@ TEST(CpuEngine, ScalesAreRaisedAndMomentsKept) {
   const EngineState after = state_of(engine);
   EXPECT_EQ(after.arrays, before.arrays);
   for (size_t i = 0; i < before.model.size(); ++i) {
-    Vec3<float> want{before.model.log_scales[3 * i], before.model.log_scales[3 * i + 1], before.model.log_scales[3 * i + 2]};
+    Vec3<float> want{before.model.log_scales[3 * i], before.model.log_scales[3 * i + 1],
+                     before.model.log_scales[3 * i + 2]};
     raise_larger_scales(floors[i], want);
     for (int k = 0; k < 3; ++k) EXPECT_EQ(after.model.log_scales[3 * i + static_cast<size_t>(k)], want[k]);
   }

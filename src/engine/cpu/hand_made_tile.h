@@ -16,10 +16,10 @@
 #include "engine/cpu/bf16_packing.h"
 #include "engine/cpu/blend_backward.h"
 #include "engine/cpu/hand_made_weights.h"
-#include "engine/cpu/products_test.h"
+#include "engine/cpu/products_for_tests.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/semantic_visit.h"
-#include "engine/cpu/test_scenes.h"
 #include "engine/cpu/tile_products.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/formulas/teacher_sampling.h"
@@ -168,13 +168,14 @@ class HandMadeTile {
   std::vector<float> row_gradients;
   AlignedArray<SplatGradient> sums;
   std::vector<double> want_alpha;  ///< [gaussians] sum over pixels of w (q - the blend behind)
-  /// (Pixel, class) pairs of blended probabilities: those without a gradient, those whose side of the floor is not told, all.
+  /// (Pixel, class) pairs of blended probabilities: those without a gradient, those whose side of the floor is not
+  /// told, all.
   size_t at_floor = 0, beside_floor = 0, classes_seen = 0;
 
  private:
   /// The difference beyond what each entry may be off, relative to the largest wanted.
   static Difference difference_beyond(const std::vector<double>& slack, const std::vector<float>& got,
-                                                     const std::vector<double>& want) {
+                                      const std::vector<double>& want) {
     Difference d;
     for (size_t i = 0; i < want.size(); ++i) {
       d.scale = std::max(d.scale, std::abs(want[i]));
@@ -264,8 +265,8 @@ class HandMadeTile {
   }
 
   /// How far the gradient of each class may be off because its Q may be rounded to the other side of the floor.
-  std::vector<double> jumps_at_floor(const std::vector<double>& blended, double alpha, const std::vector<double>& teacher,
-                                     const SemanticWeights<double>& weights) {
+  std::vector<double> jumps_at_floor(const std::vector<double>& blended, double alpha,
+                                     const std::vector<double>& teacher, const SemanticWeights<double>& weights) {
     const int c_count = options.channels, top = arg_max(teacher.data(), c_count);
     const double floor = semantic_floor<double>(c_count), rest = (1 - alpha) / c_count;
     std::vector<double> jump(channels, 0.0);

@@ -12,19 +12,19 @@ namespace aligngs::cpu::testing_scene {
 struct TileOptions {
   size_t gaussians = 60;
   int channels = 150;
-  double reach = 0.5;      ///< share of the blocks, and of a block's strips, that a Gaussian reaches
+  double reach = 0.5;  ///< share of the blocks, and of a block's strips, that a Gaussian reaches
   double alpha_min = 0.1, alpha_max = 0.6;
-  double spread = 2;       ///< standard deviation of the logits
-  bool opaque_front = false;  ///< two Gaussians of alpha 0.95 before all others: T < 0.01 behind them
-  bool silent_corner = false; ///< the teacher says nothing in part of the tile
-  bool trained = false;    ///< rows and teacher as after training: one of a few classes has nearly all of the mass
+  double spread = 2;           ///< standard deviation of the logits
+  bool opaque_front = false;   ///< two Gaussians of alpha 0.95 before all others: T < 0.01 behind them
+  bool silent_corner = false;  ///< the teacher says nothing in part of the tile
+  bool trained = false;        ///< rows and teacher as after training: one of a few classes has nearly all of the mass
   SemanticBlend blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
 };
 
 /// One Gaussian of a block; a pixel that once had no room for one is full.
-inline void add_entry(const TileOptions& options, Random& random, uint32_t gaussian, bool front, std::vector<uint8_t>& full,
-                      BlockWeights& block) {
+inline void add_entry(const TileOptions& options, Random& random, uint32_t gaussian, bool front,
+                      std::vector<uint8_t>& full, BlockWeights& block) {
   const size_t first = block.count * kBlockPixels;
   uint8_t strips = 0;
   for (int strip = 0; strip < kBlockPixels / kStripPixels; ++strip) {

@@ -19,8 +19,8 @@ class MatrixTilesInUse {
   MatrixTilesInUse& operator=(const MatrixTilesInUse&) = delete;
 };
 
-inline constexpr size_t kTileRows = 16;    ///< rows of a tile, and columns of a result in float32
-inline constexpr size_t kTileDepth = 32;   ///< terms of the inner sum per step: 64 bytes of bfloat16
+inline constexpr size_t kTileRows = 16;   ///< rows of a tile, and columns of a result in float32
+inline constexpr size_t kTileDepth = 32;  ///< terms of the inner sum per step: 64 bytes of bfloat16
 inline constexpr size_t kTileNumbers = kTileRows * kTileDepth;  ///< of one operand
 
 /// C = initial + sum over `steps` of A[step] B[step], for 32 rows and a multiple of 16 columns, float32 sums.
@@ -37,7 +37,7 @@ struct TileProduct {
   const uint32_t* steps = nullptr;  ///< [step_count] indices
   size_t step_count = 0;
   size_t columns = 0;
-  const float* initial = nullptr;   ///< [columns] one row, the same for all rows of C; nullptr: zeros
+  const float* initial = nullptr;  ///< [columns] one row, the same for all rows of C; nullptr: zeros
   float* c = nullptr;
   size_t c_row = 0;
 };

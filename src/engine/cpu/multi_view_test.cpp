@@ -42,7 +42,8 @@ TEST(CpuMultiView, GradientsAreThoseOfTheReference) {
   expect_close(got.log_scales, want.gradient.log_scales, "d log_scales");
   expect_close(got.rotations, want.gradient.rotations, "d rotations");
   expect_close(got.opacity_logits, want.gradient.opacity_logits, "d opacity_logits");
-  EXPECT_GT(difference(without.gradient.rotations, want.gradient.rotations).worst, 1e-2) << "the terms must matter here";
+  EXPECT_GT(difference(without.gradient.rotations, want.gradient.rotations).worst, 1e-2)
+      << "the terms must matter here";
   EXPECT_GT(difference(without.gradient.opacity_logits, want.gradient.opacity_logits).worst, 1e-3);
 }
 
@@ -57,7 +58,8 @@ TEST(CpuMultiView, TheReferenceTakesItsNeighbourToo) {
   engine.load(make_wall());
   engine.set_training_views(pair);
   const StepReport report = engine.step(r);
-  EXPECT_NEAR(report.losses[Loss::kMultiViewGeometric], with.losses[Loss::kMultiViewGeometric], 0.02 * with.losses[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(report.losses[Loss::kMultiViewGeometric], with.losses[Loss::kMultiViewGeometric],
+              0.02 * with.losses[Loss::kMultiViewGeometric]);
   EXPECT_NEAR(report.losses[Loss::kMultiViewPhotometric], with.losses[Loss::kMultiViewPhotometric],
               0.02 * with.losses[Loss::kMultiViewPhotometric]);
 }

@@ -31,11 +31,12 @@ void flat_adam(const AdamStep<float>& step, const AlignedArray<float>& gradients
   });
 }
 
-void semantic_adam(const StepRequest& request, const SemanticGradients& semantics,
-                   const ProjectedView& view, ThreadPool& pool, GaussianModel& model, AdamMoments& moments) {
+void semantic_adam(const StepRequest& request, const SemanticGradients& semantics, const ProjectedView& view,
+                   ThreadPool& pool, GaussianModel& model, AdamMoments& moments) {
   const size_t channels = static_cast<size_t>(model.semantic_channels),
                padded = padded_channels(model.semantic_channels), depth = padded_depth(padded);
-  std::vector<float> &m = moments.m.semantics, &v = moments.v.semantics;
+  std::vector<float>& m = moments.m.semantics;
+  std::vector<float>& v = moments.v.semantics;
   const AdamRowSteps steps = make_adam_row_steps(request.adam, request.rates.semantic, request.step);
   const auto gradient_of = [&](size_t i) -> const float* {
     if (semantics.gradients == nullptr || view.rects[i].area() == 0) return nullptr;

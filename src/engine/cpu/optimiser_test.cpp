@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/formulas/adam.h"
 
 namespace aligngs::cpu {

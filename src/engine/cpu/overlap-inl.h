@@ -38,8 +38,14 @@ HWY_INLINE OverlapLanes overlap_lanes(const Splat* splats, size_t count) {
     fields[4][i] = s.fyy;
     fields[5][i] = s.level;
   }
-  OverlapLanes o{hn::Load(d, fields[0]), hn::Load(d, fields[1]), hn::Load(d, fields[2]), hn::Load(d, fields[3]),
-                 hn::Load(d, fields[4]), hn::Zero(d),            hn::Zero(d),            hn::Zero(d)};
+  OverlapLanes o{hn::Load(d, fields[0]),
+                 hn::Load(d, fields[1]),
+                 hn::Load(d, fields[2]),
+                 hn::Load(d, fields[3]),
+                 hn::Load(d, fields[4]),
+                 hn::Zero(d),
+                 hn::Zero(d),
+                 hn::Zero(d)};
   o.level = hn::MulAdd(hn::Load(d, fields[5]), hn::Set(d, kLevelFactor), hn::Set(d, kLevelMargin));
   o.along_y = hn::Neg(hn::Div(hn::Mul(o.fxx, o.fxy), hn::MulAdd(o.fxy, o.fxy, hn::Mul(o.fyy, o.fyy))));
   o.along_x = hn::Neg(hn::Div(o.fxy, o.fxx));

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/cpu/products_test.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/products_for_tests.h"
+#include "engine/cpu/scenes_for_tests.h"
 
 namespace aligngs::cpu::testing_scene {
 
@@ -52,7 +52,7 @@ inline constexpr CouplingBalance kBalance{2e-4, 1e-3};  ///< of earlier steps
 /// One step of the engine beside the reference. The map losses are evaluated once, on the engine's maps. A pixel on the
 /// edge of a loss's validity hence does not count as a difference of the engine.
 inline void compare_products(SemanticProducts products, const GaussianModel& model, const TrainingView& view,
-                      const StepRequest& request, const Tolerance& tolerance, const CouplingBalance& balance) {
+                             const StepRequest& request, const Tolerance& tolerance, const CouplingBalance& balance) {
   CpuEngine engine(2);
   engine.keep_features(true);
   engine.set_semantic_products(products);

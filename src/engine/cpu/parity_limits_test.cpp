@@ -87,7 +87,7 @@ TEST_P(CpuParityAtLimits, ExactlyOneGaussian) {
   for (const float size : {-1.0f, -3.0f}) {
     SCOPED_TRACE(size);
     Tolerance t;
-    t.bfloat16_rows = 8e-3;  // a product of one term: its roundings do not cancel
+    t.bfloat16_rows = 8e-3;                               // a product of one term: its roundings do not cancel
     model.log_scales = {size, size - 0.5f, size - 1.0f};  // not alike: a ball would not feel its rotation
     compare_step(model, make_view(o), make_geometry_request(), t);
     StepRequest r = make_request();
@@ -115,7 +115,7 @@ TEST_P(CpuParityAtLimits, TenThousandFaintGaussiansInOneTile) {
   CpuEngine engine(1);
   engine.load(model);
   for (const float alpha : engine.render(camera, {r.raster}).alpha.data) {
-    EXPECT_GT(alpha, 0.5f);                               // enough for the coupling
+    EXPECT_GT(alpha, 0.5f);                                // enough for the coupling
     EXPECT_LT(alpha, 1 - 2 * r.raster.transmittance_min);  // and open to the end
   }
   compare_step(model, make_view(o), r);

@@ -1,6 +1,6 @@
 // The engine against the scalar reference in double precision, loss by loss and scene by scene.
-#include "engine/cpu/every_target.h"
 #include "engine/cpu/parity.h"
+#include "engine/cpu/each_instruction_set_for_tests.h"
 
 #include <hwy/targets.h>
 

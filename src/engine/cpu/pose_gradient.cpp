@@ -11,8 +11,8 @@ constexpr size_t kPoseRowsPerTask = 512;  // rows per task, and the unit in whic
 
 }  // namespace
 
-PoseGradient<double> pose_gradient(const GaussianModel& model, const ParameterGradients& gradients, const Camera& camera, int sh_degree,
-                                   ThreadPool& pool) {
+PoseGradient<double> pose_gradient(const GaussianModel& model, const ParameterGradients& gradients,
+                                   const Camera& camera, int sh_degree, ThreadPool& pool) {
   const PoseFrame<float> frame = pose_frame<float>(camera);
   std::vector<PoseGradient<double>> chunks((model.size() + kPoseRowsPerTask - 1) / kPoseRowsPerTask);
   pool.parallel_for(model.size(), kPoseRowsPerTask, [&](size_t begin, size_t end, int) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/reference/reference_pose.h"
 
 namespace aligngs::cpu {
@@ -29,8 +29,8 @@ TEST(CpuPoseGradient, IsTheFormulaSummedOverTheRows) {
   request.pose_gradient = true;
   GaussianModel gradients;
   const PoseGradient<double> got = step(o, request, 2, &gradients).pose;
-  const PoseGradient<double> want =
-      reference::pose_gradient(to_double(make_model(o)), to_double(gradients), make_view(o).data.camera, request.sh_degree);
+  const PoseGradient<double> want = reference::pose_gradient(to_double(make_model(o)), to_double(gradients),
+                                                             make_view(o).data.camera, request.sh_degree);
   EXPECT_GT(norm(want.rotation), 0);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(got.rotation[k], want.rotation[k], 1e-4 * norm(want.rotation));

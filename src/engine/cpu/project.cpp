@@ -64,7 +64,8 @@ void project_lanes(const GaussianModel& model, size_t first, const int32_t* rows
   const Lanes3 centre = c.to_camera(g.position);
   // exp(-logit) for logits down to -88 is finite; below, the opacity is 0 anyway.
   const FloatVec factor = constant(raster.dropout.factor());
-  const FloatVec opacity = hn::Div(factor, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
+  const FloatVec opacity =
+      hn::Div(factor, hn::Add(one, fast_exp(d, hn::Min(hn::Neg(g.opacity_logit), constant(88.0f)))));
   auto visible = hn::And(
       good, hn::And(hn::Gt(centre.z, constant(raster.near_plane)), hn::Ge(opacity, constant(raster.alpha_min))));
   hn::Store(hn::IfThenElse(good, zero, one), d, out.suspect);
@@ -231,7 +232,8 @@ void project_view(const GaussianModel& model, const Camera& camera, const Raster
   view.radius.resize(n);
   std::vector<int64_t> suspects((n + kProjectedRowsPerTask - 1) / kProjectedRowsPerTask, -1);
   pool.parallel_for(n, kProjectedRowsPerTask, [&](size_t begin, size_t end, int) {
-    suspects[begin / kProjectedRowsPerTask] = HWY_DYNAMIC_DISPATCH(ProjectRows)(model, raster, sh_degree, begin, end, view);
+    suspects[begin / kProjectedRowsPerTask] =
+        HWY_DYNAMIC_DISPATCH(ProjectRows)(model, raster, sh_degree, begin, end, view);
   });
   view.non_finite = -1;
   for (const int64_t row : suspects) {

@@ -216,8 +216,8 @@ void backward_lanes(const ProjectBackwardInputs& in, const LaneInputs& l, LaneOu
   hn::Store(position(2, ddirection.z, ray.z), d, out.row[kRowPosition + 2]);
 }
 
-void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums,
-                         size_t count, RowGradient* gradients, float* sh_gradients) {
+void ProjectBackwardRows(const ProjectBackwardInputs& in, const uint32_t* rows, const SplatGradient* sums, size_t count,
+                         RowGradient* gradients, float* sh_gradients) {
   static_assert(sizeof(RowGradient) == 11 * sizeof(float));
   LaneInputs inputs;
   LaneOutputs outputs;

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "engine/cpu/project.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cpu/tile_passes.h"
 
 namespace aligngs::cpu {

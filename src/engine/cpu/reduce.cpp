@@ -11,7 +11,8 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kReducedRowsPerTask = 512;  ///< rows per task; also the unit in which sums are formed, so never depends on threads
+/// rows per task; also the unit in which sums are formed, so never depends on threads
+constexpr size_t kReducedRowsPerTask = 512;
 constexpr float kTwoLn2 = 1.38629436f;  ///< the conic is 2 ln 2 F F^T (splats.h)
 
 Vec2<float> mean_gradient(const Splat& s, float p, float r) {

@@ -27,8 +27,7 @@ struct ParameterGradients {
 };
 
 /// Fills gradients.touched from what the forward pass saw; returns the number of touched rows.
-size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool,
-                    ParameterGradients& gradients);
+size_t mark_touched(const TileLists& lists, const BlendRecord& record, ThreadPool& pool, ParameterGradients& gradients);
 
 struct ReduceInputs {
   const GaussianModel& model;

@@ -9,8 +9,8 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kImageRowsPerTask = 8;      ///< image rows per task
-constexpr float kLabelAlphaMin = 0.5f;  ///< "nothing here" below (engine.h)
+constexpr size_t kImageRowsPerTask = 8;  ///< image rows per task
+constexpr float kLabelAlphaMin = 0.5f;   ///< "nothing here" below (engine.h)
 
 /// Arg-max class of one pixel and its probability.
 void label_pixel(float* blended, const ClassCounts& counts, const ActiveClasses& map, float alpha, bool probabilities,

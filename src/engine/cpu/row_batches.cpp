@@ -12,7 +12,7 @@ namespace {
 /// Groups beyond this many list entries wait for the next batch, so that memory stays bounded however many Gaussians
 /// cover the whole image. At most this many rows are kept at a time, usually a tenth of it.
 constexpr uint64_t kEntriesPerBatch = uint64_t(1) << 20;
-constexpr int kGroupSizeMax = 4;   ///< tiles: the sums of 16 tiles, some 2000 rows of 640 bytes, fit a cache of 2 MB
+constexpr int kGroupSizeMax = 4;  ///< tiles: the sums of 16 tiles, some 2000 rows of 640 bytes, fit a cache of 2 MB
 constexpr int kGroupsWanted = 64;
 
 constexpr size_t kRectsAhead = 16;  ///< they lie anywhere in memory
@@ -115,8 +115,8 @@ bool RowBatches::run(const ProjectedView& view, const TileLists& lists, const Ro
   return std::all_of(harmless.begin(), harmless.end(), [](uint8_t good) { return good != 0; });
 }
 
-bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums,
-                              GroupSums& own, SharedRows& shared) {
+bool RowBatches::finish_group(const ProjectedView& view, const TileRect& group, const RowSums& sums, GroupSums& own,
+                              SharedRows& shared) {
   const auto inside = [&](const TileRect& r) {
     return r.x0 >= group.x0 && r.y0 >= group.y0 && r.x1 <= group.x1 && r.y1 <= group.y1;
   };

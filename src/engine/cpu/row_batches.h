@@ -16,7 +16,8 @@ struct RowSums {
   size_t padded = 0;
   const uint32_t* target_of_row = nullptr;  ///< nullptr: the row itself
   size_t targets = 0;
-  float* destination = nullptr;             ///< of an AlignedArray; valid where written, other rows are left as they are
+  /// of an AlignedArray; valid where written, other rows are left as they are
+  float* destination = nullptr;
   std::vector<uint8_t>* written = nullptr;  ///< [targets]
 };
 

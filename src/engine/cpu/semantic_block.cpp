@@ -126,8 +126,7 @@ PixelTerms probabilities_pixel(const PixelData& px, const SemanticStep& step, co
     const FloatVec q = hn::MulAdd(rest, n, b);
     const FloatVec bounded = hn::Max(q, lowest);
     cross = hn::MulAdd(t, loss_log(bounded), cross);
-    const FloatVec g =
-        hn::IfThenElseZero(hn::Gt(q, lowest), hn::Mul(hn::Mul(soft_weight, t), reciprocal(bounded)));
+    const FloatVec g = hn::IfThenElseZero(hn::Gt(q, lowest), hn::Mul(hn::Mul(soft_weight, t), reciprocal(bounded)));
     hn::Store(g, d, px.blended + c);
     if constexpr (kBounded) {
       // The difference of the remainder is spread over its classes: their squares add up to its square / n.
@@ -196,8 +195,7 @@ PixelTerms logits_pixel(const PixelData& px, const SemanticStep& step, const Sem
     }
   }
   const float cross_sum = hn::GetLane(hn::SumOfLanes(d, cross)), top_value = hn::GetLane(highest);
-  return {px.negative_entropy - cross_sum + mass_sum * log_sum,
-          top_value + log_sum - logit_top};
+  return {px.negative_entropy - cross_sum + mass_sum * log_sum, top_value + log_sum - logit_top};
 }
 
 void SemanticBlockLoss(const SemanticStep& step, const BlockWeights& block, SemanticBlock& scratch) {

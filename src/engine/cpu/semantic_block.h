@@ -12,12 +12,12 @@ namespace aligngs::cpu {
 /// classes that no teacher ranks high as one last channel, the remainder. It represents n classes of equal probability.
 /// Its softmax term is n exp(r). Its share of "nothing here" and its floor are n times those of a class.
 struct ClassCounts {
-  int channels = 0;              ///< channels of the model, remainder included
-  int remainder = 0;             ///< n; 0: every channel is a class of its own
-  AlignedArray<float> count;     ///< [padded] 1, n for the remainder, 0 beyond the channels
-  AlignedArray<float> inverse;   ///< [padded] 1 / count, 0 beyond the channels
-  AlignedArray<float> log_count; ///< [padded] its logarithm, 0 beyond the channels
-  AlignedArray<float> floor;     ///< [padded] smallest Q inside the logarithm, 1 beyond the channels
+  int channels = 0;               ///< channels of the model, remainder included
+  int remainder = 0;              ///< n; 0: every channel is a class of its own
+  AlignedArray<float> count;      ///< [padded] 1, n for the remainder, 0 beyond the channels
+  AlignedArray<float> inverse;    ///< [padded] 1 / count, 0 beyond the channels
+  AlignedArray<float> log_count;  ///< [padded] its logarithm, 0 beyond the channels
+  AlignedArray<float> floor;      ///< [padded] smallest Q inside the logarithm, 1 beyond the channels
 
   /// The term that softmax_row adds to the last logit.
   float last_log_count() const { return log_count[static_cast<size_t>(channels - 1)]; }
@@ -47,7 +47,7 @@ struct TeacherWindow {
   bool separable = false;
   int first_column = 0, columns = 0;
   int row0[kBlockSize], row1[kBlockSize], column0[kBlockSize], column1[kBlockSize];  ///< of the map, per pixel
-  float row_share[kBlockSize], column_share[kBlockSize];  ///< weight of row1, column1
+  float row_share[kBlockSize], column_share[kBlockSize];                             ///< weight of row1, column1
 };
 
 /// Scratch of one thread.

@@ -48,9 +48,7 @@ struct PixelSide {
   float omega = 0;          ///< of the coupling direction omega (B / A - t)
   float omega_inverse = 0;  ///< omega / A
 
-  HWY_INLINE float teacher_at(size_t c) const {
-    return near_column[c] + share * (far_column[c] - near_column[c]);
-  }
+  HWY_INLINE float teacher_at(size_t c) const { return near_column[c] + share * (far_column[c] - near_column[c]); }
 };
 
 /// The constants of a side, one per lane.

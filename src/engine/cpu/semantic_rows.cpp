@@ -52,8 +52,8 @@ void RoundRow(const float* HWY_RESTRICT in, size_t channels, size_t padded, size
   const hn::Rebind<uint16_t, FloatTag> dh;
   const FloatVec offset = hn::Set(d, shift);
   for (size_t c = 0; c < padded; c += kLanes) {
-    const FloatVec x = hn::IfThenElseZero(hn::FirstN(d, channels > c ? channels - c : 0),
-                                          hn::Sub(hn::Load(d, in + c), offset));
+    const FloatVec x =
+        hn::IfThenElseZero(hn::FirstN(d, channels > c ? channels - c : 0), hn::Sub(hn::Load(d, in + c), offset));
     const auto bits = hn::BitCast(du, x);
     const auto odd = hn::And(hn::ShiftRight<16>(bits), hn::Set(du, 1));
     const auto rounded = hn::ShiftRight<16>(hn::Add(bits, hn::Add(odd, hn::Set(du, 0x7fff))));

@@ -12,8 +12,8 @@
 namespace aligngs::cpu {
 namespace {
 
-constexpr size_t kGroup = 32;                                  ///< rows of a tile product
-constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;   ///< of a product over pixels
+constexpr size_t kGroup = 32;                                 ///< rows of a tile product
+constexpr size_t kStepsPerBlock = kBlockPixels / kTileDepth;  ///< of a product over pixels
 
 /// Order of the sets of blocks: neighbours in a Gray code differ by one block. 32 Gaussians of neighbouring sets hence
 /// reach few blocks together.

@@ -22,8 +22,8 @@ namespace aligngs::cpu {
 /// The semantic part of a backward pass.
 struct SemanticPass {
   SemanticStep step;
-  const uint32_t* rank = nullptr;           ///< [N] index of a visible Gaussian's row in the arrays below
-  const float* features = nullptr;          ///< [visible][padded] what is blended: pi or s
+  const uint32_t* rank = nullptr;   ///< [N] index of a visible Gaussian's row in the arrays below
+  const float* features = nullptr;  ///< [visible][padded] what is blended: pi or s
   /// [N][padded_depth(padded)] the same in bfloat16, s centred; not nullptr: the products use AMX tiles.
   const uint16_t* rounded = nullptr;
   float* gradients = nullptr;               ///< [visible][padded] out: dL/dfeatures where written
@@ -37,24 +37,24 @@ struct SemanticPass {
 struct SemanticScratch {
   SemanticBlock block;
   AlignedArray<float> q[kTileBlocks];  ///< [rows][64]
-  std::vector<const float*> rows;     ///< [entries] float rows
-  std::vector<float*> row_gradients;  ///< [entries]
+  std::vector<const float*> rows;      ///< [entries] float rows
+  std::vector<float*> row_gradients;   ///< [entries]
   StripOrder strips;
-  std::vector<float*> tile_rows;      ///< [gathered splats] their sums, nullptr = not asked for yet in this tile
+  std::vector<float*> tile_rows;  ///< [gathered splats] their sums, nullptr = not asked for yet in this tile
 
-  std::vector<uint8_t> block_set;        ///< [gathered splats] bit b: has a weight in block b
-  std::vector<uint32_t> order, row_of;   ///< splat of a row of the tile's products and back
-  std::vector<uint8_t> group_set;        ///< of 32 rows of the tile's products: blocks that some of them reach
-  std::vector<const uint16_t*> rounded;  ///< [rows] bfloat16 rows
-  std::vector<const float*> weights_of_row;  ///< [rows] in the current block
-  std::vector<uint32_t> block_groups;    ///< groups of 32 rows with a weight in the current block
-  std::vector<uint32_t> depth_steps;     ///< 0, 1, 2, ...
+  std::vector<uint8_t> block_set;                 ///< [gathered splats] bit b: has a weight in block b
+  std::vector<uint32_t> order, row_of;            ///< splat of a row of the tile's products and back
+  std::vector<uint8_t> group_set;                 ///< of 32 rows of the tile's products: blocks that some of them reach
+  std::vector<const uint16_t*> rounded;           ///< [rows] bfloat16 rows
+  std::vector<const float*> weights_of_row;       ///< [rows] in the current block
+  std::vector<uint32_t> block_groups;             ///< groups of 32 rows with a weight in the current block
+  std::vector<uint32_t> depth_steps;              ///< 0, 1, 2, ...
   AlignedArray<uint16_t> tile_plain, tile_pairs;  ///< semantic rows as both operands, bf16_packing.h
-  AlignedArray<uint16_t> weights_by_entry;  ///< [rows][256], blocks that a group does not reach unspecified
-  AlignedArray<uint16_t> weights_by_pixel;  ///< [rows / 32][64][32] of the current block
-  AlignedArray<uint16_t> gradient_pairs;    ///< of the tile's pixels
+  AlignedArray<uint16_t> weights_by_entry;        ///< [rows][256], blocks that a group does not reach unspecified
+  AlignedArray<uint16_t> weights_by_pixel;        ///< [rows / 32][64][32] of the current block
+  AlignedArray<uint16_t> gradient_pairs;          ///< of the tile's pixels
   AlignedArray<uint16_t> directions, direction_pairs;  ///< of the current block
-  AlignedArray<float> group_sums;  ///< [32][padded] row gradients of 32 splats of the tile
+  AlignedArray<float> group_sums;                      ///< [32][padded] row gradients of 32 splats of the tile
 };
 
 class SemanticVisit {

@@ -1,6 +1,6 @@
 // The semantic visit to one tile against the formulas in double precision: every way to form the products, on tiles
 // made by hand.
-#include "engine/cpu/every_target.h"
+#include "engine/cpu/each_instruction_set_for_tests.h"
 #include "engine/cpu/hand_made_tile.h"
 
 #include <hwy/targets.h>
@@ -34,7 +34,7 @@ class SemanticVisitTile : public ProductsTest {
   static void check_every_loss(TileOptions o) {
     for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
       for (const SemanticCoupling coupling :
-             {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
+           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
         o.blend = blend;
         o.coupling = coupling;
         check(o);
@@ -153,7 +153,7 @@ TEST_P(SemanticVisitTile, EveryInstructionSet) {
 TEST_P(SemanticVisitTile, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
     for (const SemanticCoupling coupling :
-           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
+         {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
       SCOPED_TRACE(testing::Message() << "blend " << int(blend) << ", coupling " << int(coupling));
       TileOptions o;
       o.opaque_front = true;

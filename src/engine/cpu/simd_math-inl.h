@@ -40,7 +40,8 @@ HWY_INLINE V fast_exp2(D d, V x) {
   return hn::BitCast(d, hn::Add(hn::BitCast(di, p), hn::ShiftLeft<23>(hn::BitCast(di, shifted))));
 }
 
-/// 1 / x within 3.5 ulp for normal x whose reciprocal is normal (3 with multiply-adds): Newton steps from an estimate, which leave the divider
+/// 1 / x within 3.5 ulp for normal x whose reciprocal is normal (3 with multiply-adds): Newton steps from an estimate,
+/// which leave the divider
 /// to nobody. On x86 the estimate has 11.5 bits or more and one step suffices.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_reciprocal(D d, V x) {
@@ -79,7 +80,8 @@ HWY_INLINE V fast_log(D d, V x) {
   return hn::MulAdd(ef, hn::Set(d, 0.693359375f), hn::Add(m, y));
 }
 
-/// Natural logarithm within 5e-7 max(1, |log x|) for normal positive x: enough for values of a loss. Chebyshev series of
+/// Natural logarithm within 5e-7 max(1, |log x|) for normal positive x: enough for values of a loss. Chebyshev series
+/// of
 /// degree 6 of log(m) / (m - 1) for m in [sqrt(1/2), sqrt(2)).
 HWY_INLINE FloatVec loss_log(FloatVec x) {
   const FloatTag d;

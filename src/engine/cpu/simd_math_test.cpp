@@ -1,6 +1,7 @@
-// How far the vector functions are from the true values, with every instruction set of this machine. The bounds are those
+// How far the vector functions are from the true values, with every instruction set of this machine. The bounds are
+// those
 // that their comments state.
-#include "engine/cpu/every_target.h"
+#include "engine/cpu/each_instruction_set_for_tests.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,8 @@ namespace HWY_NAMESPACE {
 template <class Function>
 void evaluate(const std::vector<float>& in, std::vector<float>& out, Function function) {
   const FloatTag d;
-  for (size_t i = 0; i < in.size(); i += kLanes) hn::StoreU(function(d, hn::LoadU(d, in.data() + i)), d, out.data() + i);
+  for (size_t i = 0; i < in.size(); i += kLanes)
+    hn::StoreU(function(d, hn::LoadU(d, in.data() + i)), d, out.data() + i);
 }
 
 /// `in` holds a multiple of 16 numbers.
@@ -79,12 +81,14 @@ std::vector<float> evenly(double lowest, double highest) {
   return x;
 }
 
-/// Positive numbers of every exponent from `lowest` to `highest`, half of them within [1/2, 2), where logarithms vanish.
+/// Positive numbers of every exponent from `lowest` to `highest`, half of them within [1/2, 2), where logarithms
+/// vanish.
 std::vector<float> every_exponent(int lowest, int highest) {
   std::vector<float> x = evenly(0.5, 2);
   for (size_t i = 0; i < kCount; i += 2) {
     const double mantissa = 1 + static_cast<double>(i) / static_cast<double>(kCount);
-    x[i] = static_cast<float>(std::ldexp(mantissa, lowest + static_cast<int>(i / 2 % static_cast<size_t>(highest - lowest + 1))));
+    x[i] = static_cast<float>(
+        std::ldexp(mantissa, lowest + static_cast<int>(i / 2 % static_cast<size_t>(highest - lowest + 1))));
   }
   return x;
 }
@@ -139,7 +143,8 @@ TEST(SimdMath, ReciprocalIsWithinThreeAndAHalfUnits) {
   const auto reciprocal = [](const std::vector<float>& in, std::vector<float>& out) {
     HWY_DYNAMIC_DISPATCH(Reciprocal)(in, out);
   };
-  expect_within(3.5, units_in_the_last_place, reciprocal, [](double x) { return 1 / x; }, every_exponent(-125, 125));
+  expect_within(
+      3.5, units_in_the_last_place, reciprocal, [](double x) { return 1 / x; }, every_exponent(-125, 125));
 }
 
 TEST(SimdMath, LogarithmIsWithinTwoUnits) {
@@ -158,7 +163,8 @@ TEST(SimdMath, RoughLogarithmIsWithinItsBound) {
   const auto log2 = [](const std::vector<float>& in, std::vector<float>& out) {
     HWY_DYNAMIC_DISPATCH(RoughLog2)(in, out);
   };
-  expect_within(1.5e-5, absolute, log2, std::log2, every_exponent(-20, 1));  // probabilities from a thousandth of the floor
+  // probabilities from a thousandth of the floor
+  expect_within(1.5e-5, absolute, log2, std::log2, every_exponent(-20, 1));
   expect_within(2.5e-5, absolute, log2, std::log2, every_exponent(-126, 127));
 }
 

@@ -35,7 +35,8 @@ HWY_INLINE FloatVec load_half(const uint16_t* p) {
 }
 
 /// out[0 .. padded) = scale row[0 .. channels) as float, zero-padded.
-HWY_INLINE void load_half_row(const uint16_t* row, float scale, size_t channels, size_t padded, float* HWY_RESTRICT out) {
+HWY_INLINE void load_half_row(const uint16_t* row, float scale, size_t channels, size_t padded,
+                              float* HWY_RESTRICT out) {
   const FloatTag d;
   const FloatVec factor = hn::Set(d, scale);
   size_t c = 0;
@@ -79,7 +80,7 @@ HWY_INLINE TeacherWindow teacher_window(const SemanticTarget& target, int x, int
 
 /// The window as float, [row][column][padded], from row0[0] on.
 HWY_INLINE void load_teacher_window(const SemanticTarget& target, const TeacherWindow& w, size_t padded,
-                         AlignedArray<float>& out) {
+                                    AlignedArray<float>& out) {
   const size_t channels = static_cast<size_t>(target.channels);
   const int rows = w.row1[kBlockSize - 1] + 1 - w.row0[0];
   out.resize(static_cast<size_t>(rows) * w.columns * padded);
@@ -87,14 +88,15 @@ HWY_INLINE void load_teacher_window(const SemanticTarget& target, const TeacherW
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < w.columns; ++c, to += padded) {
       const size_t pixel = size_t(w.row0[0] + r) * target.width + w.first_column + c;
-      load_half_row(&target.probabilities[pixel * channels], target.scale.empty() ? 1.0f : target.scale[pixel], channels, padded, to);
+      load_half_row(&target.probabilities[pixel * channels], target.scale.empty() ? 1.0f : target.scale[pixel],
+                    channels, padded, to);
     }
   }
 }
 
 /// Blends the window's rows for pixel row j into columns[column][padded].
 HWY_INLINE void blend_teacher_rows(const float* window, const TeacherWindow& w, int j, size_t padded,
-                        float* HWY_RESTRICT columns) {
+                                   float* HWY_RESTRICT columns) {
   const FloatTag d;
   const size_t row_length = static_cast<size_t>(w.columns) * padded;
   const float* HWY_RESTRICT first = window + static_cast<size_t>(w.row0[j] - w.row0[0]) * row_length;

@@ -4,13 +4,14 @@
 
 #include <vector>
 
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/engine_arrays.h"
 #include "gaussians/restructure.h"
 
 namespace aligngs::cpu::testing_scene {
 
-/// A Gaussian on the centre of a pixel, of the low-pass' size alone (0.55 pixels), so that its alpha there is its opacity.
+/// A Gaussian on the centre of a pixel, of the low-pass' size alone (0.55 pixels), so that its alpha there is its
+/// opacity.
 struct Dot {
   int x = 0, y = 0;    ///< pixel
   double depth = 0.5;  ///< of the camera, scene units
@@ -35,7 +36,8 @@ inline GaussianModel with_dots(const std::vector<Dot>& dots, const SceneOptions&
     m.opacity_logits[i] = logit_of(dots[i].opacity);
   }
   const std::vector<NamedArray> from = arrays_of(behind), to = arrays_of(m);
-  for (size_t k = 0; k < to.size(); ++k) to[k].values->insert(to[k].values->end(), from[k].values->begin(), from[k].values->end());
+  for (size_t k = 0; k < to.size(); ++k)
+    to[k].values->insert(to[k].values->end(), from[k].values->begin(), from[k].values->end());
   return m;
 }
 

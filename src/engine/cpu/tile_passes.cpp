@@ -132,11 +132,11 @@ void keep_record(const TileForward& s, size_t tile, size_t begin, BlendRecord& o
 void size_slots(size_t instances, SlotGradients& out) {
   constexpr uint64_t kWorthAsking = uint64_t(1) << 30;  // bytes; smaller growth is not worth reading the system's state
   const uint64_t bytes = uint64_t(instances) * sizeof(SplatGradient);
-  if (instances > out.size() && bytes > kWorthAsking + out.capacity_bytes() &&
-      bytes > available_memory_bytes()) {
-    throw_resources({}, std::to_string(instances) + " (Gaussian, tile) pairs in one view need " +
-                            std::to_string(bytes >> 20) + " MB",
-                    "limit the size of the Gaussians (scale limit) or their number");
+  if (instances > out.size() && bytes > kWorthAsking + out.capacity_bytes() && bytes > available_memory_bytes()) {
+    throw_resources(
+        {},
+        std::to_string(instances) + " (Gaussian, tile) pairs in one view need " + std::to_string(bytes >> 20) + " MB",
+        "limit the size of the Gaussians (scale limit) or their number");
   }
   out.resize(instances);
 }
@@ -157,8 +157,8 @@ void forward_pass(const ViewTiles& tiles, bool geometry, ThreadPool& pool, std::
     TileForward& s = scratch[static_cast<size_t>(worker)].forward;
     for (size_t tile = begin; tile < end; ++tile) {
       const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
-      for (const std::vector<float>* map : {&maps.color, &maps.alpha, &maps.normal, &maps.distance, &maps.expected,
-                                            &maps.median}) {
+      for (const std::vector<float>* map :
+           {&maps.color, &maps.alpha, &maps.normal, &maps.distance, &maps.expected, &maps.median}) {
         if (!geometry && map != &maps.color && map != &maps.alpha) continue;
         for (size_t at = 0; at < map->size(); at += n) prefetch_tile<1>(map->data() + at, view, tile_x, tile_y);
       }
@@ -192,8 +192,8 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
     TileScratch& s = scratch[static_cast<size_t>(worker)];
     const int tile_x = static_cast<int>(tile) % view.tiles_x, tile_y = static_cast<int>(tile) / view.tiles_x;
     const size_t n = size_t(view.width) * view.height;
-    for (const std::vector<float>* map : {&maps.gradients.color, &maps.gradients.normal, &maps.gradients.distance,
-                                          &maps.gradients.alpha}) {
+    for (const std::vector<float>* map :
+         {&maps.gradients.color, &maps.gradients.normal, &maps.gradients.distance, &maps.gradients.alpha}) {
       if (!geometry && map != &maps.gradients.color) continue;
       for (size_t at = 0; at < map->size(); at += n) prefetch_tile<0>(map->data() + at, view, tile_x, tile_y);
     }
@@ -225,9 +225,8 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
   semantics->written->assign(semantics->visible, 0);
   const RowSums sums{semantics->step.padded, semantics->rank, semantics->visible, semantics->gradients,
                      semantics->written};
-  semantics->harmless = batches.run(view, tiles.lists, sums, pool, [&](size_t tile, int worker, TileRows& rows) {
-    visit(tile, worker, &rows);
-  });
+  semantics->harmless = batches.run(view, tiles.lists, sums, pool,
+                                    [&](size_t tile, int worker, TileRows& rows) { visit(tile, worker, &rows); });
   semantics->soft = semantics->hard = 0;
   for (size_t tile = 0; tile < soft.size(); ++tile) {
     semantics->soft += soft[tile];
@@ -242,31 +241,30 @@ void backward_pass(const ViewTiles& tiles, const BlendRecord& record, const Back
 void lift_pass(const ViewTiles& tiles, const SemanticStep& step, ThreadPool& pool, std::vector<TileScratch>& scratch,
                RowBatches& batches, float* sums, std::vector<uint8_t>& written) {
   const ProjectedView& view = tiles.view;
-  batches.run(
-      view, tiles.lists, {step.padded, nullptr, view.size(), sums, &written}, pool,
-      [&](size_t tile, int worker, TileRows& rows) {
-        TileScratch& s = scratch[static_cast<size_t>(worker)];
-        compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
-                             static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
-        s.semantic.tile_rows.assign(s.weights.count, nullptr);
-        s.semantic.block.blended.resize(kBlockPixels * step.padded);
-        for (const BlockWeights& block : s.weights.blocks) {
-          if (block.count == 0) continue;
-          bool any = false;
-          for (int i = 0; i < kBlockPixels; ++i) {
-            const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
-            float* teacher = s.semantic.block.blended.data() + i * step.padded;
-            const bool valid = x < view.width && y < view.height && sample_teacher_padded(step, x, y, teacher);
-            if (!valid) std::memset(teacher, 0, step.padded * sizeof(float));
-            any |= valid;
-          }
-          if (!any) continue;
-          collect_row_gradients(block, s.weights, rows, s.semantic);
-          order_by_strips(block, s.semantic.strips);
-          block_row_gradients(block, s.semantic.strips, s.semantic.block.blended.data(), step.padded,
-                              s.semantic.row_gradients.data());
-        }
-      });
+  batches.run(view, tiles.lists, {step.padded, nullptr, view.size(), sums, &written}, pool,
+              [&](size_t tile, int worker, TileRows& rows) {
+                TileScratch& s = scratch[static_cast<size_t>(worker)];
+                compute_tile_weights(view, tiles.lists, static_cast<int>(tile) % view.tiles_x,
+                                     static_cast<int>(tile) / view.tiles_x, tiles.raster, s.weights);
+                s.semantic.tile_rows.assign(s.weights.count, nullptr);
+                s.semantic.block.blended.resize(kBlockPixels * step.padded);
+                for (const BlockWeights& block : s.weights.blocks) {
+                  if (block.count == 0) continue;
+                  bool any = false;
+                  for (int i = 0; i < kBlockPixels; ++i) {
+                    const int x = block.x + i % kBlockSize, y = block.y + i / kBlockSize;
+                    float* teacher = s.semantic.block.blended.data() + i * step.padded;
+                    const bool valid = x < view.width && y < view.height && sample_teacher_padded(step, x, y, teacher);
+                    if (!valid) std::memset(teacher, 0, step.padded * sizeof(float));
+                    any |= valid;
+                  }
+                  if (!any) continue;
+                  collect_row_gradients(block, s.weights, rows, s.semantic);
+                  order_by_strips(block, s.semantic.strips);
+                  block_row_gradients(block, s.semantic.strips, s.semantic.block.blended.data(), step.padded,
+                                      s.semantic.row_gradients.data());
+                }
+              });
 }
 
 }  // namespace aligngs::cpu

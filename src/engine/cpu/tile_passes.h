@@ -18,7 +18,7 @@ struct TileScratch {
   TileForward forward;
   TileGradients gradients;
   SemanticScratch semantic;
-  double semantic_seconds = 0;        ///< time spent in the semantic products and losses
+  double semantic_seconds = 0;  ///< time spent in the semantic products and losses
 };
 
 /// Everything a pass over tiles reads.

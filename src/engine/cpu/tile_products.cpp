@@ -23,8 +23,7 @@ constexpr size_t kColumns = 3;
 /// blended[pixel .. pixel + kRows)[channel ..] over the entries with a weight in the strip.
 template <size_t kVectors>
 HWY_INLINE void blend_rows_tile(const BlockWeights& block, const AlignedArray<uint32_t>& entries,
-                                const float* const* rows, size_t padded, size_t pixel, size_t channel,
-                                float* blended) {
+                                const float* const* rows, size_t padded, size_t pixel, size_t channel, float* blended) {
   static_assert(kStripPixels % kRows == 0, "the pixels of a register tile share a strip");
   const FloatTag d;
   FloatVec sum[kRows][kVectors];

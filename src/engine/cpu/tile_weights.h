@@ -30,9 +30,9 @@ struct BlockWeights {
 
 /// Scratch of one thread, reused from tile to tile.
 struct TileWeights {
-  AlignedArray<Splat> splats;   ///< [count] the tile's Gaussians in depth order, as far as any pixel is open
-  AlignedArray<uint32_t> rows;  ///< [count] their rows in the model
-  AlignedArray<int32_t> places; ///< [count] scratch of recompute_tile_weights: their places in the tile's list
+  AlignedArray<Splat> splats;    ///< [count] the tile's Gaussians in depth order, as far as any pixel is open
+  AlignedArray<uint32_t> rows;   ///< [count] their rows in the model
+  AlignedArray<int32_t> places;  ///< [count] scratch of recompute_tile_weights: their places in the tile's list
   size_t count = 0;
   BlockWeights blocks[kTileBlocks];
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 
 namespace aligngs::cpu::testing_scene {
 
@@ -54,12 +54,14 @@ inline auto pair_gradients(const RenderMaps<float>& maps, const ImageF& depth, c
   const auto losses = [&](const RenderMaps<double>&, LossTerms& terms, MapGradients<double>& out) {
     MapGradients<float> g;
     g.reset(maps.pixels());
-    map_losses(MapLossInputs<float>{maps, pair[0], r.losses, nullptr, nullptr, multi_view ? &neighbour : nullptr}, terms, g);
+    map_losses(MapLossInputs<float>{maps, pair[0], r.losses, nullptr, nullptr, multi_view ? &neighbour : nullptr},
+               terms, g);
     out.color.assign(g.color.begin(), g.color.end());
     out.normal.assign(g.normal.begin(), g.normal.end());
     out.distance.assign(g.distance.begin(), g.distance.end());
   };
-  return reference::gradients<double>(to_double(make_wall()), pair[0], r, 0.0, reference::MapLossFunction<double>(losses));
+  return reference::gradients<double>(to_double(make_wall()), pair[0], r, 0.0,
+                                      reference::MapLossFunction<double>(losses));
 }
 
 }  // namespace aligngs::cpu::testing_scene

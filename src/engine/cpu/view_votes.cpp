@@ -13,7 +13,11 @@ constexpr size_t kVotedRowsPerTask = 2048;
 }  // namespace
 
 ViewVotes::ViewVotes(const GaussianModel& model, int channels, ThreadPool& pool)
-    : model_(model), channels_(channels), padded_(padded_channels(channels)), pool_(pool), scratch_(static_cast<size_t>(pool.size())) {
+    : model_(model),
+      channels_(channels),
+      padded_(padded_channels(channels)),
+      pool_(pool),
+      scratch_(static_cast<size_t>(pool.size())) {
   sums_.resize(model.size() * padded_);
   votes_.resize(model.size() * static_cast<size_t>(channels));
 }

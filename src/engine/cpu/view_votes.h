@@ -32,9 +32,9 @@ class ViewVotes {
   TileLists lists_;
   std::vector<TileScratch> scratch_;
   RowBatches batches_;
-  AlignedArray<float> sums_;       // [N][padded]
-  std::vector<uint8_t> written_;   // [N]
-  std::vector<float> votes_;       // [N][channels]
+  AlignedArray<float> sums_;      // [N][padded]
+  std::vector<uint8_t> written_;  // [N]
+  std::vector<float> votes_;      // [N][channels]
 };
 
 }  // namespace aligngs::cpu

@@ -1,9 +1,9 @@
 #include "engine/cuda/binning.h"
 
+#include "device/constants.h"
+#include "device/launch.h"
+#include "device/sort_scan.h"
 #include "engine/cuda/binning.cuh"
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/launch.h"
-#include "engine/cuda/runtime/sort_scan.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -1,17 +1,18 @@
 // Kernels of binning.h.
 #pragma once
 
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/binning.h"
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 
 namespace aligngs::cuda {
 
 inline constexpr uint32_t kCulledDepth = 0xffffffffu;  ///< behind every depth
 
 /// `areas` (one more than rows: a scan leaves the sum there) and `unculled` may be empty.
-__global__ void __launch_bounds__(kRowThreads) count_pairs(DeviceSpan<const TileRect> rects, DeviceSpan<uint32_t> areas,
-                                                           DeviceSpan<uint32_t> unculled, DeviceSpan<BinCounts> counts) {
+__global__ void __launch_bounds__(kRowThreads)
+    count_pairs(DeviceSpan<const TileRect> rects, DeviceSpan<uint32_t> areas, DeviceSpan<uint32_t> unculled,
+                DeviceSpan<BinCounts> counts) {
   __shared__ unsigned long long area_sums[32];
   __shared__ uint32_t row_sums[32];
   const size_t i = item_index();
@@ -51,9 +52,8 @@ __global__ void __launch_bounds__(kRowThreads)
   depths[i] = __float_as_uint(s.z);  // bits of a positive float order like the number
 }
 
-__global__ void __launch_bounds__(kRowThreads) areas_by_depth(DeviceSpan<const TileRect> rects,
-                                                              DeviceSpan<const uint32_t> order,
-                                                              DeviceSpan<uint32_t> areas) {
+__global__ void __launch_bounds__(kRowThreads)
+    areas_by_depth(DeviceSpan<const TileRect> rects, DeviceSpan<const uint32_t> order, DeviceSpan<uint32_t> areas) {
   const size_t k = item_index();
   if (k < order.size) areas[k] = rects[order[k]].area();
 }
@@ -100,8 +100,8 @@ __global__ void __launch_bounds__(kRowThreads) pad_pairs(DeviceSpan<const uint32
 }
 
 /// The start of each tile: a thread whose key differs from the one before it opens every tile in between.
-__global__ void __launch_bounds__(kRowThreads) open_tiles(DeviceSpan<const uint32_t> tiles,
-                                                          DeviceSpan<uint32_t> tile_begin) {
+__global__ void __launch_bounds__(kRowThreads)
+    open_tiles(DeviceSpan<const uint32_t> tiles, DeviceSpan<uint32_t> tile_begin) {
   const size_t i = item_index();
   if (i >= tiles.size) return;
   const uint32_t next = i == 0 ? 0 : tiles[i - 1] + 1, last = static_cast<uint32_t>(tile_begin.size - 1);

@@ -2,7 +2,7 @@
 // tile. Both sorts are stable, so pairs of a tile are in depth order and equal depths in row order.
 #pragma once
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "device/device_memory.h"
 #include "engine/cuda/view_spans.h"
 
 namespace aligngs::cuda {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "device/launch.h"
 #include "engine/cuda/blend_backward.cuh"
 #include "engine/cuda/blend_backward_splat.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 namespace {

@@ -41,8 +41,8 @@ __device__ __forceinline__ float backward_sums(const BlendBackwardShared& s, int
 }
 
 template <bool kGeometry, bool kDensity>
-__global__ void __launch_bounds__(kTilePixels) blend_backward_kernel(BlendBackwardInputs in,
-                                                                     DeviceSpan<SplatGradient> slots) {
+__global__ void __launch_bounds__(kTilePixels)
+    blend_backward_kernel(BlendBackwardInputs in, DeviceSpan<SplatGradient> slots) {
   BlendBackwardShared& s = *dynamic_shared<BlendBackwardShared>();
   const int i = static_cast<int>(threadIdx.x), lane = i % kWarp, warp = i / kWarp;
   const int tile = static_cast<int>(blockIdx.x);

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "device/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
 
@@ -46,7 +46,8 @@ enum SplatSum : int {
   kSumPhotometricAbsY
 };
 static_assert(kSumPhotometricAbsY + 1 == kSplatGradientFloats);
-static_assert(offsetof(SplatGradient, p) == kSumP * sizeof(float) && offsetof(SplatGradient, rr) == kSumRr * sizeof(float));
+static_assert(offsetof(SplatGradient, p) == kSumP * sizeof(float) &&
+              offsetof(SplatGradient, rr) == kSumRr * sizeof(float));
 static_assert(offsetof(SplatGradient, photometric_p) == kSumPhotometricP * sizeof(float));
 
 /// Two kernels for the same sums. The faster one depends on the device and on the number of Gaussians per tile.
@@ -58,8 +59,8 @@ enum class BlendBackwardMethod {
 struct BlendBackwardInputs {
   ViewSpans view;
   TileListSpans lists;
-  BlendRecordSpans record;     ///< of the forward pass
-  MapGradientSpans gradients;  ///< normal, distance and alpha are read with geometry only
+  BlendRecordSpans record;           ///< of the forward pass
+  MapGradientSpans gradients;        ///< normal, distance and alpha are read with geometry only
   DeviceSpan<const float> residual;  ///< [H W] mean absolute colour difference, with density
   DeviceSpan<const float> prior;     ///< [H W] prior depth, 0 or not finite = none, with density; empty: none
   float prior_scale = 1;             ///< LossSettings::prior_depth_scale

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/random.h"
+#include "device/tolerances.h"
 #include "engine/cuda/blend_forward.h"
-#include "engine/cuda/test_view.h"
-#include "engine/cuda/tolerances.h"
+#include "engine/cuda/view_for_tests.h"
 #ifdef ALIGNGS_CUDA_EMULATED
-#include "engine/cuda/runtime/emulation/emulation.h"
+#include "device/emulation/emulation.h"
 #endif
 
 namespace aligngs::cuda {
@@ -83,7 +83,8 @@ class CudaBlendBackward : public DeviceTest, public testing::WithParamInterface<
     return slots.to_host();
   }
 
-  /// Maps and checkpoints, which the CPU engine does not have, by the device's forward pass; the rest of its record goes.
+  /// Maps and checkpoints, which the CPU engine does not have, by the device's forward pass; the rest of its record
+  /// goes.
   void remember_forward(BlendBackwardInputs& in) {
     const size_t pairs = view->lists.instances(), tiles = view->view.tiles();
     const size_t count = checkpoint_count(pairs) * kTilePixels;
@@ -124,7 +125,8 @@ class CudaBlendBackward : public DeviceTest, public testing::WithParamInterface<
         b.push_back(reinterpret_cast<const float*>(&want[slot])[field]);
       }
       const auto d = difference(a, b);
-      EXPECT_LE(d.worst, CudaTolerance().slot_sum) << "field " << field << " of entry " << d.at << ", largest " << d.scale;
+      EXPECT_LE(d.worst, CudaTolerance().slot_sum)
+          << "field " << field << " of entry " << d.at << ", largest " << d.scale;
       if ((in_density && !options.density) || (in_geometry && !options.geometry)) {
         for (const float x : a) ASSERT_EQ(x, 0.0f) << "field " << field;
       }
@@ -207,7 +209,8 @@ TEST_P(CudaBlendBackward, ManyFaintGaussiansThatAllTakePart) {
   o.scene.logit_min = -5.4;  // 1/255 is at -5.54
   o.scene.logit_max = -4.5;
   prepare(o);
-  const auto furthest = *std::max_element(view->record.last.data(), view->record.last.data() + view->record.last.size());
+  const auto furthest =
+      *std::max_element(view->record.last.data(), view->record.last.data() + view->record.last.size());
   ASSERT_GT(furthest, 16 * static_cast<int>(kCheckpointPlaces));  // more than the warps of one block
   expect_equal();
 }

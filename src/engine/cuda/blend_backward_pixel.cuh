@@ -4,9 +4,9 @@
 // where T is small (engine/cpu/blend_backward.h). T_k is what is left behind divided by 1 - alpha_k >= 1 - alpha_max.
 #pragma once
 
+#include "device/constants.h"
+#include "device/device_language.h"
 #include "engine/cuda/blend_backward.h"
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/blending.h"
 #include "engine/formulas/whitened.h"

@@ -14,12 +14,12 @@ static_assert(kCheckpointPlaces == kWarp && kStripPixels == kWarp, "a lane per G
 /// Shared memory of a block, [pixel of the tile]; 17 KB.
 struct SplatBackwardShared {
   BackwardMaps maps;
-  float alpha[kTilePixels];                             ///< dL/dalpha map, with geometry
+  float alpha[kTilePixels];                                          ///< dL/dalpha map, with geometry
   float prior[kTilePixels], ray_x[kTilePixels], ray_y[kTilePixels];  ///< with density
-  float transmittance[kTilePixels];                     ///< behind the last Gaussian
-  float background[kTilePixels];                        ///< what shows there, times dL/dcolour
-  float total_color[kTilePixels];                       ///< the rendered colour times dL/dcolour
-  float total_all[kTilePixels];                         ///< and the plane; less transmittance times dL/dalpha
+  float transmittance[kTilePixels];                                  ///< behind the last Gaussian
+  float background[kTilePixels];                                     ///< what shows there, times dL/dcolour
+  float total_color[kTilePixels];                                    ///< the rendered colour times dL/dcolour
+  float total_all[kTilePixels];  ///< and the plane; less transmittance times dL/dalpha
   uint32_t last[kTilePixels];
   uint32_t last_of_warp[kBackwardWarps];
 };
@@ -165,8 +165,8 @@ __device__ __forceinline__ void bucket_sums(const BlendBackwardInputs& in, const
 
 /// blockIdx.x: tile. The warps of all blocks of a tile take its buckets in turn.
 template <bool kGeometry, bool kDensity>
-__global__ void __launch_bounds__(kTilePixels) blend_backward_splat_kernel(BlendBackwardInputs in,
-                                                                           DeviceSpan<SplatGradient> slots) {
+__global__ void __launch_bounds__(kTilePixels)
+    blend_backward_splat_kernel(BlendBackwardInputs in, DeviceSpan<SplatGradient> slots) {
   SplatBackwardShared& s = *dynamic_shared<SplatBackwardShared>();
   const int i = static_cast<int>(threadIdx.x), tile = static_cast<int>(blockIdx.x);
   const BackwardPixel px = load_backward_pixel<kGeometry, kDensity>(in, tile, i, s.maps);

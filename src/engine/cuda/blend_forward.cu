@@ -1,7 +1,7 @@
 #include "engine/cuda/blend_forward.h"
 
+#include "device/launch.h"
 #include "engine/cuda/blend_forward.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 

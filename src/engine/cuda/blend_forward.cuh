@@ -1,4 +1,5 @@
-// Kernel of blend_forward.h: one thread per pixel of a tile, a batch of its Gaussians at a time in shared memory. A warp
+// Kernel of blend_forward.h: one thread per pixel of a tile, a batch of its Gaussians at a time in shared memory. A
+// warp
 // is a strip of 8 x 4 pixels and skips Gaussians that do not reach it.
 #pragma once
 
@@ -13,8 +14,7 @@ template <bool kGeometry>
 struct PixelSums {
   float color[3] = {}, alpha = 0, normal[3] = {}, distance = 0, expected = 0, median = 0;
 
-  __device__ __forceinline__ void add(const Splat& g, float weight, float before, float after,
-                                      const Vec3<float>& ray) {
+  __device__ __forceinline__ void add(const Splat& g, float weight, float before, float after, const Vec3<float>& ray) {
     for (int k = 0; k < 3; ++k) color[k] = std::fma(weight, g.color[k], color[k]);
     alpha += weight;
     if constexpr (kGeometry) {

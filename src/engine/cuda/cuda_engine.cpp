@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "device/constants.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cuda/blend_forward.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/make_engine.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/optimiser.h"
@@ -160,8 +160,7 @@ void CudaEngine::enqueue_step(const StepRequest& request, const ViewOnDevice& vi
   map_losses(arena_, {frame.maps, training, losses, neighbour}, {gradients, residual, terms});
   timer_->mark("losses");
 
-  const DeviceSpan<SplatGradient> slots =
-      arena_.take<SplatGradient>(pairs, "gradients of (Gaussian, tile) pairs");
+  const DeviceSpan<SplatGradient> slots = arena_.take<SplatGradient>(pairs, "gradients of (Gaussian, tile) pairs");
   blend_backward(*context_,
                  {frame.view, frame.lists, frame.record, gradients, residual,
                   density ? training.prior_depth : DeviceSpan<const float>{}, losses.prior_depth_scale, request.raster,

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/thread_pool.h"
+#include "device/stage_timer.h"
+#include "device/step_graph.h"
 #include "engine/cpu/active_classes.h"
 #include "engine/cpu/semantic_block.h"
 #include "engine/cuda/density.h"
@@ -14,8 +16,6 @@
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/multi_view.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/runtime/stage_timer.h"
-#include "engine/cuda/runtime/step_graph.h"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/step_outcome.h"
 #include "engine/cuda/teacher_maps.h"
@@ -148,8 +148,8 @@ class CudaEngine final : public Engine {
   CouplingBalance balance_;
   std::vector<ViewOnDevice> views_;
 
-  DeviceArray<float> neighbour_depth_;               ///< of the step in progress
-  DeviceArray<unsigned long long> neighbour_bad_;    ///< [1]
+  DeviceArray<float> neighbour_depth_;             ///< of the step in progress
+  DeviceArray<unsigned long long> neighbour_bad_;  ///< [1]
 
   int active_top_k_ = 0;
   cpu::ActiveClasses active_;  ///< of the training views, whose targets hold its channels

@@ -1,8 +1,8 @@
 #include "engine/cuda/density.h"
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/density.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 

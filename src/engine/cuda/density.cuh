@@ -1,9 +1,9 @@
 // Kernel of density.h: one thread per row.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/density.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/formulas/whitened.h"
 
 namespace aligngs::cuda {

@@ -1,8 +1,8 @@
 // Statistics for density control on the device; what they are: gaussians/density_control.h.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "gaussians/density_control.h"
 

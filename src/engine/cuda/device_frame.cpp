@@ -5,8 +5,8 @@
 
 namespace aligngs::cuda {
 
-DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster,
-                       size_t gaussians, bool geometry) {
+DeviceFrame take_frame(DeviceArena& arena, const Camera& camera, const RasterSettings& raster, size_t gaussians,
+                       bool geometry) {
   DeviceFrame f;
   ViewSpans& v = f.view;
   v.camera = make_projection_camera<float>(camera, raster);

@@ -1,8 +1,8 @@
 // The arrays of one view on its way through a step or a rendering, taken from the arena.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/binning.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
 #include "scene/camera.h"
@@ -13,8 +13,8 @@ struct DeviceFrame {
   ViewSpans view;
   TileListSpans lists;
   RenderMapSpans maps;
-  BlendRecordSpans record;         ///< empty without record
-  DeviceSpan<BinCounts> counts;    ///< [1]
+  BlendRecordSpans record;             ///< empty without record
+  DeviceSpan<BinCounts> counts;        ///< [1]
   DeviceSpan<unsigned long long> bad;  ///< [1] kNoBadGradient
 };
 

@@ -189,7 +189,8 @@ std::optional<OwnMemory> CudaEngine::own_memory(const std::vector<TrainingView>&
 }
 
 uint64_t CudaEngine::predicted_bytes(size_t gaussians, int channels, size_t pixels_per_view) const {
-  return forecast_bytes({gaussians, channels, pixels_per_view, options_.blend_backward == BlendBackwardMethod::kPerSplat});
+  return forecast_bytes(
+      {gaussians, channels, pixels_per_view, options_.blend_backward == BlendBackwardMethod::kPerSplat});
 }
 
 uint64_t CudaEngine::predicted_host_bytes(size_t gaussians, int channels) const {

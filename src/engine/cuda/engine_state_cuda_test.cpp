@@ -4,12 +4,12 @@
 #include <limits>
 
 #include "core/error.h"
+#include "device/device_for_tests.h"
+#include "device/tolerances.h"
 #include "engine/cpu/cpu_engine.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/cuda_engine.h"
 #include "engine/cuda/make_engine.h"
-#include "engine/cuda/runtime/test_device.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -152,7 +152,8 @@ TEST_F(CudaEngineState, NoiseOnPositionsIsThatOfTheCpu) {
   cpu.save_state(want);
   EXPECT_NE(want.model.positions, model.positions);
   const EngineState got = state_of(*cuda);
-  EXPECT_LE(cpu::testing_scene::difference(got.model.positions, want.model.positions).worst, CudaTolerance().parameter * 10);
+  EXPECT_LE(cpu::testing_scene::difference(got.model.positions, want.model.positions).worst,
+            CudaTolerance().parameter * 10);
 }
 
 TEST_F(CudaEngineState, ScalesAreRaisedAsOnTheCpu) {
@@ -281,7 +282,8 @@ TEST_F(CudaEngineState, WhatIsPredictedIsEnoughForEveryStepAndNotFarTooMuch) {
   const std::vector<TrainingView> views = {make_view(o), make_view(o)};
   const GaussianModel model = make_model(o);
   const auto needed = [&](const Engine& e) {
-    return e.own_memory(views)->views + e.predicted_bytes(model.size(), model.semantic_channels, size_t(o.width) * o.height);
+    return e.own_memory(views)->views +
+           e.predicted_bytes(model.size(), model.semantic_channels, size_t(o.width) * o.height);
   };
   const uint64_t budget = needed(*make_cuda_engine(test_device().index, 0, 1));
   const auto train = [&](uint64_t bytes) {

@@ -5,11 +5,11 @@
 #include <map>
 #include <set>
 
+#include "device/device_for_tests.h"
+#include "device/tolerances.h"
 #include "engine/benchmark/step_benchmark.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/cuda_engine.h"
-#include "engine/cuda/runtime/test_device.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -52,8 +52,8 @@ class CudaStep : public DeviceTest {
   static void expect_close(const A& a, const B& b, double tolerance, const std::string& what) {
     ASSERT_EQ(a.size(), b.size()) << what;
     const Difference d = difference(a, b);
-    EXPECT_LE(d.worst, tolerance) << what << ": entry " << d.at << " is " << (a.empty() ? 0 : a[d.at])
-                                  << " instead of " << (b.empty() ? 0 : b[d.at]) << ", largest " << d.scale;
+    EXPECT_LE(d.worst, tolerance) << what << ": entry " << d.at << " is " << (a.empty() ? 0 : a[d.at]) << " instead of "
+                                  << (b.empty() ? 0 : b[d.at]) << ", largest " << d.scale;
   }
 
   static void compare_gradients(const GaussianModel& got, const GaussianModel& want, double shape, double semantic) {
@@ -106,8 +106,7 @@ class CudaStep : public DeviceTest {
     EXPECT_NEAR(a.losses[Loss::kScaleL1], b.losses[Loss::kScaleL1], t.loss);
     EXPECT_NEAR(a.losses[Loss::kSemanticSoft], b.losses[Loss::kSemanticSoft], t.semantic_loss);
     EXPECT_NEAR(a.losses[Loss::kSemanticHard], b.losses[Loss::kSemanticHard], t.semantic_loss);
-    EXPECT_NEAR(a.losses.total, b.losses.total,
-                t.total_loss * std::abs(b.losses.total) + 2 * t.semantic_loss);
+    EXPECT_NEAR(a.losses.total, b.losses.total, t.total_loss * std::abs(b.losses.total) + 2 * t.semantic_loss);
     expect_close(got->last_maps().color, want.last_maps().color, t.map, "colour");
     compare_gradients(got->last_gradients(), want.last_gradients(), t.gradient + (coupled ? t.coupling : 0.0),
                       t.semantic_gradient);

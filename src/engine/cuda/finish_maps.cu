@@ -1,8 +1,8 @@
 #include "engine/cuda/finish_maps.h"
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/finish_maps.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 

@@ -1,9 +1,9 @@
 // Kernel of finish_maps.h: one thread per pixel.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/finish_maps.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/formulas/plane_depth.h"
 
 namespace aligngs::cuda {
@@ -13,7 +13,8 @@ __global__ void __launch_bounds__(kRowThreads) finish_pixels(ViewSpans view, Ren
   if (u >= n) return;
   for (size_t k = 0; k < 3; ++k) out.color[3 * u + k] = m.color[k * n + u];
   if (out.normal.empty()) return;
-  const int x = static_cast<int>(u % static_cast<size_t>(m.width)), y = static_cast<int>(u / static_cast<size_t>(m.width));
+  const int x = static_cast<int>(u % static_cast<size_t>(m.width)),
+            y = static_cast<int>(u / static_cast<size_t>(m.width));
   const Vec3<float> sum{m.normal[u], m.normal[n + u], m.normal[2 * n + u]};
   const Vec3<float> unit = normalized(sum);
   for (int k = 0; k < 3; ++k) out.normal[3 * u + static_cast<size_t>(k)] = unit[k];

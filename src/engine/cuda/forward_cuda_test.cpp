@@ -2,17 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "device/constants.h"
+#include "device/device_for_tests.h"
+#include "device/tolerances.h"
 #include "engine/cpu/binning.h"
 #include "engine/cpu/project.h"
-#include "engine/cpu/test_scenes.h"
+#include "engine/cpu/scenes_for_tests.h"
 #include "engine/cuda/blend_forward.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/model_arrays.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/project.h"
-#include "engine/cuda/runtime/test_device.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -62,7 +62,8 @@ class CudaForward : public DeviceTest {
     for (size_t u = 0; u < median.size(); ++u) {
       differing += std::abs(static_cast<double>(median[u]) - want.median[u]) > tolerance.depth * (1 + want.median[u]);
     }
-    EXPECT_LE(static_cast<double>(differing), tolerance.large_flips * static_cast<double>(median.size())) << "median depth";
+    EXPECT_LE(static_cast<double>(differing), tolerance.large_flips * static_cast<double>(median.size()))
+        << "median depth";
     check_record(f);
   }
 

@@ -1,8 +1,8 @@
 #include "engine/cuda/label_map.h"
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/label_map.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 

@@ -101,9 +101,8 @@ __global__ void __launch_bounds__(kTilePixels)
   const size_t u = static_cast<size_t>(y) * static_cast<size_t>(view.width) + static_cast<size_t>(x);
   const float alpha = in.alpha[u];
   out.channel[u] = alpha >= kLabelAlphaMin ? static_cast<uint16_t>(state.channel) : kNoLabel;
-  out.probability[u] = probabilities
-                           ? state.best + (1.0f - alpha) / static_cast<float>(classes + in.remainder)
-                           : std::exp(state.best - state.top) / state.sum;
+  out.probability[u] = probabilities ? state.best + (1.0f - alpha) / static_cast<float>(classes + in.remainder)
+                                     : std::exp(state.best - state.top) / state.sum;
 }
 
 }  // namespace aligngs::cuda

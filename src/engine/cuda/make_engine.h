@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "device/cuda_device.h"
 #include "engine/cuda/engine_options.h"
-#include "engine/cuda/runtime/cuda_device.h"
 #include "engine/engine.h"
 
 namespace aligngs {

@@ -1,9 +1,9 @@
 #include "engine/cuda/map_losses.h"
 
+#include "device/launch.h"
 #include "engine/cuda/map_gradients.cuh"
 #include "engine/cuda/map_terms.cuh"
 #include "engine/cuda/photometric.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -50,8 +50,8 @@ void geometry_losses(DeviceArena& arena, const MapLossInputs& in, const MapLossO
   launch(context, "finish_compare", finish_compare_kernel, one, terms, compared, scratch, out.terms);
   MultiViewGradients views;
   if (!in.neighbour.empty() && in.settings.has(LossStage::kTwoViews)) {
-    views = multi_view_losses(
-        arena, {in.maps, in.view, in.settings, in.neighbour, scratch.depth, scratch.validity}, out.terms);
+    views = multi_view_losses(arena, {in.maps, in.view, in.settings, in.neighbour, scratch.depth, scratch.validity},
+                              out.terms);
   }
   launch(context, "map_gradient", map_gradient_kernel, shape, terms, scratch, views, out.gradients);
 }

@@ -11,11 +11,11 @@
 
 #include "core/error.h"
 #include "core/random.h"
-#include "engine/cuda/test_maps.h"
+#include "engine/cuda/maps_for_tests.h"
 #include "engine/formulas/photometric.h"
 #include "scene/triangle_mesh.h"
 #ifdef ALIGNGS_CUDA_EMULATED
-#include "engine/cuda/runtime/emulation/emulation.h"
+#include "device/emulation/emulation.h"
 #endif
 
 namespace aligngs::cuda {
@@ -174,7 +174,9 @@ TEST_F(CudaMapLosses, TooFewPixelsSwitchATermOff) {
     if (i != 700 && i != 701) f.maps.alpha[i] = 0;
   }
   const Result r = run_device(f);
-  EXPECT_EQ(r.terms[Loss::kLogDepth] + r.terms[Loss::kNormalConsistency] + r.terms[Loss::kPearson] + r.terms[Loss::kPriorNormal], 0);
+  EXPECT_EQ(r.terms[Loss::kLogDepth] + r.terms[Loss::kNormalConsistency] + r.terms[Loss::kPearson] +
+                r.terms[Loss::kPriorNormal],
+            0);
   expect_same_losses(r, run_cpu(f));
 }
 

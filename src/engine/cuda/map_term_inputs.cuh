@@ -1,10 +1,10 @@
 // Inputs, scratch and sums of the three passes over the pixels (map_terms.cuh).
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/device_language.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
-#include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/depth_terms.h"
 #include "engine/formulas/label_edges.h"

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "device/constants.h"
 #include "engine/cuda/blend_backward.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/model_arrays.h"
@@ -54,7 +54,8 @@ uint64_t pair_bytes(uint64_t channels, bool checkpoints) {
 uint64_t pixel_bytes(uint64_t pixels) {
   LossSettings all;
   all.weight[Loss::kPearson] = 1;  // any loss on depth or normals: scratch is the same for all of them
-  all.weight[Loss::kMultiViewGeometric] = all.weight[Loss::kMultiViewPhotometric] = 1;  // and those between views take a quarter more
+  // and those between views take a quarter more
+  all.weight[Loss::kMultiViewGeometric] = all.weight[Loss::kMultiViewPhotometric] = 1;
   const uint64_t neighbour = 1;  // its depth, which stays while the step's own maps are made
   return pixels * (10 + 8 + 1 + 2 + neighbour) * kFloat + map_loss_scratch_bytes(all, pixels);
 }
@@ -66,7 +67,8 @@ uint64_t forecast_bytes(const MemoryForecastInputs& in) {
   const uint64_t model = ModelArrays::bytes(in.gaussians, in.channels);
   const uint64_t numbers = ModelArrays::bytes(in.gaussians, 0);  // gradients of semantics are kept by rank
   const uint64_t state = 3 * model;                              // parameters and two moments
-  const uint64_t step = numbers + n * row_bytes(channels) + (n * kPairsPerGaussian + kPairSlack) * pair_bytes(channels, in.checkpoints) +
+  const uint64_t step = numbers + n * row_bytes(channels) +
+                        (n * kPairsPerGaussian + kPairSlack) * pair_bytes(channels, in.checkpoints) +
                         pixel_bytes(in.pixels_per_view);
   return state + step + step / kLostShare;
 }

@@ -44,8 +44,9 @@ void ModelArrays::download_shapes(GaussianModel& to) const {
 }
 
 ModelSpans ModelArrays::spans() const {
-  return {size(),           channels_,          positions_.span(), log_scales_.span(),
-          rotations_.span(), opacity_logits_.span(), sh_.span(),      semantics_.span()};
+  return {
+      size(),     channels_,        positions_.span(), log_scales_.span(), rotations_.span(), opacity_logits_.span(),
+      sh_.span(), semantics_.span()};
 }
 
 uint64_t ModelArrays::bytes(size_t gaussians, int channels) {

@@ -1,8 +1,8 @@
 // Owning arrays on the device in the shape of a model: its parameters, a moment, gradients.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "gaussians/gaussian_model.h"
 
 namespace aligngs::cuda {
@@ -15,7 +15,8 @@ class ModelArrays {
   void upload(DeviceContext& context, const GaussianModel& from, const char* what);
   /// All but sh_degree.
   void download(GaussianModel& to) const;
-  void download_shapes(GaussianModel& to) const;  ///< positions, scales, rotations and opacities; the rest of `to` stays
+  /// positions, scales, rotations and opacities; the rest of `to` stays
+  void download_shapes(GaussianModel& to) const;
   /// body(array, numbers per row) for each array.
   template <class Body>
   void for_each(const Body& body) {

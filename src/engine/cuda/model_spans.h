@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/cuda/runtime/device_span.h"
+#include "device/device_span.h"
 
 namespace aligngs::cuda {
 

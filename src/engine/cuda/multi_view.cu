@@ -1,7 +1,7 @@
 #include "engine/cuda/multi_view.h"
 
+#include "device/launch.h"
 #include "engine/cuda/multi_view.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -17,8 +17,8 @@ DeviceSpan<float> make_grey(DeviceArena& arena, const TrainingMapSpans& view) {
 
 void keep_neighbour_depth(const DeviceContext& context, const RenderMapSpans& maps, const TrainingMapSpans& view,
                           bool paper_normals, DeviceSpan<float> depth) {
-  launch(context, "keep_neighbour_depth", keep_neighbour_depth_kernel, one_per_item(depth.size, kPixelThreads), maps, view,
-         paper_normals, depth);
+  launch(context, "keep_neighbour_depth", keep_neighbour_depth_kernel, one_per_item(depth.size, kPixelThreads), maps,
+         view, paper_normals, depth);
 }
 
 MultiViewGradients multi_view_losses(DeviceArena& arena, const MultiViewInputs& in, DeviceSpan<LossTerms> terms) {

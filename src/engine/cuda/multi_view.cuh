@@ -1,10 +1,10 @@
 // Kernels of multi_view.h. A pixel forms its own terms and gradients alone; only the normalisations are sums over all.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/device_language.h"
 #include "engine/cuda/multi_view.h"
 #include "engine/cuda/partial_sums.cuh"
-#include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/patch_draw.h"
 #include "engine/formulas/patch_score.h"
@@ -15,7 +15,8 @@ enum AgreementSum { kAgreementCount, kAgreementDistance, kAgreementSums };
 enum PatchSum { kPatchCount, kPatchValue, kPatchSums };
 
 __global__ void __launch_bounds__(kPixelThreads)
-    keep_neighbour_depth_kernel(RenderMapSpans maps, TrainingMapSpans view, bool paper_normals, DeviceSpan<float> depth) {
+    keep_neighbour_depth_kernel(RenderMapSpans maps, TrainingMapSpans view, bool paper_normals,
+                                DeviceSpan<float> depth) {
   const size_t i = item_index();
   if (i >= depth.size) return;
   const DepthSample<float> sample = depth_sample_at(maps, view, paper_normals, i);
@@ -29,8 +30,8 @@ __global__ void __launch_bounds__(kPixelThreads) grey_kernel(TrainingMapSpans vi
 }
 
 /// Per pixel w = exp(-phi), 0 where the views do not see the same point, and w dphi / dz.
-__global__ void __launch_bounds__(kPixelThreads)
-    agreement_kernel(MultiViewInputs in, DeviceSpan<float> agreement, DeviceSpan<float> slope, DeviceSpan<double> partial) {
+__global__ void __launch_bounds__(kPixelThreads) agreement_kernel(MultiViewInputs in, DeviceSpan<float> agreement,
+                                                                  DeviceSpan<float> slope, DeviceSpan<double> partial) {
   const size_t i = item_index();
   float sums[kAgreementSums] = {};
   if (i < agreement.size) {
@@ -61,7 +62,8 @@ __global__ void __launch_bounds__(kSumThreads)
     out.share = patch_share(count, static_cast<double>(pixels));
     if (settings.weight[Loss::kMultiViewGeometric] != 0) {
       out.geometric = static_cast<float>(settings.weight[Loss::kMultiViewGeometric] / count);
-      terms[0].add(Loss::kMultiViewGeometric, settings.weight[Loss::kMultiViewGeometric], s[kAgreementDistance] / count);
+      terms[0].add(Loss::kMultiViewGeometric, settings.weight[Loss::kMultiViewGeometric],
+                   s[kAgreementDistance] / count);
     }
   }
   steps[0] = out;
@@ -78,7 +80,8 @@ __global__ void __launch_bounds__(kPixelThreads)
     PatchScore<float> s;
     if (w > 0 && draws_patch(in.neighbour.seed, i, steps[0].share)) {
       const BlendedPlane<float> blended{{in.maps.normal[i], in.maps.normal[pixels + i], in.maps.normal[2 * pixels + i]},
-                                        in.maps.distance[i], in.maps.alpha[i]};
+                                        in.maps.distance[i],
+                                        in.maps.alpha[i]};
       const size_t width = static_cast<size_t>(in.maps.width);
       s = patch_score(in.neighbour.views, images, blended, static_cast<int>(i % width), static_cast<int>(i / width));
     }
@@ -97,7 +100,8 @@ __global__ void __launch_bounds__(kSumThreads)
   load_partial_sums(partial, s);
   if (threadIdx.x != 0 || s[kPatchCount] == 0) return;
   steps[0].photometric = static_cast<float>(settings.weight[Loss::kMultiViewPhotometric] / s[kPatchCount]);
-  terms[0].add(Loss::kMultiViewPhotometric, settings.weight[Loss::kMultiViewPhotometric], s[kPatchValue] / s[kPatchCount]);
+  terms[0].add(Loss::kMultiViewPhotometric, settings.weight[Loss::kMultiViewPhotometric],
+               s[kPatchValue] / s[kPatchCount]);
 }
 
 }  // namespace aligngs::cuda

@@ -1,4 +1,5 @@
-// The multi-view terms: the pixels of a step against a neighbouring view; the twin of engine/losses/multi_view_geometric.h
+// The multi-view terms: the pixels of a step against a neighbouring view; the twin of
+// engine/losses/multi_view_geometric.h
 // and multi_view_photometric.h, whose values and degenerate cases they have.
 #pragma once
 
@@ -14,15 +15,16 @@ namespace aligngs::cuda {
 
 /// The other view of a step, constant in it.
 struct NeighbourSpans {
-  TwoViews<float> views;           ///< its camera relative to that of the step
-  TrainingMapSpans view;           ///< its photo
-  DeviceSpan<const float> depth;   ///< [H W] of its camera, from keep_neighbour_depth; empty: the step has no neighbour
-  uint64_t seed = 0;               ///< draws the pixels of the photometric term
+  TwoViews<float> views;          ///< its camera relative to that of the step
+  TrainingMapSpans view;          ///< its photo
+  DeviceSpan<const float> depth;  ///< [H W] of its camera, from keep_neighbour_depth; empty: the step has no neighbour
+  uint64_t seed = 0;              ///< draws the pixels of the photometric term
 
   ALIGNGS_HD bool empty() const { return depth.empty(); }
 };
 
-/// depth [H W] gets the plane depth of a neighbour's blended maps where it is kDepthTight and the mask keeps the pixel, else 0.
+/// depth [H W] gets the plane depth of a neighbour's blended maps where it is kDepthTight and the mask keeps the pixel,
+/// else 0.
 void keep_neighbour_depth(const DeviceContext& context, const RenderMapSpans& maps, const TrainingMapSpans& view,
                           bool paper_normals, DeviceSpan<float> depth);
 
@@ -37,15 +39,15 @@ struct MultiViewInputs {
 
 /// How the terms of a step are normalised; zero where a term does not act.
 struct MultiViewSteps {
-  double share = 0;      ///< of the agreeing pixels that are compared (draws_patch)
-  float geometric = 0;   ///< factors of the gradients
+  double share = 0;     ///< of the agreeing pixels that are compared (draws_patch)
+  float geometric = 0;  ///< factors of the gradients
   float photometric = 0;
 };
 
 /// Gradients before their factors; spans are empty where the term has no weight.
 struct MultiViewGradients {
-  DeviceSpan<const float> depth;       ///< [H W] w dphi / dz
-  DeviceSpan<const float> plane;       ///< [4][H W] by the blended normal and distance; 0 where no patch is used
+  DeviceSpan<const float> depth;           ///< [H W] w dphi / dz
+  DeviceSpan<const float> plane;           ///< [4][H W] by the blended normal and distance; 0 where no patch is used
   DeviceSpan<const MultiViewSteps> steps;  ///< [1]; empty: the step has no multi-view terms
 };
 

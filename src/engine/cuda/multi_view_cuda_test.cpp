@@ -7,7 +7,7 @@
 
 #include "engine/cpu/two_view_scene.h"
 #include "engine/cuda/cuda_engine.h"
-#include "engine/cuda/test_maps.h"
+#include "engine/cuda/maps_for_tests.h"
 #include "engine/losses/two_view_maps.h"
 
 namespace aligngs::cuda {
@@ -31,7 +31,9 @@ class CudaMultiView : public DeviceTest {
     return {&f.other, {f.other_depth.begin(), f.other_depth.end()}, f.seed};
   }
   MapLossResult on_device(const TwoViewFixture& f) { return losses_on_device(context(), f, neighbour(f)); }
-  void compare(const TwoViewFixture& f) { expect_same_losses(on_device(f), losses_on_cpu(f, neighbour(f)), CudaTolerance().two_view_flips); }
+  void compare(const TwoViewFixture& f) {
+    expect_same_losses(on_device(f), losses_on_cpu(f, neighbour(f)), CudaTolerance().two_view_flips);
+  }
   void expect_no_terms(const TwoViewFixture& f) {
     const MapLossResult r = on_device(f);
     EXPECT_EQ(r.terms.total, 0);
@@ -44,7 +46,8 @@ TEST_F(CudaMultiView, EachTermAgreesWithTheCpu) {
   for (const auto& [geometric, photometric] : {std::pair{0.7f, 0.0f}, std::pair{0.0f, 0.4f}, std::pair{0.7f, 0.4f}}) {
     const TwoViewFixture f = fixture(geometric, photometric);
     const MapLossResult cpu = losses_on_cpu(f, neighbour(f));
-    EXPECT_EQ(cpu.terms[Loss::kMultiViewGeometric] > 0, geometric > 0) << "the fixture must give the term something to do";
+    EXPECT_EQ(cpu.terms[Loss::kMultiViewGeometric] > 0, geometric > 0)
+        << "the fixture must give the term something to do";
     EXPECT_EQ(cpu.terms[Loss::kMultiViewPhotometric] > 0, photometric > 0);
     expect_same_losses(on_device(f), cpu, CudaTolerance().two_view_flips);
   }
@@ -55,7 +58,8 @@ TEST_F(CudaMultiView, BesideEveryOtherTerm) {
   f.settings.weight[Loss::kL1] = 0.8f;
   f.settings.weight[Loss::kSsim] = 0.2f;
   f.settings.weight[Loss::kLogDepth] = f.settings.weight[Loss::kPearson] = 0.5f;
-  f.settings.weight[Loss::kNormalConsistency] = f.settings.weight[Loss::kCrease] = f.settings.weight[Loss::kPriorNormal] = 0.3f;
+  f.settings.weight[Loss::kNormalConsistency] = f.settings.weight[Loss::kCrease] =
+      f.settings.weight[Loss::kPriorNormal] = 0.3f;
   compare(f);
   f.settings.paper_normals = true;
   compare(f);
@@ -125,9 +129,9 @@ TEST_F(CudaMultiView, DepthOfTheNeighbourIsTheCpus) {
     distance.assign(context(), maps.distance, "test");
     expected.assign(context(), maps.expected, "test");
     const TrainingMaps view(context(), f.view);
-    keep_neighbour_depth(context(),
-                         {maps.width, maps.height, {}, normal.span(), alpha.span(), distance.span(), expected.span(), {}},
-                         view.spans(), paper, depth.span());
+    keep_neighbour_depth(
+        context(), {maps.width, maps.height, {}, normal.span(), alpha.span(), distance.span(), expected.span(), {}},
+        view.spans(), paper, depth.span());
     EXPECT_EQ(depth.to_host()[3 * size_t(f.maps.width) + 8], 0.0f) << "masked";
     expect_close_maps(depth.to_host(), workspace.neighbour_depth, CudaTolerance().map, "depth");
   }
@@ -196,7 +200,8 @@ TEST_F(CudaMultiViewStep, LossesAreThoseOfTheCpuEngine) {
   want.set_training_views(make_view_pair());
   const StepReport a = make_engine()->step(make_pair_request()), b = want.step(make_pair_request());
   const CudaTolerance t;
-  EXPECT_NEAR(a.losses[Loss::kMultiViewGeometric], b.losses[Loss::kMultiViewGeometric], t.two_views * b.losses[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(a.losses[Loss::kMultiViewGeometric], b.losses[Loss::kMultiViewGeometric],
+              t.two_views * b.losses[Loss::kMultiViewGeometric]);
   EXPECT_NEAR(a.losses[Loss::kMultiViewPhotometric], b.losses[Loss::kMultiViewPhotometric],
               t.two_views * b.losses[Loss::kMultiViewPhotometric]);
 }
@@ -223,7 +228,8 @@ TEST_F(CudaMultiViewStep, GraphsAndTheOrderOfThreadsChangeNothing) {
 }
 
 TEST_F(CudaMultiViewStep, AStepIsRepeatedWhenTheNeighbourHasMorePairsThanRoom) {
-  // Pairs beyond what the slack of a room holds: thousands of Gaussians that were points when the neighbour was visited.
+  // Pairs beyond what the slack of a room holds: thousands of Gaussians that were points when the neighbour was
+  // visited.
   SceneOptions o;
   o.width = 160;
   o.height = 120;

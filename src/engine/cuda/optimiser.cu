@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/optimiser.cuh"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/runtime/launch.h"
 #include "engine/formulas/adam.h"
 
 namespace aligngs::cuda {

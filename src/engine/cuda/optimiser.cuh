@@ -1,9 +1,9 @@
 // Kernels of optimiser.h.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/optimiser.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/formulas/adam.h"
 #include "engine/formulas/position_noise.h"
@@ -113,7 +113,8 @@ __global__ void __launch_bounds__(kRowThreads) position_noise_kernel(PositionNoi
   for (int k = 0; k < 3; ++k) model.positions[3 * i + k] += shift[k];
 }
 
-__global__ void __launch_bounds__(kRowThreads) raise_scales_kernel(DeviceSpan<const float> log_floors, ModelSpans model) {
+__global__ void __launch_bounds__(kRowThreads)
+    raise_scales_kernel(DeviceSpan<const float> log_floors, ModelSpans model) {
   const size_t i = item_index();
   if (i >= model.gaussians) return;
   float* s = &model.log_scales[3 * i];

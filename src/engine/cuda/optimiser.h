@@ -1,8 +1,8 @@
 // Adam over every parameter class of the model and the limits on shape, after formulas/adam.h and shape_terms.h.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/engine.h"
 #include "engine/settings.h"
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "core/random.h"
+#include "device/device_for_tests.h"
+#include "device/tolerances.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cuda/model_arrays.h"
-#include "engine/cuda/runtime/test_device.h"
 #include "engine/cuda/semantic_rows.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -38,7 +38,8 @@ class CudaOptimiser : public DeviceTest {
     fill_model(moments.m, -0.01, 0.01);
     fill_model(moments.v, 0, 1e-4);
     fill_model(gradients, -0.1, 0.1);
-    for (size_t i = 0; i < kRows; ++i) moments.semantic_updates.push_back(static_cast<float>(i % 17));  // of 16 steps before
+    // of 16 steps before
+    for (size_t i = 0; i < kRows; ++i) moments.semantic_updates.push_back(static_cast<float>(i % 17));
     moments.sh_used = 12;
     for (GaussianModel* m : {&moments.m, &moments.v}) {
       for (size_t i = 0; i < m->sh.size(); ++i) {

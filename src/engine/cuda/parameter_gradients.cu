@@ -1,6 +1,6 @@
 #include "engine/cuda/parameter_gradients.h"
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
 #include "engine/cuda/parameter_gradients.cuh"
 #include "engine/cuda/sum_columns.cuh"
 

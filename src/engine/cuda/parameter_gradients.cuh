@@ -1,8 +1,8 @@
 // Kernels of parameter_gradients.h.
 #pragma once
 
+#include "device/constants.h"
 #include "engine/cpu/adam.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/color.h"
@@ -126,7 +126,8 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   ShapeGradient<float> shape = project_backward(g, in.view.camera, projected, d);
 
   float sh[3 * kShCoefficients] = {};
-  const Vec3<float> color{splat.color[0], splat.color[1], splat.color[2]}, dcolor{v[kSumColor], v[kSumColor + 1], v[kSumColor + 2]};
+  const Vec3<float> color{splat.color[0], splat.color[1], splat.color[2]},
+      dcolor{v[kSumColor], v[kSumColor + 1], v[kSumColor + 2]};
   shape.position += sh_color_backward(in.sh_degree, g.position, in.view.camera.centre, &m.sh[3 * kShCoefficients * i],
                                       color, dcolor, sh);
 
@@ -137,8 +138,8 @@ __device__ __forceinline__ void row_gradients(const ParameterGradientInputs& in,
   to.opacity_logits[i] = shape.opacity_logit;
   for (int k = 0; k < 3 * kShCoefficients; ++k) to.sh[3 * kShCoefficients * i + k] = sh[k];
   if (!out.density.empty()) {
-    out.density[i] = {v[kSumPhotometricP],    v[kSumPhotometricR], v[kSumPhotometricAbsP], v[kSumPhotometricAbsY],
-                      v[kSumWeight],          v[kSumResidual],     v[kSumUnsupported]};
+    out.density[i] = {v[kSumPhotometricP], v[kSumPhotometricR], v[kSumPhotometricAbsP], v[kSumPhotometricAbsY],
+                      v[kSumWeight],       v[kSumResidual],     v[kSumUnsupported]};
   }
 
   GradientClass bad = GradientClass::kSemantics;  // the one that is not looked at here

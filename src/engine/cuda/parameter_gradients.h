@@ -28,7 +28,7 @@ struct ParameterGradientInputs {
   DeviceSpan<const uint8_t> coupling_seen;     ///< [instances] SemanticVisitOutputs::seen
   float coupling_scale = 0;                    ///< factor on the coupling moments
   int sh_degree = 0;
-  float opacity_factor = 1;                    ///< of the step's OpacityDropout
+  float opacity_factor = 1;  ///< of the step's OpacityDropout
 };
 
 struct ParameterGradientOutputs {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/random.h"
-#include "engine/cuda/test_view.h"
-#include "engine/cuda/tolerances.h"
+#include "device/tolerances.h"
+#include "engine/cuda/view_for_tests.h"
 
 namespace aligngs::cuda {
 namespace {
@@ -32,7 +32,8 @@ class CudaParameterGradients : public DeviceTest {
   void prepare(const GaussianModel& gaussians) {
     model = gaussians;
     request = make_request();
-    request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kOpacityL1] = request.losses.weight[Loss::kScaleL1] = 0;
+    request.losses.weight[Loss::kFlatten] = request.losses.weight[Loss::kOpacityL1] =
+        request.losses.weight[Loss::kScaleL1] = 0;
     view = std::make_unique<TestView>(context(), model, make_camera(options.width, options.height), request.raster);
     Random random(9);
     const size_t n = view->lists.instances();
@@ -97,8 +98,8 @@ class CudaParameterGradients : public DeviceTest {
   }
 
   cpu::BadGradient run_cpu(float coupling_scale) {
-    const cpu::ReduceInputs in{model, view->view,    view->lists,   view->record,
-                               slots, request,       view->visible, coupling_scale};
+    const cpu::ReduceInputs in{model, view->view, view->lists,   view->record,
+                               slots, request,    view->visible, coupling_scale};
     return cpu::parameter_gradients(in, view->pool, terms, totals, view->cpu_gradients);
   }
 
@@ -125,7 +126,8 @@ class CudaParameterGradients : public DeviceTest {
     expect_close(opacity_logits, want.opacity_logits, 1, false, "opacity_logits");
     expect_close(sh, want.sh, 3 * kShCoefficients, true, "sh");
     const double visible = static_cast<double>(std::max<size_t>(1, view->visible));
-    EXPECT_NEAR(std::sqrt(squares[0] / visible), totals.photometric_rms, kTolerance.gradient_rms * totals.photometric_rms);
+    EXPECT_NEAR(std::sqrt(squares[0] / visible), totals.photometric_rms,
+                kTolerance.gradient_rms * totals.photometric_rms);
     if (coupling_scale != 0) {
       EXPECT_NEAR(std::sqrt(squares[1] / visible), totals.coupling_rms, kTolerance.gradient_rms * totals.coupling_rms);
     }

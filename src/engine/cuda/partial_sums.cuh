@@ -1,9 +1,9 @@
 // Sums over a grid in a fixed order: each block leaves its own, one block adds them up.
 #pragma once
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
-#include "engine/cuda/runtime/device_span.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
+#include "device/device_span.h"
 
 namespace aligngs::cuda {
 

@@ -2,10 +2,10 @@
 // derivatives by the local moments, one the gradient.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/device_language.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/partial_sums.cuh"
-#include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/training_pixels.cuh"
 #include "engine/formulas/photometric.h"
 #include "engine/losses/terms/l1.h"

@@ -7,7 +7,8 @@
 namespace aligngs::cuda {
 
 template <unsigned kNeeds>
-__device__ __forceinline__ TermPixel<float> term_pixel(const MapTermInputs& in, float depth, uint8_t validity, size_t i) {
+__device__ __forceinline__ TermPixel<float> term_pixel(const MapTermInputs& in, float depth, uint8_t validity,
+                                                       size_t i) {
   TermPixel<float> pixel;
   if constexpr ((kNeeds & kNeedsDepth) != 0) {
     pixel.depth = depth;
@@ -19,7 +20,8 @@ __device__ __forceinline__ TermPixel<float> term_pixel(const MapTermInputs& in, 
     pixel.inverse_length = unit.inverse_length;
   }
   if constexpr ((kNeeds & kNeedsPriorDepth) != 0) pixel.prior_depth = in.view.prior_depth[i];
-  if constexpr ((kNeeds & kNeedsPriorNormal) != 0) pixel.prior_normal = vector_at(in.view.prior_normal, i, pixels_of(in));
+  if constexpr ((kNeeds & kNeedsPriorNormal) != 0)
+    pixel.prior_normal = vector_at(in.view.prior_normal, i, pixels_of(in));
   pixel.confidence = depth_weight_at(in.view, i);
   return pixel;
 }
@@ -47,8 +49,8 @@ __device__ __forceinline__ void measure_pixel_term(const MapTermInputs& in, floa
 }
 /// sums[3 * terms]: of one pixel.
 template <int kFirst, template <class> class... Terms>
-__device__ __forceinline__ void measure_pixel_terms(PixelTermList<kFirst, Terms...>, const MapTermInputs& in, float depth,
-                                                    uint8_t validity, size_t i, float* sums) {
+__device__ __forceinline__ void measure_pixel_terms(PixelTermList<kFirst, Terms...>, const MapTermInputs& in,
+                                                    float depth, uint8_t validity, size_t i, float* sums) {
   ((measure_pixel_term<Terms<float>>(in, depth, validity, i, sums), sums += 3), ...);
 }
 

@@ -1,7 +1,7 @@
 // Kernels of pose_gradient.h.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/pose_gradient.h"
 
@@ -9,18 +9,21 @@ namespace aligngs::cuda {
 
 inline constexpr int kPoseSums = 6;
 
-__global__ void __launch_bounds__(kGradientThreads) pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
+__global__ void __launch_bounds__(kGradientThreads)
+    pose_gradient_kernel(PoseGradientInputs in, DeviceSpan<double> partial) {
   const size_t i = item_index();
   double sums[kPoseSums] = {};
   if (i < in.model.gaussians && in.touched[i] != 0) {
-    const PoseGradient<float> share = row_pose_gradient(in.camera, pose_row<float>(in.model, in.gradients, i), in.sh_degree);
+    const PoseGradient<float> share =
+        row_pose_gradient(in.camera, pose_row<float>(in.model, in.gradients, i), in.sh_degree);
     for (int k = 0; k < 3; ++k) sums[k] = share.rotation[k];
     for (int k = 0; k < 3; ++k) sums[3 + k] = share.translation[k];
   }
   store_partial_sums(sums, partial);
 }
 
-__global__ void __launch_bounds__(kSumThreads) finish_pose_gradient_kernel(DeviceSpan<const double> partial, DeviceSpan<PoseGradient<double>> out) {
+__global__ void __launch_bounds__(kSumThreads)
+    finish_pose_gradient_kernel(DeviceSpan<const double> partial, DeviceSpan<PoseGradient<double>> out) {
   double sums[kPoseSums];
   load_partial_sums(partial, sums);
   if (threadIdx.x != 0) return;

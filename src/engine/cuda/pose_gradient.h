@@ -1,8 +1,8 @@
 // The camera's share of a step's gradients (formulas/pose_gradient.h), summed over the rows.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/formulas/pose_rows.h"
 
 namespace aligngs::cuda {

@@ -1,10 +1,10 @@
 // Kernel of project.h: one thread per row.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/project.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 #include "engine/formulas/color.h"
 #include "engine/formulas/whitened.h"
 

@@ -1,8 +1,8 @@
 // Gaussians to splats: projection, colour and tile rectangles, formulas/projection.h and color.h per row.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
 

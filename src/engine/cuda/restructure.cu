@@ -3,9 +3,9 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/restructure.cuh"
-#include "engine/cuda/runtime/launch.h"
 
 namespace aligngs::cuda {
 namespace {

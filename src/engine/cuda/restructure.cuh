@@ -1,9 +1,9 @@
 // Kernels of restructure.h.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/restructure.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
 
 namespace aligngs::cuda {
 

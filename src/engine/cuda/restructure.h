@@ -14,13 +14,15 @@ class DevicePlan {
   size_t rows() const { return source_.size(); }
 
   struct Spans {
-    DeviceSpan<const uint32_t> source;    ///< [rows] row of the old model
-    DeviceSpan<const uint8_t> kept;       ///< [rows] 1: kept, 0: new
-    DeviceSpan<const float> offset;       ///< [rows][3] added to the position
-    DeviceSpan<const float> log_shrink;   ///< [rows] taken from the logarithms of the scales
+    DeviceSpan<const uint32_t> source;      ///< [rows] row of the old model
+    DeviceSpan<const uint8_t> kept;         ///< [rows] 1: kept, 0: new
+    DeviceSpan<const float> offset;         ///< [rows][3] added to the position
+    DeviceSpan<const float> log_shrink;     ///< [rows] taken from the logarithms of the scales
     DeviceSpan<const float> opacity_logit;  ///< [rows] of new rows, NaN: as the source
   };
-  Spans spans() const { return {source_.span(), kept_.span(), offset_.span(), log_shrink_.span(), opacity_logit_.span()}; }
+  Spans spans() const {
+    return {source_.span(), kept_.span(), offset_.span(), log_shrink_.span(), opacity_logit_.span()};
+  }
 
  private:
   DeviceArray<uint32_t> source_;

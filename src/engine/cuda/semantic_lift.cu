@@ -1,7 +1,7 @@
 #include "engine/cuda/semantic_lift.h"
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/launch.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/semantic_lift.cuh"
 
 namespace aligngs::cuda {

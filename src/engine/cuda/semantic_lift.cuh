@@ -2,7 +2,7 @@
 // of a sweep of channels. Then one thread per Gaussian and channel adds their products up over the pixels.
 #pragma once
 
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
 #include "engine/cuda/semantic_lift.h"
 #include "engine/cuda/semantic_pixel.cuh"
 #include "engine/cuda/tile_batch.cuh"
@@ -23,7 +23,7 @@ struct LiftTile {
 };
 
 __device__ inline void sample_channels(const LiftInputs& in, int x, int y, bool valid, int sweep, int width,
-                                LiftTile& shared) {
+                                       LiftTile& shared) {
   const TeacherSpans& t = in.teacher;
   TeacherTaps taps;
   if (valid) taps = teacher_taps(t.grid(), x, y, in.view.width, in.view.height);

@@ -1,8 +1,9 @@
-// The closed-form start of the semantic rows: every view's teacher, weighted by how much of each pixel a Gaussian takes.
+// The closed-form start of the semantic rows: every view's teacher, weighted by how much of each pixel a Gaussian
+// takes.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/teacher_maps.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
@@ -17,7 +18,8 @@ struct LiftInputs {
   RasterSettings raster;
 };
 
-/// sums[row][channel] += sum over the view's valid pixels of w t. Slots are added in their order. Scratch comes from the
+/// sums[row][channel] += sum over the view's valid pixels of w t. Slots are added in their order. Scratch comes from
+/// the
 /// arena.
 void add_teacher_sums(DeviceArena& arena, const LiftInputs& in, DeviceSpan<float> sums);
 

@@ -1,8 +1,8 @@
 // Kernels of semantic_rows.h. One warp per Gaussian; lane l holds channels l, l + 32, ...
 #pragma once
 
+#include "device/constants.h"
 #include "engine/cpu/adam.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/lane_channels.cuh"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/semantic_rows.h"

@@ -1,8 +1,8 @@
 // Semantic rows of the Gaussians: what is blended, and the way back from the blended rows to the logits.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/settings.h"
 
@@ -29,13 +29,13 @@ void semantic_rows(const DeviceContext& context, const SemanticRowInputs& in, De
 struct SemanticGradientInputs {
   SemanticRowInputs rows;
   TileListSpans lists;
-  DeviceSpan<const float> row_slots;      ///< [instances][padded] SemanticVisitOutputs::row_slots
-  DeviceSpan<const uint8_t> seen;         ///< [instances] the same
+  DeviceSpan<const float> row_slots;  ///< [instances][padded] SemanticVisitOutputs::row_slots
+  DeviceSpan<const uint8_t> seen;     ///< [instances] the same
 };
 struct SemanticGradientOutputs {
-  DeviceSpan<float> gradients;            ///< [unculled rows][padded] dL/dlogits by rank, where written
-  DeviceSpan<uint8_t> written;            ///< [N] 1: some pixel with a teacher took the Gaussian, else 0
-  DeviceSpan<unsigned long long> bad;     ///< [1] as in ParameterGradientOutputs
+  DeviceSpan<float> gradients;         ///< [unculled rows][padded] dL/dlogits by rank, where written
+  DeviceSpan<uint8_t> written;         ///< [N] 1: some pixel with a teacher took the Gaussian, else 0
+  DeviceSpan<unsigned long long> bad;  ///< [1] as in ParameterGradientOutputs
 };
 
 /// Adds up the slots of each row in their order and goes back through the softmax.

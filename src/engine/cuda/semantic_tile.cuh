@@ -2,8 +2,8 @@
 // Thread t handles pixel t % kPixels of a block of pixels and part t / kPixels of the Gaussians.
 #pragma once
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/tile_mma.cuh"
+#include "device/constants.h"
+#include "device/tile_mma.cuh"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/warp_sums.cuh"
 #include "engine/formulas/whitened.h"
@@ -15,13 +15,13 @@ namespace aligngs::cuda {
 template <int kPixelCount, int kThreadCount, int kEntryCount>
 struct VisitForm {
   static constexpr int kPixels = kPixelCount, kThreads = kThreadCount, kEntries = kEntryCount;
-  static constexpr int kBlocks = kTilePixels / kPixels;       ///< per tile
+  static constexpr int kBlocks = kTilePixels / kPixels;  ///< per tile
   static constexpr int kWarps = kThreads / kWarp;
-  static constexpr int kParts = kThreads / kPixels;           ///< threads per pixel
-  static constexpr int kPartEntries = kEntries / kParts;      ///< Gaussians per thread
+  static constexpr int kParts = kThreads / kPixels;       ///< threads per pixel
+  static constexpr int kPartEntries = kEntries / kParts;  ///< Gaussians per thread
   static constexpr int kPixelTiles = kPixels / kMmaTile, kEntryTiles = kEntries / kMmaTile;
-  static constexpr int kColumnParts = kWarps / kPixelTiles;   ///< warps that share a row of tiles of P
-  static constexpr int kWeightStride = kPixels + 8;           ///< odd multiple of 8: no bank conflicts
+  static constexpr int kColumnParts = kWarps / kPixelTiles;  ///< warps that share a row of tiles of P
+  static constexpr int kWeightStride = kPixels + 8;          ///< odd multiple of 8: no bank conflicts
   static constexpr int kCouplingStride = kPixels + 4;
   static_assert(kThreads >= kTilePixels && kThreads % kPixels == 0 && kEntries % kParts == 0 && kColumnParts >= 1);
   static_assert(kPixels / kWarps <= kWarp, "a lane per pixel of a warp");
@@ -89,11 +89,11 @@ struct Visit {
   VisitShared<Form>& s;
   float* blended;
   Bf16* rows;
-  float* sums;        ///< the same memory as rows
+  float* sums;  ///< the same memory as rows
   int tile, tile_x, tile_y, thread, warp, lane;
-  uint32_t begin;     ///< of the tile's list
-  uint32_t end;       ///< places that some pixel may have taken
-  unsigned teacher;   ///< bit b: some pixel of block b has a teacher
+  uint32_t begin;    ///< of the tile's list
+  uint32_t end;      ///< places that some pixel may have taken
+  unsigned teacher;  ///< bit b: some pixel of block b has a teacher
 
   __device__ __forceinline__ Bf16* gradient_rows() const { return reinterpret_cast<Bf16*>(blended); }
   __device__ __forceinline__ int gradient_stride() const { return 2 * layout.blended_stride(); }

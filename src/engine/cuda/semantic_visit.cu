@@ -3,7 +3,7 @@
 #include <type_traits>
 
 #include "core/error.h"
-#include "engine/cuda/constants.h"
+#include "device/constants.h"
 #include "engine/cuda/semantic_visit.cuh"
 #include "engine/cuda/sum_columns.cuh"
 
@@ -70,8 +70,8 @@ void semantic_visit(const DeviceContext& context, const SemanticVisitInputs& in,
   } else {
     launch_visit<CompactedVisit>(context, in, out, tiles);
   }
-  sum_columns<2>(context, out.tile_terms.part(0, 2 * size_t(tiles)), static_cast<double>(in.sample.scale()) / static_cast<double>(in.teacher.valid),
-                 out.terms);
+  sum_columns<2>(context, out.tile_terms.part(0, 2 * size_t(tiles)),
+                 static_cast<double>(in.sample.scale()) / static_cast<double>(in.teacher.valid), out.terms);
 }
 
 }  // namespace aligngs::cuda

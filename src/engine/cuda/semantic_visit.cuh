@@ -94,9 +94,8 @@ __device__ __forceinline__ void block_loss(const Visit<Form>& v, int b, double& 
       float t[kGroups];
       sample_teacher_lanes(v.in.teacher, px, t);
       const float alpha = 1 - v.s.transmittance[pixel];
-      loss = v.in.blend == SemanticBlend::kProbabilities
-                 ? probabilities_loss(v.in, set, px, t, alpha, bounded, row)
-                 : logits_loss(v.in, set, px, t, alpha, bounded, row);
+      loss = v.in.blend == SemanticBlend::kProbabilities ? probabilities_loss(v.in, set, px, t, alpha, bounded, row)
+                                                         : logits_loss(v.in, set, px, t, alpha, bounded, row);
       loss.offset += push;
     } else {
 #pragma unroll
@@ -276,9 +275,22 @@ __global__ void __launch_bounds__(Form::kThreads)
   const VisitLayout<Form> layout{padded};
   VisitShared<Form>& s = *dynamic_shared<VisitShared<Form>>();
   const int thread = static_cast<int>(threadIdx.x), tile = static_cast<int>(blockIdx.x);
-  Visit<Form> v{in, out, layout, s, dynamic_shared<float>(layout.blended_at()), dynamic_shared<Bf16>(layout.rows_at()),
-                dynamic_shared<float>(layout.rows_at()), tile, tile % in.view.tiles_x, tile / in.view.tiles_x, thread,
-                thread / kWarp, thread % kWarp, in.lists.tile_begin[tile], 0, 0};
+  Visit<Form> v{in,
+                out,
+                layout,
+                s,
+                dynamic_shared<float>(layout.blended_at()),
+                dynamic_shared<Bf16>(layout.rows_at()),
+                dynamic_shared<float>(layout.rows_at()),
+                tile,
+                tile % in.view.tiles_x,
+                tile / in.view.tiles_x,
+                thread,
+                thread / kWarp,
+                thread % kWarp,
+                in.lists.tile_begin[tile],
+                0,
+                0};
 
   // Thread i looks at pixel i of the tile: how far its list goes, and which blocks have a teacher.
   const int x = v.tile_x * kTileSize + tile_pixel_x(thread), y = v.tile_y * kTileSize + tile_pixel_y(thread);

@@ -7,7 +7,7 @@
 // rounded q behind k. Nothing cancels behind an opaque surface, whatever the rounding of q.
 #pragma once
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "device/device_memory.h"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/cuda/teacher_maps.h"
 #include "engine/cuda/view_spans.h"
@@ -35,10 +35,10 @@ struct SemanticVisitInputs {
   RasterSettings raster;
   SemanticBlend blend = SemanticBlend::kProbabilities;
   SemanticCoupling coupling = SemanticCoupling::kBounded;
-  bool couple = false;      ///< the coupling is wanted
+  bool couple = false;                     ///< the coupling is wanted
   float soft_weight = 0, hard_weight = 0;  ///< LossSettings
-  int remainder = 0;        ///< as in SemanticRowInputs
-  SemanticSample sample;    ///< pixels that take part
+  int remainder = 0;                       ///< as in SemanticRowInputs
+  SemanticSample sample;                   ///< pixels that take part
   SemanticVisitMethod method = SemanticVisitMethod::kAutomatic;
 
   /// The weight of one of them in a mean over the valid pixels.

@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "core/error.h"
+#include "device/tolerances.h"
 #include "engine/cpu/semantic_rows.h"
 #include "engine/cpu/semantic_visit.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/test_view.h"
-#include "engine/cuda/tolerances.h"
+#include "engine/cuda/view_for_tests.h"
 #include "engine/formulas/semantic_loss.h"
 #include "scene/semantic_target.h"
 #ifdef ALIGNGS_CUDA_EMULATED
-#include "engine/cuda/runtime/emulation/emulation.h"
+#include "device/emulation/emulation.h"
 #endif
 
 namespace aligngs::cuda {
@@ -378,7 +378,7 @@ TEST_P(CudaSemanticVisit, WithoutCouplingTheRowsAreTheSame) {
 TEST_P(CudaSemanticVisit, AlphaGradientsBehindAnOpaqueSurface) {
   for (const SemanticBlend blend : {SemanticBlend::kProbabilities, SemanticBlend::kLogits}) {
     for (const SemanticCoupling coupling :
-           {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
+         {SemanticCoupling::kBounded, SemanticCoupling::kPlain, SemanticCoupling::kOpacity}) {
       SCOPED_TRACE(testing::Message() << "blend " << int(blend) << ", coupling " << int(coupling));
       Options o = small_scene();
       o.scene.channels = 150;

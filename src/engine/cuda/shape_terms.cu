@@ -1,7 +1,7 @@
 #include "engine/cuda/shape_terms.h"
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/launch.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/shape_terms.cuh"
 
 namespace aligngs::cuda {

@@ -1,8 +1,8 @@
 // Kernels of shape_terms.h.
 #pragma once
 
+#include "device/constants.h"
 #include "engine/cpu/adam.h"
-#include "engine/cuda/constants.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/partial_sums.cuh"
 #include "engine/cuda/shape_terms.h"
@@ -26,7 +26,8 @@ __global__ void __launch_bounds__(kRowThreads)
     if (in.settings.weight[Loss::kFlatten] != 0 && in.touched[i] != 0) {
       const float value = flatten_value(log_scale, in.extent);
       sums[kFlatten] = value;
-      d_scale[smallest_axis(log_scale)] += in.settings.weight[Loss::kFlatten] * value / static_cast<float>(in.visible[0]);
+      d_scale[smallest_axis(log_scale)] +=
+          in.settings.weight[Loss::kFlatten] * value / static_cast<float>(in.visible[0]);
     }
     if (in.settings.weight[Loss::kOpacityL1] != 0) {
       float derivative = 0;

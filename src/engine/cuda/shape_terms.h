@@ -1,8 +1,8 @@
 // The losses of the Gaussians themselves (formulas/shape_terms.h): flattening, opacity and scale.
 #pragma once
 
+#include "device/device_memory.h"
 #include "engine/cuda/model_spans.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/loss_terms.h"
 #include "engine/settings.h"
 

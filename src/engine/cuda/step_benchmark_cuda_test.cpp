@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "device/device_for_tests.h"
 #include "engine/cuda/make_engine.h"
-#include "engine/cuda/runtime/test_device.h"
 
 namespace aligngs::cuda {
 namespace {

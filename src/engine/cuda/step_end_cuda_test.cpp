@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/random.h"
+#include "device/tolerances.h"
 #include "engine/cuda/density.h"
 #include "engine/cuda/memory_forecast.h"
 #include "engine/cuda/shape_terms.h"
 #include "engine/cuda/step_outcome.h"
-#include "engine/cuda/test_view.h"
-#include "engine/cuda/tolerances.h"
+#include "engine/cuda/view_for_tests.h"
 
 namespace aligngs::cuda {
 namespace {

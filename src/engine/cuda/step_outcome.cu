@@ -3,8 +3,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "device/launch.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/runtime/launch.h"
 #include "engine/cuda/step_outcome.cuh"
 #include "engine/engine_arrays.h"
 

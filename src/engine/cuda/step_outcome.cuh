@@ -1,8 +1,8 @@
 // Kernel of step_outcome.h.
 #pragma once
 
+#include "device/device_language.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/runtime/device_language.h"
 #include "engine/cuda/step_outcome.h"
 
 namespace aligngs::cuda {

@@ -1,7 +1,7 @@
 // The outcome of a step, in one place on the device: the host waits for it alone.
 #pragma once
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "device/device_memory.h"
 #include "engine/engine.h"
 #include "engine/formulas/semantic_loss.h"
 #include "engine/loss_terms.h"
@@ -24,7 +24,8 @@ struct StepOutcomeInputs {
   DeviceSpan<const unsigned long long> bad;  ///< [1]
   DeviceSpan<const uint32_t> visible;        ///< [1]
   float soft_weight = 0, hard_weight = 0;    ///< LossSettings
-  DeviceSpan<const unsigned long long> neighbour_bad{};  ///< [1] of the neighbour's projection and lists; empty: no neighbour
+  /// [1] of the neighbour's projection and lists; empty: no neighbour
+  DeviceSpan<const unsigned long long> neighbour_bad{};
 };
 
 /// StepOutcome::blocked of out[0], for the kernels that must not write after a failure.

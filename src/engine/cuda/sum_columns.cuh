@@ -1,8 +1,8 @@
 // Sums of the columns of a small table on the device, in a fixed order.
 #pragma once
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/launch.h"
+#include "device/constants.h"
+#include "device/launch.h"
 #include "engine/cuda/warp_sums.cuh"
 
 namespace aligngs::cuda {

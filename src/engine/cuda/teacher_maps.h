@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
+#include "device/device_memory.h"
 #include "engine/cpu/semantic_view.h"
-#include "engine/cuda/runtime/device_memory.h"
 #include "engine/formulas/teacher_sampling.h"
 
 namespace aligngs::cuda {
@@ -14,14 +14,15 @@ namespace aligngs::cuda {
 struct TeacherSpans {
   int width = 0, height = 0;  ///< of the teacher's map
   int channels = 0;
-  int stride = 0;             ///< numbers per pixel of the map, a multiple of 8
-  DeviceSpan<const uint16_t> probabilities;   ///< [height][width][stride] float16, zero beyond the channels
-  DeviceSpan<const float> confidence;         ///< [height][width]; empty: 1
-  DeviceSpan<const float> scale;              ///< [height][width], of the probabilities (SemanticTarget::scale); empty: 1
-  DeviceSpan<const float> negative_entropy;   ///< [H W] of the image: sum t log t
-  DeviceSpan<const uint16_t> top_class;       ///< [H W] arg-max of t, kNoLabel where the pixel is not valid
-  DeviceSpan<const float> weight;             ///< [H W] omega of the bounded coupling; empty: 1
-  uint32_t valid = 0;                         ///< pixels that take part in the semantic loss
+  int stride = 0;                            ///< numbers per pixel of the map, a multiple of 8
+  DeviceSpan<const uint16_t> probabilities;  ///< [height][width][stride] float16, zero beyond the channels
+  DeviceSpan<const float> confidence;        ///< [height][width]; empty: 1
+  /// [height][width], of the probabilities (SemanticTarget::scale); empty: 1
+  DeviceSpan<const float> scale;
+  DeviceSpan<const float> negative_entropy;  ///< [H W] of the image: sum t log t
+  DeviceSpan<const uint16_t> top_class;      ///< [H W] arg-max of t, kNoLabel where the pixel is not valid
+  DeviceSpan<const float> weight;            ///< [H W] omega of the bounded coupling; empty: 1
+  uint32_t valid = 0;                        ///< pixels that take part in the semantic loss
 
   ALIGNGS_HD TeacherGrid grid() const {
     return {width, height, confidence.empty() ? nullptr : confidence.data, scale.empty() ? nullptr : scale.data};

@@ -1,8 +1,8 @@
 // Gaussians of a tile in shared memory, a batch at a time, and which of its strips each of them can reach.
 #pragma once
 
-#include "engine/cuda/constants.h"
-#include "engine/cuda/runtime/block_reduce.cuh"
+#include "device/block_reduce.cuh"
+#include "device/constants.h"
 #include "engine/cuda/view_spans.h"
 #include "engine/formulas/overlap.h"
 

@@ -7,7 +7,6 @@
 #include "engine/losses/depth_map.h"
 #include "engine/losses/label_pairs.h"
 #include "engine/losses/map_losses.h"
-#include "engine/losses/depth_map.h"
 
 namespace aligngs::cuda {
 namespace {

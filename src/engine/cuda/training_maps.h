@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "engine/cuda/runtime/device_memory.h"
+#include "device/device_memory.h"
 #include "engine/formulas/pixel_rays.h"
 #include "engine/training_view.h"
 

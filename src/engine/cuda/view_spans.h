@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/cuda/runtime/device_span.h"
+#include "device/device_span.h"
 #include "engine/formulas/projection_camera.h"
 #include "engine/formulas/splat.h"
 
@@ -13,7 +13,7 @@ namespace aligngs::cuda {
 
 /// A tile of 16 x 16 pixels is four blocks of 8 x 8, a block two strips of 8 x 4. Pixel number i of a tile lies in
 /// block i / 64 (x first) at column i % 8, row i % 64 / 8. A strip is 32 consecutive pixels, which is one warp.
-inline constexpr int kBlockSize = 8;                           ///< pixels, edge of a block
+inline constexpr int kBlockSize = 8;  ///< pixels, edge of a block
 inline constexpr int kBlockPixels = kBlockSize * kBlockSize;
 inline constexpr int kTilePixels = kTileSize * kTileSize;
 inline constexpr int kTileBlocks = kTilePixels / kBlockPixels;
@@ -30,11 +30,11 @@ ALIGNGS_HD inline int tile_pixel_y(int i) {
 /// The projected Gaussians. Entries whose rectangle is empty are culled; their other fields are stale.
 struct ViewSpans {
   ProjectionCamera<float> camera;
-  int width = 0, height = 0;      ///< pixels
-  int tiles_x = 0, tiles_y = 0;   ///< tile (x, y) is number y tiles_x + x
-  DeviceSpan<Splat> splats;       ///< [N]
-  DeviceSpan<TileRect> rects;     ///< [N]
-  DeviceSpan<float> radius;       ///< [N] 3 standard deviations along the longer axis, pixels
+  int width = 0, height = 0;     ///< pixels
+  int tiles_x = 0, tiles_y = 0;  ///< tile (x, y) is number y tiles_x + x
+  DeviceSpan<Splat> splats;      ///< [N]
+  DeviceSpan<TileRect> rects;    ///< [N]
+  DeviceSpan<float> radius;      ///< [N] 3 standard deviations along the longer axis, pixels
 };
 
 /// The Gaussians that each tile blends. An instance is a (Gaussian, tile) pair with two numbers. "slot" counts by
@@ -66,10 +66,10 @@ ALIGNGS_HD inline size_t checkpoint_index(uint32_t begin, uint32_t place) {
 /// A record of the forward pass, so that the backward passes compute only Gaussians that counted. A pixel takes every
 /// Gaussian whose alpha reaches alpha_min until one would close it.
 struct BlendRecordSpans {
-  DeviceSpan<uint8_t> strips;        ///< [instances, by place] bit s: some pixel of strip s of the tile took it
-  DeviceSpan<uint8_t> seen;          ///< [instances, by slot] 1: some pixel of the tile took it, else 0
-  DeviceSpan<uint32_t> last;         ///< [tiles][256] place in the tile's list, plus one, of the last taken; 0: none
-  DeviceSpan<float> transmittance;   ///< [tiles][256] what is left behind the last one
+  DeviceSpan<uint8_t> strips;       ///< [instances, by place] bit s: some pixel of strip s of the tile took it
+  DeviceSpan<uint8_t> seen;         ///< [instances, by slot] 1: some pixel of the tile took it, else 0
+  DeviceSpan<uint32_t> last;        ///< [tiles][256] place in the tile's list, plus one, of the last taken; 0: none
+  DeviceSpan<float> transmittance;  ///< [tiles][256] what is left behind the last one
   /// [checkpoint_count][256] where the pixel was open; empty: not wanted
   DeviceSpan<BlendCheckpoint> checkpoints{};
   DeviceSpan<PlaneCheckpoint> plane_checkpoints{};  ///< the same, with geometry

@@ -1,7 +1,7 @@
 // Operations of warps and blocks that the backward kernels share; blocks are one-dimensional.
 #pragma once
 
-#include "engine/cuda/runtime/block_reduce.cuh"
+#include "device/block_reduce.cuh"
 
 namespace aligngs::cuda {
 

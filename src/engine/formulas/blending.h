@@ -11,10 +11,10 @@ namespace aligngs {
 /// alpha of one Gaussian at one pixel. alpha == 0 means that it does not take part.
 template <class T>
 struct AlphaSample {
-  T alpha{};    ///< in [0, alpha_max]
-  T falloff{};  ///< exp(power), in (0, 1]
-  T slope{};    ///< d alpha / d (opacity * falloff); 1 in between, 0 above alpha_max
-  T dx{}, dy{}; ///< pixel centre - mean, pixels
+  T alpha{};     ///< in [0, alpha_max]
+  T falloff{};   ///< exp(power), in (0, 1]
+  T slope{};     ///< d alpha / d (opacity * falloff); 1 in between, 0 above alpha_max
+  T dx{}, dy{};  ///< pixel centre - mean, pixels
 };
 
 /// power = -1/2 (a dx^2 + c dy^2) - b dx dy; skipped when > 0 (rounding of an extreme conic);

@@ -52,9 +52,7 @@ TEST(Blending, AlphaGradientMatchesDifferences) {
   const double h = 1e-6;
   for (double opacity : {0.8, 0.008}) {  // 0.008: inside the ramp
     double p[6] = {kMean.x, kMean.y, kConic.xx, kConic.xy, kConic.yy, opacity};
-    const auto sample = [&] {
-      return alpha_at<double>({p[0], p[1]}, {p[2], p[3], p[4]}, p[5], 3.5, 4.5, settings);
-    };
+    const auto sample = [&] { return alpha_at<double>({p[0], p[1]}, {p[2], p[3], p[4]}, p[5], 3.5, 4.5, settings); };
     ProjectionGradient<double> g;
     const AlphaSample<double> s = sample();
     const Vec2d mean = alpha_backward(s, {p[2], p[3], p[4]}, p[5], 1.0, g);

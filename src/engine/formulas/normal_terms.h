@@ -27,8 +27,8 @@ template <class T>
 ALIGNGS_HD inline UnitNormal<T> unit_normal_of(const Vec3<T>& blended, T alpha, bool pixel_counts) {
   const T length = norm(blended);
   // Selections of plain values, so that a loop over pixels can vectorise.
-  const bool valid = (alpha > T(kPlaneAlphaLoss)) & (length > T(kNormalCoherence) * alpha) & (length - length == T(0)) &
-                     pixel_counts;
+  const bool valid =
+      (alpha > T(kPlaneAlphaLoss)) & (length > T(kNormalCoherence) * alpha) & (length - length == T(0)) & pixel_counts;
   const T inverse = valid ? T(1) / length : T(0);
   return {{valid ? blended.x * inverse : T(0), valid ? blended.y * inverse : T(0), valid ? blended.z * inverse : T(0)},
           inverse};

@@ -8,8 +8,9 @@ namespace aligngs {
 
 inline constexpr int kPatchRadius = 3;  ///< pixels: patches of 7 x 7
 inline constexpr int kPatchSide = 2 * kPatchRadius + 1, kPatchPixels = kPatchSide * kPatchSide;
-inline constexpr double kPatchVarianceFloor = 1e-8;  ///< added to the product of the variances: flat patches score badly
-inline constexpr double kPatchScoreMax = 0.9;        ///< a worse score says that the patches show different things
+/// added to the product of the variances: flat patches score badly
+inline constexpr double kPatchVarianceFloor = 1e-8;
+inline constexpr double kPatchScoreMax = 0.9;  ///< a worse score says that the patches show different things
 
 /// The value that patches compare: the luma of ITU-R BT.601, as published.
 ALIGNGS_HD inline float grey_of(float red, float green, float blue) {
@@ -25,10 +26,10 @@ struct BlendedPlane {
 
 template <class T>
 struct PatchScore {
-  bool used = false;   ///< score < kPatchScoreMax and every sample is in both images
-  T score{};           ///< 1 - NCC^2, in [0, 1]
-  Vec3<T> d_normal;    ///< d score / d N
-  T d_distance{};      ///< d score / d D
+  bool used = false;  ///< score < kPatchScoreMax and every sample is in both images
+  T score{};          ///< 1 - NCC^2, in [0, 1]
+  Vec3<T> d_normal;   ///< d score / d N
+  T d_distance{};     ///< d score / d D
 };
 
 /// Grey images of both views, one channel; the other one is sampled between pixel centres.
@@ -92,14 +93,16 @@ ALIGNGS_HD inline PatchScore<T> patch_score(const TwoViews<T>& views, const Grey
                                             const BlendedPlane<T>& plane, int x, int y) {
   const PinholeImage<T>& image = views.image;
   if (views.other.width < 2 || views.other.height < 2) return {};
-  if (x < kPatchRadius || y < kPatchRadius || x + kPatchRadius >= image.width || y + kPatchRadius >= image.height) return {};
+  if (x < kPatchRadius || y < kPatchRadius || x + kPatchRadius >= image.width || y + kPatchRadius >= image.height)
+    return {};
   if (!(plane.alpha > T(0)) || !(plane.distance > T(0))) return {};
   const Vec3<T> centre{(T(x) + T(0.5) - image.cx) / image.fx, (T(y) + T(0.5) - image.cy) / image.fy, T(1)};
   if (!(-dot(plane.normal, centre) > T(kPlaneSlopeMin) * plane.alpha * norm(centre))) return {};
   const Vec3<T> m = plane.normal * (T(1) / plane.distance);
   const detail::PatchWarp<T> warp(views, m, centre);
   const PinholeImage<T>& other = views.other;
-  constexpr T kReach = T(kPatchRadius);  // what holds at the corners holds between them: all is affine, images are convex
+  // what holds at the corners holds between them: all is affine, images are convex
+  constexpr T kReach = T(kPatchRadius);
   if (!warp.lands(other, -kReach, -kReach) || !warp.lands(other, kReach, -kReach) ||
       !warp.lands(other, -kReach, kReach) || !warp.lands(other, kReach, kReach)) {
     return {};

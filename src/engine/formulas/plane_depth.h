@@ -7,14 +7,14 @@
 namespace aligngs {
 
 /// Guards: a grazing ray's plane depth is nearly unbounded.
-inline constexpr double kPlaneSlopeMin = 0.1;        ///< smallest cosine between ray and plane; below it s is constant
-inline constexpr double kPlaneAlphaLoss = 0.5;       ///< alpha above which the depth may enter a loss
-inline constexpr double kPlaneAlphaFusion = 0.9;     ///< alpha above which the depth may be fused
-inline constexpr double kPlaneExpectedBand = 0.15;   ///< relative distance allowed from the expected depth
+inline constexpr double kPlaneSlopeMin = 0.1;       ///< smallest cosine between ray and plane; below it s is constant
+inline constexpr double kPlaneAlphaLoss = 0.5;      ///< alpha above which the depth may enter a loss
+inline constexpr double kPlaneAlphaFusion = 0.9;    ///< alpha above which the depth may be fused
+inline constexpr double kPlaneExpectedBand = 0.15;  ///< relative distance allowed from the expected depth
 
 template <class T>
 struct PlaneDepth {
-  T z{};           ///< 0 where there is nothing
+  T z{};  ///< 0 where there is nothing
   T dz_ddistance{};
   Vec3<T> dz_dnormal;
 };

@@ -19,7 +19,7 @@ template <class T>
 struct PoseFrame {
   Mat3<T> rotation;  ///< world to camera
   Vec3<T> translation;
-  Vec3<T> centre;    ///< in the world
+  Vec3<T> centre;  ///< in the world
 };
 
 /// A Gaussian as it was drawn, and the gradients of its parameters.
@@ -41,10 +41,12 @@ ALIGNGS_HD inline Vec3<T> quaternion_torque(const T* q, const T* g) {
           half * (g[3] * q[0] - g[0] * q[3] - g[1] * q[2] + g[2] * q[1])};
 }
 
-/// The part of dL/dposition that comes through the direction in which the colour is evaluated. dL/dcolour is read off the constant
+/// The part of dL/dposition that comes through the direction in which the colour is evaluated. dL/dcolour is read off
+/// the constant
 /// coefficient's gradient.
 template <class T>
-ALIGNGS_HD inline Vec3<T> direction_part(int sh_degree, const Vec3<T>& position, const Vec3<T>& centre, const T* sh, const T* dsh) {
+ALIGNGS_HD inline Vec3<T> direction_part(int sh_degree, const Vec3<T>& position, const Vec3<T>& centre, const T* sh,
+                                         const T* dsh) {
   const T length = norm(position - centre);
   if (sh_degree < 1 || !(length > T(0))) return {};
   T weight[kShCoefficients];
@@ -61,8 +63,9 @@ template <class T>
 ALIGNGS_HD inline PoseGradient<T> row_pose_gradient(const PoseFrame<T>& camera, const PoseRow<T>& row, int sh_degree) {
   const Vec3<T> geometric = row.dposition - direction_part(sh_degree, row.position, camera.centre, row.sh, row.dsh);
   const Vec3<T> point = camera.rotation * row.position + camera.translation;
-  return {cross(point, camera.rotation * geometric) + camera.rotation * quaternion_torque(row.quaternion, row.dquaternion),
-          camera.rotation * row.dposition};
+  return {
+      cross(point, camera.rotation * geometric) + camera.rotation * quaternion_torque(row.quaternion, row.dquaternion),
+      camera.rotation * row.dposition};
 }
 
 }  // namespace aligngs

@@ -12,7 +12,8 @@ inline PoseFrame<T> pose_frame(const Camera& camera) {
   return {pose.rotation.cast<T>(), pose.translation.cast<T>(), camera.centre().cast<T>()};
 }
 
-/// Row i of a model and of its gradients: anything with positions, rotations and sh as GaussianModel has them, on host or device.
+/// Row i of a model and of its gradients: anything with positions, rotations and sh as GaussianModel has them, on host
+/// or device.
 template <class T, class Model, class Gradients>
 ALIGNGS_HD inline PoseRow<T> pose_row(const Model& model, const Gradients& gradients, size_t i) {
   PoseRow<T> row;

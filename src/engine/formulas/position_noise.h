@@ -1,4 +1,5 @@
-// Noise on the places of nearly transparent Gaussians, so that they look for something to do (3DGS-MCMC, Kheradmand et al.,
+// Noise on the places of nearly transparent Gaussians, so that they look for something to do (3DGS-MCMC, Kheradmand et
+// al.,
 // NeurIPS 2024, equation 8). Alike on every engine.
 #pragma once
 
@@ -11,7 +12,8 @@ namespace aligngs {
 
 /// The noise of one step; a rate of 0 changes nothing.
 struct PositionNoise {
-  float rate = 0;     ///< learning rate of positions times the strength, scene units^-1 (the covariance has squares of them)
+  /// learning rate of positions times the strength, scene units^-1 (the covariance has squares of them)
+  float rate = 0;
   uint64_t seed = 0;  ///< draws it
 };
 
@@ -35,13 +37,15 @@ ALIGNGS_HD inline void normal_pair(uint64_t seed, size_t index, float& a, float&
 }
 
 /// The addition to the position of row i: rate * gate(opacity) * covariance * N(0, 1).
-ALIGNGS_HD inline Vec3<float> position_noise(const PositionNoise& noise, size_t row, float opacity, const float* log_scales, const float* rotation) {
+ALIGNGS_HD inline Vec3<float> position_noise(const PositionNoise& noise, size_t row, float opacity,
+                                             const float* log_scales, const float* rotation) {
   using std::exp;
   if (!(opacity < kNoiseOpacityMax)) return {};
   float n[4];
   normal_pair(noise.seed, 2 * row, n[0], n[1]);
   normal_pair(noise.seed, 2 * row + 1, n[2], n[3]);
-  const Mat3<float> r = rotation_matrix(normalized(Quaternion<float>{rotation[0], rotation[1], rotation[2], rotation[3]}));
+  const Mat3<float> r =
+      rotation_matrix(normalized(Quaternion<float>{rotation[0], rotation[1], rotation[2], rotation[3]}));
   Vec3<float> local = transpose(r) * Vec3<float>{n[0], n[1], n[2]};
   for (int k = 0; k < 3; ++k) local[k] *= exp(2.0f * log_scales[k]);
   const float gate = 1.0f / (1.0f + exp(kNoiseSteepness * (opacity - kNoiseOpacity)));

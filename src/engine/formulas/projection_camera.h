@@ -27,18 +27,16 @@ ALIGNGS_HD inline T clamp_to(T x, T low, T high) {
 /// Values of a camera that projection needs, computed once per view.
 template <class T>
 struct ProjectionCamera {
-  int width = 0, height = 0;       ///< pixels
-  T fx{}, fy{}, cx{}, cy{};        ///< pixels; pixel i has its centre at i + 0.5
-  Mat3<T> rotation;                ///< world to camera
+  int width = 0, height = 0;  ///< pixels
+  T fx{}, fy{}, cx{}, cy{};   ///< pixels; pixel i has its centre at i + 0.5
+  Mat3<T> rotation;           ///< world to camera
   Vec3<T> translation;
   Vec3<T> centre;                  ///< in the world
   T slope_x_min{}, slope_x_max{};  ///< t_x / t_z in the Jacobian is clamped to this (guard band)
   T slope_y_min{}, slope_y_max{};
 
   /// Ray of the centre of pixel (x, y) in the camera frame, z = 1.
-  ALIGNGS_HD Vec3<T> ray(int x, int y) const {
-    return {(T(x) + T(0.5) - cx) / fx, (T(y) + T(0.5) - cy) / fy, T(1)};
-  }
+  ALIGNGS_HD Vec3<T> ray(int x, int y) const { return {(T(x) + T(0.5) - cx) / fx, (T(y) + T(0.5) - cy) / fy, T(1)}; }
 };
 
 /// The guard band is the image's own range of slopes, (0 - cx)/fx .. (W - cx)/fx, widened about its middle by

@@ -131,8 +131,8 @@ TEST(Projection, NeedleKeepsItsWidthInFloat) {
   GaussianShape<double> g = ball({0.3, 0.2, 2}, 1);
   g.log_scale = {4, -6, -6};
   g.rotation = {0.92, 0.05, 0.1, 0.38};
-  GaussianShape<float> f{g.position.cast<float>(), g.log_scale.cast<float>(),
-                         {0.92f, 0.05f, 0.1f, 0.38f}, float(g.opacity_logit)};
+  GaussianShape<float> f{
+      g.position.cast<float>(), g.log_scale.cast<float>(), {0.92f, 0.05f, 0.1f, 0.38f}, float(g.opacity_logit)};
   const RasterSettings s;
   const Projection<double> exact = project_in(centred_camera(), g);
   const Projection<float> p = project(f, make_projection_camera<float>(centred_camera(), s), s);

@@ -15,7 +15,7 @@ namespace aligngs {
 namespace {
 
 constexpr double kTolerance = 1e-12;
-constexpr int kClasses = 9;      // of which the last kRemainder are equal
+constexpr int kClasses = 9;  // of which the last kRemainder are equal
 constexpr int kRemainder = 4;
 constexpr int kChannels = kClasses - kRemainder + 1;
 

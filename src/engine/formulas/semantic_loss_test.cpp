@@ -61,13 +61,13 @@ TEST(SemanticLoss, LogitsGradientMatchesDifferences) {
   const std::vector<double> logits = {0.3, -1, 0.7, 0.1, 2};
   std::vector<double> q(kC), g(kC);
   semantic_loss_logits(logits.data(), kTeacher.data(), kC, kWeights, q.data(), g.data());
-  EXPECT_LT(difference(logits, g,
-                       [&](const std::vector<double>& x) {
-                         std::vector<double> a(kC), b(kC);
-                         return total(
-                             semantic_loss_logits(x.data(), kTeacher.data(), kC, kWeights, a.data(), b.data()));
-                       }),
-            1e-9);
+  EXPECT_LT(
+      difference(logits, g,
+                 [&](const std::vector<double>& x) {
+                   std::vector<double> a(kC), b(kC);
+                   return total(semantic_loss_logits(x.data(), kTeacher.data(), kC, kWeights, a.data(), b.data()));
+                 }),
+      1e-9);
 }
 
 TEST(SemanticLoss, PerfectStudentHasNoSoftLoss) {
@@ -96,8 +96,8 @@ TEST(SemanticLoss, ProbabilitiesGradientMatchesDifferences) {
   EXPECT_LT(difference(blended, g,
                        [&](const std::vector<double>& x) {
                          std::vector<double> unused(kC);
-                         return total(semantic_loss_probabilities(x.data(), 0.7, kTeacher.data(), kC, kWeights,
-                                                                  unused.data()));
+                         return total(
+                             semantic_loss_probabilities(x.data(), 0.7, kTeacher.data(), kC, kWeights, unused.data()));
                        }),
             1e-7);
 }

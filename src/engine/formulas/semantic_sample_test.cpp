@@ -18,7 +18,8 @@ TEST(SemanticSample, EveryPixelHasItsTurnOnce) {
     for (int y = 0; y < 200; ++y) {
       for (int x = 0; x < 200; ++x) {
         int turns = 0;
-        for (int phase = 8; phase < 8 + 4 / quarters; ++phase) turns += SemanticSample{quarters, phase}.takes(x, y) ? 1 : 0;
+        for (int phase = 8; phase < 8 + 4 / quarters; ++phase)
+          turns += SemanticSample{quarters, phase}.takes(x, y) ? 1 : 0;
         EXPECT_EQ(turns, 1) << x << ", " << y;
       }
     }
@@ -39,7 +40,8 @@ TEST(SemanticSample, TakesItsShareOfFourSquares) {
 TEST(SemanticSample, TakesWholeTiles) {
   const SemanticSample quarter{1, 2, SemanticSample::kTileShift};
   for (int y = 0; y < 200; ++y) {
-    for (int x = 0; x < 200; ++x) EXPECT_EQ(quarter.takes(x, y), quarter.takes(x / 16 * 16, y / 16 * 16)) << x << ", " << y;
+    for (int x = 0; x < 200; ++x)
+      EXPECT_EQ(quarter.takes(x, y), quarter.takes(x / 16 * 16, y / 16 * 16)) << x << ", " << y;
   }
 }
 

@@ -69,7 +69,8 @@ ALIGNGS_HD inline void apply_shape_limits(const ShapeLimits& limits, Vec3<T>& lo
   }
 }
 
-/// The two larger scales are at least exp(log_floor); the smallest, the thickness of a surface, is free. A NaN stays a NaN.
+/// The two larger scales are at least exp(log_floor); the smallest, the thickness of a surface, is free. A NaN stays a
+/// NaN.
 template <class T>
 ALIGNGS_HD inline void raise_larger_scales(T log_floor, Vec3<T>& log_scale) {
   const int low = smallest_axis(log_scale);

@@ -23,9 +23,7 @@ struct alignas(16) Splat {
   float z, z_min, z_max;      ///< depth of the centre and bounds of the intersection depth
   uint32_t slot_stride;       ///< the slot of the instance in tile (x, y) is slot_origin + y slot_stride + x;
   int64_t slot_origin;        ///< both are written when the tiles' lists are built
-  ALIGNGS_HD int64_t slot(int tile_x, int tile_y) const {
-    return slot_origin + int64_t(tile_y) * slot_stride + tile_x;
-  }
+  ALIGNGS_HD int64_t slot(int tile_x, int tile_y) const { return slot_origin + int64_t(tile_y) * slot_stride + tile_x; }
 };
 static_assert(sizeof(Splat) == 80, "one and a quarter cache lines");
 

@@ -9,11 +9,12 @@
 
 namespace aligngs {
 
-/// Up to four pixels of the teacher's map and the weights of their stored numbers: what is sampled with them sums to 1 when valid.
+/// Up to four pixels of the teacher's map and the weights of their stored numbers: what is sampled with them sums to 1
+/// when valid.
 struct TeacherTaps {
-  int pixel[4] = {0, 0, 0, 0};        ///< y * width + x in the teacher's map
-  float weight[4] = {0, 0, 0, 0};     ///< bilinear, times SemanticTarget::scale
-  bool valid = false;                 ///< false: the pixel has no semantic loss and is not counted
+  int pixel[4] = {0, 0, 0, 0};     ///< y * width + x in the teacher's map
+  float weight[4] = {0, 0, 0, 0};  ///< bilinear, times SemanticTarget::scale
+  bool valid = false;              ///< false: the pixel has no semantic loss and is not counted
 };
 
 /// The size of a teacher's map, its confidences and SemanticTarget::scale, [height][width] each; nullptr: 1 everywhere.

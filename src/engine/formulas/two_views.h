@@ -13,7 +13,8 @@ namespace aligngs {
 
 /// Pixels between a pixel centre and where it comes back to; from there on the views do not see the same point.
 inline constexpr double kReprojectionMax = 1;
-/// Smallest depth in the other view / depth in this one: points at its very camera project anywhere. The published rule is
+/// Smallest depth in the other view / depth in this one: points at its very camera project anywhere. The published rule
+/// is
 /// 0.1 world units in rooms of a few units.
 inline constexpr double kOtherDepthMin = 0.05;
 
@@ -23,8 +24,12 @@ struct PinholeImage {
   int width = 0, height = 0;
   PinholeImage() = default;
   explicit PinholeImage(const Camera& c)
-      : fx(static_cast<T>(c.fx)), fy(static_cast<T>(c.fy)), cx(static_cast<T>(c.cx)), cy(static_cast<T>(c.cy)),
-        width(c.width), height(c.height) {}
+      : fx(static_cast<T>(c.fx)),
+        fy(static_cast<T>(c.fy)),
+        cx(static_cast<T>(c.cx)),
+        cy(static_cast<T>(c.cy)),
+        width(c.width),
+        height(c.height) {}
   ALIGNGS_HD Vec2<T> project(const Vec3<T>& p) const { return {fx * p.x / p.z + cx, fy * p.y / p.z + cy}; }
   /// d project / d s along dp / ds.
   ALIGNGS_HD Vec2<T> project_tangent(const Vec3<T>& p, const Vec3<T>& dp) const {
@@ -61,7 +66,7 @@ template <class T, class V>
 ALIGNGS_HD inline BilinearSample<T> sample_bilinear(const V* map, int width, int height, const Vec2<T>& point) {
   const T last_x = T(width - 1), last_y = T(height - 1);
   const T u = point.x - T(0.5), v = point.y - T(0.5);
-  const bool inside_x = u > T(0) && u < last_x, inside_y = v > T(0) && v < last_y;
+  const bool inside_x = u > T(0) && u<last_x, inside_y = v> T(0) && v < last_y;
   const T x = inside_x ? u : (u > T(0) ? last_x : T(0)), y = inside_y ? v : (v > T(0) ? last_y : T(0));
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const int x1 = x0 + 1 < width ? x0 + 1 : x0, y1 = y0 + 1 < height ? y0 + 1 : y0;

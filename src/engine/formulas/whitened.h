@@ -31,9 +31,9 @@ ALIGNGS_HD inline WhiteningFactor<T> whitening_factor(const Projection<T>& p) {
 
 /// One Gaussian at one pixel.
 struct WhitenedAlpha {
-  float alpha = 0;  ///< in [0, alpha_max]; 0 where raw opacity is below alpha_min
-  float slope = 0;  ///< d alpha / d power, power being the natural logarithm of the falloff
-  float p = 0, r = 0;  ///< whitened offset F^T (pixel - mean)
+  float alpha = 0;      ///< in [0, alpha_max]; 0 where raw opacity is below alpha_min
+  float slope = 0;      ///< d alpha / d power, power being the natural logarithm of the falloff
+  float p = 0, r = 0;   ///< whitened offset F^T (pixel - mean)
   bool wanted = false;  ///< raw opacity >= alpha_min
 };
 

@@ -11,7 +11,6 @@
 namespace aligngs {
 namespace {
 
-
 bool same_label_out_to(const Image<uint16_t>& labels, int x, int y, int dx, int dy, int steps) {
   const int last_x = x + steps * dx, last_y = y + steps * dy;
   if (last_x < 0 || last_y < 0 || last_x >= labels.width || last_y >= labels.height) return false;
@@ -53,7 +52,8 @@ EdgeKind classify_edge(const Vec3d& normal_before, const Vec3d& point_before, co
   const double jump = std::abs(z_before - z_after) / std::min(z_before, z_after);
   const double cosine = dot(normal_before, normal_after);
   if (cosine < std::cos(kCreaseAngleDegrees * kRadiansPerDegree) && jump < kCreaseJumpShare) return EdgeKind::kCrease;
-  if (cosine > std::cos(kCoplanarAngleDegrees * kRadiansPerDegree) && jump < kCoplanarJumpShare) return EdgeKind::kCoplanar;
+  if (cosine > std::cos(kCoplanarAngleDegrees * kRadiansPerDegree) && jump < kCoplanarJumpShare)
+    return EdgeKind::kCoplanar;
   return EdgeKind::kNothing;
 }
 
@@ -112,8 +112,7 @@ double crease_loss(const MapLossInputs<T>& in, double weight, MapLossWorkspace<T
   return sums[1] / divisor;
 }
 
-template double crease_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&,
-                                   MapGradients<float>&);
+template double crease_loss<float>(const MapLossInputs<float>&, double, MapLossWorkspace<float>&, MapGradients<float>&);
 template double crease_loss<double>(const MapLossInputs<double>&, double, MapLossWorkspace<double>&,
                                     MapGradients<double>&);
 

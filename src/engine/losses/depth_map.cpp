@@ -45,8 +45,7 @@ void compute_depth_map(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspac
     const size_t begin = static_cast<size_t>(y) * maps.width, end = begin + maps.width;
     std::fill(workspace.depth_gradient.begin() + begin, workspace.depth_gradient.begin() + end, T(0));
     if (!in.settings.paper_normals) {
-      compute_plane_depth_row(row_of(maps, rays, y), workspace.depth.data() + begin,
-                              workspace.validity.data() + begin);
+      compute_plane_depth_row(row_of(maps, rays, y), workspace.depth.data() + begin, workspace.validity.data() + begin);
     }
     for (size_t i = begin; i < end; ++i) {
       if (in.settings.paper_normals) {
@@ -91,8 +90,7 @@ void chain_depth_map(const MapLossInputs<T>& in, const MapLossWorkspace<T>& work
 
 template void compute_depth_map<float>(const MapLossInputs<float>&, MapLossWorkspace<float>&);
 template void compute_depth_map<double>(const MapLossInputs<double>&, MapLossWorkspace<double>&);
-template void chain_depth_map<float>(const MapLossInputs<float>&, const MapLossWorkspace<float>&,
-                                     MapGradients<float>&);
+template void chain_depth_map<float>(const MapLossInputs<float>&, const MapLossWorkspace<float>&, MapGradients<float>&);
 template void chain_depth_map<double>(const MapLossInputs<double>&, const MapLossWorkspace<double>&,
                                       MapGradients<double>&);
 

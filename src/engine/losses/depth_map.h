@@ -40,7 +40,6 @@ void compute_depth_map(const MapLossInputs<T>& inputs, MapLossWorkspace<T>& work
 
 /// Adds what workspace.depth_gradient (already weighted) means for the distance and normal maps.
 template <class T>
-void chain_depth_map(const MapLossInputs<T>& inputs, const MapLossWorkspace<T>& workspace,
-                     MapGradients<T>& gradients);
+void chain_depth_map(const MapLossInputs<T>& inputs, const MapLossWorkspace<T>& workspace, MapGradients<T>& gradients);
 
 }  // namespace aligngs

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/losses/depth_map.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
@@ -51,7 +51,7 @@ ALIGNGS_ALWAYS_INLINE void centre_row(const PearsonRow<T>& row, double mean_rend
 }
 
 // Compiled per instruction set: function versions cannot be templates.
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void centre(const PearsonRow<float>& row, double mean_rendered, double mean_prior, double* used, double* rendered,
             double* prior) {
   centre_row<float>(row, mean_rendered, mean_prior, used, rendered, prior);
@@ -60,14 +60,15 @@ void centre(const PearsonRow<double>& row, double mean_rendered, double mean_pri
             double* prior) {
   centre_row<double>(row, mean_rendered, mean_prior, used, rendered, prior);
 }
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void multiply(const double* a, const double* b, int width, double* __restrict out) {
   for (int x = 0; x < width; ++x) out[x] = a[x] * b[x];
 }
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void add_gradient(const double* rendered, const double* prior, int width, double along_rendered, double along_prior,
                   float* __restrict gradient) {
-  for (int x = 0; x < width; ++x) gradient[x] += static_cast<float>(along_rendered * rendered[x] - along_prior * prior[x]);
+  for (int x = 0; x < width; ++x)
+    gradient[x] += static_cast<float>(along_rendered * rendered[x] - along_prior * prior[x]);
 }
 void add_gradient(const double* rendered, const double* prior, int width, double along_rendered, double along_prior,
                   double* __restrict gradient) {

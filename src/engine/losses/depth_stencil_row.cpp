@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/formulas/normal_terms.h"
 #include "engine/losses/normal_row.h"
 
@@ -40,8 +40,10 @@ ALIGNGS_ALWAYS_INLINE void stencils(const StencilMap<T>& map, int y, const T* __
   join(z, valid, z + 1, valid + 1, width - 1, as_printed, joined.after.data());
   if (y > 0) join(z, valid, z - width, valid - width, width, as_printed, joined.above.data());
   if (y + 1 < map.height) join(z, valid, z + width, valid + width, width, as_printed, joined.below.data());
-  const int *__restrict before = joined.before.data(), *__restrict after = joined.after.data();
-  const int *__restrict above = joined.above.data(), *__restrict below = joined.below.data();
+  const int* __restrict before = joined.before.data();
+  const int* __restrict after = joined.after.data();
+  const int* __restrict above = joined.above.data();
+  const int* __restrict below = joined.below.data();
   const int only = as_printed ? kCentral : 0;  // the one difference that counts; 0: any
   for (int x = 0; x < width; ++x) {
     const int h = static_cast<int>(difference_of(before[x] != 0, after[x] != 0)),
@@ -55,7 +57,8 @@ ALIGNGS_ALWAYS_INLINE bool has_before(int code) { return reach_of(static_cast<Di
 ALIGNGS_ALWAYS_INLINE bool has_after(int code) { return reach_of(static_cast<Difference>(code)).after != 0; }
 
 template <class T>
-ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t* __restrict stencil, T* __restrict in) {
+ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t* __restrict stencil,
+                                  T* __restrict in) {
   const int width = map.width;
   const size_t stride = static_cast<size_t>(width);
   const T* __restrict z = map.depth + static_cast<size_t>(y) * stride;
@@ -70,7 +73,8 @@ ALIGNGS_ALWAYS_INLINE void gather(const StencilMap<T>& map, int y, const uint8_t
   for (int x = 0; x < width; ++x) top[x] = has_before(stencil[x] >> 2) ? above[x] : z[x];
   for (int x = 0; x < width; ++x) bottom[x] = has_after(stencil[x] >> 2) ? below[x] : z[x];
   T *right_offset = in + kInRightOffset * stride, *left_offset = in + kInLeftOffset * stride;
-  T *top_offset = in + kInTopOffset * stride, *bottom_offset = in + kInBottomOffset * stride, *used = in + kInUsed * stride;
+  T *top_offset = in + kInTopOffset * stride, *bottom_offset = in + kInBottomOffset * stride,
+    *used = in + kInUsed * stride;
   for (int x = 0; x < width; ++x) {
     const int h = stencil[x] & 3, v = stencil[x] >> 2;
     right_offset[x] = has_after(h) ? T(1) : T(0);
@@ -114,7 +118,7 @@ JoinedRow& cleared(int width) {
 }
 
 // Compiled per instruction set: function versions cannot be templates.
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void fill_stencils(const StencilMap<float>& map, int y, const float* inverse_length, bool as_printed, JoinedRow& joined,
                    uint8_t* stencil) {
   stencils<float>(map, y, inverse_length, as_printed, joined, stencil);
@@ -131,7 +135,7 @@ void depth_stencil_row(const StencilMap<double>& map, int y, const double* inver
   stencils<double>(map, y, inverse_length, as_printed, cleared(map.width), stencil);
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void gather_stencil_row(const StencilMap<float>& map, int y, const uint8_t* stencil, float* in) {
   gather<float>(map, y, stencil, in);
 }
@@ -139,7 +143,7 @@ void gather_stencil_row(const StencilMap<double>& map, int y, const uint8_t* ste
   gather<double>(map, y, stencil, in);
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void scatter_stencil_row(const float* out, int y, const uint8_t* stencil, int width, int height, float* gradient) {
   scatter<float>(out, y, stencil, width, height, gradient);
 }

@@ -17,8 +17,8 @@ struct MapLossInputs {
   const RenderMaps<T>& maps;
   const TrainingView& view;
   const LossSettings& settings;
-  ThreadPool* pool = nullptr;  ///< nullptr: on the calling thread; results do not depend on it
-  MapLossWorkspace<T>* workspace = nullptr;  ///< nullptr: buffers are allocated for this call
+  ThreadPool* pool = nullptr;                   ///< nullptr: on the calling thread; results do not depend on it
+  MapLossWorkspace<T>* workspace = nullptr;     ///< nullptr: buffers are allocated for this call
   const NeighbourView<T>* neighbour = nullptr;  ///< nullptr: no multi-view term, whatever its weight
 };
 

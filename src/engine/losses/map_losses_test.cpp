@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/error.h"
-#include "engine/losses/test_maps.h"
+#include "engine/losses/maps_for_tests.h"
 
 namespace aligngs {
 namespace {
@@ -28,7 +28,8 @@ class EachTerm : public testing::TestWithParam<std::tuple<Loss, bool>> {
     return f;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Losses, EachTerm, testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Losses, EachTerm,
+                         testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
                          [](const auto& each) {
                            return std::string(row_of(std::get<0>(each.param)).name) +
                                   (std::get<1>(each.param) ? "_paper" : "_default");

@@ -59,7 +59,8 @@ TEST(ForwardBackward, SlopeMatchesDifferences) {
   for (int y = 3; y < 19; y += 3) {
     for (int x = 3; x < 25; x += 3) {
       const Vec2<double> p{x + 0.5, y + 0.5};
-      const double z = 1.04 * (f.view.data.camera.world_to_camera * TwoViewFixture::wall_point(f.view.data.camera, x, y)).z;
+      const double z =
+          1.04 * (f.view.data.camera.world_to_camera * TwoViewFixture::wall_point(f.view.data.camera, x, y)).z;
       const auto at = [&](double depth) { return forward_backward(views, f.other_depth.data(), depth, p); };
       const Reprojection<double> r = at(z);
       if (!r.valid) continue;
@@ -95,7 +96,8 @@ TEST(MultiViewGeometric, GradientAgreesWithDifferencesOfTheWeightedDistance) {
     const int x = static_cast<int>(i) % f.maps.width, y = static_cast<int>(i) / f.maps.width;
     const size_t n = f.pixels();
     const Vec3d normal{f.maps.normal[i], f.maps.normal[n + i], f.maps.normal[2 * n + i]};
-    const double z = plane_depth(normal, f.maps.distance[i], f.maps.alpha[i], f.view.data.camera.ray(x + 0.5, y + 0.5)).z;
+    const double z =
+        plane_depth(normal, f.maps.distance[i], f.maps.alpha[i], f.view.data.camera.ray(x + 0.5, y + 0.5)).z;
     return double(0.7f) * w[i] * forward_backward(views, f.other_depth.data(), z, {x + 0.5, y + 0.5}).distance / count;
   };
   for (size_t i = 0; i < f.pixels(); ++i) sum += value(i);

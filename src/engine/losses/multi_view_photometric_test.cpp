@@ -193,8 +193,10 @@ TEST(MultiViewTerms, FloatAgreesWithDouble) {
   g.reset(f.pixels());
   LossTerms terms;
   map_losses<float>({narrow(f.maps), f.view, f.settings, nullptr, nullptr, &neighbour}, terms, g);
-  EXPECT_NEAR(terms[Loss::kMultiViewGeometric], expected[Loss::kMultiViewGeometric], 1e-3 * expected[Loss::kMultiViewGeometric]);
-  EXPECT_NEAR(terms[Loss::kMultiViewPhotometric], expected[Loss::kMultiViewPhotometric], 1e-3 * expected[Loss::kMultiViewPhotometric]);
+  EXPECT_NEAR(terms[Loss::kMultiViewGeometric], expected[Loss::kMultiViewGeometric],
+              1e-3 * expected[Loss::kMultiViewGeometric]);
+  EXPECT_NEAR(terms[Loss::kMultiViewPhotometric], expected[Loss::kMultiViewPhotometric],
+              1e-3 * expected[Loss::kMultiViewPhotometric]);
   double difference = 0;
   for (size_t i = 0; i < f.pixels(); ++i) difference += std::abs(double(g.distance[i]) - exact.distance[i]);
   double size = 0;

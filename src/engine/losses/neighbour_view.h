@@ -12,9 +12,9 @@ namespace aligngs {
 /// step exchanges the roles and trains the neighbour, which halves the cost of this one.
 template <class T>
 struct NeighbourView {
-  const TrainingView& view;   ///< its camera and photo
-  const T* depth = nullptr;   ///< [H * W] of its camera, rendered plane depth, 0 = none
-  uint64_t seed = 0;          ///< draws the pixels of the photometric term
+  const TrainingView& view;  ///< its camera and photo
+  const T* depth = nullptr;  ///< [H * W] of its camera, rendered plane depth, 0 = none
+  uint64_t seed = 0;         ///< draws the pixels of the photometric term
 };
 
 template <class T>

@@ -1,7 +1,7 @@
 #include "engine/losses/normal_row.h"
 
+#include "core/target_clones.h"
 #include "engine/formulas/normal_terms.h"
-#include "core/function_versions.h"
 
 namespace aligngs {
 namespace {
@@ -18,13 +18,12 @@ ALIGNGS_ALWAYS_INLINE void normal_row(const NormalRowGeometry<T>& geometry, cons
   const size_t stride = static_cast<size_t>(width);
   for (int x = 0; x < width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x;
-    const DepthNeighbours<T> neighbours{in[kInRight * stride + x],        in[kInLeft * stride + x],
-                                        in[kInTop * stride + x],          in[kInBottom * stride + x],
-                                        in[kInRightOffset * stride + x],  in[kInLeftOffset * stride + x],
-                                        in[kInTopOffset * stride + x],    in[kInBottomOffset * stride + x],
-                                        in[kInUsed * stride + x]};
-    const NormalComparison<T> c = compare_normals(neighbours, ray_x, ray_y, step_x, step_y, {n_x[x], n_y[x], n_z[x]},
-                                                  inverse_length[x], weight);
+    const DepthNeighbours<T> neighbours{
+        in[kInRight * stride + x],     in[kInLeft * stride + x],         in[kInTop * stride + x],
+        in[kInBottom * stride + x],    in[kInRightOffset * stride + x],  in[kInLeftOffset * stride + x],
+        in[kInTopOffset * stride + x], in[kInBottomOffset * stride + x], in[kInUsed * stride + x]};
+    const NormalComparison<T> c =
+        compare_normals(neighbours, ray_x, ray_y, step_x, step_y, {n_x[x], n_y[x], n_z[x]}, inverse_length[x], weight);
     loss[x] = c.loss;
     d_n_x[x] = c.d_x;
     d_n_y[x] = c.d_y;
@@ -48,7 +47,7 @@ ALIGNGS_ALWAYS_INLINE void normal_row(const NormalRowGeometry<T>& geometry, cons
 
 }  // namespace
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void compute_normal_row(const NormalRowGeometry<float>& geometry, const float* in, const float* n_x, const float* n_y,
                         const float* n_z, const float* inverse_length, float* out) {
   normal_row<float>(geometry, in, n_x, n_y, n_z, inverse_length, out);

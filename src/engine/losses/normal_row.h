@@ -9,14 +9,25 @@ namespace aligngs {
 /// Arrays of `width` values each, one after the other. Neighbours are those of the depth stencil. An offset is the
 /// neighbour's distance from the pixel, in pixels (0 where a one-sided difference uses the pixel itself).
 enum NormalRowInput {
-  kInRight, kInLeft, kInTop, kInBottom,                          // depths
-  kInRightOffset, kInLeftOffset, kInTopOffset, kInBottomOffset,  // 1 | 0, -1 | 0, -1 | 0, 1 | 0
-  kInUsed                                                        // 1 | 0
+  kInRight,
+  kInLeft,
+  kInTop,
+  kInBottom,  // depths
+  kInRightOffset,
+  kInLeftOffset,
+  kInTopOffset,
+  kInBottomOffset,  // 1 | 0, -1 | 0, -1 | 0, 1 | 0
+  kInUsed           // 1 | 0
 };
 enum NormalRowOutput {
-  kOutLoss,                                 // 1 - n . n_depth, 0 where not used
-  kOutNormalX, kOutNormalY, kOutNormalZ,    // weight * dL / dN
-  kOutRight, kOutLeft, kOutTop, kOutBottom  // weight * dL / dz of the neighbours
+  kOutLoss,  // 1 - n . n_depth, 0 where not used
+  kOutNormalX,
+  kOutNormalY,
+  kOutNormalZ,  // weight * dL / dN
+  kOutRight,
+  kOutLeft,
+  kOutTop,
+  kOutBottom  // weight * dL / dz of the neighbours
 };
 inline constexpr int kNormalRowInputs = kInUsed + 1;
 inline constexpr int kNormalRowOutputs = kOutBottom + 1;

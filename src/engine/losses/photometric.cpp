@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 #include "engine/losses/ssim.h"
@@ -34,8 +34,7 @@ void prepare_row(const MapLossInputs<T>& in, int y, MapLossWorkspace<T>& workspa
 // One row: |d| and the squared difference as shown (clamped to [0, 1]), and the gradient of the L1 term.
 template <class T>
 ALIGNGS_ALWAYS_INLINE void differences_of_row(const T* render, const T* truth, int width, T step,
-                                              T* __restrict absolute, T* __restrict squared,
-                                              T* __restrict gradient) {
+                                              T* __restrict absolute, T* __restrict squared, T* __restrict gradient) {
   for (int x = 0; x < width; ++x) {
     const ColorDifference<T> d = color_difference(render[x], truth[x], step);
     absolute[x] = d.absolute;
@@ -44,9 +43,9 @@ ALIGNGS_ALWAYS_INLINE void differences_of_row(const T* render, const T* truth, i
   }
 }
 
-ALIGNGS_FUNCTION_VERSIONS
-void row_differences(const float* render, const float* truth, int width, float step, float* absolute,
-                     float* squared, float* gradient) {
+ALIGNGS_TARGET_CLONES
+void row_differences(const float* render, const float* truth, int width, float step, float* absolute, float* squared,
+                     float* gradient) {
   differences_of_row<float>(render, truth, width, step, absolute, squared, gradient);
 }
 void row_differences(const double* render, const double* truth, int width, double step, double* absolute,
@@ -63,9 +62,9 @@ void photometric_losses(const MapLossInputs<T>& in, MapLossWorkspace<T>& workspa
   const size_t pixels = in.maps.pixels();
   const ImageF& mask = in.view.data.mask;
   const size_t counted =
-      mask.empty() ? pixels
-                   : static_cast<size_t>(std::count_if(mask.data.begin(), mask.data.end(),
-                                                       [](float m) { return m > 0.5f; }));
+      mask.empty()
+          ? pixels
+          : static_cast<size_t>(std::count_if(mask.data.begin(), mask.data.end(), [](float m) { return m > 0.5f; }));
   if (counted == 0) return;
   workspace.truth.resize(3 * pixels);
   workspace.masked_render.resize(mask.empty() ? 0 : 3 * pixels);

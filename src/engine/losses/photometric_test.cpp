@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/losses/maps_for_tests.h"
 #include "engine/losses/ssim.h"
-#include "engine/losses/test_maps.h"
 
 namespace aligngs {
 namespace {
@@ -41,7 +41,11 @@ double plain_ssim(const LossFixture& f) {
             const double g = window[j + 5][i + 5] / sum;
             const double a = f.maps.color[c * f.pixels() + size_t(y + j) * w + x + i];
             const double b = f.view.data.color.at(x + i, y + j, c);
-            mx += g * a; my += g * b; xx += g * a * a; yy += g * b * b; xy += g * a * b;
+            mx += g * a;
+            my += g * b;
+            xx += g * a * a;
+            yy += g * b * b;
+            xy += g * a * b;
           }
         }
         total += (2 * mx * my + 1e-4) * (2 * (xy - mx * my) + 9e-4) /

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/formulas/depth_terms.h"
 #include "engine/losses/map_losses.h"
 #include "engine/losses/ordered_sum.h"
@@ -32,11 +32,13 @@ struct PixelRowOutputs {
   T *by_x = nullptr, *by_y = nullptr, *by_z = nullptr;
 };
 
-/// The inputs of a term at pixel x of a row. Pointers are parameters of the loops below, so that the compiler knows that none overlap.
+/// The inputs of a term at pixel x of a row. Pointers are parameters of the loops below, so that the compiler knows
+/// that none overlap.
 template <unsigned kNeeds, class T>
-ALIGNGS_ALWAYS_INLINE TermPixel<T> term_pixel(int x, const T* depth, const uint8_t* validity, const T* n_x, const T* n_y,
-                                              const T* n_z, const T* inverse_length, const float* prior_depth,
-                                              const float* prior_normal, const float* confidence) {
+ALIGNGS_ALWAYS_INLINE TermPixel<T> term_pixel(int x, const T* depth, const uint8_t* validity, const T* n_x,
+                                              const T* n_y, const T* n_z, const T* inverse_length,
+                                              const float* prior_depth, const float* prior_normal,
+                                              const float* confidence) {
   TermPixel<T> pixel;
   if constexpr ((kNeeds & kNeedsDepth) != 0) {
     pixel.depth = depth[x];
@@ -61,8 +63,8 @@ ALIGNGS_ALWAYS_INLINE void weights_of_row(const Term& given, const PixelRow<T>& 
   const uint8_t* validity = row.validity;
   const float *prior_depth = row.prior_depth, *prior_normal = row.prior_normal, *confidence = row.confidence;
   for (int x = 0, width = row.width; x < width; ++x) {
-    weights[x] = term.weight(term_pixel<kNeeds>(x, depth, validity, n_x, n_y, n_z, inverse_length, prior_depth,
-                                                prior_normal, confidence));
+    weights[x] = term.weight(
+        term_pixel<kNeeds>(x, depth, validity, n_x, n_y, n_z, inverse_length, prior_depth, prior_normal, confidence));
   }
 }
 
@@ -75,9 +77,9 @@ ALIGNGS_ALWAYS_INLINE void values_loop(const Term term, int width, const T* __re
                                        const T* __restrict weights, T step, T* __restrict value, T* __restrict by_depth,
                                        T* __restrict by_x, T* __restrict by_y, T* __restrict by_z) {
   for (int x = 0; x < width; ++x) {
-    const TermValue<T> v = term.at(term_pixel<kNeeds>(x, depth, validity, n_x, n_y, n_z, inverse_length, prior_depth,
-                                                      prior_normal, confidence),
-                                   weights[x], step);
+    const TermValue<T> v = term.at(
+        term_pixel<kNeeds>(x, depth, validity, n_x, n_y, n_z, inverse_length, prior_depth, prior_normal, confidence),
+        weights[x], step);
     value[x] = v.value;
     if constexpr ((kNeeds & kNeedsDepth) != 0) by_depth[x] += v.by_depth;
     if constexpr ((kNeeds & kNeedsUnitNormal) != 0) {
@@ -91,8 +93,8 @@ template <unsigned kNeeds, class Term, class T>
 ALIGNGS_ALWAYS_INLINE void values_of_row(const Term& term, const PixelRow<T>& row, const T* weights, T step,
                                          const PixelRowOutputs<T>& out) {
   values_loop<kNeeds>(term, row.width, row.depth, row.validity, row.n_x, row.n_y, row.n_z, row.inverse_length,
-                      row.prior_depth, row.prior_normal, row.confidence, weights, step, out.value, out.by_depth, out.by_x,
-                      out.by_y, out.by_z);
+                      row.prior_depth, row.prior_normal, row.confidence, weights, step, out.value, out.by_depth,
+                      out.by_x, out.by_y, out.by_z);
 }
 
 /// The view has every input that a loss needs beside the rendered maps.

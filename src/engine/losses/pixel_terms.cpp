@@ -10,22 +10,22 @@ template <class Term>
 constexpr unsigned kNeedsOf = row_of(Term::kLoss).needs;
 
 // Compiled per instruction set: function versions cannot be templates.
-#define ALIGNGS_PIXEL_ROW_VERSIONS(Term)                                                                                \
-  ALIGNGS_FUNCTION_VERSIONS                                                                                             \
-  void row_weights(const Term<float>& term, const PixelRow<float>& row, float* weights) {                               \
-    weights_of_row<kNeedsOf<Term<float>>>(term, row, weights);                                                          \
-  }                                                                                                                     \
-  void row_weights(const Term<double>& term, const PixelRow<double>& row, double* weights) {                            \
-    weights_of_row<kNeedsOf<Term<double>>>(term, row, weights);                                                         \
-  }                                                                                                                     \
-  ALIGNGS_FUNCTION_VERSIONS                                                                                             \
-  void row_values(const Term<float>& term, const PixelRow<float>& row, const float* weights, float step,                \
-                  const PixelRowOutputs<float>& out) {                                                                  \
-    values_of_row<kNeedsOf<Term<float>>>(term, row, weights, step, out);                                                \
-  }                                                                                                                     \
-  void row_values(const Term<double>& term, const PixelRow<double>& row, const double* weights, double step,            \
-                  const PixelRowOutputs<double>& out) {                                                                 \
-    values_of_row<kNeedsOf<Term<double>>>(term, row, weights, step, out);                                               \
+#define ALIGNGS_PIXEL_ROW_VERSIONS(Term)                                                                     \
+  ALIGNGS_TARGET_CLONES                                                                                      \
+  void row_weights(const Term<float>& term, const PixelRow<float>& row, float* weights) {                    \
+    weights_of_row<kNeedsOf<Term<float>>>(term, row, weights);                                               \
+  }                                                                                                          \
+  void row_weights(const Term<double>& term, const PixelRow<double>& row, double* weights) {                 \
+    weights_of_row<kNeedsOf<Term<double>>>(term, row, weights);                                              \
+  }                                                                                                          \
+  ALIGNGS_TARGET_CLONES                                                                                      \
+  void row_values(const Term<float>& term, const PixelRow<float>& row, const float* weights, float step,     \
+                  const PixelRowOutputs<float>& out) {                                                       \
+    values_of_row<kNeedsOf<Term<float>>>(term, row, weights, step, out);                                     \
+  }                                                                                                          \
+  void row_values(const Term<double>& term, const PixelRow<double>& row, const double* weights, double step, \
+                  const PixelRowOutputs<double>& out) {                                                      \
+    values_of_row<kNeedsOf<Term<double>>>(term, row, weights, step, out);                                    \
   }
 ALIGNGS_PIXEL_TERMS(ALIGNGS_PIXEL_ROW_VERSIONS)
 #undef ALIGNGS_PIXEL_ROW_VERSIONS

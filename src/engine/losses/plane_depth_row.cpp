@@ -2,16 +2,20 @@
 
 #include <vector>
 
+#include "core/target_clones.h"
 #include "engine/formulas/depth_terms.h"
-#include "core/function_versions.h"
 
 namespace aligngs {
 namespace {
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void depth_row(const PlaneDepthRow<T>& row, T* __restrict depth, T* __restrict level) {
-  const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
-  const T *__restrict distance = row.distance, *__restrict alpha = row.alpha, *__restrict expected = row.expected;
+  const T* __restrict n_x = row.n_x;
+  const T* __restrict n_y = row.n_y;
+  const T* __restrict n_z = row.n_z;
+  const T* __restrict distance = row.distance;
+  const T* __restrict alpha = row.alpha;
+  const T* __restrict expected = row.expected;
   const T first_x = row.first_x, step_x = row.step_x, ray_y = row.ray_y;
   for (int x = 0; x < row.width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x;
@@ -25,8 +29,11 @@ ALIGNGS_ALWAYS_INLINE void depth_row(const PlaneDepthRow<T>& row, T* __restrict 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void chain_row(const PlaneDepthRow<T>& row, const T* __restrict gradient, T* __restrict d_n_x,
                                      T* __restrict d_n_y, T* __restrict d_n_z, T* __restrict d_distance) {
-  const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z;
-  const T *__restrict distance = row.distance, *__restrict alpha = row.alpha;
+  const T* __restrict n_x = row.n_x;
+  const T* __restrict n_y = row.n_y;
+  const T* __restrict n_z = row.n_z;
+  const T* __restrict distance = row.distance;
+  const T* __restrict alpha = row.alpha;
   const T first_x = row.first_x, step_x = row.step_x, ray_y = row.ray_y;
   for (int x = 0; x < row.width; ++x) {
     const T ray_x = (static_cast<T>(x) + first_x) * step_x, g = gradient[x];
@@ -39,7 +46,7 @@ ALIGNGS_ALWAYS_INLINE void chain_row(const PlaneDepthRow<T>& row, const T* __res
   }
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void depth_of_row(const PlaneDepthRow<float>& row, float* depth, float* level) { depth_row<float>(row, depth, level); }
 void depth_of_row(const PlaneDepthRow<double>& row, double* depth, double* level) {
   depth_row<double>(row, depth, level);
@@ -62,7 +69,7 @@ void compute_plane_depth_row(const PlaneDepthRow<double>& row, double* depth, ui
   depth_and_validity(row, depth, validity);
 }
 
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void chain_plane_depth_row(const PlaneDepthRow<float>& row, const float* gradient, float* d_n_x, float* d_n_y,
                            float* d_n_z, float* d_distance) {
   chain_row<float>(row, gradient, d_n_x, d_n_y, d_n_z, d_distance);

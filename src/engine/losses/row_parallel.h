@@ -40,8 +40,8 @@ std::array<double, K> sum_rows(ThreadPool* pool, int rows, std::vector<double>& 
   return total;
 }
 
-inline constexpr int kScatterRows = 4;   ///< how far above and below its own row a scattering body may write
-inline constexpr int kBandRows = 16;     ///< rows of one band, at least 2 * kScatterRows
+inline constexpr int kScatterRows = 4;  ///< how far above and below its own row a scattering body may write
+inline constexpr int kBandRows = 16;    ///< rows of one band, at least 2 * kScatterRows
 
 /// Like for_each_row for bodies that add to rows y - kScatterRows .. y + kScatterRows. Bands of rows are run in two
 /// rounds, even bands then odd ones. No two concurrent bodies touch the same row. Every sum is formed in the same order

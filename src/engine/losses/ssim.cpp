@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/losses/ordered_sum.h"
 #include "engine/losses/row_parallel.h"
 
@@ -49,16 +49,14 @@ ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& r, int i, const SsimWindo
 template <class T>
 ALIGNGS_ALWAYS_INLINE T convolve(const RowPointers<T>& a, const RowPointers<T>& b, int i, const SsimWindow<T>& w) {
   return w.tap[0] * (a[5][i] * b[5][i]) + w.tap[1] * (a[4][i] * b[4][i] + a[6][i] * b[6][i]) +
-         w.tap[2] * (a[3][i] * b[3][i] + a[7][i] * b[7][i]) +
-         w.tap[3] * (a[2][i] * b[2][i] + a[8][i] * b[8][i]) +
-         w.tap[4] * (a[1][i] * b[1][i] + a[9][i] * b[9][i]) +
-         w.tap[5] * (a[0][i] * b[0][i] + a[10][i] * b[10][i]);
+         w.tap[2] * (a[3][i] * b[3][i] + a[7][i] * b[7][i]) + w.tap[3] * (a[2][i] * b[2][i] + a[8][i] * b[8][i]) +
+         w.tap[4] * (a[1][i] * b[1][i] + a[9][i] * b[9][i]) + w.tap[5] * (a[0][i] * b[0][i] + a[10][i] * b[10][i]);
 }
 
 template <class T>
 ALIGNGS_ALWAYS_INLINE void moments_of_columns(RowPointers<T> x, RowPointers<T> y, int width, const SsimWindow<T>& w,
-                                              T* __restrict ex, T* __restrict ey, T* __restrict exx,
-                                              T* __restrict eyy, T* __restrict exy) {
+                                              T* __restrict ex, T* __restrict ey, T* __restrict exx, T* __restrict eyy,
+                                              T* __restrict exy) {
   for (int i = 0; i < width; ++i) {
     ex[i] = convolve(x, i, w);
     ey[i] = convolve(y, i, w);
@@ -74,10 +72,9 @@ ALIGNGS_ALWAYS_INLINE void ssim_of_row(const T* moments, int width, const SsimWi
                                        T* __restrict d_ex, T* __restrict d_exx, T* __restrict d_exy) {
   const size_t stride = padded(width);
   for (int i = 0; i < width; ++i) {
-    const SsimSample<T> sample = ssim_sample<T>({convolve(moments + i, w), convolve(moments + stride + i, w),
-                                                 convolve(moments + 2 * stride + i, w),
-                                                 convolve(moments + 3 * stride + i, w),
-                                                 convolve(moments + 4 * stride + i, w)});
+    const SsimSample<T> sample = ssim_sample<T>(
+        {convolve(moments + i, w), convolve(moments + stride + i, w), convolve(moments + 2 * stride + i, w),
+         convolve(moments + 3 * stride + i, w), convolve(moments + 4 * stride + i, w)});
     value[i] = sample.value;
     d_ex[i] = sample.d_x;
     d_exx[i] = sample.d_xx;
@@ -91,8 +88,8 @@ ALIGNGS_ALWAYS_INLINE void blur_columns(RowPointers<T> rows, int width, const Ss
 }
 
 template <class T>
-ALIGNGS_ALWAYS_INLINE void gradient_of_row(const T* blurred, const T* x, const T* y, int width,
-                                           const SsimWindow<T>& w, T scale, T* __restrict gradient) {
+ALIGNGS_ALWAYS_INLINE void gradient_of_row(const T* blurred, const T* x, const T* y, int width, const SsimWindow<T>& w,
+                                           T scale, T* __restrict gradient) {
   const size_t stride = padded(width);
   for (int i = 0; i < width; ++i) {
     const T g = ssim_gradient(convolve(blurred + i, w), convolve(blurred + stride + i, w),
@@ -120,7 +117,7 @@ ALIGNGS_ALWAYS_INLINE void backward_of_row(const RowPointers<T>* rows, const T* 
 }
 
 // Compiled per instruction set: function versions cannot be templates.
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void row_forward(const RowPointers<float>& x, const RowPointers<float>& y, int width, const SsimWindow<float>& w,
                  float* moments, float* value, float* d_ex, float* d_exx, float* d_exy) {
   forward_of_row<float>(x, y, width, w, moments, value, d_ex, d_exx, d_exy);
@@ -129,9 +126,9 @@ void row_forward(const RowPointers<double>& x, const RowPointers<double>& y, int
                  double* moments, double* value, double* d_ex, double* d_exx, double* d_exy) {
   forward_of_row<double>(x, y, width, w, moments, value, d_ex, d_exx, d_exy);
 }
-ALIGNGS_FUNCTION_VERSIONS
-void row_backward(const RowPointers<float>* rows, const float* x, const float* y, int width,
-                  const SsimWindow<float>& w, float scale, float* blurred, float* gradient) {
+ALIGNGS_TARGET_CLONES
+void row_backward(const RowPointers<float>* rows, const float* x, const float* y, int width, const SsimWindow<float>& w,
+                  float scale, float* blurred, float* gradient) {
   backward_of_row<float>(rows, x, y, width, w, scale, blurred, gradient);
 }
 void row_backward(const RowPointers<double>* rows, const double* x, const double* y, int width,
@@ -159,8 +156,8 @@ double ssim(const SsimInputs<T>& in, size_t counted, T weight, MapLossWorkspace<
     T* value = scratch.data() + kMoments * padded(width);
     T *d_ex = plane(channel, 0) + row, *d_exx = plane(channel, 1) + row, *d_exy = plane(channel, 2) + row;
     row_forward(rows_around(in.render + channel * pixels, y, width, height, zeros.data()),
-                     rows_around(in.truth + channel * pixels, y, width, height, zeros.data()), width, window,
-                     scratch.data(), value, d_ex, d_exx, d_exy);
+                rows_around(in.truth + channel * pixels, y, width, height, zeros.data()), width, window, scratch.data(),
+                value, d_ex, d_exx, d_exy);
     if (in.mask) {
       for (int x = 0; x < width; ++x) {
         if (in.mask->data[row + x] > 0.5f) continue;
@@ -184,8 +181,7 @@ double ssim(const SsimInputs<T>& in, size_t counted, T weight, MapLossWorkspace<
         rows[k] = rows_around<T>(plane(channel, k), y, width, height, zeros.data());
       }
       if (!in.mask) {
-        row_backward(rows, in.render + row, in.truth + row, width, window, factor, scratch.data(),
-                          gradient + row);
+        row_backward(rows, in.render + row, in.truth + row, width, window, factor, scratch.data(), gradient + row);
         return;
       }
       T* masked = scratch.data() + kGradients * padded(width);

@@ -5,11 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "engine/losses/test_maps.h"
+#include "engine/losses/maps_for_tests.h"
 
 namespace aligngs::testing_maps {
 
-/// The maps of LossFixture, seen from a second camera as well, whose depth map is that of the wall itself. The photos show
+/// The maps of LossFixture, seen from a second camera as well, whose depth map is that of the wall itself. The photos
+/// show
 /// a texture painted on the wall, so that they agree across its planes.
 struct TwoViewFixture : LossFixture {
   TrainingView other;
@@ -51,8 +52,8 @@ struct TwoViewFixture : LossFixture {
 
   static void paint(const Vec3d& p, int x, int y, ImageF& photo) {
     for (int c = 0; c < 3; ++c) {
-      photo.at(x, y, c) = static_cast<float>(0.5 + 0.2 * std::sin(4 * p.x + c) * std::cos(5 * p.y) +
-                                             0.1 * std::sin(9 * p.y + 3 * p.x));
+      photo.at(x, y, c) =
+          static_cast<float>(0.5 + 0.2 * std::sin(4 * p.x + c) * std::cos(5 * p.y) + 0.1 * std::sin(9 * p.y + 3 * p.x));
     }
   }
 

@@ -1,6 +1,6 @@
 #include "engine/losses/unit_normal.h"
 
-#include "core/function_versions.h"
+#include "core/target_clones.h"
 #include "engine/losses/row_parallel.h"
 
 namespace aligngs {
@@ -17,7 +17,10 @@ struct BlendedNormalRow {
 template <bool kMasked, class T>
 ALIGNGS_ALWAYS_INLINE void normalise_row(const BlendedNormalRow<T>& row, T* __restrict x_out, T* __restrict y_out,
                                          T* __restrict z_out, T* __restrict inverse_length) {
-  const T *__restrict n_x = row.n_x, *__restrict n_y = row.n_y, *__restrict n_z = row.n_z, *__restrict alpha = row.alpha;
+  const T* __restrict n_x = row.n_x;
+  const T* __restrict n_y = row.n_y;
+  const T* __restrict n_z = row.n_z;
+  const T* __restrict alpha = row.alpha;
   const float* __restrict mask = row.mask;
   for (int x = 0; x < row.width; ++x) {
     const bool counts = kMasked ? mask[x] > 0.5f : true;
@@ -39,7 +42,7 @@ ALIGNGS_ALWAYS_INLINE void normalise_either(const BlendedNormalRow<T>& row, T* x
 }
 
 // Compiled per instruction set: function versions cannot be templates.
-ALIGNGS_FUNCTION_VERSIONS
+ALIGNGS_TARGET_CLONES
 void normalise(const BlendedNormalRow<float>& row, float* x, float* y, float* z, float* inverse_length) {
   normalise_either(row, x, y, z, inverse_length);
 }

@@ -22,7 +22,7 @@ struct MapLossWorkspace {
   std::vector<double> row_sums;
 
   // Arrays of the multi-view terms.
-  std::vector<T> neighbour_depth;  ///< of the neighbour's camera; kept until the next keep_neighbour_depth
+  std::vector<T> neighbour_depth;             ///< of the neighbour's camera; kept until the next keep_neighbour_depth
   std::vector<T> agreement, agreement_slope;  ///< w = exp(-phi), 0 = none; w dphi/dz
   std::vector<T> grey, neighbour_grey;
   std::vector<T> patch_gradient;  ///< [H * W][4] by normal and distance; only where patch_used is 1

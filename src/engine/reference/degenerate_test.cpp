@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 
 namespace aligngs::reference {
 namespace {

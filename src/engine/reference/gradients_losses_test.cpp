@@ -1,7 +1,7 @@
 // Finite differences in double: every loss of the maps, from the parameters through rendering and back.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 
 namespace aligngs::reference {
 namespace {
@@ -99,7 +99,8 @@ TEST(ThroughDropout, EveryParameterMatchesDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Gradients, ThroughLoss, testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
+INSTANTIATE_TEST_SUITE_P(Gradients, ThroughLoss,
+                         testing::Combine(testing::ValuesIn(kOneView.begin(), kOneView.end()), testing::Bool()),
                          [](const auto& each) {
                            return std::string(row_of(std::get<0>(each.param)).name) +
                                   (std::get<1>(each.param) ? "_paper" : "_default");

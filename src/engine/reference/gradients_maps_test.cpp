@@ -1,7 +1,7 @@
 // Finite differences in double: every parameter class through every rendered map.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 
 namespace aligngs::reference {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rotation_vector.h"
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 #include "engine/reference/reference_pose.h"
 
 namespace aligngs::reference {
@@ -38,7 +38,8 @@ TEST(PoseGradient, MatchesDifferencesAtEveryDegree) {
       view.data.camera.world_to_camera = Rigidd{rotation_of(turn), shift} * view.data.camera.world_to_camera;
       return gradients(model, view, request, 0.0, probe()).losses.total;
     };
-    const PoseGradient<double> got = pose_gradient(model, gradients(model, make_view(), request, 0.0, probe()).gradient, make_camera(), degree);
+    const PoseGradient<double> got =
+        pose_gradient(model, gradients(model, make_view(), request, 0.0, probe()).gradient, make_camera(), degree);
     double largest = 0;
     Vec3d rotation, translation;
     for (int k = 0; k < 3; ++k) {

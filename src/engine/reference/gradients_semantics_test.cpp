@@ -2,7 +2,7 @@
 // bounded, into opacity, mean and covariance.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 #include "scene/semantic_target.h"
 
 namespace aligngs::reference {
@@ -51,8 +51,8 @@ double surrogate(const Model& model, const TrainingView& view, const StepRequest
                  const std::vector<double>& detached_alpha) {
   const bool probabilities = request.losses.semantic_blend == SemanticBlend::kProbabilities;
   const Splats<double> s = make_splats(model, view.data.camera, request.raster, request.sh_degree);
-  std::vector<double> map = render_semantics(s, semantic_features(model, request.losses.semantic_blend), kChannels,
-                                             request.raster);
+  std::vector<double> map =
+      render_semantics(s, semantic_features(model, request.losses.semantic_blend), kChannels, request.raster);
   const bool opacity = request.losses.coupling == SemanticCoupling::kOpacity;
   const std::vector<double> alpha = render_maps(s, request.raster).alpha;
   double sum = 0;

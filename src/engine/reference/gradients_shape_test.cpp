@@ -1,7 +1,7 @@
 // Finite differences in double: the terms of the Gaussians themselves, and everything at once.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 
 namespace aligngs::reference {
 namespace {
@@ -19,9 +19,7 @@ TEST(ShapeTerms, FlatteningMatchesDifferences) {
   const Model model = make_model<double>();
   StepRequest request = make_request();
   request.losses.weight[Loss::kFlatten] = 100;
-  const auto loss = [&](const Model& m) {
-    return gradients(m, make_view(), request, 0.0, no_map_loss()).losses.total;
-  };
+  const auto loss = [&](const Model& m) { return gradients(m, make_view(), request, 0.0, no_map_loss()).losses.total; };
   const Gradients<double> g = gradients(model, make_view(), request, 0.0, no_map_loss());
   double mean = 0;  // all eight are visible
   for (size_t i = 0; i < model.size(); ++i) {

@@ -1,7 +1,7 @@
 // The meaning of the maps, on scenes with known values.
 #include <gtest/gtest.h>
 
-#include "engine/reference/gradient_test_scene.h"
+#include "engine/reference/gradient_scene_for_tests.h"
 
 namespace aligngs::reference {
 namespace {

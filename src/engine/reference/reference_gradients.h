@@ -17,20 +17,20 @@ using MapLossFunction = std::function<void(const RenderMaps<T>&, LossTerms&, Map
 
 template <class T>
 struct Gradients {
-  LossTerms losses;              ///< `total` is the weighted sum of the terms; the coupling surrogate is not in it
-  GaussianModelT<T> gradient;    ///< d total / d parameters, plus coupling_scale * coupling
+  LossTerms losses;            ///< `total` is the weighted sum of the terms; the coupling surrogate is not in it
+  GaussianModelT<T> gradient;  ///< d total / d parameters, plus coupling_scale * coupling
   /// The semantic gradient through the blending weights before coupling_scale: position, log-scale, rotation,
   /// opacity. With kPlain the gradient of the semantic loss as printed, otherwise that of coupling_value.
   GaussianModelT<T> coupling;
-  double coupling_scale = 0;     ///< kPlain: the strength; otherwise the factor that was passed in
-  double coupling_value = 0;     ///< the surrogate L_geo, mean over valid pixels; kPlain: 0
+  double coupling_scale = 0;  ///< kPlain: the strength; otherwise the factor that was passed in
+  double coupling_value = 0;  ///< the surrogate L_geo, mean over valid pixels; kPlain: 0
   /// d / d mean2D in pixels, per row: of the colour losses, the same with every pixel's magnitude, of the coupling
   /// before the scale.
   std::vector<Vec2<T>> photometric_mean, photometric_mean_abs, coupling_mean;
   double photometric_rms = 0, coupling_rms = 0;  ///< of those over visible rows: what CouplingBalance takes
-  DensityStatistics statistics;  ///< this view's contribution alone
-  size_t visible = 0;            ///< rows blended in at least one pixel
-  std::vector<uint32_t> non_finite;  ///< rows that were culled; their gradient is zero
+  DensityStatistics statistics;                  ///< this view's contribution alone
+  size_t visible = 0;                            ///< rows blended in at least one pixel
+  std::vector<uint32_t> non_finite;              ///< rows that were culled; their gradient is zero
 };
 
 namespace detail {
@@ -96,12 +96,19 @@ inline double rms_over(size_t visible, double sum_of_squares) {
 template <class T>
 struct RowSums {
   std::vector<ProjectionGradient<T>> by_color, by_geometry, by_semantics;
-  std::vector<Vec3<T>> color;      ///< dL / d colour
-  std::vector<Vec2<T>> mean_abs;   ///< sum of |dL_photometric / d mean2D|
+  std::vector<Vec3<T>> color;     ///< dL / d colour
+  std::vector<Vec2<T>> mean_abs;  ///< sum of |dL_photometric / d mean2D|
   std::vector<double> weight, residual, unsupported;
   std::vector<uint8_t> touched;
   explicit RowSums(size_t n)
-      : by_color(n), by_geometry(n), by_semantics(n), color(n), mean_abs(n), weight(n), residual(n), unsupported(n),
+      : by_color(n),
+        by_geometry(n),
+        by_semantics(n),
+        color(n),
+        mean_abs(n),
+        weight(n),
+        residual(n),
+        unsupported(n),
         touched(n) {}
 };
 
@@ -158,8 +165,7 @@ void backward_pixel(const Splats<T>& s, const RenderMaps<T>& maps, const MapGrad
     const auto next = [&](AlphaSweep<T>& sweep, T q) {
       return sweep.next(k.sample.alpha, k.transmittance, k.weight, q);
     };
-    const Vec2<T> dmean =
-        alpha_backward(k.sample, p.conic, p.opacity, next(by_color, q_color(i)), sums.by_color[i]);
+    const Vec2<T> dmean = alpha_backward(k.sample, p.conic, p.opacity, next(by_color, q_color(i)), sums.by_color[i]);
     alpha_backward(k.sample, p.conic, p.opacity, next(by_geometry, q_geometry(i)), sums.by_geometry[i]);
     alpha_backward(k.sample, p.conic, p.opacity, next(by_semantics, q_semantic(i)), sums.by_semantics[i]);
     sums.color[i] += k.weight * gcolor;

@@ -8,7 +8,8 @@ namespace aligngs::reference {
 
 /// From the gradients of a step's losses and the model that they were taken at.
 template <class T>
-PoseGradient<T> pose_gradient(const GaussianModelT<T>& model, const GaussianModelT<T>& gradients, const Camera& camera, int sh_degree) {
+PoseGradient<T> pose_gradient(const GaussianModelT<T>& model, const GaussianModelT<T>& gradients, const Camera& camera,
+                              int sh_degree) {
   const PoseFrame<T> frame = pose_frame<T>(camera);
   PoseGradient<T> sum;
   for (size_t i = 0; i < model.size(); ++i) {

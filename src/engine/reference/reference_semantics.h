@@ -13,10 +13,10 @@ namespace aligngs::reference {
 /// Values that one pixel passes on; see formulas/semantic_loss.h for g, h and h_0.
 template <class T>
 struct SemanticPixel {
-  bool counts = false;           ///< false: everything else is empty
-  std::vector<T> row_gradient;   ///< g, [C]
-  std::vector<T> coupling;       ///< h, [C]
-  T offset{};                    ///< h_0
+  bool counts = false;          ///< false: everything else is empty
+  std::vector<T> row_gradient;  ///< g, [C]
+  std::vector<T> coupling;      ///< h, [C]
+  T offset{};                   ///< h_0
 };
 
 template <class T>
@@ -24,12 +24,12 @@ struct SemanticPass {
   const TrainingView& view;
   const LossSettings& settings;
   int channels = 0;
-  size_t valid = 0;             ///< pixels that count; 0: the pass is off
-  T pixel_weight{};             ///< of a pixel that this step takes, in a mean over the valid ones
-  std::vector<T> features;      ///< [N][C] what is blended
-  std::vector<T> dfeatures;     ///< [N][C] sum over pixels of w g
-  double soft = 0, hard = 0;    ///< means over valid pixels, unweighted, estimated from the pixels taken
-  double surrogate = 0;         ///< mean of L_geo; kPlain: 0
+  size_t valid = 0;           ///< pixels that count; 0: the pass is off
+  T pixel_weight{};           ///< of a pixel that this step takes, in a mean over the valid ones
+  std::vector<T> features;    ///< [N][C] what is blended
+  std::vector<T> dfeatures;   ///< [N][C] sum over pixels of w g
+  double soft = 0, hard = 0;  ///< means over valid pixels, unweighted, estimated from the pixels taken
+  double surrogate = 0;       ///< mean of L_geo; kPlain: 0
 
   /// On with a teacher of the model's number of classes, a weight and at least one valid pixel.
   SemanticPass(const GaussianModelT<T>& model, const TrainingView& training_view, const LossSettings& loss)
@@ -72,11 +72,11 @@ struct SemanticPass {
     const SemanticWeights<T> weights{T(settings.weight[Loss::kSemanticSoft]) * pixel_weight,
                                      T(settings.weight[Loss::kSemanticHard]) * pixel_weight};
     out.row_gradient.resize(channels);
-    const SemanticTerms<T> terms =
-        probabilities ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), channels, weights,
-                                                    out.row_gradient.data())
-                      : semantic_loss_logits(blended.data(), teacher.data(), channels, weights, student.data(),
-                                             out.row_gradient.data());
+    const SemanticTerms<T> terms = probabilities
+                                       ? semantic_loss_probabilities(blended.data(), alpha, teacher.data(), channels,
+                                                                     weights, out.row_gradient.data())
+                                       : semantic_loss_logits(blended.data(), teacher.data(), channels, weights,
+                                                              student.data(), out.row_gradient.data());
     soft += static_cast<double>(terms.soft * pixel_weight);
     hard += static_cast<double>(terms.hard * pixel_weight);
 
@@ -89,11 +89,11 @@ struct SemanticPass {
       surrogate -= static_cast<double>(out.offset * alpha);
     } else {
       const T omega = coupling_weight(x, y);
-      surrogate += static_cast<double>(
-          probabilities
-              ? bounded_coupling_probabilities(blended.data(), alpha, teacher.data(), channels, omega,
-                                               out.coupling.data())
-              : bounded_coupling_logits(student.data(), alpha, teacher.data(), channels, omega, out.coupling.data()));
+      surrogate +=
+          static_cast<double>(probabilities ? bounded_coupling_probabilities(blended.data(), alpha, teacher.data(),
+                                                                             channels, omega, out.coupling.data())
+                                            : bounded_coupling_logits(student.data(), alpha, teacher.data(), channels,
+                                                                      omega, out.coupling.data()));
     }
     for (const Contribution<T>& k : list) {
       for (int c = 0; c < channels; ++c) dfeatures[size_t(k.row) * channels + c] += k.weight * out.row_gradient[c];

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "engine/cuda/runtime/launch.h"
+#include "device/launch.h"
 #include "mesh/cuda/tsdf_fusion.cuh"
 
 namespace aligngs {
@@ -63,7 +63,8 @@ class CudaTsdfDevice : public TsdfDevice {
     }
     in_stages([&](size_t b, size_t n) {
       download(context_, staged.data(), voxels.span().part(b * kBlockVoxels, n * kBlockVoxels));
-      for (size_t i = 0; i < n; ++i) std::copy_n(staged.begin() + std::ptrdiff_t(i * kBlockVoxels), kBlockVoxels, blocks[first + b + i]);
+      for (size_t i = 0; i < n; ++i)
+        std::copy_n(staged.begin() + std::ptrdiff_t(i * kBlockVoxels), kBlockVoxels, blocks[first + b + i]);
     });
   }
 

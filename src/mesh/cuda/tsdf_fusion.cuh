@@ -1,8 +1,8 @@
 // Kernels of tsdf_fusion.h.
 #pragma once
 
-#include "engine/cuda/runtime/block_reduce.cuh"
-#include "engine/cuda/runtime/device_span.h"
+#include "device/block_reduce.cuh"
+#include "device/device_span.h"
 #include "mesh/tsdf_voxel.h"
 
 namespace aligngs::cuda {
@@ -16,7 +16,8 @@ struct PlacedBlock {
   int seen = 0;
 };
 
-__global__ void place_blocks(VoxelView view, DeviceSpan<const BlockCoordinate> coordinates, DeviceSpan<PlacedBlock> placed) {
+__global__ void place_blocks(VoxelView view, DeviceSpan<const BlockCoordinate> coordinates,
+                             DeviceSpan<PlacedBlock> placed) {
   const size_t b = item_index();
   if (b >= coordinates.size) return;
   PlacedBlock& out = placed[b];

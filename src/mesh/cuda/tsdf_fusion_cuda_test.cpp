@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "core/error.h"
-#include "engine/cuda/runtime/test_device.h"
+#include "device/device_for_tests.h"
 #include "mesh/analytic_scenes_for_tests.h"
 #include "mesh/fusion.h"
 #include "mesh/tsdf_volume.h"
@@ -36,8 +36,8 @@ struct Views {
       weights.push_back(weight);
     }
     for (size_t i = 0; i < frames.size(); ++i) {
-      views.push_back({&frames[i].camera, &frames[i].depth, i == 1 ? nullptr : &colors[i], &weights[i], i == 1 ? nullptr : &slopes[i],
-                       i + 1 == frames.size()});
+      views.push_back({&frames[i].camera, &frames[i].depth, i == 1 ? nullptr : &colors[i], &weights[i],
+                       i == 1 ? nullptr : &slopes[i], i + 1 == frames.size()});
     }
   }
   TsdfVolume volume() const {
@@ -81,7 +81,8 @@ TEST_F(CudaFusion, AVolumeLargerThanTheDeviceIsFusedInParts) {
   TsdfVolume expected = views.volume(), found = views.volume();
   for (const TsdfView& v : views.views) expected.integrate(v, pool());
   const uint64_t maps = 6 * sizeof(float) * views.weights[0].data.size();
-  const auto device = make_cuda_tsdf_device(context().device(), maps + (found.blocks() / 3) * (sizeof(Voxel) * kBlockVoxels + 64));
+  const auto device =
+      make_cuda_tsdf_device(context().device(), maps + (found.blocks() / 3) * (sizeof(Voxel) * kBlockVoxels + 64));
   found.integrate(views.views, *device);
   expect_same(expected, found);
 }

@@ -16,8 +16,7 @@
 #include <algorithm>
 
 // The functions below are compiled for instructions that the rest of the program does not assume.
-#define ALIGNGS_AMX_TARGET \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512bf16,amx-tile,amx-bf16")))
+#define ALIGNGS_AMX_TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512bf16,amx-tile,amx-bf16")))
 
 namespace aligngs::nn {
 namespace {
@@ -65,8 +64,7 @@ ALIGNGS_AMX_TARGET inline __m512 exp2_rough(__m512 x) {
 }
 
 /// scores [keys][16] become weights [keys/2][16][2] in bfloat16; keys is even.
-ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const Lane& lane,
-                                     uint16_t* weights) {
+ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const Lane& lane, uint16_t* weights) {
   const __m512 before = _mm512_loadu_ps(lane.most);
   __m512 most = before, other = before;
   for (int64_t k = 0; k < keys; k += 2) {
@@ -74,9 +72,8 @@ ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const La
     other = _mm512_max_ps(other, _mm512_loadu_ps(scores + (k + 1) * kLane));
   }
   most = _mm512_max_ps(most, other);
-  alignas(64) static const uint16_t kInterleave[32] = {0,  16, 1,  17, 2,  18, 3,  19, 4,  20, 5,
-                                                       21, 6,  22, 7,  23, 8,  24, 9,  25, 10, 26,
-                                                       11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
+  alignas(64) static const uint16_t kInterleave[32] = {0, 16, 1, 17, 2,  18, 3,  19, 4,  20, 5,  21, 6,  22, 7,  23,
+                                                       8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
   const __m512i interleave = _mm512_load_si512(kInterleave);
   __m512 even_total = _mm512_setzero_ps(), odd_total = _mm512_setzero_ps();
   for (int64_t k = 0; k < keys; k += 2) {
@@ -99,8 +96,8 @@ ALIGNGS_AMX_TARGET void softmax_lane(const float* scores, int64_t keys, const La
 }
 
 /// scores [keys][16] of two lanes = keys [keys][64] times their queries.
-ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_t* queries,
-                              float* scores0, float* scores1) {
+ALIGNGS_AMX_TARGET void score(const uint16_t* keys, int64_t count, const uint16_t* queries, float* scores0,
+                              float* scores1) {
   constexpr int64_t kTileWords = 16 * 32;  // bfloat16 values of a tile
   constexpr int kKeyStride = int(kDim) * 2, kLine = 64;
   _tile_loadd(4, queries, kLine);

@@ -36,8 +36,7 @@ class MatrixBackend {
  public:
   virtual ~MatrixBackend() = default;
   virtual std::string name() const = 0;
-  virtual std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs,
-                                             int64_t inputs) const = 0;
+  virtual std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const = 0;
 };
 
 /// oneDNN when it was built in, is wanted and supports the precision here; else the portable one.

@@ -6,7 +6,7 @@
 
 #include "core/half.h"
 #include "nn/ops/linear.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -18,9 +18,8 @@ std::vector<std::shared_ptr<MatrixBackend>> backends(Precision precision) {
 }
 
 /// Operands rounded as the precision says, sums in double.
-std::vector<float> plain_product(const std::vector<float>& x, const std::vector<float>& w,
-                                 int64_t rows, int64_t outputs, int64_t inputs,
-                                 Precision precision) {
+std::vector<float> plain_product(const std::vector<float>& x, const std::vector<float>& w, int64_t rows,
+                                 int64_t outputs, int64_t inputs, Precision precision) {
   const auto operand = [&](float v) {
     return precision == Precision::kFloat32 ? v : bfloat16_to_float(float_to_bfloat16(v));
   };
@@ -29,8 +28,7 @@ std::vector<float> plain_product(const std::vector<float>& x, const std::vector<
     for (int64_t o = 0; o < outputs; ++o) {
       double sum = 0;
       for (int64_t i = 0; i < inputs; ++i)
-        sum +=
-            double(operand(x[size_t(r * inputs + i)])) * double(operand(w[size_t(o * inputs + i)]));
+        sum += double(operand(x[size_t(r * inputs + i)])) * double(operand(w[size_t(o * inputs + i)]));
       y.push_back(float(sum));
     }
   }
@@ -41,19 +39,16 @@ TEST(MatrixBackend, EveryBackendMultiplies) {
   Scratch scratch;
   for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
     for (const auto& backend : backends(precision)) {
-      for (const auto& [rows, outputs, inputs] : {std::tuple<int64_t, int64_t, int64_t>{1, 1, 1},
-                                                  {3, 17, 5},
-                                                  {16, 16, 32},
-                                                  {37, 33, 70},
-                                                  {130, 48, 9}}) {
+      for (const auto& [rows, outputs, inputs] :
+           {std::tuple<int64_t, int64_t, int64_t>{1, 1, 1}, {3, 17, 5}, {16, 16, 32}, {37, 33, 70}, {130, 48, 9}}) {
         const std::vector<float> x = random_values(size_t(rows * inputs), 1);
         const std::vector<float> w = random_values(size_t(outputs * inputs), 2);
         std::vector<float> y(size_t(rows * outputs));
         backend->pack(w.data(), outputs, inputs)->multiply(x.data(), rows, y.data(), scratch);
         const std::vector<float> expected = plain_product(x, w, rows, outputs, inputs, precision);
         for (size_t i = 0; i < y.size(); ++i) {
-          ASSERT_NEAR(y[i], expected[i], 2e-5f) << backend->name() << " " << rows << " x " << inputs
-                                                << " x " << outputs << " at " << i;
+          ASSERT_NEAR(y[i], expected[i], 2e-5f)
+              << backend->name() << " " << rows << " x " << inputs << " x " << outputs << " at " << i;
         }
       }
     }

@@ -61,8 +61,7 @@ class Products {
     return describe(kTypicalRows, inputs, outputs, any).weights_desc();
   }
 
-  const Product& product(int64_t rows, int64_t inputs, int64_t outputs,
-                         const memory::desc& packed) {
+  const Product& product(int64_t rows, int64_t inputs, int64_t outputs, const memory::desc& packed) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto key = std::make_tuple(rows, inputs, outputs);
     auto found = products_.find(key);
@@ -97,11 +96,9 @@ class Products {
 
 class OnednnMatrix : public PackedMatrix {
  public:
-  OnednnMatrix(std::shared_ptr<Products> products, const float* weights, int64_t outputs,
-               int64_t inputs)
+  OnednnMatrix(std::shared_ptr<Products> products, const float* weights, int64_t outputs, int64_t inputs)
       : PackedMatrix(outputs, inputs,
-                     products->type() == memory::data_type::f32 ? Precision::kFloat32
-                                                                : Precision::kBfloat16),
+                     products->type() == memory::data_type::f32 ? Precision::kFloat32 : Precision::kBfloat16),
         products_(std::move(products)) {
     const OneThread one;
     description_ = products_->weights(inputs, outputs);
@@ -145,8 +142,7 @@ class OnednnBackend : public MatrixBackend {
  public:
   explicit OnednnBackend(memory::data_type type) : products_(std::make_shared<Products>(type)) {}
   std::string name() const override { return "oneDNN"; }
-  std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs,
-                                     int64_t inputs) const override {
+  std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const override {
     try {
       return std::make_unique<OnednnMatrix>(products_, weights, outputs, inputs);
     } catch (const dnnl::error& error) {
@@ -162,8 +158,7 @@ class OnednnBackend : public MatrixBackend {
 
 std::shared_ptr<MatrixBackend> make_onednn_backend(Precision precision) {
   const bool half = precision == Precision::kBfloat16;
-  auto backend =
-      std::make_shared<OnednnBackend>(half ? memory::data_type::bf16 : memory::data_type::f32);
+  auto backend = std::make_shared<OnednnBackend>(half ? memory::data_type::bf16 : memory::data_type::f32);
   try {  // whether it supports the type on this processor shows when it is asked
     constexpr int64_t kSmall = 16;
     const std::vector<float> zeros(kSmall * kSmall, 0.0f);

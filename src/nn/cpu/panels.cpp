@@ -24,8 +24,7 @@ HWY_INLINE void multiply_tile(const PanelProduct& p, int64_t row) {
   float* c = p.c + row * p.c_stride;
   for (size_t m = 0; m < kRows; ++m) {
     for (size_t v = 0; v < kVectors; ++v) {
-      sum[m][v] = p.accumulate ? hn::LoadU(d, c + int64_t(m) * p.c_stride + int64_t(v * kLanes))
-                               : hn::Zero(d);
+      sum[m][v] = p.accumulate ? hn::LoadU(d, c + int64_t(m) * p.c_stride + int64_t(v * kLanes)) : hn::Zero(d);
     }
   }
   const float* a = p.a + row * p.a_stride;
@@ -60,8 +59,7 @@ void Step(const SoftmaxStep& s) {
     const size_t lane = v * kLanes;
     FloatVec most = hn::LoadU(d, s.most + lane);
     const FloatVec before = most;
-    for (int64_t k = 0; k < s.keys; ++k)
-      most = hn::Max(most, hn::LoadU(d, s.scores + k * kPanel + lane));
+    for (int64_t k = 0; k < s.keys; ++k) most = hn::Max(most, hn::LoadU(d, s.scores + k * kPanel + lane));
     FloatVec total = hn::Zero(d);
     for (int64_t k = 0; k < s.keys; ++k) {
       float* score = s.scores + k * kPanel + lane;

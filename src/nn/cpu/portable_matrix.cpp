@@ -76,10 +76,8 @@ class PortableBackend : public MatrixBackend {
  public:
   explicit PortableBackend(Precision precision) : precision_(precision) {}
   std::string name() const override { return "portable"; }
-  std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs,
-                                     int64_t inputs) const override {
-    if (precision_ == Precision::kFloat32)
-      return std::make_unique<PortableMatrix<float>>(weights, outputs, inputs);
+  std::unique_ptr<PackedMatrix> pack(const float* weights, int64_t outputs, int64_t inputs) const override {
+    if (precision_ == Precision::kFloat32) return std::make_unique<PortableMatrix<float>>(weights, outputs, inputs);
     return std::make_unique<PortableMatrix<uint16_t>>(weights, outputs, inputs);
   }
 

@@ -49,9 +49,8 @@ void RoundToBfloat16(const float* x, int64_t count, bool relu, uint16_t* out) {
   over_lanes(
       count,
       [&](int64_t i) {
-        hn::StoreU(hn::DemoteTo(dh, hn::BitCast(hn::RebindToSigned<FloatTag>(),
-                                                rounded(hn::LoadU(d, x + i)))),
-                   dh, out + i);
+        hn::StoreU(hn::DemoteTo(dh, hn::BitCast(hn::RebindToSigned<FloatTag>(), rounded(hn::LoadU(d, x + i)))), dh,
+                   out + i);
       },
       [&](int64_t i, size_t n) {
         HWY_ALIGN uint32_t lanes[kLanes];
@@ -71,8 +70,7 @@ HWY_INLINE FloatVec silu_of(FloatVec x) {
 }
 
 template <class Function>
-HWY_INLINE void activate_rows(float* y, int64_t rows, int64_t columns, const float* bias,
-                              Function&& function) {
+HWY_INLINE void activate_rows(float* y, int64_t rows, int64_t columns, const float* bias, Function&& function) {
   const FloatTag d;
   for (int64_t r = 0; r < rows; ++r, y += columns) {
     over_lanes(
@@ -88,15 +86,13 @@ HWY_INLINE void activate_rows(float* y, int64_t rows, int64_t columns, const flo
   }
 }
 
-void AddBiasAndActivate(float* y, int64_t rows, int64_t columns, const float* bias,
-                        Activation activation) {
+void AddBiasAndActivate(float* y, int64_t rows, int64_t columns, const float* bias, Activation activation) {
   switch (activation) {
     case Activation::kNone:
       if (bias) activate_rows(y, rows, columns, bias, [](FloatVec v) { return v; });
       return;
     case Activation::kRelu:
-      return activate_rows(y, rows, columns, bias,
-                           [](FloatVec v) { return hn::Max(v, hn::Zero(FloatTag())); });
+      return activate_rows(y, rows, columns, bias, [](FloatVec v) { return hn::Max(v, hn::Zero(FloatTag())); });
     case Activation::kGelu:
       return activate_rows(y, rows, columns, bias, [](FloatVec v) { return gelu_of(v); });
     case Activation::kSilu:
@@ -120,8 +116,7 @@ void Swiglu(const float* x, int64_t rows, int64_t columns, float* out) {
   }
 }
 
-void AddScaled(float* x, const float* y, int64_t rows, int64_t columns, const float* bias,
-               const float* scale) {
+void AddScaled(float* x, const float* y, int64_t rows, int64_t columns, const float* bias, const float* scale) {
   const FloatTag d;
   const FloatVec zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   for (int64_t r = 0; r < rows; ++r, x += columns, y += columns) {
@@ -140,8 +135,8 @@ void AddScaled(float* x, const float* y, int64_t rows, int64_t columns, const fl
   }
 }
 
-void LayerNorm(const float* x, int64_t rows, int64_t columns, const float* weight,
-               const float* bias, float eps, float* y) {
+void LayerNorm(const float* x, int64_t rows, int64_t columns, const float* weight, const float* bias, float eps,
+               float* y) {
   const FloatTag d;
   for (int64_t r = 0; r < rows; ++r, x += columns, y += columns) {
     FloatVec sum = hn::Zero(d);
@@ -190,11 +185,8 @@ void SoftmaxRows(float* x, int64_t rows, int64_t columns) {
     const FloatVec top = hn::Set(d, most);
     float total = 0;
     over_lanes(
-        columns,
-        [&](int64_t i) { hn::StoreU(fast_exp(d, hn::Sub(hn::LoadU(d, x + i), top)), d, x + i); },
-        [&](int64_t i, size_t n) {
-          store_some(fast_exp(d, hn::Sub(load_some(x + i, n), top)), n, x + i);
-        });
+        columns, [&](int64_t i) { hn::StoreU(fast_exp(d, hn::Sub(hn::LoadU(d, x + i), top)), d, x + i); },
+        [&](int64_t i, size_t n) { store_some(fast_exp(d, hn::Sub(load_some(x + i, n), top)), n, x + i); });
     for (int64_t i = 0; i < columns; ++i) total += x[i];
     const float scale = 1.0f / total;
     for (int64_t i = 0; i < columns; ++i) x[i] *= scale;
@@ -221,24 +213,20 @@ void round_to_bfloat16(const float* x, int64_t count, bool relu, uint16_t* out) 
 void relu_copy(const float* x, int64_t count, float* out) {
   for (int64_t i = 0; i < count; ++i) out[i] = std::max(x[i], 0.0f);
 }
-void add_bias_and_activate(float* y, int64_t rows, int64_t columns, const float* bias,
-                           Activation activation) {
+void add_bias_and_activate(float* y, int64_t rows, int64_t columns, const float* bias, Activation activation) {
   HWY_DYNAMIC_DISPATCH(AddBiasAndActivate)(y, rows, columns, bias, activation);
 }
 void swiglu(const float* x, int64_t rows, int64_t columns, float* out) {
   HWY_DYNAMIC_DISPATCH(Swiglu)(x, rows, columns, out);
 }
-void add_scaled(float* x, const float* y, int64_t rows, int64_t columns, const float* bias,
-                const float* scale) {
+void add_scaled(float* x, const float* y, int64_t rows, int64_t columns, const float* bias, const float* scale) {
   HWY_DYNAMIC_DISPATCH(AddScaled)(x, y, rows, columns, bias, scale);
 }
-void layer_norm(const float* x, int64_t rows, int64_t columns, const float* weight,
-                const float* bias, float eps, float* y) {
+void layer_norm(const float* x, int64_t rows, int64_t columns, const float* weight, const float* bias, float eps,
+                float* y) {
   HWY_DYNAMIC_DISPATCH(LayerNorm)(x, rows, columns, weight, bias, eps, y);
 }
-void softmax_rows(float* x, int64_t rows, int64_t columns) {
-  HWY_DYNAMIC_DISPATCH(SoftmaxRows)(x, rows, columns);
-}
+void softmax_rows(float* x, int64_t rows, int64_t columns) { HWY_DYNAMIC_DISPATCH(SoftmaxRows)(x, rows, columns); }
 
 }  // namespace aligngs::nn
 #endif  // HWY_ONCE

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/half.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -19,8 +19,7 @@ TEST(RowKernels, RoundToBfloat16AsTheScalarCodeDoes) {
   round_to_bfloat16(x.data(), int64_t(x.size()), true, rectified.data());
   for (size_t i = 0; i < x.size(); ++i) {
     EXPECT_EQ(bfloat16_to_float(rounded[i]), bfloat16_to_float(float_to_bfloat16(x[i])));
-    EXPECT_EQ(bfloat16_to_float(rectified[i]),
-              bfloat16_to_float(float_to_bfloat16(std::max(x[i], 0.0f))));
+    EXPECT_EQ(bfloat16_to_float(rectified[i]), bfloat16_to_float(float_to_bfloat16(std::max(x[i], 0.0f))));
   }
 }
 
@@ -59,8 +58,7 @@ TEST(RowKernels, LayerNormHasMeanZeroAndVarianceOne) {
     for (int64_t r = 0; r < 3; ++r) {
       double mean = 0, square = 0;
       for (int64_t c = 0; c < columns; ++c) mean += double(y[size_t(r * columns + c)]);
-      for (int64_t c = 0; c < columns; ++c)
-        square += std::pow(double(y[size_t(r * columns + c)]), 2);
+      for (int64_t c = 0; c < columns; ++c) square += std::pow(double(y[size_t(r * columns + c)]), 2);
       EXPECT_NEAR(mean / double(columns), 0, 1e-4);
       if (columns > 1) {
         EXPECT_NEAR(square / double(columns), 1, 1e-3);

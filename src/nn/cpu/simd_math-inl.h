@@ -52,8 +52,7 @@ HWY_INLINE FloatVec erf_of(FloatVec x) {
   p = hn::MulAdd(p, z, hn::Set(d, -7.34990630326855e-04f));
   p = hn::MulAdd(p, z, hn::Set(d, -2.95459980854025e-03f));
   p = hn::MulAdd(p, z, hn::Set(d, -1.60960333262415e-02f));
-  FloatVec q =
-      hn::MulAdd(hn::Set(d, -1.45660718464996e-05f), z, hn::Set(d, -2.13374055278905e-04f));
+  FloatVec q = hn::MulAdd(hn::Set(d, -1.45660718464996e-05f), z, hn::Set(d, -2.13374055278905e-04f));
   q = hn::MulAdd(q, z, hn::Set(d, -1.68282697438203e-03f));
   q = hn::MulAdd(q, z, hn::Set(d, -7.37332916720468e-03f));
   q = hn::MulAdd(q, z, hn::Set(d, -1.42647390514189e-02f));

@@ -26,8 +26,8 @@ std::vector<NetworkCamera> normalised_cameras(std::vector<NetworkCamera> cameras
 
 /// Given cameras brought to predicted ones.
 struct CameraAlignment {
-  double scale = 1;    ///< predicted lengths per given length: predicted depth is divided by it
-  double residual = 0; ///< root mean square distance of the centres after the fit, in predicted lengths
+  double scale = 1;     ///< predicted lengths per given length: predicted depth is divided by it
+  double residual = 0;  ///< root mean square distance of the centres after the fit, in predicted lengths
   /// False with fewer than three cameras, or all on a line: the rotation then comes from the cameras' own.
   bool well_posed = false;
   std::vector<NetworkCamera> cameras;  ///< the given ones in the predicted frame

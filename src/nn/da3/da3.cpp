@@ -33,7 +33,9 @@ Da3::Da3(Compute& compute, const Weights& file, const Da3Options& options) {
     throw Error({ErrorKind::kWeights,
                  "the head reads tokens of " + std::to_string(head_->inputs()) + " values, the trunk has " +
                      std::to_string(channels) + " channels",
-                 {}, "head.projects.0.weight", "these are not the weights of this network"});
+                 {},
+                 "head.projects.0.weight",
+                 "these are not the weights of this network"});
   }
   trunk_.emplace(compute, backbone, trunk);
   camera_decoder_.emplace(*exact_, weights.sub("cam_dec."), trunk_->width());
@@ -43,7 +45,10 @@ Da3::Da3(Compute& compute, const Weights& file, const Da3Options& options) {
 
 Matrix Da3::camera_tokens(const std::vector<NetworkCamera>& cameras, int64_t width, int64_t height) const {
   if (!camera_encoder_) {
-    throw Error({ErrorKind::kWeights, "the tensors that read given cameras are missing", {}, "cam_enc",
+    throw Error({ErrorKind::kWeights,
+                 "the tensors that read given cameras are missing",
+                 {},
+                 "cam_enc",
                  "use the complete file of weights, or give no cameras"});
   }
   for (size_t i = 0; i < cameras.size(); ++i) {
@@ -61,7 +66,10 @@ Matrix Da3::camera_tokens(const std::vector<NetworkCamera>& cameras, int64_t wid
 void Da3::operator()(Compute& compute, const std::vector<FeatureMap>& images, const Da3Request& request,
                      const std::function<void(int64_t, Da3Frame)>& take) const {
   if (request.rays && !head_->has_rays()) {
-    throw Error({ErrorKind::kWeights, "the tensors of the ray branch are missing", {}, "head.scratch.output_conv2_aux",
+    throw Error({ErrorKind::kWeights,
+                 "the tensors of the ray branch are missing",
+                 {},
+                 "head.scratch.output_conv2_aux",
                  "use the complete file of weights"});
   }
   Da3TrunkRequest pass;

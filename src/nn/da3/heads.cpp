@@ -39,8 +39,8 @@ Da3DualHead::Da3DualHead(const Compute& compute, const Weights& weights)
   }
   if (ray_widths_.empty()) weights.shape(widths + "0.weight");  // throws: missing
   ray_hidden_ = convolution_of(compute, weights, last + ".0", channels);
-  ray_norm_ = LayerNorm(weights, weights.has(last + ".2.weight") ? last + ".2" : shared,
-                        ray_hidden_.shape().outputs, kHeadNormEps);
+  ray_norm_ = LayerNorm(weights, weights.has(last + ".2.weight") ? last + ".2" : shared, ray_hidden_.shape().outputs,
+                        kHeadNormEps);
   ray_output_ = Linear(compute, weights, last + ".5", kRayValues, ray_hidden_.shape().outputs);
 }
 
@@ -84,8 +84,7 @@ Da3SkyHead::Da3SkyHead(const Compute& compute, const Weights& weights)
   const std::string names[] = {"scratch.output_conv2", "scratch.sky_output_conv2"};
   for (size_t i = 0; i < branches_.size(); ++i) {
     branches_[i].hidden = convolution_of(compute, weights, names[i] + ".0", output1_.shape().outputs);
-    branches_[i].output =
-        Linear(compute, weights, names[i] + ".2", 1, branches_[i].hidden.shape().outputs);
+    branches_[i].output = Linear(compute, weights, names[i] + ".2", 1, branches_[i].hidden.shape().outputs);
   }
 }
 
@@ -94,8 +93,7 @@ FeatureMap Da3SkyHead::operator()(Compute& compute, std::vector<FeatureMap> maps
   const FeatureMap x = resize_bilinear_map(compute, output1_(compute, fused), height, width, true);
   FeatureMap out(height, width, 2);
   for (size_t b = 0; b < branches_.size(); ++b) {
-    const FeatureMap value =
-        branches_[b].output(compute, branches_[b].hidden(compute, x, {false, Activation::kRelu}));
+    const FeatureMap value = branches_[b].output(compute, branches_[b].hidden(compute, x, {false, Activation::kRelu}));
     const float* const from = value.data.data();
     float* const to = out.data.data() + b;
     for (int64_t i = 0; i < out.places(); ++i) to[2 * i] = b == 0 ? std::exp(from[i]) : std::max(from[i], 0.0f);

@@ -22,7 +22,9 @@ Da3Metric::Da3Metric(Compute& compute, const Weights& file, const Da3MetricOptio
     throw Error({ErrorKind::kWeights,
                  "the head reads tokens of " + std::to_string(head_->inputs()) + " values, the trunk has " +
                      std::to_string(trunk_->width()),
-                 {}, "head.projects.0.weight", "these are not the weights of this network"});
+                 {},
+                 "head.projects.0.weight",
+                 "these are not the weights of this network"});
   }
 }
 

@@ -34,8 +34,7 @@ void check_sizes(const std::vector<Da3Frame>& frames, const std::vector<FeatureM
            frames[s].depth.channels == 2 && metric[s].channels == 2;
   }
   if (!same) {
-    throw_bad_input({}, "depth", "the two networks' maps are not of the same images",
-                    "run both on the same images");
+    throw_bad_input({}, "depth", "the two networks' maps are not of the same images", "run both on the same images");
   }
 }
 
@@ -67,8 +66,8 @@ MetricScale da3_metric_scale(const std::vector<Da3Frame>& frames, const std::vec
     const float *depth = frames[s].depth.data.data(), *other = metric[s].data.data();
     for (int64_t i = 0; i < metric[s].places(); ++i) {
       const double d = double(depth[2 * i]), metres = double(other[2 * i]) * per_unit;
-      const bool used = is_ground(metric[s], i) && double(depth[2 * i + 1]) >= median && metres > kLeastMetres &&
-                        d > kLeastDepth;
+      const bool used =
+          is_ground(metric[s], i) && double(depth[2 * i + 1]) >= median && metres > kLeastMetres && d > kLeastDepth;
       if (!used) continue;
       products += metres * d;
       squares += d * d;

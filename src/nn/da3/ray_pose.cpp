@@ -11,9 +11,9 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr int64_t kValues = 7;    // of a ray
-constexpr size_t kSample = 8;     // rays of a draw
-constexpr double kNearby = 0.2;   // of a direction, to agree
+constexpr int64_t kValues = 7;   // of a ray
+constexpr size_t kSample = 8;    // rays of a draw
+constexpr double kNearby = 0.2;  // of a direction, to agree
 using Homography = Eigen::Matrix3d;
 
 [[noreturn]] void refuse(const std::string& message) {

@@ -9,7 +9,7 @@
 namespace aligngs::nn {
 namespace {
 
-constexpr float kFinalNormEps = 1e-5f;  // unlike DINOv2's
+constexpr float kFinalNormEps = 1e-5f;   // unlike DINOv2's
 constexpr int64_t kFewestForChoice = 3;  // views
 
 int64_t heads_of(const Weights& weights, int64_t given) {
@@ -42,8 +42,11 @@ std::vector<int> published_da3_layers(int64_t depth) {
   if (depth == 12) return {5, 7, 9, 11};
   if (depth == 24) return {11, 15, 19, 23};
   if (depth == 40) return {19, 27, 33, 39};
-  throw Error({ErrorKind::kWeights, "no network of " + std::to_string(depth) + " blocks is published", {},
-               "backbone.pretrained.blocks", "use the weights of DA3 Small, Base, Large or Giant"});
+  throw Error({ErrorKind::kWeights,
+               "no network of " + std::to_string(depth) + " blocks is published",
+               {},
+               "backbone.pretrained.blocks",
+               "use the weights of DA3 Small, Base, Large or Giant"});
 }
 
 /// Views of `per_view` values each, in another order.
@@ -134,12 +137,17 @@ Da3Trunk::Da3Trunk(const Compute& compute, const Weights& weights, const Da3Trun
   if (rotate_from_ >= 0 && vit_.channels() / heads_ % 4 != 0) {
     throw Error({ErrorKind::kWeights,
                  "heads of " + std::to_string(vit_.channels() / heads_) + " channels cannot be turned by place",
-                 {}, "backbone.pretrained", "set the number of heads"});
+                 {},
+                 "backbone.pretrained",
+                 "set the number of heads"});
   }
   if (alternate_from_ < 0) {
     if (options.alternate_from || !weights.has("camera_token")) return;
-    throw Error({ErrorKind::kWeights, "no block normalises its queries, so where views begin to mix is unknown", {},
-                 "backbone.pretrained.blocks", "these are not the weights of this network"});
+    throw Error({ErrorKind::kWeights,
+                 "no block normalises its queries, so where views begin to mix is unknown",
+                 {},
+                 "backbone.pretrained.blocks",
+                 "these are not the weights of this network"});
   }
   camera_token_ = Matrix(2, vit_.channels());
   camera_token_.data = weights.load("camera_token", {1, 2, vit_.channels()});

@@ -74,7 +74,10 @@ Eomt::Eomt(Compute& compute, const Weights& weights, const EomtOptions& options)
   load_pixel_values(weights, "encoder.pixel_std", options_.deviation);
   for (const float deviation : options_.deviation) {
     if (!(deviation > 0)) {
-      throw Error({ErrorKind::kWeights, "a standard deviation of pixels is not positive", {}, "encoder.pixel_std",
+      throw Error({ErrorKind::kWeights,
+                   "a standard deviation of pixels is not positive",
+                   {},
+                   "encoder.pixel_std",
                    "these are not the weights of this network, or they are damaged"});
     }
   }
@@ -88,26 +91,30 @@ Eomt::Eomt(Compute& compute, const Weights& weights, const EomtOptions& options)
   mask_head3_ = Linear(*exact_, weights, "mask_head.4", c, c);
   for (int i = 0; i < weights.count("upscale."); ++i) {
     const std::string n = "upscale." + std::to_string(i) + ".";
-    upscale_.push_back({TransposedConvolution(compute, weights, n + "conv1", c, c, 2),
-                        DepthwiseConvolution(weights.load(n + "conv2.weight", {c, 1, 3, 3}),
-                                             std::vector<float>(size_t(c))),
-                        LayerNorm(weights, n + "norm", c, kEomtNormEps)});
+    upscale_.push_back(
+        {TransposedConvolution(compute, weights, n + "conv1", c, c, 2),
+         DepthwiseConvolution(weights.load(n + "conv2.weight", {c, 1, 3, 3}), std::vector<float>(size_t(c))),
+         LayerNorm(weights, n + "norm", c, kEomtNormEps)});
   }
 }
 
 void Eomt::check_masks(const Weights& weights) const {
   if (options_.query_blocks < 1 || options_.query_blocks > vit_->depth()) {
-    throw Error({ErrorKind::kWeights,
-                 std::to_string(options_.query_blocks) + " of " + std::to_string(vit_->depth()) +
-                     " blocks hold queries",
-                 {}, "attn_mask_probs", "these are not the weights of this network"});
+    throw Error(
+        {ErrorKind::kWeights,
+         std::to_string(options_.query_blocks) + " of " + std::to_string(vit_->depth()) + " blocks hold queries",
+         {},
+         "attn_mask_probs",
+         "these are not the weights of this network"});
   }
   if (!weights.has("attn_mask_probs")) return;
   for (const float share : weights.load("attn_mask_probs", {weights.dimension("attn_mask_probs", 0)})) {
     if (share > 0) {
       throw Error({ErrorKind::kWeights,
-                   "attention masks of training are still in use, which makes the result random", {},
-                   "attn_mask_probs", "use weights of the end of the training"});
+                   "attention masks of training are still in use, which makes the result random",
+                   {},
+                   "attn_mask_probs",
+                   "use weights of the end of the training"});
     }
   }
 }
@@ -147,8 +154,8 @@ EomtPrediction Eomt::operator()(Compute& compute, const Image<uint8_t>& window, 
   const Matrix queries = part_of(normed, 0, queries_.rows);
   EomtPrediction out;
   out.classes = class_head_(*exact_, queries);
-  const Matrix embedding = mask_head3_(
-      *exact_, mask_head2_(*exact_, mask_head1_(*exact_, queries, Activation::kGelu), Activation::kGelu));
+  const Matrix embedding =
+      mask_head3_(*exact_, mask_head2_(*exact_, mask_head1_(*exact_, queries, Activation::kGelu), Activation::kGelu));
   const int64_t patches = embedded.grid_height * embedded.grid_width;
   FeatureMap map(embedded.grid_height, embedded.grid_width, part_of(normed, normed.rows - patches, patches));
   for (const Upscale& step : upscale_) map = upscale(compute, step, map);

@@ -150,7 +150,8 @@ TEST_F(EomtTest, ASmallMapIsTheLargeOneResized) {
     const Image<uint8_t> photo = small_photo(width, height);
     const Image<uint8_t> resized = eomt_windows(photo, network().window()).resized;
     const FeatureMap whole = eomt_scores(compute_, network(), photo, resized.height, resized.width);
-    const FeatureMap expected = resize_bilinear_map(compute_, whole, 9, 14, false), small = eomt_scores(compute_, network(), photo, 9, 14);
+    const FeatureMap expected = resize_bilinear_map(compute_, whole, 9, 14, false),
+                     small = eomt_scores(compute_, network(), photo, 9, 14);
     ASSERT_EQ(small.data.size(), expected.data.size());
     for (size_t i = 0; i < expected.data.size(); ++i) ASSERT_NEAR(small.data[i], expected.data[i], 1e-5) << i;
   }

@@ -23,12 +23,12 @@ std::string official_name(std::string name) {
 
 /// The part of queries, keys and values is left to add_joined().
 std::string huggingface_name(std::string name) {
-  for (const NamePair& p :
-       {NamePair("embeddings.patch_embeddings.projection.", "encoder.backbone.patch_embed.proj."),
-        NamePair("embeddings.position_embeddings.weight", "encoder.backbone.pos_embed"),
-        NamePair("embeddings.", "encoder.backbone."), NamePair("layernorm.", "encoder.backbone.norm."),
-        NamePair("query.", "q."), NamePair("class_predictor.", "class_head."), NamePair("mask_head.fc1.", "mask_head.0."),
-        NamePair("mask_head.fc2.", "mask_head.2."), NamePair("mask_head.fc3.", "mask_head.4.")}) {
+  for (const NamePair& p : {NamePair("embeddings.patch_embeddings.projection.", "encoder.backbone.patch_embed.proj."),
+                            NamePair("embeddings.position_embeddings.weight", "encoder.backbone.pos_embed"),
+                            NamePair("embeddings.", "encoder.backbone."),
+                            NamePair("layernorm.", "encoder.backbone.norm."), NamePair("query.", "q."),
+                            NamePair("class_predictor.", "class_head."), NamePair("mask_head.fc1.", "mask_head.0."),
+                            NamePair("mask_head.fc2.", "mask_head.2."), NamePair("mask_head.fc3.", "mask_head.4.")}) {
     if (replace_start(name, p.first, p.second)) return name;
   }
   if (replace_start(name, "upscale_block.block.", "upscale.")) {
@@ -36,9 +36,10 @@ std::string huggingface_name(std::string name) {
     return name;
   }
   if (!replace_start(name, "layers.", kBackbone + "blocks.")) return name;
-  for (const NamePair& p : {NamePair(".attention.out_proj.", ".attn.proj."), NamePair(".layer_scale1.lambda1", ".ls1.gamma"),
-                        NamePair(".layer_scale2.lambda1", ".ls2.gamma"), NamePair(".mlp.weights_in.", ".mlp.w12."),
-                        NamePair(".mlp.weights_out.", ".mlp.w3.")}) {
+  for (const NamePair& p :
+       {NamePair(".attention.out_proj.", ".attn.proj."), NamePair(".layer_scale1.lambda1", ".ls1.gamma"),
+        NamePair(".layer_scale2.lambda1", ".ls2.gamma"), NamePair(".mlp.weights_in.", ".mlp.w12."),
+        NamePair(".mlp.weights_out.", ".mlp.w3.")}) {
     if (replace_part(name, p.first, p.second)) return name;
   }
   return name;
@@ -69,9 +70,7 @@ bool is_gated(const Weights& weights) {
 
 bool has(const WeightFile& file, const std::string& name) { return file.tensors().count(name) > 0; }
 
-bool is_huggingface(const WeightFile& file) {
-  return has(file, "query.weight") && has(file, "class_predictor.weight");
-}
+bool is_huggingface(const WeightFile& file) { return has(file, "query.weight") && has(file, "class_predictor.weight"); }
 
 bool is_official(const WeightFile& file) {
   for (const auto& tensor : file.tensors()) {

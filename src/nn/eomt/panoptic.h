@@ -23,8 +23,8 @@ struct PanopticSegment {
 
 struct PanopticMap {
   int width = 0, height = 0;
-  std::vector<int> segments;           ///< per pixel: an id, or -1
-  std::vector<int> categories;         ///< per pixel: a class, or the number of classes where there is none
+  std::vector<int> segments;          ///< per pixel: an id, or -1
+  std::vector<int> categories;        ///< per pixel: a class, or the number of classes where there is none
   std::vector<PanopticSegment> list;  ///< by id
 };
 

@@ -63,7 +63,7 @@ TEST(Panoptic, ThingsOfOneClassStayApartAndStuffIsJoined) {
 
 TEST(Panoptic, UnsureQueriesAndNoObjectsLeaveNothing) {
   Scene scene;
-  scene.add(1, 0, 4, 0.5f);    // a share of less than 0.8
+  scene.add(1, 0, 4, 0.5f);   // a share of less than 0.8
   scene.add(kClasses, 4, 8);  // "no object"
   const PanopticMap map = scene.segments(stuff_is_class_0());
   EXPECT_TRUE(map.list.empty());

@@ -40,7 +40,8 @@ std::vector<float> class_shares(const EomtPrediction& prediction) {
 }
 
 /// Scores [rows, columns, classes] of a window at outputs of the axes that bring its masks to its size.
-FeatureMap scores_at(Compute& compute, const Linear& shares, const EomtPrediction& prediction, const ResampleAxis& rows, const ResampleAxis& columns) {
+FeatureMap scores_at(Compute& compute, const Linear& shares, const EomtPrediction& prediction, const ResampleAxis& rows,
+                     const ResampleAxis& columns) {
   FeatureMap out(rows.outputs(), columns.outputs(), shares.outputs());
   constexpr int64_t kBand = 64;  // rows at a time: masks at the size of the window are large
   for (int64_t begin = 0; begin < out.height; begin += kBand) {
@@ -70,7 +71,8 @@ struct Covered {
 Covered covered_by(const std::vector<int64_t>& places, int64_t begin, int64_t side) {
   Covered covered;
   covered.first = size_t(std::lower_bound(places.begin(), places.end(), begin) - places.begin());
-  for (size_t i = covered.first; i < places.size() && places[i] < begin + side; ++i) covered.outputs.push_back(places[i] - begin);
+  for (size_t i = covered.first; i < places.size() && places[i] < begin + side; ++i)
+    covered.outputs.push_back(places[i] - begin);
   return covered;
 }
 
@@ -104,7 +106,8 @@ EomtPadded eomt_padded(const Image<uint8_t>& photo, int side) {
 }
 
 FeatureMap eomt_window_scores(Compute& compute, const EomtPrediction& prediction, int side) {
-  return scores_at(compute, shares_of(compute, prediction), prediction, bilinear_axis(prediction.masks.height, side, false),
+  return scores_at(compute, shares_of(compute, prediction), prediction,
+                   bilinear_axis(prediction.masks.height, side, false),
                    bilinear_axis(prediction.masks.width, side, false));
 }
 
@@ -122,9 +125,10 @@ FeatureMap eomt_scores(Compute& compute, const Eomt& network, const Image<uint8_
     const Covered down = covered_by(rows.inputs, windows.tall ? start : 0, windows.side);
     const Covered across = covered_by(columns.inputs, windows.tall ? 0 : start, windows.side);
     const EomtPrediction prediction = network(compute, windows.window(i));
-    const FeatureMap scores = scores_at(network.exact(), shares_of(network.exact(), prediction), prediction,
-                                        part_of_axis(bilinear_axis(prediction.masks.height, windows.side, false), down.outputs),
-                                        part_of_axis(bilinear_axis(prediction.masks.width, windows.side, false), across.outputs));
+    const FeatureMap scores =
+        scores_at(network.exact(), shares_of(network.exact(), prediction), prediction,
+                  part_of_axis(bilinear_axis(prediction.masks.height, windows.side, false), down.outputs),
+                  part_of_axis(bilinear_axis(prediction.masks.width, windows.side, false), across.outputs));
     const float* const found = scores.data.data();
     const int64_t line = scores.width * scores.channels;
     compute.for_rows(scores.height, 1, [&](int64_t y, int64_t, Scratch&) {

@@ -16,8 +16,7 @@ struct SampledMap {
 };
 
 /// sum[channels] += weight * map(x, y); the centre of the first place is (0, 0).
-ALIGNGS_HD inline void add_bilinear_sample(const SampledMap& map, float x, float y, float weight,
-                                           float* sum) {
+ALIGNGS_HD inline void add_bilinear_sample(const SampledMap& map, float x, float y, float weight, float* sum) {
   // Also false for NaN and for places so far away that their integer part overflows.
   if (!(x > -1 && y > -1 && x < float(map.width) && y < float(map.height))) return;
   const auto left = int64_t(std::floor(x)), top = int64_t(std::floor(y));

@@ -32,8 +32,8 @@ AlignedBytes operands_of(Compute& compute, const FeatureMap& x, bool relu, Preci
 
 }  // namespace
 
-Convolution::Convolution(const Compute& compute, const ConvolutionShape& shape,
-                         const std::vector<float>& weight, std::vector<float> bias)
+Convolution::Convolution(const Compute& compute, const ConvolutionShape& shape, const std::vector<float>& weight,
+                         std::vector<float> bias)
     : shape_(shape), bias_(std::move(bias)) {
   pack(compute, weight);
 }
@@ -41,8 +41,7 @@ Convolution::Convolution(const Compute& compute, const ConvolutionShape& shape,
 Convolution::Convolution(const Compute& compute, const Weights& weights, const std::string& name,
                          const ConvolutionShape& shape, const BatchNorm* norm)
     : shape_(shape) {
-  std::vector<float> weight =
-      weights.load(name + ".weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel});
+  std::vector<float> weight = weights.load(name + ".weight", {shape.outputs, shape.inputs, shape.kernel, shape.kernel});
   if (weights.has(name + ".bias")) bias_ = weights.load(name + ".bias", {shape.outputs});
   if (norm) {
     if (bias_.empty()) bias_ = Values(static_cast<size_t>(shape.outputs));
@@ -62,8 +61,7 @@ void Convolution::pack(const Compute& compute, const std::vector<float>& weight)
   for (int64_t o = 0; o < shape_.outputs; ++o) {
     for (int64_t i = 0; i < shape_.inputs; ++i) {
       for (int64_t t = 0; t < taps; ++t) {
-        ordered[size_t((o * taps + t) * shape_.inputs + i)] =
-            weight[size_t((o * shape_.inputs + i) * taps + t)];
+        ordered[size_t((o * taps + t) * shape_.inputs + i)] = weight[size_t((o * shape_.inputs + i) * taps + t)];
       }
     }
   }
@@ -71,13 +69,12 @@ void Convolution::pack(const Compute& compute, const std::vector<float>& weight)
   matrix_ = backend.pack(ordered.data(), shape_.outputs, taps * shape_.inputs);
 }
 
-FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x,
-                                   const Options& options) const {
+FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x, const Options& options) const {
   const int64_t k = shape_.kernel, pad = shape_.padding, depth = k * k * shape_.inputs;
   if (x.channels != shape_.inputs || x.height + 2 * pad < k || x.width + 2 * pad < k)
     throw Error({ErrorKind::kFailed, "the map does not fit the convolution", {}, "channels", ""});
-  FeatureMap y((x.height + 2 * pad - k) / shape_.stride + 1,
-               (x.width + 2 * pad - k) / shape_.stride + 1, shape_.outputs);
+  FeatureMap y((x.height + 2 * pad - k) / shape_.stride + 1, (x.width + 2 * pad - k) / shape_.stride + 1,
+               shape_.outputs);
   if (NetworkDevice* const device = compute.device()) {
     device->convolution(*matrix_, x.data.on(*device), {x.height, x.width, x.channels, k, shape_.stride, pad},
                         {bias_.on(*device), options.activation, options.relu_input}, y.data.write_on(*device));
@@ -106,8 +103,7 @@ FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x,
           continue;
         }
         std::memset(out, 0, size_t(from) * pixel);
-        std::memcpy(out + size_t(from) * pixel,
-                    operands.get() + size_t(row * x.width + left + from) * pixel,
+        std::memcpy(out + size_t(from) * pixel, operands.get() + size_t(row * x.width + left + from) * pixel,
                     size_t(to - from) * pixel);
         std::memset(out + size_t(to) * pixel, 0, size_t(k - to) * pixel);
       }
@@ -119,31 +115,26 @@ FeatureMap Convolution::operator()(Compute& compute, const FeatureMap& x,
   return y;
 }
 
-TransposedConvolution::TransposedConvolution(const Compute& compute, int64_t outputs,
-                                             int64_t inputs, int64_t kernel,
-                                             const std::vector<float>& weight,
-                                             std::vector<float> bias)
+TransposedConvolution::TransposedConvolution(const Compute& compute, int64_t outputs, int64_t inputs, int64_t kernel,
+                                             const std::vector<float>& weight, std::vector<float> bias)
     : outputs_(outputs), kernel_(kernel), bias_(std::move(bias)) {
   const int64_t taps = kernel * kernel;
   std::vector<float> ordered(weight.size());  // [taps][outputs][inputs]
   for (int64_t i = 0; i < inputs; ++i) {
     for (int64_t o = 0; o < outputs; ++o) {
       for (int64_t t = 0; t < taps; ++t) {
-        ordered[size_t((t * outputs + o) * inputs + i)] =
-            weight[size_t((i * outputs + o) * taps + t)];
+        ordered[size_t((t * outputs + o) * inputs + i)] = weight[size_t((i * outputs + o) * taps + t)];
       }
     }
   }
   matrix_ = compute.matrices()->pack(ordered.data(), taps * outputs, inputs);
 }
 
-TransposedConvolution::TransposedConvolution(const Compute& compute, const Weights& weights,
-                                             const std::string& name, int64_t outputs,
-                                             int64_t inputs, int64_t kernel)
-    : TransposedConvolution(compute, outputs, inputs, kernel,
-                            weights.load(name + ".weight", {inputs, outputs, kernel, kernel}),
-                            weights.has(name + ".bias") ? weights.load(name + ".bias", {outputs})
-                                                        : std::vector<float>()) {}
+TransposedConvolution::TransposedConvolution(const Compute& compute, const Weights& weights, const std::string& name,
+                                             int64_t outputs, int64_t inputs, int64_t kernel)
+    : TransposedConvolution(
+          compute, outputs, inputs, kernel, weights.load(name + ".weight", {inputs, outputs, kernel, kernel}),
+          weights.has(name + ".bias") ? weights.load(name + ".bias", {outputs}) : std::vector<float>()) {}
 
 FeatureMap TransposedConvolution::operator()(Compute& compute, const FeatureMap& x) const {
   FeatureMap y(x.height * kernel_, x.width * kernel_, outputs_);
@@ -163,16 +154,14 @@ FeatureMap TransposedConvolution::operator()(Compute& compute, const FeatureMap&
       for (int64_t t = 0; t < taps; ++t) {
         const float* from = products + (i * taps + t) * outputs_;
         float* to = y.at(row * kernel_ + t / kernel_, column * kernel_ + t % kernel_);
-        for (int64_t o = 0; o < outputs_; ++o)
-          to[o] = from[o] + (bias_.empty() ? 0.0f : bias_[size_t(o)]);
+        for (int64_t o = 0; o < outputs_; ++o) to[o] = from[o] + (bias_.empty() ? 0.0f : bias_[size_t(o)]);
       }
     }
   });
   return y;
 }
 
-DepthwiseConvolution::DepthwiseConvolution(const std::vector<float>& weight,
-                                           std::vector<float> bias)
+DepthwiseConvolution::DepthwiseConvolution(const std::vector<float>& weight, std::vector<float> bias)
     : weight_(weight.size()), bias_(std::move(bias)) {
   const size_t channels = bias_.size();
   float* const ordered = weight_.data();
@@ -181,18 +170,16 @@ DepthwiseConvolution::DepthwiseConvolution(const std::vector<float>& weight,
   }
 }
 
-DepthwiseConvolution::DepthwiseConvolution(const Weights& weights, const std::string& name,
-                                           int64_t channels)
+DepthwiseConvolution::DepthwiseConvolution(const Weights& weights, const std::string& name, int64_t channels)
     : DepthwiseConvolution(weights.load(name + ".weight", {channels, 1, 3, 3}),
                            weights.load(name + ".bias", {channels})) {}
 
-void DepthwiseConvolution::apply_on(NetworkDevice& device, const float* x, int64_t height,
-                                    int64_t width, float* y) const {
+void DepthwiseConvolution::apply_on(NetworkDevice& device, const float* x, int64_t height, int64_t width,
+                                    float* y) const {
   device.depthwise(x, height, width, int64_t(bias_.size()), weight_.on(device), bias_.on(device), y);
 }
 
-void DepthwiseConvolution::apply(Compute& compute, const float* x, int64_t height, int64_t width,
-                                 float* y) const {
+void DepthwiseConvolution::apply(Compute& compute, const float* x, int64_t height, int64_t width, float* y) const {
   const int64_t channels = int64_t(bias_.size());
   compute.for_rows(height, 1, [&](int64_t row, int64_t, Scratch&) {
     for (int64_t column = 0; column < width; ++column) {
@@ -240,9 +227,8 @@ FeatureMap max_pool_2x2(Compute& compute, const FeatureMap& x) {
     for (int64_t column = 0; column < y.width; ++column) {
       float* out = y.at(row, column);
       for (int64_t c = 0; c < y.channels; ++c) {
-        out[c] = std::max(
-            std::max(x.at(2 * row, 2 * column)[c], x.at(2 * row, 2 * column + 1)[c]),
-            std::max(x.at(2 * row + 1, 2 * column)[c], x.at(2 * row + 1, 2 * column + 1)[c]));
+        out[c] = std::max(std::max(x.at(2 * row, 2 * column)[c], x.at(2 * row, 2 * column + 1)[c]),
+                          std::max(x.at(2 * row + 1, 2 * column)[c], x.at(2 * row + 1, 2 * column + 1)[c]));
       }
     }
   });

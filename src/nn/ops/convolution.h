@@ -26,20 +26,18 @@ class Convolution {
  public:
   Convolution() = default;
   /// weight [outputs, inputs, kernel, kernel]; bias [outputs] or empty.
-  Convolution(const Compute& compute, const ConvolutionShape& shape,
-              const std::vector<float>& weight, std::vector<float> bias);
+  Convolution(const Compute& compute, const ConvolutionShape& shape, const std::vector<float>& weight,
+              std::vector<float> bias);
   /// `name`.weight and, when there is one, `name`.bias; `norm` (may be null) is folded in.
-  Convolution(const Compute& compute, const Weights& weights, const std::string& name,
-              const ConvolutionShape& shape, const BatchNorm* norm = nullptr);
+  Convolution(const Compute& compute, const Weights& weights, const std::string& name, const ConvolutionShape& shape,
+              const BatchNorm* norm = nullptr);
 
   struct Options {
     bool relu_input = false;
     Activation activation = Activation::kNone;
   };
   FeatureMap operator()(Compute& compute, const FeatureMap& x, const Options& options) const;
-  FeatureMap operator()(Compute& compute, const FeatureMap& x) const {
-    return (*this)(compute, x, Options());
-  }
+  FeatureMap operator()(Compute& compute, const FeatureMap& x) const { return (*this)(compute, x, Options()); }
   const ConvolutionShape& shape() const { return shape_; }
 
  private:
@@ -57,8 +55,8 @@ class TransposedConvolution {
   /// weight [inputs, outputs, kernel, kernel]; bias [outputs] or empty.
   TransposedConvolution(const Compute& compute, int64_t outputs, int64_t inputs, int64_t kernel,
                         const std::vector<float>& weight, std::vector<float> bias);
-  TransposedConvolution(const Compute& compute, const Weights& weights, const std::string& name,
-                        int64_t outputs, int64_t inputs, int64_t kernel);
+  TransposedConvolution(const Compute& compute, const Weights& weights, const std::string& name, int64_t outputs,
+                        int64_t inputs, int64_t kernel);
   FeatureMap operator()(Compute& compute, const FeatureMap& x) const;
 
  private:

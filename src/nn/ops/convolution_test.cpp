@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "nn/ops/resize.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {
@@ -15,8 +15,8 @@ FeatureMap random_map(int64_t height, int64_t width, int64_t channels) {
   return map;
 }
 
-float plain(const FeatureMap& x, const std::vector<float>& w, const ConvolutionShape& s, int64_t y,
-            int64_t column, int64_t o) {
+float plain(const FeatureMap& x, const std::vector<float>& w, const ConvolutionShape& s, int64_t y, int64_t column,
+            int64_t o) {
   double sum = 0;
   for (int64_t ky = 0; ky < s.kernel; ++ky) {
     for (int64_t kx = 0; kx < s.kernel; ++kx) {
@@ -35,9 +35,8 @@ TEST(Convolution, IsItsDefinition) {
   ThreadPool pool(2);
   Compute compute(pool);
   for (const ConvolutionShape& s :
-       {ConvolutionShape{5, 3, 3, 1, 1}, ConvolutionShape{4, 2, 3, 2, 1},
-        ConvolutionShape{3, 3, 7, 7, 0}, ConvolutionShape{2, 6, 1, 1, 0},
-        ConvolutionShape{2, 3, 5, 1, 2}}) {
+       {ConvolutionShape{5, 3, 3, 1, 1}, ConvolutionShape{4, 2, 3, 2, 1}, ConvolutionShape{3, 3, 7, 7, 0},
+        ConvolutionShape{2, 6, 1, 1, 0}, ConvolutionShape{2, 3, 5, 1, 2}}) {
     const std::vector<float> w = random_values(size_t(s.outputs * s.inputs * s.kernel * s.kernel));
     const FeatureMap x = random_map(14, 21, s.inputs);
     const FeatureMap y = Convolution(compute, s, w, {})(compute, x);

@@ -6,8 +6,7 @@
 
 namespace aligngs::nn {
 
-DeformableAttention::DeformableAttention(const Compute& compute, const Weights& weights,
-                                         int64_t levels, int64_t heads)
+DeformableAttention::DeformableAttention(const Compute& compute, const Weights& weights, int64_t levels, int64_t heads)
     : levels_(levels) {
   const int64_t channels = weights.dimension("sampling_offsets.weight", 1);
   const int64_t offsets = weights.dimension("sampling_offsets.weight", 0);
@@ -17,8 +16,8 @@ DeformableAttention::DeformableAttention(const Compute& compute, const Weights& 
   points_ = heads_ > 0 ? offsets / (levels * heads_ * 2) : 0;
   if (points_ < 1 || points_ * levels * heads_ * 2 != offsets || inner % heads_ != 0) {
     throw Error({ErrorKind::kWeights,
-                 std::to_string(offsets) + " sampling offsets do not fit " +
-                     std::to_string(levels) + " levels and " + std::to_string(heads_) + " heads",
+                 std::to_string(offsets) + " sampling offsets do not fit " + std::to_string(levels) + " levels and " +
+                     std::to_string(heads_) + " heads",
                  {},
                  "sampling_offsets.weight",
                  "set the number of heads"});
@@ -30,17 +29,24 @@ DeformableAttention::DeformableAttention(const Compute& compute, const Weights& 
   output_ = Linear(compute, weights, "output_proj", channels, inner);
 }
 
-Matrix DeformableAttention::operator()(Compute& compute, const Matrix& query,
-                                       const Matrix& reference, const Matrix& value,
-                                       const std::vector<MapSize>& levels) const {
+Matrix DeformableAttention::operator()(Compute& compute, const Matrix& query, const Matrix& reference,
+                                       const Matrix& value, const std::vector<MapSize>& levels) const {
   const Matrix values = value_(compute, value);
   const int64_t width = values.columns, dim = width / heads_, samples = levels_ * points_;
   const int64_t reference_levels = reference.columns / 2;
   if (NetworkDevice* const device = compute.device()) {
     Matrix offsets = offsets_(compute, query), attention = weights_(compute, query);
     device->softmax_rows(attention.data.change_on(*device), query.rows * heads_, samples);
-    DeformableSamples places{query.rows, heads_, dim, points_, reference.data.on(*device), reference_levels,
-                             offsets.data.on(*device), attention.data.on(*device), values.data.on(*device), {}};
+    DeformableSamples places{query.rows,
+                             heads_,
+                             dim,
+                             points_,
+                             reference.data.on(*device),
+                             reference_levels,
+                             offsets.data.on(*device),
+                             attention.data.on(*device),
+                             values.data.on(*device),
+                             {}};
     for (const MapSize& size : levels) {
       places.sizes.push_back(size.height);
       places.sizes.push_back(size.width);
@@ -70,8 +76,7 @@ Matrix DeformableAttention::operator()(Compute& compute, const Matrix& query,
           const int64_t sample = i * samples + l * points_ + p;
           const float x = centre[0] * float(size.width) + offsets[sample * 2] - 0.5f;
           const float y = centre[1] * float(size.height) + offsets[sample * 2 + 1] - 0.5f;
-          add_bilinear_sample({level_values, width, dim, size.height, size.width}, x, y,
-                              attention[sample], sum);
+          add_bilinear_sample({level_values, width, dim, size.height, size.width}, x, y, attention[sample], sum);
         }
         level_values += size.places() * width;
       }

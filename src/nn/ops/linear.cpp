@@ -4,12 +4,12 @@
 
 namespace aligngs::nn {
 
-Linear::Linear(const Compute& compute, const std::vector<float>& weight, int64_t outputs,
-               int64_t inputs, std::vector<float> bias)
+Linear::Linear(const Compute& compute, const std::vector<float>& weight, int64_t outputs, int64_t inputs,
+               std::vector<float> bias)
     : matrix_(compute.matrices()->pack(weight.data(), outputs, inputs)), bias_(std::move(bias)) {}
 
-Linear::Linear(const Compute& compute, const Weights& weights, const std::string& name,
-               int64_t outputs, int64_t inputs, bool exact) {
+Linear::Linear(const Compute& compute, const Weights& weights, const std::string& name, int64_t outputs, int64_t inputs,
+               bool exact) {
   Shape shape = {outputs, inputs};
   if (weights.has(name + ".weight") && weights.shape(name + ".weight").size() == 4)
     shape = {outputs, inputs, 1, 1};  // a convolution of one pixel
@@ -18,8 +18,7 @@ Linear::Linear(const Compute& compute, const Weights& weights, const std::string
   if (weights.has(name + ".bias")) bias_ = weights.load(name + ".bias", {outputs});
 }
 
-void Linear::rows(const float* x, int64_t rows, float* y, Scratch& scratch,
-                  Activation activation) const {
+void Linear::rows(const float* x, int64_t rows, float* y, Scratch& scratch, Activation activation) const {
   matrix_->multiply(x, rows, y, scratch);
   add_bias_and_activate(y, rows, outputs(), bias(), activation);
 }
@@ -30,8 +29,7 @@ Matrix Linear::product_on(NetworkDevice& device, const Matrix& x) const {
   return y;
 }
 
-void Linear::apply(Compute& compute, const Values& x, int64_t row_count, Values& y,
-                   Activation activation) const {
+void Linear::apply(Compute& compute, const Values& x, int64_t row_count, Values& y, Activation activation) const {
   if (NetworkDevice* const device = compute.device()) {
     const ProductEnds ends{bias_.on(*device), activation, false};
     device->product(*matrix_, x.on(*device), row_count, ends, y.write_on(*device));

@@ -21,8 +21,8 @@ class Linear {
   /// `name`.weight [outputs, inputs] (or [outputs, inputs, 1, 1]) and, when there is one,
   /// `name`.bias.
   /// exact: in float32 whatever the precision.
-  Linear(const Compute& compute, const Weights& weights, const std::string& name, int64_t outputs,
-         int64_t inputs, bool exact = false);
+  Linear(const Compute& compute, const Weights& weights, const std::string& name, int64_t outputs, int64_t inputs,
+         bool exact = false);
 
   bool empty() const { return !matrix_; }
   int64_t inputs() const { return matrix_->inputs(); }
@@ -34,16 +34,13 @@ class Linear {
     matrix_->multiply(x, rows, y, scratch);
   }
   /// On the calling thread.
-  void rows(const float* x, int64_t rows, float* y, Scratch& scratch,
-            Activation activation = Activation::kNone) const;
+  void rows(const float* x, int64_t rows, float* y, Scratch& scratch, Activation activation = Activation::kNone) const;
   /// The product alone, on a device.
   Matrix product_on(NetworkDevice& device, const Matrix& x) const;
   const Values& bias_values() const { return bias_; }
   /// On all threads, or on the device.
-  Matrix operator()(Compute& compute, const Matrix& x,
-                    Activation activation = Activation::kNone) const;
-  FeatureMap operator()(Compute& compute, const FeatureMap& x,
-                        Activation activation = Activation::kNone) const;
+  Matrix operator()(Compute& compute, const Matrix& x, Activation activation = Activation::kNone) const;
+  FeatureMap operator()(Compute& compute, const FeatureMap& x, Activation activation = Activation::kNone) const;
 
  private:
   void apply(Compute& compute, const Values& x, int64_t rows, Values& y, Activation activation) const;

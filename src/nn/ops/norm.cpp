@@ -16,9 +16,7 @@ constexpr int64_t kRowChunk = 256;
 }  // namespace
 
 LayerNorm::LayerNorm(const Weights& weights, const std::string& name, int64_t channels, float eps)
-    : weight_(weights.load(name + ".weight", {channels})),
-      bias_(weights.load(name + ".bias", {channels})),
-      eps_(eps) {}
+    : weight_(weights.load(name + ".weight", {channels})), bias_(weights.load(name + ".bias", {channels})), eps_(eps) {}
 
 void LayerNorm::rows(const float* x, int64_t rows, float* y) const {
   layer_norm(x, rows, channels(), weight_.data(), bias_.data(), eps_, y);
@@ -31,9 +29,8 @@ Matrix LayerNorm::operator()(Compute& compute, const Matrix& x) const {
                        y.data.write_on(*device));
     return y;
   }
-  compute.for_rows(x.rows, kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
-    rows(x.row(begin), count, y.row(begin));
-  });
+  compute.for_rows(x.rows, kRowChunk,
+                   [&](int64_t begin, int64_t count, Scratch&) { rows(x.row(begin), count, y.row(begin)); });
   return y;
 }
 
@@ -41,18 +38,15 @@ GroupNorm::GroupNorm(std::vector<float> weight, std::vector<float> bias, int64_t
     : weight_(std::move(weight)), bias_(std::move(bias)), groups_(groups) {
   if (groups <= 0 || int64_t(weight_.size()) % groups != 0) {
     throw Error({ErrorKind::kWeights,
-                 std::to_string(weight_.size()) + " channels do not divide into " +
-                     std::to_string(groups) + " groups",
+                 std::to_string(weight_.size()) + " channels do not divide into " + std::to_string(groups) + " groups",
                  {},
                  "group norm",
                  "set the number of groups"});
   }
 }
 
-GroupNorm::GroupNorm(const Weights& weights, const std::string& name, int64_t channels,
-                     int64_t groups)
-    : GroupNorm(weights.load(name + ".weight", {channels}),
-                weights.load(name + ".bias", {channels}), groups) {}
+GroupNorm::GroupNorm(const Weights& weights, const std::string& name, int64_t channels, int64_t groups)
+    : GroupNorm(weights.load(name + ".weight", {channels}), weights.load(name + ".bias", {channels}), groups) {}
 
 void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   if (NetworkDevice* const device = compute.device()) {
@@ -65,9 +59,8 @@ void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   const int64_t chunks = (places + kRowChunk - 1) / kRowChunk;
   std::vector<double> sums(size_t(chunks * groups_)), squares(sums.size());
   const auto over_chunks = [&](const std::function<void(int64_t, int64_t, int64_t)>& body) {
-    compute.for_rows(places, kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
-      body(begin / kRowChunk, begin, count);
-    });
+    compute.for_rows(places, kRowChunk,
+                     [&](int64_t begin, int64_t count, Scratch&) { body(begin / kRowChunk, begin, count); });
   };
   const auto total = [&](const std::vector<double>& parts, int64_t group) {
     double sum = 0;
@@ -109,8 +102,8 @@ void GroupNorm::apply(Compute& compute, FeatureMap& x, bool relu) const {
   });
 }
 
-BatchNorm::BatchNorm(const std::vector<float>& weight, const std::vector<float>& bias,
-                     const std::vector<float>& mean, const std::vector<float>& variance)
+BatchNorm::BatchNorm(const std::vector<float>& weight, const std::vector<float>& bias, const std::vector<float>& mean,
+                     const std::vector<float>& variance)
     : scale(weight.size()), shift(weight.size()) {
   for (size_t c = 0; c < weight.size(); ++c) {
     const double s = double(weight[c]) / std::sqrt(double(variance[c]) + kGroupNormEps);
@@ -120,10 +113,8 @@ BatchNorm::BatchNorm(const std::vector<float>& weight, const std::vector<float>&
 }
 
 BatchNorm::BatchNorm(const Weights& weights, const std::string& name, int64_t channels)
-    : BatchNorm(weights.load(name + ".weight", {channels}),
-                weights.load(name + ".bias", {channels}),
-                weights.load(name + ".running_mean", {channels}),
-                weights.load(name + ".running_var", {channels})) {}
+    : BatchNorm(weights.load(name + ".weight", {channels}), weights.load(name + ".bias", {channels}),
+                weights.load(name + ".running_mean", {channels}), weights.load(name + ".running_var", {channels})) {}
 
 void BatchNorm::apply(Compute& compute, FeatureMap& x) const {
   if (NetworkDevice* const device = compute.device()) {
@@ -133,8 +124,7 @@ void BatchNorm::apply(Compute& compute, FeatureMap& x) const {
   compute.for_rows(x.places(), kRowChunk, [&](int64_t begin, int64_t count, Scratch&) {
     for (int64_t p = begin; p < begin + count; ++p) {
       float* row = x.data.data() + p * x.channels;
-      for (int64_t c = 0; c < x.channels; ++c)
-        row[c] = row[c] * scale[size_t(c)] + shift[size_t(c)];
+      for (int64_t c = 0; c < x.channels; ++c) row[c] = row[c] * scale[size_t(c)] + shift[size_t(c)];
     }
   });
 }

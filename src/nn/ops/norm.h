@@ -48,8 +48,8 @@ struct BatchNorm {
   BatchNorm() = default;
   /// weight, bias, running_mean, running_var below `name`.
   BatchNorm(const Weights& weights, const std::string& name, int64_t channels);
-  BatchNorm(const std::vector<float>& weight, const std::vector<float>& bias,
-            const std::vector<float>& mean, const std::vector<float>& variance);
+  BatchNorm(const std::vector<float>& weight, const std::vector<float>& bias, const std::vector<float>& mean,
+            const std::vector<float>& variance);
   void apply(Compute& compute, FeatureMap& x) const;
 };
 

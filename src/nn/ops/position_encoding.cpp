@@ -59,10 +59,8 @@ FeatureMap sine_encoding(int64_t height, int64_t width, int64_t features) {
     }
   };
   // y is the same in every column and x in every row.
-  for (int64_t y = 0; y < height; ++y)
-    encode(out.at(y, 0), double(y + 1) / (double(height) + kEps) * kTwoPi);
-  for (int64_t x = 0; x < width; ++x)
-    encode(out.at(0, x) + features, double(x + 1) / (double(width) + kEps) * kTwoPi);
+  for (int64_t y = 0; y < height; ++y) encode(out.at(y, 0), double(y + 1) / (double(height) + kEps) * kTwoPi);
+  for (int64_t x = 0; x < width; ++x) encode(out.at(0, x) + features, double(x + 1) / (double(width) + kEps) * kTwoPi);
   for (int64_t y = 0; y < height; ++y) {
     for (int64_t x = 0; x < width; ++x) {
       if (x > 0) std::copy_n(out.at(y, 0), features, out.at(y, x));

@@ -18,8 +18,7 @@ double cubic(double t, double a) {
 }
 
 ResampleAxis axis_of(int64_t inputs, int64_t outputs) {
-  if (inputs <= 0 || outputs <= 0)
-    throw Error({ErrorKind::kFailed, "resizing to or from nothing", {}, "size", ""});
+  if (inputs <= 0 || outputs <= 0) throw Error({ErrorKind::kFailed, "resizing to or from nothing", {}, "size", ""});
   ResampleAxis axis;
   axis.inputs = inputs;
   axis.first.push_back(0);
@@ -78,8 +77,7 @@ ResampleAxis antialiased_bicubic_axis(int64_t inputs, int64_t outputs, double st
     constexpr double kA = -0.5;
     double total = 0;
     for (int64_t k = low; k < high; ++k) total += cubic((double(k) + 0.5 - centre) / widening, kA);
-    for (int64_t k = low; k < high; ++k)
-      add_tap(axis, k, cubic((double(k) + 0.5 - centre) / widening, kA) / total);
+    for (int64_t k = low; k < high; ++k) add_tap(axis, k, cubic((double(k) + 0.5 - centre) / widening, kA) / total);
     end_output(axis);
   }
   return axis;
@@ -118,7 +116,8 @@ UsedInputs used_inputs(const ResampleAxis& axis) {
   UsedInputs used{axis.index, axis};
   std::sort(used.inputs.begin(), used.inputs.end());
   used.inputs.erase(std::unique(used.inputs.begin(), used.inputs.end()), used.inputs.end());
-  for (int64_t& index : used.axis.index) index = std::lower_bound(used.inputs.begin(), used.inputs.end(), index) - used.inputs.begin();
+  for (int64_t& index : used.axis.index)
+    index = std::lower_bound(used.inputs.begin(), used.inputs.end(), index) - used.inputs.begin();
   used.axis.inputs = int64_t(used.inputs.size());
   return used;
 }
@@ -141,8 +140,7 @@ FeatureMap resample(Compute& compute, const FeatureMap& x, const ResampleAxis& v
     }
     for (int64_t column = 0; column < y.width; ++column) {
       float* out = y.at(row, column);
-      for (int64_t t = horizontal.first[size_t(column)]; t < horizontal.first[size_t(column) + 1];
-           ++t) {
+      for (int64_t t = horizontal.first[size_t(column)]; t < horizontal.first[size_t(column) + 1]; ++t) {
         const float w = horizontal.weight[size_t(t)];
         const float* from = mixed + horizontal.index[size_t(t)] * x.channels;
         for (int64_t c = 0; c < x.channels; ++c) out[c] += w * from[c];

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::nn {
 namespace {

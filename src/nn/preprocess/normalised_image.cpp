@@ -9,15 +9,13 @@ namespace aligngs::nn {
 FeatureMap normalised_image(const Image<uint8_t>& rgb) {
   constexpr float kMean[3] = {123.675f, 116.28f, 103.53f}, kStd[3] = {58.395f, 57.12f, 57.375f};
   FeatureMap out(rgb.height, rgb.width, 3);
-  for (size_t i = 0; i < out.data.size(); ++i)
-    out.data[i] = (float(rgb.data[i]) - kMean[i % 3]) / kStd[i % 3];
+  for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = (float(rgb.data[i]) - kMean[i % 3]) / kStd[i % 3];
   return out;
 }
 
 void normalise_unit_image(FeatureMap& image) {
   constexpr float kMean[3] = {0.485f, 0.456f, 0.406f}, kStd[3] = {0.229f, 0.224f, 0.225f};
-  for (size_t i = 0; i < image.data.size(); ++i)
-    image.data[i] = (image.data[i] - kMean[i % 3]) / kStd[i % 3];
+  for (size_t i = 0; i < image.data.size(); ++i) image.data[i] = (image.data[i] - kMean[i % 3]) / kStd[i % 3];
 }
 
 namespace {
@@ -34,9 +32,7 @@ ImageSize kept_ratio(int width, int height, const SegmentationResize& resize) {
 ImageSize segmentation_size(int width, int height, const SegmentationResize& resize) {
   const ImageSize size = kept_ratio(width, height, resize);
   if (resize.multiple <= 0) return size;
-  const auto up = [&](int n) {
-    return (n + resize.multiple - 1) / resize.multiple * resize.multiple;
-  };
+  const auto up = [&](int n) { return (n + resize.multiple - 1) / resize.multiple * resize.multiple; };
   return {up(size.width), up(size.height)};
 }
 

@@ -65,7 +65,8 @@ Image<uint8_t> opencv_resize_area(const Image<uint8_t>& image, int width, int he
   };
   if (is_whole(step_of(image.width, width)) && is_whole(step_of(image.height, height)))
     return mean_of_cells(image, width, height);
-  const std::vector<std::vector<AreaTap>> columns = area_taps_of(image.width, width), rows = area_taps_of(image.height, height);
+  const std::vector<std::vector<AreaTap>> columns = area_taps_of(image.width, width),
+                                          rows = area_taps_of(image.height, height);
   const int channels = image.channels;
   const size_t line = size_t(width) * size_t(channels);
   // A row mixed horizontally; those of two outputs overlap by one input at most.

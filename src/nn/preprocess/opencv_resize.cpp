@@ -50,8 +50,7 @@ Image<uint8_t> opencv_resize_linear(const Image<uint8_t>& image, int width, int 
   Image<uint8_t> out(width, height, channels);
   const auto mixed = [&](int x, int y, int c) {
     const LinearTaps& taps = columns[size_t(x)];
-    return int(image.at(taps.low, y, c)) * taps.low_weight +
-           int(image.at(taps.high, y, c)) * taps.high_weight;
+    return int(image.at(taps.low, y, c)) * taps.low_weight + int(image.at(taps.high, y, c)) * taps.high_weight;
   };
   for (int y = 0; y < height; ++y) {
     const LinearTaps& taps = rows[size_t(y)];

@@ -73,8 +73,7 @@ Image<uint8_t> resized(const Image<uint8_t>& image, int width, int height, const
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < width; ++x) {
         for (int c = 0; c < channels; ++c) {
-          wide.at(x, y, c) =
-              mix(&image.at(taps[size_t(x)].first, y, c), size_t(channels), taps[size_t(x)]);
+          wide.at(x, y, c) = mix(&image.at(taps[size_t(x)].first, y, c), size_t(channels), taps[size_t(x)]);
         }
       }
     }

@@ -45,8 +45,7 @@ TEST(RgbOnWhite, GreyBecomesRgb) {
 }
 
 TEST(VggtImages, SidesAreMultiplesOfThePatchAndThePlacementFits) {
-  for (const auto& [width, height] :
-       {std::pair(640, 480), std::pair(480, 640), std::pair(50, 51)}) {
+  for (const auto& [width, height] : {std::pair(640, 480), std::pair(480, 640), std::pair(50, 51)}) {
     for (const VggtFit fit : {VggtFit::kCrop, VggtFit::kPad}) {
       VggtPlacement place;
       const Image<uint8_t> image = vggt_image(picture(width, height), fit, &place);

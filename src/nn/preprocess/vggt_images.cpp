@@ -9,17 +9,14 @@ namespace aligngs::nn {
 namespace {
 
 /// Python's round(value / 14) * 14: halves to the even multiple.
-int to_patches(double value) {
-  return std::max(int(std::nearbyint(value / kVggtPatch)), 1) * kVggtPatch;
-}
+int to_patches(double value) { return std::max(int(std::nearbyint(value / kVggtPatch)), 1) * kVggtPatch; }
 
 /// The image in the middle of a larger one, the smaller margin first.
 Image<uint8_t> centred(const Image<uint8_t>& image, int width, int height, uint8_t fill) {
   Image<uint8_t> out(width, height, image.channels, fill);
   const int left = (width - image.width) / 2, top = (height - image.height) / 2;
   const size_t line = size_t(image.width) * size_t(image.channels);
-  for (int y = 0; y < image.height; ++y)
-    std::copy_n(image.pixel(0, y), line, out.pixel(left, top + y));
+  for (int y = 0; y < image.height; ++y) std::copy_n(image.pixel(0, y), line, out.pixel(left, top + y));
   return out;
 }
 

@@ -20,12 +20,10 @@ enum class VggtFit {
 using VggtPlacement = ImagePlacement;
 
 /// RGB of 8 bits. Grey and RGBA images are accepted (alpha over white).
-Image<uint8_t> vggt_image(const Image<uint8_t>& photo, VggtFit fit,
-                          VggtPlacement* placement = nullptr);
+Image<uint8_t> vggt_image(const Image<uint8_t>& photo, VggtFit fit, VggtPlacement* placement = nullptr);
 
 /// Pads all with white to the largest height and width, centred.
-void vggt_common_size(std::vector<Image<uint8_t>>& images,
-                      std::vector<VggtPlacement>* placements = nullptr);
+void vggt_common_size(std::vector<Image<uint8_t>>& images, std::vector<VggtPlacement>* placements = nullptr);
 
 struct VggtSquare {
   Image<uint8_t> image;

@@ -37,7 +37,8 @@ class Plan {
     // The names of large things first: one that would cover another text is left out.
     std::vector<const MeasuredBox*> boxes;
     for (const MeasuredBox& box : room_.boxes) boxes.push_back(&box);
-    std::stable_sort(boxes.begin(), boxes.end(), [](auto* a, auto* b) { return a->width * a->depth > b->width * b->depth; });
+    std::stable_sort(boxes.begin(), boxes.end(),
+                     [](auto* a, auto* b) { return a->width * a->depth > b->width * b->depth; });
     for (const MeasuredBox* box : boxes) draw_box(*box);
     frame();
     draw_scale_bar();
@@ -49,7 +50,8 @@ class Plan {
   void add(PlanLayer layer, std::vector<Vec2d> points, bool closed = false, bool dashed = false) {
     out_.paths.push_back({layer, std::move(points), closed, dashed});
   }
-  void write(PlanLayer layer, const Vec2d& place, std::string text, double turn = 0, PlanAnchor anchor = PlanAnchor::kMiddle) {
+  void write(PlanLayer layer, const Vec2d& place, std::string text, double turn = 0,
+             PlanAnchor anchor = PlanAnchor::kMiddle) {
     out_.texts.push_back({layer, place, std::move(text), paper(s_.text), turn, anchor});
   }
 
@@ -65,12 +67,15 @@ class Plan {
     double at = 0;
     std::vector<double> stops = {0};
     for (const MeasuredOpening* o : holes) {
-      if (o->left > at) add(PlanLayer::kWalls, {millimetres(wall.at(at, 0)), millimetres(wall.at(o->left, 0))}, false, wall.assumed);
+      if (o->left > at)
+        add(PlanLayer::kWalls, {millimetres(wall.at(at, 0)), millimetres(wall.at(o->left, 0))}, false, wall.assumed);
       at = std::max(at, o->right);
       draw_opening(wall, *o);
       stops.insert(stops.end(), {o->left, o->right});
     }
-    if (wall.length() > at) add(PlanLayer::kWalls, {millimetres(wall.at(at, 0)), millimetres(wall.at(wall.length(), 0))}, false, wall.assumed);
+    if (wall.length() > at)
+      add(PlanLayer::kWalls, {millimetres(wall.at(at, 0)), millimetres(wall.at(wall.length(), 0))}, false,
+          wall.assumed);
     stops.push_back(wall.length());
     if (!holes.empty()) draw_chain(wall, stops, 1);
     draw_chain(wall, {0, wall.length()}, holes.empty() ? 1 : 2);
@@ -80,14 +85,19 @@ class Plan {
     const Vec2d a = millimetres(wall.at(o.left, 0)), b = millimetres(wall.at(o.right, 0));
     const Vec2d out{-wall.normal.x, -wall.normal.y};
     add(PlanLayer::kOpenings, {a, plus(a, out, kPaneGap), plus(b, out, kPaneGap), b}, true);
-    if (o.kind == OpeningKind::kWindow) add(PlanLayer::kOpenings, {plus(a, out, kPaneGap / 2), plus(b, out, kPaneGap / 2)});
+    if (o.kind == OpeningKind::kWindow)
+      add(PlanLayer::kOpenings, {plus(a, out, kPaneGap / 2), plus(b, out, kPaneGap / 2)});
     const Vec2d middle = millimetres(wall.at((o.left + o.right) / 2, 0));
     const Vec2d along{b.x - a.x, b.y - a.y};
-    const std::string size = o.kind == OpeningKind::kWindow ? fmt::format("{:.2f} / sill {:.2f}", o.top - o.bottom, o.bottom) : fmt::format("h {:.2f}", o.top);
+    const std::string size = o.kind == OpeningKind::kWindow
+                                 ? fmt::format("{:.2f} / sill {:.2f}", o.top - o.bottom, o.bottom)
+                                 : fmt::format("h {:.2f}", o.top);
     // The middle of the letters is one letter's height from the wall, whichever side is up for them.
     const double turn = readable_turn(along);
     const Vec2d up{-std::sin(turn * kRadiansPerDegree), std::cos(turn * kRadiansPerDegree)};
-    write(PlanLayer::kOpenings, plus(plus(middle, {wall.normal.x, wall.normal.y}, 1.2 * paper(s_.text)), up, -paper(s_.text) / 2), size, turn);
+    write(PlanLayer::kOpenings,
+          plus(plus(middle, {wall.normal.x, wall.normal.y}, 1.2 * paper(s_.text)), up, -paper(s_.text) / 2), size,
+          turn);
   }
 
   /// A line beside a wall with strokes at `stops` (along the wall, metres) and lengths between them.
@@ -125,20 +135,24 @@ class Plan {
     const Vec2d up{-std::sin(turn * kRadiansPerDegree), std::cos(turn * kRadiansPerDegree)};
     const Vec2d centre{box.centre.x * kMillimetres, box.centre.y * kMillimetres};
     if (covers_text(centre, box.class_name, turn)) return;
-    write(PlanLayer::kFurniture, plus({box.centre.x * kMillimetres, box.centre.y * kMillimetres}, up, -paper(s_.text) / 2), box.class_name, turn);
+    write(PlanLayer::kFurniture,
+          plus({box.centre.x * kMillimetres, box.centre.y * kMillimetres}, up, -paper(s_.text) / 2), box.class_name,
+          turn);
   }
 
   /// Whether a text about `centre` would cover one that is there, by the boxes of both.
   bool covers_text(const Vec2d& centre, const std::string& text, double turn) const {
     const double height = paper(s_.text);
     const auto half = [height](const std::string& letters, double degrees) {
-      const double c = std::abs(std::cos(degrees * kRadiansPerDegree)), s = std::abs(std::sin(degrees * kRadiansPerDegree));
+      const double c = std::abs(std::cos(degrees * kRadiansPerDegree)),
+                   s = std::abs(std::sin(degrees * kRadiansPerDegree));
       const double width = kLetterWidth * height * static_cast<double>(letters.size());
       return Vec2d{(c * width + s * height) / 2, (s * width + c * height) / 2};
     };
     const Vec2d own = half(text, turn);
     return std::any_of(out_.texts.begin(), out_.texts.end(), [&](const PlanText& other) {
-      const double up = height / 2, x = other.place.x - std::sin(other.turn * kRadiansPerDegree) * up, y = other.place.y + std::cos(other.turn * kRadiansPerDegree) * up;
+      const double up = height / 2, x = other.place.x - std::sin(other.turn * kRadiansPerDegree) * up,
+                   y = other.place.y + std::cos(other.turn * kRadiansPerDegree) * up;
       const Vec2d its = half(other.text, other.turn);
       return std::abs(x - centre.x) < own.x + its.x && std::abs(y - centre.y) < own.y + its.y;
     });
@@ -182,7 +196,8 @@ class Plan {
       add(PlanLayer::kText, {{x + at * kMillimetres, y}, {x + at * kMillimetres, y + tick}});
       write(PlanLayer::kText, {x + at * kMillimetres, y + 1.5 * tick}, fmt::format("{:.0f} m", at));
     }
-    write(PlanLayer::kText, {x, y - 1.6 * paper(s_.text)}, fmt::format("1:{:.0f}, scale by {}", s_.scale, aligngs::name_of(room_.scale_source)), 0, PlanAnchor::kLeft);
+    write(PlanLayer::kText, {x, y - 1.6 * paper(s_.text)},
+          fmt::format("1:{:.0f}, scale by {}", s_.scale, aligngs::name_of(room_.scale_source)), 0, PlanAnchor::kLeft);
   }
 
   const MeasuredRoom& room_;
@@ -194,11 +209,16 @@ class Plan {
 
 const char* name_of(PlanLayer layer) {
   switch (layer) {
-    case PlanLayer::kWalls: return "WALLS";
-    case PlanLayer::kOpenings: return "OPENINGS";
-    case PlanLayer::kFurniture: return "FURNITURE";
-    case PlanLayer::kDimensions: return "DIMENSIONS";
-    case PlanLayer::kText: return "TEXT";
+    case PlanLayer::kWalls:
+      return "WALLS";
+    case PlanLayer::kOpenings:
+      return "OPENINGS";
+    case PlanLayer::kFurniture:
+      return "FURNITURE";
+    case PlanLayer::kDimensions:
+      return "DIMENSIONS";
+    case PlanLayer::kText:
+      return "TEXT";
   }
   return "";
 }

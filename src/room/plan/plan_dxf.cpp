@@ -11,11 +11,16 @@ namespace {
 /// Colour numbers of AutoCAD: 7 black or white, 5 blue, 30 orange, 8 grey.
 int color_of(PlanLayer layer) {
   switch (layer) {
-    case PlanLayer::kWalls: return 7;
-    case PlanLayer::kOpenings: return 5;
-    case PlanLayer::kFurniture: return 30;
-    case PlanLayer::kDimensions: return 8;
-    case PlanLayer::kText: return 7;
+    case PlanLayer::kWalls:
+      return 7;
+    case PlanLayer::kOpenings:
+      return 5;
+    case PlanLayer::kFurniture:
+      return 30;
+    case PlanLayer::kDimensions:
+      return 8;
+    case PlanLayer::kText:
+      return 7;
   }
   return 7;
 }

@@ -20,6 +20,7 @@ std::string plan_dxf(const PlanDrawing& drawing);
 std::string plan_pdf(const PlanDrawing& drawing, const PlanSettings& settings);
 
 /// Writes one of plan_formats(), whole or not at all. Errors as draw_plan's.
-void write_plan(const std::filesystem::path& file, const std::string& format, const MeasuredRoom& room, const PlanSettings& settings = {});
+void write_plan(const std::filesystem::path& file, const std::string& format, const MeasuredRoom& room,
+                const PlanSettings& settings = {});
 
 }  // namespace aligngs

@@ -55,7 +55,8 @@ TEST(Plan, WallsHaveGapsAtDoorsAndWindows) {
   double length = 0;
   for (const PlanPath& path : drawing.paths) {
     if (path.layer != PlanLayer::kWalls) continue;
-    for (size_t i = 0; i + 1 < path.points.size(); ++i) length += std::hypot(path.points[i + 1].x - path.points[i].x, path.points[i + 1].y - path.points[i].y);
+    for (size_t i = 0; i + 1 < path.points.size(); ++i)
+      length += std::hypot(path.points[i + 1].x - path.points[i].x, path.points[i + 1].y - path.points[i].y);
   }
   EXPECT_NEAR(length, 14000 - 900 - 1200, 1e-6);
 }
@@ -88,7 +89,8 @@ TEST(Plan, NamesDoNotCoverEachOther) {
 
 TEST(Plan, TheSvgIsToScaleAndNamesItsLayers) {
   const std::string svg = plan_svg(draw_plan(sample_room::make()), {});
-  for (const PlanLayer layer : kPlanLayers) EXPECT_THAT(svg, HasSubstr(std::string("<g id=\"") + name_of(layer) + "\""));
+  for (const PlanLayer layer : kPlanLayers)
+    EXPECT_THAT(svg, HasSubstr(std::string("<g id=\"") + name_of(layer) + "\""));
   EXPECT_THAT(svg, HasSubstr("12.00 m²"));
   // 4 m at 1:50 are 80 mm: the wall at y = 3 from (4, 3) to (0, 3), which has no hole.
   const PlanDrawing drawing = draw_plan(sample_room::make());
@@ -143,7 +145,8 @@ TEST(Plan, EzdxfReadsTheDxf) {
   const std::string script =
       "import ezdxf,sys; d=ezdxf.readfile(sys.argv[1]); a=d.audit(); m=d.modelspace(); "
       "print(len(a.errors), d.units, sorted(l.dxf.name for l in d.layers if l.dxf.name.isupper()), "
-      "round(max(max(e.dxf.start.x,e.dxf.end.x) for e in m.query(\"LINE[layer==\\\"WALLS\\\"]\"))), len(m.query(\"TEXT\"))>5)";
+      "round(max(max(e.dxf.start.x,e.dxf.end.x) for e in m.query(\"LINE[layer==\\\"WALLS\\\"]\"))), "
+      "len(m.query(\"TEXT\"))>5)";
   const std::string text = output_of(python + " -c '" + script + "' '" + written("plan.dxf") + "'");
   EXPECT_THAT(text, testing::StartsWith("0 4 ")) << "no errors, millimetres";
   for (const PlanLayer layer : kPlanLayers) EXPECT_THAT(text, HasSubstr(name_of(layer)));

@@ -9,9 +9,12 @@ namespace aligngs {
 namespace {
 
 constexpr double kPoints = 72 / 25.4;  // per millimetre of paper
-constexpr double kHelveticaWidth = 0.52;  // of the font size, mean of Helvetica's digits and small letters: to centre a text
+// of the font size, mean of Helvetica's digits and small letters: to centre a text
+constexpr double kHelveticaWidth = 0.52;
 
-double width_of(PlanLayer layer) { return layer == PlanLayer::kWalls ? 0.7 : layer == PlanLayer::kDimensions ? 0.13 : 0.25; }
+double width_of(PlanLayer layer) {
+  return layer == PlanLayer::kWalls ? 0.7 : layer == PlanLayer::kDimensions ? 0.13 : 0.25;
+}
 
 /// Latin-1 with the characters that PDF strings escape; others become '?'.
 std::string latin(const std::string& utf8, size_t& letters) {
@@ -48,11 +51,14 @@ std::string page_of(const PlanDrawing& drawing, const PlanSettings& settings) {
   for (const PlanText& text : drawing.texts) {
     size_t letters = 0;
     const std::string bytes = latin(text.text, letters);
-    const double size = text.height * scale * 1.4, c = std::cos(text.turn * kRadiansPerDegree), s = std::sin(text.turn * kRadiansPerDegree);
+    const double size = text.height * scale * 1.4, c = std::cos(text.turn * kRadiansPerDegree),
+                 s = std::sin(text.turn * kRadiansPerDegree);
     Vec2d p = page(text.place);
-    const double back = text.anchor == PlanAnchor::kMiddle ? kHelveticaWidth * size * static_cast<double>(letters) / 2 : 0;
+    const double back =
+        text.anchor == PlanAnchor::kMiddle ? kHelveticaWidth * size * static_cast<double>(letters) / 2 : 0;
     p = {p.x - back * c, p.y - back * s};
-    out += fmt::format("BT /F1 {:.2f} Tf {:.5f} {:.5f} {:.5f} {:.5f} {:.3f} {:.3f} Tm ({}) Tj ET\n", size, c, s, -s, c, p.x, p.y, bytes);
+    out += fmt::format("BT /F1 {:.2f} Tf {:.5f} {:.5f} {:.5f} {:.5f} {:.3f} {:.3f} Tm ({}) Tj ET\n", size, c, s, -s, c,
+                       p.x, p.y, bytes);
   }
   return out;
 }
@@ -61,10 +67,13 @@ std::string page_of(const PlanDrawing& drawing, const PlanSettings& settings) {
 
 std::string plan_pdf(const PlanDrawing& drawing, const PlanSettings& settings) {
   const std::string page = page_of(drawing, settings);
-  const double width = (drawing.high.x - drawing.low.x) / settings.scale * kPoints, height = (drawing.high.y - drawing.low.y) / settings.scale * kPoints;
+  const double width = (drawing.high.x - drawing.low.x) / settings.scale * kPoints,
+               height = (drawing.high.y - drawing.low.y) / settings.scale * kPoints;
   const std::vector<std::string> objects = {
       "<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      fmt::format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {:.2f} {:.2f}] /Contents 4 0 R /Resources << /Font << /F1 5 0 R >> >> >>", width, height),
+      fmt::format("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {:.2f} {:.2f}] /Contents 4 0 R /Resources << /Font << "
+                  "/F1 5 0 R >> >> >>",
+                  width, height),
       fmt::format("<< /Length {} >>\nstream\n{}endstream", page.size(), page),
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>"};
   std::string out = "%PDF-1.4\n";

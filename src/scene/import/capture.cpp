@@ -25,14 +25,17 @@ bool has_seven_scenes_frames(const fs::path& folder) {
 CaptureLayout detect_layout(const fs::path& folder) {
   if (fs::exists(folder / "poses") && fs::exists(folder / "intrinsics.txt")) return CaptureLayout::kRgbd;
   if (fs::exists(folder / "color") && fs::exists(folder / "pose")) return CaptureLayout::kScanNet;
-  if (fs::exists(folder / "focal.txt") && (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt"))) return CaptureLayout::kNeuralRgbd;
+  if (fs::exists(folder / "focal.txt") &&
+      (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt")))
+    return CaptureLayout::kNeuralRgbd;
   if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
   if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
   if (may_hold_polycam(folder)) return CaptureLayout::kPolycam;
   if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
   if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return CaptureLayout::kSevenScenes;
+    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0)
+      return CaptureLayout::kSevenScenes;
   }
   if (may_hold_scanner_app(folder)) return CaptureLayout::kScannerApp;
   return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
@@ -42,7 +45,8 @@ CaptureLayout detect_layout(const fs::path& folder) {
 /// the depth image's width and the colour image's aspect. The nearer sample wins.
 ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const ColmapCamera& color) {
   const Camera camera = lens_of(color, "camera").pinhole();
-  const int height = std::max(1, static_cast<int>(std::lround(static_cast<double>(depth.width) * camera.height / camera.width)));
+  const int height =
+      std::max(1, static_cast<int>(std::lround(static_cast<double>(depth.width) * camera.height / camera.width)));
   const Camera at_depth = camera.resized(depth.width, height);
   const double fx = at_depth.fx, fy = at_depth.fy, cx = at_depth.cx, cy = at_depth.cy;
   ImageF out(depth.width, height, 1, 0.f);
@@ -65,41 +69,75 @@ ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const Col
 
 std::string layout_name(CaptureLayout layout) {
   switch (layout) {
-    case CaptureLayout::kAuto: return "auto";
-    case CaptureLayout::kRgbd: return "rgbd";
-    case CaptureLayout::kSevenScenes: return "7scenes";
-    case CaptureLayout::kTum: return "tum";
-    case CaptureLayout::kScanNet: return "scannet";
-    case CaptureLayout::kNeuralRgbd: return "nrgbd";
-    case CaptureLayout::kReplica: return "replica";
-    case CaptureLayout::kTransforms: return "nerfstudio";
-    case CaptureLayout::kPolycam: return "polycam";
-    case CaptureLayout::kScannerApp: return "3dscanner";
-    case CaptureLayout::kColmap: return "colmap";
+    case CaptureLayout::kAuto:
+      return "auto";
+    case CaptureLayout::kRgbd:
+      return "rgbd";
+    case CaptureLayout::kSevenScenes:
+      return "7scenes";
+    case CaptureLayout::kTum:
+      return "tum";
+    case CaptureLayout::kScanNet:
+      return "scannet";
+    case CaptureLayout::kNeuralRgbd:
+      return "nrgbd";
+    case CaptureLayout::kReplica:
+      return "replica";
+    case CaptureLayout::kTransforms:
+      return "nerfstudio";
+    case CaptureLayout::kPolycam:
+      return "polycam";
+    case CaptureLayout::kScannerApp:
+      return "3dscanner";
+    case CaptureLayout::kColmap:
+      return "colmap";
   }
   return "unknown";
 }
 
 Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
-  if (!fs::is_directory(folder)) throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
+  if (!fs::is_directory(folder))
+    throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
   const CaptureLayout layout = options.layout == CaptureLayout::kAuto ? detect_layout(folder) : options.layout;
   Capture capture;
   switch (layout) {
-    case CaptureLayout::kRgbd: capture = read_rgbd_folder(folder); break;
-    case CaptureLayout::kSevenScenes: capture = read_seven_scenes(folder, options); break;
-    case CaptureLayout::kTum: capture = read_tum(folder, options); break;
-    case CaptureLayout::kScanNet: capture = read_scannet(folder); break;
-    case CaptureLayout::kNeuralRgbd: capture = read_neural_rgbd(folder, options); break;
-    case CaptureLayout::kReplica: capture = read_replica(folder); break;
-    case CaptureLayout::kTransforms: capture = read_transforms(folder); break;
-    case CaptureLayout::kPolycam: capture = read_polycam(folder); break;
-    case CaptureLayout::kScannerApp: capture = read_scanner_app(folder); break;
-    case CaptureLayout::kColmap: capture = read_colmap_capture(folder); break;
+    case CaptureLayout::kRgbd:
+      capture = read_rgbd_folder(folder);
+      break;
+    case CaptureLayout::kSevenScenes:
+      capture = read_seven_scenes(folder, options);
+      break;
+    case CaptureLayout::kTum:
+      capture = read_tum(folder, options);
+      break;
+    case CaptureLayout::kScanNet:
+      capture = read_scannet(folder);
+      break;
+    case CaptureLayout::kNeuralRgbd:
+      capture = read_neural_rgbd(folder, options);
+      break;
+    case CaptureLayout::kReplica:
+      capture = read_replica(folder);
+      break;
+    case CaptureLayout::kTransforms:
+      capture = read_transforms(folder);
+      break;
+    case CaptureLayout::kPolycam:
+      capture = read_polycam(folder);
+      break;
+    case CaptureLayout::kScannerApp:
+      capture = read_scanner_app(folder);
+      break;
+    case CaptureLayout::kColmap:
+      capture = read_colmap_capture(folder);
+      break;
     case CaptureLayout::kAuto:
-      throw_bad_input(folder, "layout", "this is none of the known layouts",
-                      "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
-                      "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
-                      "(frame-*.pose.txt), transforms.json or transforms_train.json, Polycam (keyframes/), 3D Scanner App (frame_*.json), COLMAP (sparse/)");
+      throw_bad_input(
+          folder, "layout", "this is none of the known layouts",
+          "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
+          "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
+          "(frame-*.pose.txt), transforms.json or transforms_train.json, Polycam (keyframes/), 3D Scanner App "
+          "(frame_*.json), COLMAP (sparse/)");
   }
   finish_capture(capture);
   return capture;
@@ -117,7 +155,8 @@ ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
   if (!frame.confidence.empty()) {
     const Image<uint16_t> confidence = read_gray_png(frame.confidence);
     if (confidence.width != depth.width || confidence.height != depth.height) {
-      throw_bad_input(frame.confidence, "size", "the confidence has another size than its depth", "export the capture again, or remove the file");
+      throw_bad_input(frame.confidence, "size", "the confidence has another size than its depth",
+                      "export the capture again, or remove the file");
     }
     for (size_t i = 0; i < depth.data.size(); ++i) {
       if (confidence.data[i] == 0) depth.data[i] = 0;

@@ -16,15 +16,17 @@
 namespace aligngs {
 
 struct CapturedFrame {
-  std::string name;             ///< of the view in the scene folder, without extension, subfolders kept; unique in the capture
+  /// of the view in the scene folder, without extension, subfolders kept; unique in the capture
+  std::string name;
   std::filesystem::path image;
-  bool upright = false;         ///< the camera is for the pixels after EXIF orientation; else for those stored (photo_fit.h)
-  std::filesystem::path depth;  ///< PNG, uint16; empty when there is none
+  /// the camera is for the pixels after EXIF orientation; else for those stored (photo_fit.h)
+  bool upright = false;
+  std::filesystem::path depth;       ///< PNG, uint16; empty when there is none
   std::filesystem::path confidence;  ///< of the depth, PNG of its size, 0 = not to be trusted; empty when there is none
-  std::filesystem::path mask;   ///< picture of the image's aspect, 0 = do not use this pixel; empty when there is none
-  ColmapCamera camera;          ///< camera model at the size of the image, lens distortion included
-  double depth_scale = 1;       ///< of this frame's depth: the uniform scale of a pose that has one
-  Rigidd world_to_camera;       ///< OpenCV axes
+  std::filesystem::path mask;  ///< picture of the image's aspect, 0 = do not use this pixel; empty when there is none
+  ColmapCamera camera;         ///< camera model at the size of the image, lens distortion included
+  double depth_scale = 1;      ///< of this frame's depth: the uniform scale of a pose that has one
+  Rigidd world_to_camera;      ///< OpenCV axes
 };
 
 /// The depth sensor where it is not the colour camera.
@@ -41,32 +43,45 @@ struct CapturedCloud {
 };
 
 struct Capture {
-  std::string layout;                  ///< name of the layout, e.g. "scannet"
+  std::string layout;  ///< name of the layout, e.g. "scannet"
   std::filesystem::path folder;
-  std::vector<CapturedFrame> frames;   ///< with finite poses only, in capture order
-  std::vector<LeftOut> left_out;       ///< frames that cannot be used, and why
-  std::vector<std::string> notes;      ///< what was found and not used although it may matter, a sentence each
-  double depth_unit = 0.001;           ///< scene units per stored depth value
+  std::vector<CapturedFrame> frames;        ///< with finite poses only, in capture order
+  std::vector<LeftOut> left_out;            ///< frames that cannot be used, and why
+  std::vector<std::string> notes;           ///< what was found and not used although it may matter, a sentence each
+  double depth_unit = 0.001;                ///< scene units per stored depth value
   std::optional<DepthCamera> depth_camera;  ///< empty: depth is registered to colour
-  bool metric = false;                 ///< scene units are metres
-  std::optional<Vec3d> up;             ///< world, unit
-  std::string up_source;               ///< where it comes from, e.g. "ScanNet's convention (+z)"
-  std::optional<Similarity> to_original;  ///< from this world to the files' own, where it was moved or scaled
-  std::filesystem::path mesh;          ///< reference mesh in the files' own world; empty when there is none
-  std::vector<std::string> train, test;  ///< a split that comes with the capture; empty when there is none
-  CapturedCloud cloud;                 ///< SfM points that come with it; may be empty
+  bool metric = false;                      ///< scene units are metres
+  std::optional<Vec3d> up;                  ///< world, unit
+  std::string up_source;                    ///< where it comes from, e.g. "ScanNet's convention (+z)"
+  std::optional<Similarity> to_original;    ///< from this world to the files' own, where it was moved or scaled
+  std::filesystem::path mesh;               ///< reference mesh in the files' own world; empty when there is none
+  std::vector<std::string> train, test;     ///< a split that comes with the capture; empty when there is none
+  CapturedCloud cloud;                      ///< SfM points that come with it; may be empty
 };
 
-enum class CaptureLayout { kAuto, kRgbd, kSevenScenes, kTum, kScanNet, kNeuralRgbd, kReplica, kTransforms, kPolycam, kScannerApp, kColmap };
+enum class CaptureLayout {
+  kAuto,
+  kRgbd,
+  kSevenScenes,
+  kTum,
+  kScanNet,
+  kNeuralRgbd,
+  kReplica,
+  kTransforms,
+  kPolycam,
+  kScannerApp,
+  kColmap
+};
 
 struct CaptureOptions {
   CaptureLayout layout = CaptureLayout::kAuto;
-  std::filesystem::path intrinsics;   ///< 3x3 or 4x4 matrix file; required by TUM and unregistered 7-Scenes
-  bool assume_registered = false;     ///< 7-Scenes: treat the shipped colour as registered to depth
+  std::filesystem::path intrinsics;     ///< 3x3 or 4x4 matrix file; required by TUM and unregistered 7-Scenes
+  bool assume_registered = false;       ///< 7-Scenes: treat the shipped colour as registered to depth
   bool neural_rgbd_trajectory = false;  ///< Neural RGB-D: trainval_poses.txt (BundleFusion) instead of poses.txt
 };
 
-/// Recognises the layout and reads the frame list. Frames that cannot be used are left out and listed. A world far from its
+/// Recognises the layout and reads the frame list. Frames that cannot be used are left out and listed. A world far from
+/// its
 /// origin, or of arbitrary units and a size far from 1, is moved and scaled (place_near_origin).
 /// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left.
 Capture read_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});

@@ -44,11 +44,14 @@ void leave_out_repeated(Capture& capture) {
   std::set<std::string> seen;
   std::erase_if(capture.frames, [&](const CapturedFrame& frame) {
     if (cameras_of_photo[frame.image].size() > 1) {
-      capture.left_out.push_back({frame.name, "several cameras name the photo " + as_utf8(frame.image.filename().string()), "give each photo one camera"});
+      capture.left_out.push_back({frame.name,
+                                  "several cameras name the photo " + as_utf8(frame.image.filename().string()),
+                                  "give each photo one camera"});
       return true;
     }
     if (seen.insert(frame.name).second) return false;
-    capture.left_out.push_back({frame.name, "it is listed twice (" + as_utf8(frame.image.filename().string()) + ")", "rename or remove one of them"});
+    capture.left_out.push_back({frame.name, "it is listed twice (" + as_utf8(frame.image.filename().string()) + ")",
+                                "rename or remove one of them"});
     return true;
   });
 }
@@ -56,15 +59,19 @@ void leave_out_repeated(Capture& capture) {
 /// A depth prior is of use when every training view has one.
 void leave_out_without_depth(Capture& capture) {
   const auto without = [](const CapturedFrame& frame) { return frame.depth.empty(); };
-  const auto missing = static_cast<size_t>(std::count_if(capture.frames.begin(), capture.frames.end(), without)), all = capture.frames.size();
+  const auto missing = static_cast<size_t>(std::count_if(capture.frames.begin(), capture.frames.end(), without)),
+             all = capture.frames.size();
   if (missing == 0 || missing == all) return;
   if (2 * missing > all) {
-    capture.notes.push_back("only " + std::to_string(all - missing) + " of " + std::to_string(all) + " frames have depth: none is used");
+    capture.notes.push_back("only " + std::to_string(all - missing) + " of " + std::to_string(all) +
+                            " frames have depth: none is used");
     for (CapturedFrame& frame : capture.frames) frame.depth.clear();
     return;
   }
   for (const CapturedFrame& frame : capture.frames) {
-    if (without(frame)) capture.left_out.push_back({frame.name, "its depth is missing", "add the depth image, or remove the folder of depth to go without"});
+    if (without(frame))
+      capture.left_out.push_back(
+          {frame.name, "its depth is missing", "add the depth image, or remove the folder of depth to go without"});
   }
   std::erase_if(capture.frames, without);
 }
@@ -84,19 +91,21 @@ void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, doubl
   const int w = info.stored_width, h = info.stored_height;
   if (!(cx > 0 && cy > 0 && cx < w && cy < h)) {
     throw_bad_input(frame.image, "intrinsics",
-                    "the principal point (" + std::to_string(cx) + ", " + std::to_string(cy) + ") lies outside of a photo of " + std::to_string(w) + " x " +
-                        std::to_string(h),
+                    "the principal point (" + std::to_string(cx) + ", " + std::to_string(cy) +
+                        ") lies outside of a photo of " + std::to_string(w) + " x " + std::to_string(h),
                     "the intrinsics are for photos of another size: scale them, or use the photos they belong to");
   }
   frame.upright = false;
   frame.camera = pinhole_camera(fx, fy, cx, cy, w, h);
 }
 
-std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder, const std::vector<std::string>& extensions) {
+std::vector<fs::path> list_frame_photos(Capture& capture, const fs::path& folder,
+                                        const std::vector<std::string>& extensions) {
   std::error_code error;
   std::set<std::string> hidden;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_hidden(entry->path()) && has_picture_extension(entry->path())) hidden.insert(as_utf8(entry->path().filename().string()));
+    if (is_hidden(entry->path()) && has_picture_extension(entry->path()))
+      hidden.insert(as_utf8(entry->path().filename().string()));
   }
   for (const std::string& name : hidden) capture.left_out.push_back({name, "a hidden file is no photo", "remove it"});
   return list_files(folder, extensions);
@@ -106,7 +115,9 @@ void note_poses_without_photo(Capture& capture, const fs::path& poses, const std
   std::set<std::string> names;
   for (const fs::path& photo : photos) names.insert(photo.stem().string());
   for (const fs::path& pose : list_files(poses, {".txt"})) {
-    if (!names.count(pose.stem().string())) capture.left_out.push_back({as_utf8(pose.stem().string()), "the photo is missing", "add the photo or remove its pose"});
+    if (!names.count(pose.stem().string()))
+      capture.left_out.push_back(
+          {as_utf8(pose.stem().string()), "the photo is missing", "add the photo or remove its pose"});
   }
 }
 
@@ -115,15 +126,18 @@ void set_depth(CapturedFrame& frame, const fs::path& file) {
   if (fs::is_regular_file(file, error)) frame.depth = file;
 }
 
-std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>& photos, size_t poses, const fs::path& file) {
+std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>& photos, size_t poses,
+                                   const fs::path& file) {
   std::vector<int> indices;
   for (size_t i = 0; i < photos.size(); ++i) {
     int index = static_cast<int>(i);
     if (photos.size() != poses) {
       index = number_of(photos[i]);
       if (index < 0) {
-        throw_bad_input(file, "poses", "there are " + std::to_string(photos.size()) + " photos but " + std::to_string(poses) +
-                        " poses, and " + as_utf8(photos[i].filename().string()) + " has no number to tell which is its own",
+        throw_bad_input(file, "poses",
+                        "there are " + std::to_string(photos.size()) + " photos but " + std::to_string(poses) +
+                            " poses, and " + as_utf8(photos[i].filename().string()) +
+                            " has no number to tell which is its own",
                         "there must be a pose for each photo");
       }
     }
@@ -131,7 +145,8 @@ std::vector<int> poses_of_numbered(Capture& capture, const std::vector<fs::path>
   }
   const std::set<int> paired(indices.begin(), indices.end());
   for (size_t i = 0; i < poses && photos.size() != poses; ++i) {
-    if (!paired.count(static_cast<int>(i))) capture.left_out.push_back({"pose " + std::to_string(i), PhotoLookup::kMissing, "add the photo"});
+    if (!paired.count(static_cast<int>(i)))
+      capture.left_out.push_back({"pose " + std::to_string(i), PhotoLookup::kMissing, "add the photo"});
   }
   return indices;
 }
@@ -152,7 +167,9 @@ int FrameNames::find(const std::string& name) const {
     size_t longest = 1;
     for (size_t i = 0; i < parts_.size(); ++i) {
       const size_t common = std::min(parts.size(), parts_[i].size());
-      if (common < longest || !std::equal(parts.rbegin(), parts.rbegin() + static_cast<ptrdiff_t>(common), parts_[i].rbegin())) continue;
+      if (common < longest ||
+          !std::equal(parts.rbegin(), parts.rbegin() + static_cast<ptrdiff_t>(common), parts_[i].rbegin()))
+        continue;
       if (common > longest) count = 0;
       longest = common;
       found = static_cast<int>(i);
@@ -180,7 +197,8 @@ void shorten_names(Capture& capture) {
   size_t shared = parts.begin()->second.size() - 1;
   for (const auto& [name, own] : parts) {
     shared = std::min(shared, own.size() - 1);
-    while (!std::equal(own.begin(), own.begin() + static_cast<ptrdiff_t>(shared), parts.begin()->second.begin())) --shared;
+    while (!std::equal(own.begin(), own.begin() + static_cast<ptrdiff_t>(shared), parts.begin()->second.begin()))
+      --shared;
   }
   for (CapturedFrame& frame : capture.frames) {
     const std::vector<std::string>& own = parts[frame.name];
@@ -194,7 +212,9 @@ void finish_capture(Capture& capture) {
   leave_out_repeated(capture);
   leave_out_without_depth(capture);
   require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
-  if (capture.frames.empty()) throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found", "check the folder and its poses");
+  if (capture.frames.empty())
+    throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found",
+                    "check the folder and its poses");
   place_near_origin(capture);
 }
 

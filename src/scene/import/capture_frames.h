@@ -16,11 +16,13 @@ void add_frame(Capture& capture, const std::string& name, Read read) {
   use_or_leave_out(name, capture.left_out, [&] { capture.frames.push_back(read()); });
 }
 
-/// Pairs a frame with a camera whose image size is known: it is brought to the size of the photo, whose stored pixels go
+/// Pairs a frame with a camera whose image size is known: it is brought to the size of the photo, whose stored pixels
+/// go
 /// first. Error{kBadInput} when the photo is missing, cannot be read or has another aspect.
 void set_camera(CapturedFrame& frame, const ColmapCamera& camera);
 
-/// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when the principal
+/// Pairs it with intrinsics that come without a size, which are for the pixels as stored. Error{kBadInput} when the
+/// principal
 /// point lies outside of the photo: then they are for photos of another size.
 void set_intrinsics(CapturedFrame& frame, double fx, double fy, double cx, double cy);
 
@@ -29,7 +31,8 @@ std::vector<std::filesystem::path> list_frame_photos(Capture& capture, const std
                                                      const std::vector<std::string>& extensions = picture_extensions());
 
 /// Lists the poses of a folder (NAME.txt) whose photo is missing.
-void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses, const std::vector<std::filesystem::path>& photos);
+void note_poses_without_photo(Capture& capture, const std::filesystem::path& poses,
+                              const std::vector<std::filesystem::path>& photos);
 
 /// Sets the depth when the file is there.
 void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
@@ -37,7 +40,8 @@ void set_depth(CapturedFrame& frame, const std::filesystem::path& file);
 /// For numbered files (img12.png) beside a list of `poses`: the index of each file's pose. Files and poses pair in
 /// order when their numbers are equal, else by the number in the name. -1 where the list holds none. Error{kBadInput}
 /// naming `file` when numbers do not help: names without one. Poses whose photo is missing get a line.
-std::vector<int> poses_of_numbered(Capture& capture, const std::vector<std::filesystem::path>& photos, size_t poses, const std::filesystem::path& file);
+std::vector<int> poses_of_numbered(Capture& capture, const std::vector<std::filesystem::path>& photos, size_t poses,
+                                   const std::filesystem::path& file);
 
 /// Finds the frame of a name in a list: the one of that name, with or without extension. Else the only one whose path
 /// ends like it.

@@ -25,7 +25,8 @@ constexpr int kWidth = 32, kHeight = 24;
 class CaptureTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("capture_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ = fs::path(testing::TempDir()) /
+              ("capture_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -168,10 +169,12 @@ TEST_F(CaptureTest, ReadsTransformsJsonWithOverridesAndDistortion) {
   image("images/a.png");
   image("images/b.png");
   const std::string matrix = "[[0,1,0,1],[1,0,0,2],[0,0,-1,3],[0,0,0,1]]";
-  write("transforms.json", fmt::format(
-      R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12, "w": 32, "h": 24, "test_filenames": ["images/b.png"],
+  write("transforms.json",
+        fmt::format(
+            R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12, "w": 32, "h": 24, "test_filenames": ["images/b.png"],
           "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}},
-                     {{"file_path": "images/b.png", "fl_x": 40, "k1": 0.1, "transform_matrix": {0}}}]}})", matrix));
+                     {{"file_path": "images/b.png", "fl_x": 40, "k1": 0.1, "transform_matrix": {0}}}]}})",
+            matrix));
   const Capture capture = read_capture(folder_);
   EXPECT_EQ(capture.layout, "nerfstudio");
   ASSERT_EQ(capture.frames.size(), 2u);
@@ -187,8 +190,11 @@ class TransformsTest : public CaptureTest {
  protected:
   Capture read(const std::string& fields, const std::string& frame_fields = "", const std::string& matrix = kMatrix) {
     if (!fs::exists(folder_ / "images" / "a.png")) image("images/a.png");
-    write("transforms.json", fmt::format(R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12{}, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}{}}}]}})",
-                                         fields, matrix, frame_fields));
+    write(
+        "transforms.json",
+        fmt::format(
+            R"({{"fl_x": 30, "fl_y": 31, "cx": 16, "cy": 12{}, "frames": [{{"file_path": "images/a.png", "transform_matrix": {}{}}}]}})",
+            fields, matrix, frame_fields));
     return read_capture(folder_);
   }
   std::string error_of(const std::string& fields) {
@@ -212,7 +218,8 @@ TEST_F(TransformsTest, AFisheyeIsOneAlsoWithoutCoefficients) {
 }
 
 TEST_F(TransformsTest, TheThirdRadialTermOfAPerspectiveLensIsUsed) {
-  const Capture capture = read(R"(, "camera_model": "OPENCV", "k1": 0.1, "k2": 0.2, "k3": 0.3, "p1": 0.01, "p2": 0.02)");
+  const Capture capture =
+      read(R"(, "camera_model": "OPENCV", "k1": 0.1, "k2": 0.2, "k3": 0.3, "p1": 0.01, "p2": 0.02)");
   EXPECT_EQ(capture.frames[0].camera.model, "FULL_OPENCV");
   EXPECT_THAT(capture.frames[0].camera.params, ElementsAre(30, 31, 16, 12, 0.1, 0.2, 0.01, 0.02, 0.3, 0, 0, 0));
   const Capture list = read(R"(, "distortion_params": [0.1, 0.2, 0, 0, 0.01, 0.02])");
@@ -237,34 +244,44 @@ TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
 
 TEST_F(TransformsTest, AUniformScaleOfTheMatrixAppliesToDepth) {
   depth("depth/a.png", 2000);
-  const Capture capture = read("", R"(, "depth_file_path": "depth/a.png")", "[[0,3,0,1],[3,0,0,2],[0,0,-3,3],[0,0,0,1]]");
+  const Capture capture =
+      read("", R"(, "depth_file_path": "depth/a.png")", "[[0,3,0,1],[3,0,0,2],[0,0,-3,3],[0,0,0,1]]");
   EXPECT_NEAR(norm(capture.frames[0].world_to_camera * Vec3d{1, 2, 5} - Vec3d{0, 0, 2}), 0, 1e-12);
   EXPECT_FLOAT_EQ(read_capture_depth(capture, capture.frames[0]).at(5, 5), 6.0f);
 }
 
 TEST_F(TransformsTest, MasksAreFoundAndUnknownParametersListedOnce) {
   image("masks/a.png");
-  const Capture capture = read(R"(, "applied_scale": 0.5, "rolling_shutter": [0, 0, 0.1], "tilt_angle": 3)", R"(, "mask_path": "masks/a.png", "gain": 2)");
+  const Capture capture = read(R"(, "applied_scale": 0.5, "rolling_shutter": [0, 0, 0.1], "tilt_angle": 3)",
+                               R"(, "mask_path": "masks/a.png", "gain": 2)");
   EXPECT_EQ(capture.frames[0].mask.filename(), "a.png");
-  EXPECT_THAT(capture.notes, ElementsAre(HasSubstr("rolling_shutter"), testing::AllOf(HasSubstr("frames.gain, tilt_angle"), testing::Not(HasSubstr("applied_scale")))));
+  EXPECT_THAT(capture.notes,
+              ElementsAre(HasSubstr("rolling_shutter"), testing::AllOf(HasSubstr("frames.gain, tilt_angle"),
+                                                                       testing::Not(HasSubstr("applied_scale")))));
 }
 
 TEST_F(TransformsTest, OneBadFrameIsLeftOut) {
   image("images/b.png");
-  write("transforms.json", fmt::format(
-      R"({{"fl_x": 30, "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}}, {{"file_path": "./images/b", "transform_matrix": {0}}},
-          {{"file_path": "images/b.png", "transform_matrix": [[null,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}, {{"file_path": "c.png"}}]}})", kMatrix));
+  write(
+      "transforms.json",
+      fmt::format(
+          R"({{"fl_x": 30, "frames": [{{"file_path": "images/a.png", "transform_matrix": {0}}}, {{"file_path": "./images/b", "transform_matrix": {0}}},
+          {{"file_path": "images/b.png", "transform_matrix": [[null,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}}, {{"file_path": "c.png"}}]}})",
+          kMatrix));
   const Capture capture = read_capture(folder_);
   ASSERT_EQ(capture.frames.size(), 1u);
   EXPECT_EQ(capture.frames[0].name, "b");
-  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
+  EXPECT_THAT(reasons(capture),
+              ElementsAre(HasSubstr("a.png: the photo is missing"), HasSubstr("not finite"), HasSubstr("frame needs")));
 }
 
 TEST_F(TransformsTest, BlendersFilesAreReadWithTheirSplit) {
   for (const char* name : {"train/r_0.png", "train/r_1.PNG", "test/r_0.png"}) image(name);
   for (const std::string split : {"train", "test"}) {
     std::string frames;
-    for (int i = 0; i < (split == "train" ? 2 : 1); ++i) frames += fmt::format(R"({}{{"file_path": "./{}/r_{}", "rotation": 0.1, "transform_matrix": {}}})", i ? "," : "", split, i, kMatrix);
+    for (int i = 0; i < (split == "train" ? 2 : 1); ++i)
+      frames += fmt::format(R"({}{{"file_path": "./{}/r_{}", "rotation": 0.1, "transform_matrix": {}}})", i ? "," : "",
+                            split, i, kMatrix);
     write("transforms_" + split + ".json", fmt::format(R"({{"camera_angle_x": 0.6911112, "frames": [{}]}})", frames));
   }
   const Capture capture = read_capture(folder_);
@@ -283,7 +300,9 @@ TEST_F(CaptureTest, PosesAndPhotosPairByNumberWhereOneIsMissing) {
   const Capture capture = read_capture(folder_);
   expect_one_known_camera(capture);
   EXPECT_EQ(capture.frames[0].name, "img2");
-  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("._img2.png: a hidden file"), HasSubstr("pose 1: the photo is missing"), ContainsRegex("img0: .*/poses.txt")));
+  EXPECT_THAT(reasons(capture),
+              ElementsAre(HasSubstr("._img2.png: a hidden file"), HasSubstr("pose 1: the photo is missing"),
+                          ContainsRegex("img0: .*/poses.txt")));
 }
 
 TEST_F(CaptureTest, FramesWithoutDepthAreLeftOutWhereMostHaveIt) {
@@ -296,7 +315,8 @@ TEST_F(CaptureTest, FramesWithoutDepthAreLeftOutWhereMostHaveIt) {
   write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
   const Capture capture = read_capture(folder_);
   EXPECT_EQ(capture.frames.size(), 3u);
-  EXPECT_THAT(reasons(capture), ElementsAre(HasSubstr("9: the photo is missing"), HasSubstr("2: its depth is missing")));
+  EXPECT_THAT(reasons(capture),
+              ElementsAre(HasSubstr("9: the photo is missing"), HasSubstr("2: its depth is missing")));
   fs::remove(folder_ / "depth" / "0.png");
   fs::remove(folder_ / "depth" / "1.png");
   const Capture without = read_capture(folder_);

@@ -32,7 +32,9 @@ std::vector<double> read_numbers(const fs::path& file) {
     }
     char* end = nullptr;
     const double value = std::strtod(p, &end);
-    if (end == p) throw_bad_input(file, "line " + std::to_string(line), "expected a number", "check that this is the right kind of file");
+    if (end == p)
+      throw_bad_input(file, "line " + std::to_string(line), "expected a number",
+                      "check that this is the right kind of file");
     numbers.push_back(value);
     p = end;
   }

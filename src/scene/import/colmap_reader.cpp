@@ -16,7 +16,8 @@ namespace {
 
 /// Whether a name stays below the folder of photos.
 bool is_plain(const fs::path& name) {
-  return name.is_relative() && std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+  return name.is_relative() &&
+         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
 }
 
 }  // namespace
@@ -30,7 +31,8 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
   capture.left_out = model.left_out;
   if (const std::string choice = choice_of_model(folder); !choice.empty()) capture.notes.push_back(choice);
-  if (model.points_left_out > 0) capture.notes.push_back(std::to_string(model.points_left_out) + " points without a finite position are not used");
+  if (model.points_left_out > 0)
+    capture.notes.push_back(std::to_string(model.points_left_out) + " points without a finite position are not used");
   std::map<uint32_t, const ColmapCamera*> cameras;
   for (const ColmapCamera& camera : model.cameras) cameras[camera.id] = &camera;
   for (const ColmapImage& image : model.images) {
@@ -45,7 +47,8 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
       return frame;
     });
   }
-  const bool plain = std::all_of(capture.frames.begin(), capture.frames.end(), [](const CapturedFrame& frame) { return is_plain(frame.name); });
+  const bool plain = std::all_of(capture.frames.begin(), capture.frames.end(),
+                                 [](const CapturedFrame& frame) { return is_plain(frame.name); });
   if (!plain) shorten_names(capture);
   for (CapturedFrame& frame : capture.frames) {
     if (plain) frame.name = view_name_of(frame.name);

@@ -33,7 +33,8 @@ struct Selection {
   std::vector<int> train, test;
 };
 
-std::vector<int> indices_of(const Capture& capture, const std::vector<std::string>& names, const char* list, bool skip_lost) {
+std::vector<int> indices_of(const Capture& capture, const std::vector<std::string>& names, const char* list,
+                            bool skip_lost) {
   const FrameNames frames(capture.frames);
   std::set<std::string> lost;
   for (const LeftOut& frame : capture.left_out) lost.insert({frame.name, view_name_of(frame.name)});
@@ -41,10 +42,14 @@ std::vector<int> indices_of(const Capture& capture, const std::vector<std::strin
   std::string unknown;
   for (const std::string& name : names) {
     const int found = frames.find(name);
-    if (found >= 0) indices.push_back(found);
-    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name))) unknown += (unknown.empty() ? " " : ", ") + as_utf8(name);
+    if (found >= 0)
+      indices.push_back(found);
+    else if (!lost.count(as_utf8(name)) && !lost.count(view_name_of(name)))
+      unknown += (unknown.empty() ? " " : ", ") + as_utf8(name);
   }
-  if (!unknown.empty() && !skip_lost) throw_bad_input(capture.folder, list, "no frame with a pose is called" + unknown, "use the names of the image files, one a line");
+  if (!unknown.empty() && !skip_lost)
+    throw_bad_input(capture.folder, list, "no frame with a pose is called" + unknown,
+                    "use the names of the image files, one a line");
   if (!unknown.empty()) log_warning("{}: these frames have no pose and are left out:{}", list, unknown);
   return indices;
 }
@@ -65,7 +70,8 @@ Selection select(const Capture& capture, const ImportOptions& options, ThreadPoo
   } else if (own_split) {
     selection.train = indices_of(capture, capture.train, "train.txt", true);
   } else if (capture.frames.size() > kMaxUnselected) {
-    log_info("choosing {} of {} frames (--views, --stride or --train change that)", kDefaultViews, capture.frames.size());
+    log_info("choosing {} of {} frames (--views, --stride or --train change that)", kDefaultViews,
+             capture.frames.size());
     ViewSelectionOptions view_options;
     view_options.count = kDefaultViews;
     selection.train = select_views(capture, view_options, pool);
@@ -85,7 +91,9 @@ Selection select(const Capture& capture, const ImportOptions& options, ThreadPoo
     const int wanted = options.test_views >= 0 ? options.test_views : static_cast<int>(selection.train.size()) / 3;
     selection.test = select_test_views(capture, selection.train, wanted, pool);
   }
-  std::erase_if(selection.test, [&](int i) { return std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end(); });
+  std::erase_if(selection.test, [&](int i) {
+    return std::find(selection.train.begin(), selection.train.end(), i) != selection.train.end();
+  });
   if (selection.train.empty()) throw_bad_input(capture.folder, "train", "no training view is left", "give other names");
   return selection;
 }
@@ -114,7 +122,8 @@ struct CropToNeuris {
     const double w = image.width * kShareX, h = image.height * kShareY;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        const double u = (image.width - w) / 2 + (x + 0.5) * w / kWidth, v = (image.height - h) / 2 + (y + 0.5) * h / kHeight;
+        const double u = (image.width - w) / 2 + (x + 0.5) * w / kWidth,
+                     v = (image.height - h) / 2 + (y + 0.5) * h / kHeight;
         for (int c = 0; c < image.channels; ++c) out.at(x, y, c) = sample(image, u, v, c);
       }
     }
@@ -123,12 +132,15 @@ struct CropToNeuris {
 
   static float bilinear(const ImageF& image, double u, double v, int c) {
     const double x = std::clamp(u - 0.5, 0.0, image.width - 1.0), y = std::clamp(v - 0.5, 0.0, image.height - 1.0);
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, image.width - 1),
+              y1 = std::min(y0 + 1, image.height - 1);
     const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-    return (image.at(x0, y0, c) * (1 - fx) + image.at(x1, y0, c) * fx) * (1 - fy) + (image.at(x0, y1, c) * (1 - fx) + image.at(x1, y1, c) * fx) * fy;
+    return (image.at(x0, y0, c) * (1 - fx) + image.at(x1, y0, c) * fx) * (1 - fy) +
+           (image.at(x0, y1, c) * (1 - fx) + image.at(x1, y1, c) * fx) * fy;
   }
   static float nearest(const ImageF& image, double u, double v, int c) {
-    return image.at(std::clamp(static_cast<int>(u), 0, image.width - 1), std::clamp(static_cast<int>(v), 0, image.height - 1), c);
+    return image.at(std::clamp(static_cast<int>(u), 0, image.width - 1),
+                    std::clamp(static_cast<int>(v), 0, image.height - 1), c);
   }
 };
 
@@ -186,7 +198,8 @@ PreparedFrame prepare(const Capture& capture, const CapturedFrame& frame, const 
     }
     if (large) {
       const double scale = double(options.max_side) / std::max(camera.width, camera.height);
-      camera = camera.resized(std::max(1, int(camera.width * scale + 0.5)), std::max(1, int(camera.height * scale + 0.5)));
+      camera =
+          camera.resized(std::max(1, int(camera.width * scale + 0.5)), std::max(1, int(camera.height * scale + 0.5)));
       image = resize_area(image, camera.width, camera.height);
     }
     out.pixels = to_bytes(image);
@@ -303,7 +316,8 @@ void check_as_training_does(const fs::path& folder, SplitJson& split, std::vecto
 
 }  // namespace
 
-ImportReport import_capture(const Capture& capture, const fs::path& output, const ImportOptions& options, ThreadPool& pool) {
+ImportReport import_capture(const Capture& capture, const fs::path& output, const ImportOptions& options,
+                            ThreadPool& pool) {
   const std::vector<fs::path> sources = sources_of(capture, options);
   require_scene_place(output, options.overwrite, sources);  // before views are chosen, which takes long
   const Selection selection = select(capture, options, pool);

@@ -20,13 +20,14 @@ struct ImportOptions {
   std::vector<std::string> test_names;   ///< exactly these
   int test_views = -1;                   ///< otherwise so many of the rest; -1: a third of the training views
 
-  bool depth_prior = true;          ///< sensor depth of training views also becomes pred_depths/
-  std::filesystem::path sfm;        ///< COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
-  bool neuris_crop = false;         ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
-  double voxel = 0;                 ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
-  int max_side = 0;                 ///< pixels; larger photos are shrunk; 0: none is
-  bool strict = false;              ///< a frame that cannot be used is an error instead of being left out
-  bool overwrite = false;           ///< replace a scene that this program wrote there
+  bool depth_prior = true;  ///< sensor depth of training views also becomes pred_depths/
+  /// COLMAP model for the cloud, aligned on its cameras; then no sensor depth is used
+  std::filesystem::path sfm;
+  bool neuris_crop = false;  ///< ScanNet as NeuRIS prepares it: centre crop 1248/1296, resized to 640x480
+  double voxel = 0;          ///< edge of the cubes that thin the fused cloud, scene units; 0: automatic
+  int max_side = 0;          ///< pixels; larger photos are shrunk; 0: none is
+  bool strict = false;       ///< a frame that cannot be used is an error instead of being left out
+  bool overwrite = false;    ///< replace a scene that this program wrote there
   std::vector<std::filesystem::path> sources;  ///< what was given to read; empty: the capture's folder
   ProgressStyle progress;
 };
@@ -38,16 +39,17 @@ struct ImportReport {
   size_t train = 0, test = 0;
   std::vector<LeftOut> left_out;  ///< frames of the capture and of the lists that are not in the scene, and why
   size_t points = 0;
-  std::string cloud_source;   ///< "sensor depth", "sfm", "capture", "none"
-  double sfm_rmse = 0;        ///< residual of the alignment on camera centres, scene units
-  size_t sfm_cameras = 0;     ///< cameras it was aligned on
+  std::string cloud_source;  ///< "sensor depth", "sfm", "capture", "none"
+  double sfm_rmse = 0;       ///< residual of the alignment on camera centres, scene units
+  size_t sfm_cameras = 0;    ///< cameras it was aligned on
   bool depth_prior = false;
 };
 
 /// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that
 /// do not exist, and when fewer than kFewestTrainingViews are left of more. Also for anything that training would
 /// refuse: the scene passes training's check before it takes its place. The folder appears complete or not at all.
-ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options, ThreadPool& pool);
+ImportReport import_capture(const Capture& capture, const std::filesystem::path& output, const ImportOptions& options,
+                            ThreadPool& pool);
 
 /// SfM points of a COLMAP model brought into the capture's world by the similarity of their common cameras.
 struct AlignedSfm {

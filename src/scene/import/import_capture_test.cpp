@@ -29,7 +29,8 @@ constexpr int kWidth = 48, kHeight = 32;
 class ImportCaptureTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("import_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("import_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     source = folder / "source";
     fs::create_directories(source / "images");
@@ -53,15 +54,25 @@ class ImportCaptureTest : public testing::Test {
   void photo(const std::string& name, int orientation = 1, int width = kWidth, int height = kHeight) const {
     const std::vector<uint8_t> jpeg = encode_jpeg(picture(width, height), 95);
     std::string bytes(jpeg.begin(), jpeg.end());
-    std::string exif("\xff\xe1\x00\x22" "Exif\0\0" "MM\0*\0\0\0\x08" "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0", 36);
+    std::string exif(
+        "\xff\xe1\x00\x22"
+        "Exif\0\0"
+        "MM\0*\0\0\0\x08"
+        "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0",
+        36);
     exif[29] = static_cast<char>(orientation);
     if (orientation != 1) bytes = bytes.substr(0, 2) + exif + bytes.substr(2);
     write_file_atomically(source / "images" / name, bytes);
   }
   /// Cameras along x that look along z, `offset` from the origin, and points before them.
-  void model(const std::vector<std::string>& names, int width = kWidth, int height = kHeight, const Vec3d& offset = {}, double scale = 1) const {
+  void model(const std::vector<std::string>& names, int width = kWidth, int height = kHeight, const Vec3d& offset = {},
+             double scale = 1) const {
     ColmapModel model;
-    model.cameras = {{1, "PINHOLE", uint64_t(width), uint64_t(height), {40.0 * width / kWidth, 40.0 * width / kWidth, width / 2.0, height / 2.0}}};
+    model.cameras = {{1,
+                      "PINHOLE",
+                      uint64_t(width),
+                      uint64_t(height),
+                      {40.0 * width / kWidth, 40.0 * width / kWidth, width / 2.0, height / 2.0}}};
     for (size_t i = 0; i < names.size(); ++i) {
       ColmapImage image;
       image.id = uint32_t(i + 1);
@@ -114,7 +125,8 @@ TEST_F(ImportCaptureTest, TheStoredPixelsAreUsedWhereTheyHaveTheCamerasSize) {
   EXPECT_EQ(import().left_out.size(), 0u);
   expect_stored_pixels(scene());
   expect_stored_pixels(open_scene(source));  // training on the folder itself gives the same
-  for (const View& view : scene().views) EXPECT_EQ(read_image_info(view.image).orientation, 1) << "other programs see the same";
+  for (const View& view : scene().views)
+    EXPECT_EQ(read_image_info(view.image).orientation, 1) << "other programs see the same";
 }
 
 TEST_F(ImportCaptureTest, ACameraForTheUprightPictureGetsIt) {
@@ -134,7 +146,8 @@ TEST_F(ImportCaptureTest, OneBadFrameIsLeftOutWithItsReason) {
   model({"a.jpg", "b.jpg", "c.jpg", "cut.jpg", "empty.jpg", "gone.jpg"});
   const ImportReport report = import();
   EXPECT_EQ(report.train + report.test, 3u);
-  EXPECT_THAT(reasons(report), AllOf(Contains(HasSubstr("cut: ")), Contains(HasSubstr("empty.jpg: ")), Contains(HasSubstr("gone.jpg: the photo is missing"))));
+  EXPECT_THAT(reasons(report), AllOf(Contains(HasSubstr("cut: ")), Contains(HasSubstr("empty.jpg: ")),
+                                     Contains(HasSubstr("gone.jpg: the photo is missing"))));
   EXPECT_THAT(summary_of(3, report.left_out), HasSubstr("3 of 6 frames"));
   const Scene raw = open_scene(source);  // the same rule where training opens the folder itself
   EXPECT_EQ(raw.train.size(), 3u);
@@ -197,7 +210,9 @@ TEST_F(ImportCaptureTest, AWorldInMillimetresIsScaled) {
   EXPECT_LT(robust_extent(scene()), 10);
   const SceneJson description = read_scene_json(folder / "scene" / "scene.json");
   ASSERT_TRUE(description.to_original);
-  EXPECT_NEAR(description.to_original->scale * norm(scene().views[1].camera.centre() - scene().views[0].camera.centre()), 1200, 1e-6);
+  EXPECT_NEAR(
+      description.to_original->scale * norm(scene().views[1].camera.centre() - scene().views[0].camera.centre()), 1200,
+      1e-6);
 }
 
 TEST_F(ImportCaptureTest, UpIsRecordedWithItsSource) {

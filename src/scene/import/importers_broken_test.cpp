@@ -1,5 +1,7 @@
-// Valid captures of every layout with one thing broken: an importer leaves frames out, or ends with a typed error and no output. It never
-// crashes, hangs or leaves half of a scene. ALIGNGS_FUZZ_SECONDS goes on so long for each layout; seeds are printed on failure.
+// Valid captures of every layout with one thing broken: an importer leaves frames out, or ends with a typed error and
+// no output. It never
+// crashes, hangs or leaves half of a scene. ALIGNGS_FUZZ_SECONDS goes on so long for each layout; seeds are printed on
+// failure.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -37,20 +39,35 @@ std::string break_one_thing(const fs::path& folder, Random& random) {
   const fs::path file = from[size_t(random.below(int(from.size())))];
   std::string bytes = read_file(file);
   const size_t at = bytes.empty() ? 0 : size_t(random.below(int(bytes.size())));
-  const char* words[] = {"nan", "-1", "1e999", "0", "", "\"\"", "null", "[]", "{}", "99999999999999999999", "\xff\xfe", "../../x", "2147483648", "-0.5", "true"};
+  const char* words[] = {"nan",      "-1",      "1e999",      "0",    "",
+                         "\"\"",     "null",    "[]",         "{}",   "99999999999999999999",
+                         "\xff\xfe", "../../x", "2147483648", "-0.5", "true"};
   const int how = random.below(9);
   switch (how) {
-    case 0: fs::remove(file); break;
-    case 1: bytes.resize(at); break;
-    case 2: bytes.clear(); break;
-    case 3: bytes[at < bytes.size() ? at : 0] = static_cast<char>(random.below(256)); break;
-    case 4: bytes.insert(at, words[random.below(15)]); break;
+    case 0:
+      fs::remove(file);
+      break;
+    case 1:
+      bytes.resize(at);
+      break;
+    case 2:
+      bytes.clear();
+      break;
+    case 3:
+      bytes[at < bytes.size() ? at : 0] = static_cast<char>(random.below(256));
+      break;
+    case 4:
+      bytes.insert(at, words[random.below(15)]);
+      break;
     case 5: {  // a number or word becomes another
       const size_t begin = bytes.find_first_of("0123456789tfn\"", at), end = bytes.find_first_of(" ,\n]}:", begin);
-      if (begin != std::string::npos) bytes.replace(begin, end == std::string::npos ? end : end - begin, words[random.below(15)]);
+      if (begin != std::string::npos)
+        bytes.replace(begin, end == std::string::npos ? end : end - begin, words[random.below(15)]);
       break;
     }
-    case 6: bytes += bytes; break;
+    case 6:
+      bytes += bytes;
+      break;
     case 7: {  // another file's content
       bytes = read_file(files[size_t(random.below(int(files.size())))]);
       break;
@@ -91,7 +108,8 @@ TEST_P(BrokenCaptures, EndWellOrWithATypedErrorAndNoOutput) {
     } catch (const std::exception& error) {
       ADD_FAILURE() << "an error without a type: " << error.what();
     }
-    for (const auto& entry : fs::directory_iterator(folder)) EXPECT_EQ(entry.path().filename().string().find(".tmp-"), std::string::npos) << entry.path();
+    for (const auto& entry : fs::directory_iterator(folder))
+      EXPECT_EQ(entry.path().filename().string().find(".tmp-"), std::string::npos) << entry.path();
   }
   set_log_level(LogLevel::kInfo);
   RecordProperty("captures", int(seed));

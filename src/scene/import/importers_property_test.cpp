@@ -17,7 +17,8 @@ void expect_camera(const Camera& camera, const RandomFrame& frame, const std::op
   const Vec3d own = frame.world_to_camera.inverse().translation, read = camera.centre();
   const Vec3d back = to_original ? *to_original * read : read;
   EXPECT_LT(norm(back - own), 1e-6 * std::max(1.0, norm(own))) << frame.name;
-  EXPECT_LT(rotation_angle_between_degrees(camera.world_to_camera.rotation, frame.world_to_camera.rotation), 1e-4) << frame.name;
+  EXPECT_LT(rotation_angle_between_degrees(camera.world_to_camera.rotation, frame.world_to_camera.rotation), 1e-4)
+      << frame.name;
 }
 
 /// Pixels and depth along the rays of the imported camera, in the inner half of the picture, which any lens here sees.
@@ -34,7 +35,8 @@ void expect_content(const ViewData& data, const RandomFrame& frame, bool depth, 
       EXPECT_NEAR(data.color.at(x, y, 1), colour.y, kColour) << frame.name << " green at " << x << ", " << y;
       EXPECT_NEAR(data.color.at(x, y, 2), colour.z, kColour) << frame.name << " blue at " << x << ", " << y;
       if (!depth) continue;
-      EXPECT_NEAR(data.prior_depth.at(x, y) * units, depth_along(frame, {ray.x, ray.y}), kDepth) << frame.name << " depth";
+      EXPECT_NEAR(data.prior_depth.at(x, y) * units, depth_along(frame, {ray.x, ray.y}), kDepth)
+          << frame.name << " depth";
     }
   }
 }
@@ -56,7 +58,8 @@ TEST_P(Importers, RandomCapturesComeOutAsTheyWereMeant) {
     import_capture(capture, folder / "scene", options, pool);
     const Scene scene = open_scene(folder / "scene");
     std::map<std::string, size_t> frame_of_view;
-    for (const CapturedFrame& frame : capture.frames) frame_of_view[frame.name] = written.frame_of.at(frame.image.filename().string());
+    for (const CapturedFrame& frame : capture.frames)
+      frame_of_view[frame.name] = written.frame_of.at(frame.image.filename().string());
     size_t usable = 0;
     for (const RandomFrame& frame : written.capture.frames) usable += frame.fault == Fault::kNone;
     EXPECT_EQ(scene.views.size(), usable);

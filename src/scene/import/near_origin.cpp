@@ -1,4 +1,5 @@
-// place_near_origin of capture_frames.h. Positions are kept in float further on, which at a distance of d hold steps of d / 2^24.
+// place_near_origin of capture_frames.h. Positions are kept in float further on, which at a distance of d hold steps of
+// d / 2^24.
 #include <algorithm>
 #include <cmath>
 
@@ -48,7 +49,8 @@ void place_near_origin(Capture& capture) {
   const bool far = norm(place.middle) > kFarFromOrigin * place.extent;
   double scale = 1;
   if (capture.metric && place.extent > kLargestRoom) {
-    capture.notes.push_back(fmt::format("cameras spread over {:.3g} m: are their positions in millimetres? Depth is read in metres", 2 * place.extent));
+    capture.notes.push_back(fmt::format(
+        "cameras spread over {:.3g} m: are their positions in millimetres? Depth is read in metres", 2 * place.extent));
   } else if (!capture.metric && (place.extent > kLargeExtent || place.extent < kSmallExtent)) {
     scale = std::pow(10.0, -std::floor(std::log10(place.extent)));  // the extent becomes 1 to 10
   }
@@ -67,9 +69,11 @@ void place_near_origin(Capture& capture) {
   back.scale = 1 / scale;
   back.translation = shift;
   capture.to_original = back;
-  capture.notes.push_back(fmt::format("the world was moved by ({:.6g}, {:.6g}, {:.6g}) and scaled by {:g}; its cameras are at about ({:.6g}, {:.6g}, {:.6g}) "
-                                      "and spread over {:.3g}; to_original in scene.json undoes it",
-                                      -shift.x, -shift.y, -shift.z, scale, place.middle.x, place.middle.y, place.middle.z, 2 * place.extent));
+  capture.notes.push_back(fmt::format(
+      "the world was moved by ({:.6g}, {:.6g}, {:.6g}) and scaled by {:g}; its cameras are at about ({:.6g}, {:.6g}, "
+      "{:.6g}) "
+      "and spread over {:.3g}; to_original in scene.json undoes it",
+      -shift.x, -shift.y, -shift.z, scale, place.middle.x, place.middle.y, place.middle.z, 2 * place.extent));
 }
 
 }  // namespace aligngs

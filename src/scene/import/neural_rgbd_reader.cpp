@@ -31,14 +31,18 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
   capture.metric = true;
   const fs::path focal_file = folder / "focal.txt";
   const std::vector<double> focal = read_numbers(focal_file);
-  if (focal.size() != 1 || !(focal[0] > 0)) throw_bad_input(focal_file, "focal", "expected one positive number", "the focal length in pixels");
+  if (focal.size() != 1 || !(focal[0] > 0))
+    throw_bad_input(focal_file, "focal", "expected one positive number", "the focal length in pixels");
 
   const fs::path pose_file = folder / (options.neural_rgbd_trajectory ? "trainval_poses.txt" : "poses.txt");
   const std::vector<double> poses = read_numbers(pose_file);
-  if (poses.size() % 16 != 0) throw_bad_input(pose_file, "matrices", "the number of values is no multiple of 16", "poses.txt needs four lines of four numbers per image");
+  if (poses.size() % 16 != 0)
+    throw_bad_input(pose_file, "matrices", "the number of values is no multiple of 16",
+                    "poses.txt needs four lines of four numbers per image");
   const std::vector<fs::path> images = list_frame_photos(capture, folder / "images", {".png", ".jpg"});
   const std::vector<int> pose_of = poses_of_numbered(capture, images, poses.size() / 16, pose_file);
-  const fs::path depth_folder = first_existing({folder / "depth", folder / "depth_filtered", folder / "depth_with_noise"});
+  const fs::path depth_folder =
+      first_existing({folder / "depth", folder / "depth_filtered", folder / "depth_with_noise"});
   for (size_t i = 0; i < images.size(); ++i) {
     const std::string name = images[i].stem().string();
     add_frame(capture, name, [&] {
@@ -47,14 +51,17 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
       frame.image = images[i];
       if (pose_of[i] < 0) throw_bad_input(pose_file, "", "it has no pose", "add the pose or remove the image");
       const std::string field = "matrix " + std::to_string(pose_of[i]);
-      frame.world_to_camera = opencv_world_to_camera_from_opengl(rigid_from_matrix(&poses[16 * size_t(pose_of[i])], pose_file, field));
+      frame.world_to_camera =
+          opencv_world_to_camera_from_opengl(rigid_from_matrix(&poses[16 * size_t(pose_of[i])], pose_file, field));
       if (!depth_folder.empty()) set_depth(frame, depth_folder / ("depth" + digits_of(name) + ".png"));
       const ImageInfo info = read_image_info(frame.image);
       set_intrinsics(frame, focal[0], focal[0], info.stored_width / 2.0, info.stored_height / 2.0);
       return frame;
     });
   }
-  capture.mesh = options.neural_rgbd_trajectory ? fs::path() : first_existing({folder / "gt_mesh.ply", folder / "gt_mesh_culled.ply"});
+  capture.mesh = options.neural_rgbd_trajectory
+                     ? fs::path()
+                     : first_existing({folder / "gt_mesh.ply", folder / "gt_mesh_culled.ply"});
   return capture;
 }
 

@@ -1,4 +1,5 @@
-// Raw captures of LiDAR telephones. A frame has a JSON with intrinsics and a camera-to-world matrix of ARKit (world +y up, camera
+// Raw captures of LiDAR telephones. A frame has a JSON with intrinsics and a camera-to-world matrix of ARKit (world +y
+// up, camera
 // x right, y up, z back, metres). Depth is in millimetres and registered to the photo. A confidence of 0 is low.
 //
 // Polycam, "raw data": keyframes/{corrected_cameras,cameras}/T.json (fx fy cx cy width height t_00 .. t_23),
@@ -25,7 +26,8 @@ namespace {
 
 Json read_frame_json(const fs::path& file) {
   Json document = parse_json(read_file(file));
-  if (!document.is_object()) throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
+  if (!document.is_object())
+    throw_bad_input(file, "", "this is no JSON object", "export the capture again, or leave this frame out");
   return document;
 }
 
@@ -38,7 +40,8 @@ double number_of(const Json& document, const std::string& key) {
 std::vector<double> numbers_of(const Json& document, const char* key, size_t count, const fs::path& file) {
   const auto found = document.find(key);
   if (found == document.end() || !found->is_array() || found->size() != count) {
-    throw_bad_input(file, key, "expected " + std::to_string(count) + " numbers", "export the capture again, or leave this frame out");
+    throw_bad_input(file, key, "expected " + std::to_string(count) + " numbers",
+                    "export the capture again, or leave this frame out");
   }
   std::vector<double> numbers;
   for (const Json& value : *found) numbers.push_back(value.is_number() ? value.get<double>() : NAN);
@@ -46,7 +49,8 @@ std::vector<double> numbers_of(const Json& document, const char* key, size_t cou
 }
 
 Rigidd pose_of(const std::vector<double>& camera_to_world, const fs::path& file, const char* field) {
-  if (!all_finite(camera_to_world.data(), camera_to_world.size())) throw_bad_input(file, field, "lost tracking (pose is not finite)", "leave this frame out");
+  if (!all_finite(camera_to_world.data(), camera_to_world.size()))
+    throw_bad_input(file, field, "lost tracking (pose is not finite)", "leave this frame out");
   return opencv_world_to_camera_from_opengl(rigid_from_matrix(camera_to_world.data(), file, field));
 }
 
@@ -78,18 +82,21 @@ CapturedFrame polycam_frame(const fs::path& image, const fs::path& json, const f
   const Json document = read_frame_json(json);
   std::vector<double> matrix;
   for (const char row : {'0', '1', '2'}) {
-    for (const char column : {'0', '1', '2', '3'}) matrix.push_back(number_of(document, std::string("t_") + row + column));
+    for (const char column : {'0', '1', '2', '3'})
+      matrix.push_back(number_of(document, std::string("t_") + row + column));
   }
   matrix.insert(matrix.end(), {0, 0, 0, 1});
   frame.world_to_camera = pose_of(matrix, json, "t_00 .. t_23");
   ColmapCamera camera;
   camera.model = "PINHOLE";
   const double width = number_of(document, "width"), height = number_of(document, "height");
-  if (!(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide)) throw_bad_input(json, "width, height", "no size of a photo", "export the capture again");
+  if (!(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide))
+    throw_bad_input(json, "width, height", "no size of a photo", "export the capture again");
   camera.width = static_cast<uint64_t>(width);
   camera.height = static_cast<uint64_t>(height);
   for (const char* key : {"fx", "fy", "cx", "cy"}) camera.params.push_back(number_of(document, key));
-  if (!all_finite(camera.params.data(), camera.params.size())) throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
+  if (!all_finite(camera.params.data(), camera.params.size()))
+    throw_bad_input(json, "fx, fy, cx, cy", "no number", "export the capture again");
   set_camera(frame, camera);
   set_file(frame.depth, keyframes / "depth" / (frame.name + ".png"));
   set_file(frame.confidence, keyframes / "confidence" / (frame.name + ".png"));
@@ -134,8 +141,11 @@ Capture read_polycam(const fs::path& folder) {
   const fs::path keyframes = folder / "keyframes";
   const fs::path cameras = better_of(keyframes / "corrected_cameras", keyframes / "cameras", {".json"});
   const fs::path images = better_of(keyframes / "corrected_images", keyframes / "images", picture_extensions());
-  if (cameras.filename() == "cameras") capture.notes.push_back("there are no corrected cameras: these are as the telephone tracked them, a few pixels off");
-  if (images.filename() == "images") capture.notes.push_back("there are no corrected photos: the lens's distortion stays in them");
+  if (cameras.filename() == "cameras")
+    capture.notes.push_back(
+        "there are no corrected cameras: these are as the telephone tracked them, a few pixels off");
+  if (images.filename() == "images")
+    capture.notes.push_back("there are no corrected photos: the lens's distortion stays in them");
   for (const fs::path& image : list_frame_photos(capture, images)) {
     const std::string name = image.stem().string();
     add_frame(capture, name, [&] { return polycam_frame(image, cameras / (name + ".json"), keyframes); });

@@ -16,7 +16,8 @@ using testing::HasSubstr;
 class PhoneReader : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / ("phone_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder = fs::path(testing::TempDir()) /
+             ("phone_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
@@ -89,8 +90,12 @@ TEST_F(PhoneReader, APhotoWithoutItsCameraIsLeftOut) {
 
 TEST_F(PhoneReader, ScannerAppIsRecognisedByItsJson) {
   write_jpeg(folder / "frame_00000.jpg", Image<uint8_t>(40, 30, 3, 90));
-  write("frame_00000.json", R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
-  write("frame_00001.json", R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
+  write(
+      "frame_00000.json",
+      R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
+  write(
+      "frame_00001.json",
+      R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
   const Capture capture = read_capture(folder);
   EXPECT_EQ(capture.layout, "3dscanner");
   EXPECT_EQ(capture.frames.size(), 1u);
@@ -101,8 +106,12 @@ TEST_F(PhoneReader, ScannerAppIsRecognisedByItsJson) {
 TEST_F(PhoneReader, ALostPoseIsNamed) {
   write_jpeg(folder / "frame_00000.jpg", Image<uint8_t>(40, 30, 3, 90));
   write_jpeg(folder / "frame_00001.jpg", Image<uint8_t>(40, 30, 3, 90));
-  write("frame_00000.json", R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
-  write("frame_00001.json", R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [NaN, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
+  write(
+      "frame_00000.json",
+      R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
+  write(
+      "frame_00001.json",
+      R"({"intrinsics": [30, 0, 20, 0, 30, 15, 0, 0, 1], "cameraPoseARFrame": [NaN, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3, 0, 0, 0, 1]})");
   const Capture capture = read_capture(folder);
   EXPECT_EQ(capture.frames.size(), 1u);
   ASSERT_EQ(capture.left_out.size(), 1u);

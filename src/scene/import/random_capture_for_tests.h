@@ -1,5 +1,7 @@
-// A capture whose every camera, pixel and depth is known, drawn from a seed. Tests write it in a folder layout and compare what an
-// importer makes of it with what was meant. The lens formulas are written out here once more, so that a wrong one cannot agree with itself.
+// A capture whose every camera, pixel and depth is known, drawn from a seed. Tests write it in a folder layout and
+// compare what an
+// importer makes of it with what was meant. The lens formulas are written out here once more, so that a wrong one
+// cannot agree with itself.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,8 +23,8 @@ namespace aligngs {
 enum class Fault { kNone, kNoPhoto, kEmptyPhoto, kCutPhoto, kNanPose };
 
 struct RandomLens {
-  std::string model = "PINHOLE";  ///< or SIMPLE_RADIAL, OPENCV, OPENCV_FISHEYE, as COLMAP names them
-  int width = 0, height = 0;      ///< pixels of the stored photo
+  std::string model = "PINHOLE";          ///< or SIMPLE_RADIAL, OPENCV, OPENCV_FISHEYE, as COLMAP names them
+  int width = 0, height = 0;              ///< pixels of the stored photo
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels, the first pixel's centre at 0.5
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
 
@@ -35,7 +37,8 @@ struct RandomLens {
       return {p.x * factor, p.y * factor};
     }
     const double radial = 1 + k1 * r2 + k2 * r2 * r2;
-    return {p.x * radial + 2 * p1 * p.x * p.y + p2 * (r2 + 2 * p.x * p.x), p.y * radial + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
+    return {p.x * radial + 2 * p1 * p.x * p.y + p2 * (r2 + 2 * p.x * p.x),
+            p.y * radial + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
   }
   /// The ray of pixel position (u, v), by Newton's method.
   Vec2d ray(double u, double v) const {
@@ -44,7 +47,8 @@ struct RandomLens {
     constexpr double kStep = 1e-6;
     for (int i = 0; i < 20; ++i) {
       const Vec2d f = bent(p), fx1 = bent({p.x + kStep, p.y}), fy1 = bent({p.x, p.y + kStep});
-      const double a = (fx1.x - f.x) / kStep, b = (fy1.x - f.x) / kStep, c = (fx1.y - f.y) / kStep, d = (fy1.y - f.y) / kStep;
+      const double a = (fx1.x - f.x) / kStep, b = (fy1.x - f.x) / kStep, c = (fx1.y - f.y) / kStep,
+                   d = (fy1.y - f.y) / kStep;
       const double ex = wanted.x - f.x, ey = wanted.y - f.y, determinant = a * d - b * c;
       p = {p.x + (d * ex - b * ey) / determinant, p.y + (a * ey - c * ex) / determinant};
     }
@@ -60,10 +64,10 @@ struct RandomLens {
 };
 
 struct RandomFrame {
-  std::string name;    ///< of the photo, without folder and extension
-  double code = 0;     ///< in [0, 1]: the blue of its photo and a part of its depth, so that frames cannot be exchanged
+  std::string name;  ///< of the photo, without folder and extension
+  double code = 0;   ///< in [0, 1]: the blue of its photo and a part of its depth, so that frames cannot be exchanged
   Rigidd world_to_camera;
-  Quaterniond turn;     ///< its rotation
+  Quaterniond turn;  ///< its rotation
   Fault fault = Fault::kNone;
   int orientation = 1;  ///< EXIF; the stored pixels stay the camera's
 };
@@ -124,7 +128,12 @@ struct RandomCapture {
     const std::vector<uint8_t> encoded = file.extension() == ".png" ? encode_png(pixels) : encode_jpeg(pixels, 97);
     std::string bytes(encoded.begin(), encoded.end());
     if (file.extension() == ".jpg" && frame.orientation != 1) {
-      std::string exif("\xff\xe1\x00\x22" "Exif\0\0" "MM\0*\0\0\0\x08" "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0", 36);
+      std::string exif(
+          "\xff\xe1\x00\x22"
+          "Exif\0\0"
+          "MM\0*\0\0\0\x08"
+          "\0\x01\x01\x12\0\x03\0\0\0\x01\0\x01\0\0\0\0\0\0",
+          36);
       exif[29] = static_cast<char>(frame.orientation);
       bytes = bytes.substr(0, 2) + exif + bytes.substr(2);
     }
@@ -145,16 +154,19 @@ struct RandomCapture {
     write_png16(file, map);
   }
   /// Sixteen numbers of camera-to-world, a row a line; `opengl` has y up and z backwards; linear part times `scale`.
-  std::string matrix(const RandomFrame& frame, bool opengl, const char* between = " ", const char* lines = "\n", double scale = 1) const {
+  std::string matrix(const RandomFrame& frame, bool opengl, const char* between = " ", const char* lines = "\n",
+                     double scale = 1) const {
     const Rigidd pose = frame.world_to_camera.inverse();
     std::string text;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
         const double value = pose.rotation(r, c) * scale * (opengl && c > 0 ? -1 : 1);
-        text += frame.fault == Fault::kNanPose ? std::string(opengl ? "NaN" : "nan") + between : fmt::format("{:.17g}{}", value, between);
+        text += frame.fault == Fault::kNanPose ? std::string(opengl ? "NaN" : "nan") + between
+                                               : fmt::format("{:.17g}{}", value, between);
       }
       const double t = r == 0 ? pose.translation.x : r == 1 ? pose.translation.y : pose.translation.z;
-      text += frame.fault == Fault::kNanPose ? std::string(opengl ? "NaN" : "nan") + lines : fmt::format("{:.17g}{}", t, lines);
+      text += frame.fault == Fault::kNanPose ? std::string(opengl ? "NaN" : "nan") + lines
+                                             : fmt::format("{:.17g}{}", t, lines);
     }
     return text + fmt::format("0{0}0{0}0{0}1", between);
   }
@@ -162,7 +174,8 @@ struct RandomCapture {
  private:
   void draw_distortion() {
     switch (random.below(4)) {
-      case 0: break;
+      case 0:
+        break;
       case 1:
         lens.model = "SIMPLE_RADIAL";
         lens.fy = lens.fx;
@@ -183,7 +196,8 @@ struct RandomCapture {
     RandomFrame frame;
     frame.name = fmt::format(fmt::runtime(kinds[random.below(5)]), index);
     frame.code = (index + 1) / 12.0;
-    const Quaterniond turn = normalized(Quaterniond{1, random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6)});
+    const Quaterniond turn =
+        normalized(Quaterniond{1, random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6)});
     const Vec3d centre = far + Vec3d{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     frame.world_to_camera = Rigidd{rotation_matrix(turn), centre}.inverse();
     frame.turn = {turn.w, -turn.x, -turn.y, -turn.z};

@@ -16,7 +16,8 @@ namespace aligngs {
 
 namespace fs = std::filesystem;
 
-/// A folder in memory where the system has one: the importers wait for the disk with every file, thousands of times here.
+/// A folder in memory where the system has one: the importers wait for the disk with every file, thousands of times
+/// here.
 inline fs::path scratch_folder(const std::string& name) {
   const fs::path memory = "/dev/shm";
   return (fs::is_directory(memory) ? memory : fs::temp_directory_path()) / fmt::format("aligngs_{}_{}", name, getpid());
@@ -45,7 +46,8 @@ inline void write_text(const fs::path& file, const std::string& text) {
 }
 
 inline std::string matrix3(const RandomLens& lens, double offset) {
-  return fmt::format("{:.17g} 0 {:.17g}\n0 {:.17g} {:.17g}\n0 0 1\n", lens.fx, lens.cx + offset, lens.fy, lens.cy + offset);
+  return fmt::format("{:.17g} 0 {:.17g}\n0 {:.17g} {:.17g}\n0 0 1\n", lens.fx, lens.cx + offset, lens.fy,
+                     lens.cy + offset);
 }
 
 inline void photo_of(Written& written, size_t index, const fs::path& file) {
@@ -74,13 +76,15 @@ inline Written scannet(uint64_t seed, const fs::path& folder) {
   // Files count from the centre of the first pixel. The depth camera is the colour camera at another size.
   const auto matrix4 = [&](double times) {
     const RandomLens& l = capture.lens;
-    return fmt::format("{:.17g} 0 {:.17g} 0\n0 {:.17g} {:.17g} 0\n0 0 1 0\n0 0 0 1\n", l.fx * times, l.cx * times - 0.5, l.fy * times, l.cy * times - 0.5);
+    return fmt::format("{:.17g} 0 {:.17g} 0\n0 {:.17g} {:.17g} 0\n0 0 1 0\n0 0 0 1\n", l.fx * times, l.cx * times - 0.5,
+                       l.fy * times, l.cy * times - 0.5);
   };
   const int times = 1 + capture.random.below(2);
   write_text(folder / "intrinsic" / "intrinsic_color.txt", matrix4(1));
   write_text(folder / "intrinsic" / "intrinsic_depth.txt", matrix4(times));
   const std::string identity = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
-  for (const char* which : {"color", "depth"}) write_text(folder / "intrinsic" / fmt::format("extrinsic_{}.txt", which), identity);
+  for (const char* which : {"color", "depth"})
+    write_text(folder / "intrinsic" / fmt::format("extrinsic_{}.txt", which), identity);
   for (size_t i = 0; i < capture.frames.size(); ++i) {
     const std::string name = std::to_string(10 * i);
     photo_of(out, i, folder / "color" / (name + ".jpg"));
@@ -124,7 +128,8 @@ inline Written tum(uint64_t seed, const fs::path& folder) {
     const Vec3d t = frame.world_to_camera.inverse().translation;
     const Quaterniond& q = frame.turn;  // world-to-camera; the file has camera-to-world
     if (frame.fault == Fault::kNanPose) continue;
-    poses += fmt::format("{:.4f} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", jittered(), t.x, t.y, t.z, -q.x, -q.y, -q.z, q.w);
+    poses += fmt::format("{:.4f} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", jittered(), t.x, t.y, t.z,
+                         -q.x, -q.y, -q.z, q.w);
   }
   write_text(folder / "rgb.txt", colours);
   write_text(folder / "depth.txt", depths);
@@ -151,8 +156,11 @@ inline Written replica(uint64_t seed, const fs::path& folder) {
   Written out{RandomCapture(seed, false), {}, true, {}};
   RandomCapture& capture = out.capture;
   const RandomLens& l = capture.lens;
-  write_text(folder / "cam_params.json", fmt::format(R"({{"camera": {{"w": {}, "h": {}, "fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "scale": 6553.5}}}})",
-                                                     l.width, l.height, l.fx, l.fy, l.cx - 0.5, l.cy - 0.5));
+  write_text(
+      folder / "cam_params.json",
+      fmt::format(
+          R"({{"camera": {{"w": {}, "h": {}, "fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "scale": 6553.5}}}})",
+          l.width, l.height, l.fx, l.fy, l.cx - 0.5, l.cy - 0.5));
   std::string poses;
   for (size_t i = 0; i < capture.frames.size(); ++i) {
     photo_of(out, i, folder / "results" / fmt::format("frame{:06}.jpg", i));
@@ -163,26 +171,31 @@ inline Written replica(uint64_t seed, const fs::path& folder) {
   return out;
 }
 
-/// nerfstudio's: a lens for the file or for each frame, depth in a unit of its own, matrices with a scale, photos halved since.
+/// nerfstudio's: a lens for the file or for each frame, depth in a unit of its own, matrices with a scale, photos
+/// halved since.
 inline Written transforms(uint64_t seed, const fs::path& folder) {
   Written out{RandomCapture(seed, true), {}, false, {}};
   RandomCapture& capture = out.capture;
   RandomLens& l = capture.lens;
   out.depth = l.model == "PINHOLE" && capture.random.chance(0.5);
   const bool per_frame = capture.random.chance(0.5);
-  const double scale = capture.random.chance(0.5) ? 1 : capture.random.uniform(0.5, 2), unit = capture.random.chance(0.5) ? 0.001 : 0.0002;
+  const double scale = capture.random.chance(0.5) ? 1 : capture.random.uniform(0.5, 2),
+               unit = capture.random.chance(0.5) ? 0.001 : 0.0002;
   const double size = capture.random.chance(0.3) ? 2 : 1;  // of the pictures that the cameras were found in
-  std::string lens = fmt::format(R"("w": {}, "h": {}, "fl_x": {:.17g}, "fl_y": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "k1": {:.17g}, "k2": {:.17g}, "p1": {:.17g}, "p2": {:.17g})",
-                                 l.width * size, l.height * size, l.fx * size, l.fy * size, l.cx * size, l.cy * size, l.k1, l.k2, l.p1, l.p2);
-  if (l.model == "OPENCV_FISHEYE") lens += R"(, "k3": 0, "k4": 0, "camera_model": "OPENCV_FISHEYE")";
-  else if (capture.random.chance(0.5)) lens += R"(, "camera_model": "OPENCV")";
+  std::string lens = fmt::format(
+      R"("w": {}, "h": {}, "fl_x": {:.17g}, "fl_y": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "k1": {:.17g}, "k2": {:.17g}, "p1": {:.17g}, "p2": {:.17g})",
+      l.width * size, l.height * size, l.fx * size, l.fy * size, l.cx * size, l.cy * size, l.k1, l.k2, l.p1, l.p2);
+  if (l.model == "OPENCV_FISHEYE")
+    lens += R"(, "k3": 0, "k4": 0, "camera_model": "OPENCV_FISHEYE")";
+  else if (capture.random.chance(0.5))
+    lens += R"(, "camera_model": "OPENCV")";
   std::string frames;
   for (size_t i = 0; i < capture.frames.size(); ++i) {
     const RandomFrame& frame = capture.frames[i];
     photo_of(out, i, folder / "images" / (frame.name + capture.extension));
     const std::string matrix = capture.matrix(frame, true, ", ", "], [", scale);
-    frames += fmt::format(R"({}{{"file_path": "{}images/{}{}", "transform_matrix": [[{}]])", i ? ",\n" : "", capture.random.chance(0.3) ? "./" : "", frame.name,
-                          capture.extension, matrix);
+    frames += fmt::format(R"({}{{"file_path": "{}images/{}{}", "transform_matrix": [[{}]])", i ? ",\n" : "",
+                          capture.random.chance(0.3) ? "./" : "", frame.name, capture.extension, matrix);
     if (per_frame) frames += ", " + lens;
     if (out.depth) {
       capture.write_depth(frame, folder / "depth" / (frame.name + ".png"), unit * scale);
@@ -209,12 +222,14 @@ inline Written blender(uint64_t seed, const fs::path& folder) {
                           capture.matrix(frame, true, ", ", "], ["));
   }
   const double angle = 2 * std::atan(0.5 * capture.lens.width / capture.lens.fx);
-  write_text(folder / "transforms_train.json", fmt::format("{{\"camera_angle_x\": {:.17g}, \"frames\": [{}]}}", angle, frames));
+  write_text(folder / "transforms_train.json",
+             fmt::format("{{\"camera_angle_x\": {:.17g}, \"frames\": [{}]}}", angle, frames));
   return out;
 }
 
 /// A telephone's depth: of no confidence in the left columns, which hold a wrong one.
-inline void phone_depth(const RandomCapture& capture, const RandomFrame& frame, const fs::path& depth, const fs::path& confidence) {
+inline void phone_depth(const RandomCapture& capture, const RandomFrame& frame, const fs::path& depth,
+                        const fs::path& confidence) {
   capture.write_depth(frame, depth, kMillimetre);
   Image<uint16_t> map = read_gray_png(depth);
   Image<uint8_t> sure(map.width, map.height, 1, 255);
@@ -243,8 +258,9 @@ inline Written polycam(uint64_t seed, const fs::path& folder) {
     photo_of(out, i, keyframes / (prefix + "images") / (name + ".jpg"));
     if (corrected) write_text(keyframes / "cameras" / (name + ".json"), "{}");  // is not to be read
     std::istringstream numbers(capture.matrix(frame, true, " ", " "));
-    std::string json = fmt::format(R"({{"fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "width": {}, "height": {}, "blur_score": 80)", l.fx, l.fy, l.cx, l.cy,
-                                   l.width, l.height);
+    std::string json = fmt::format(
+        R"({{"fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}, "width": {}, "height": {}, "blur_score": 80)",
+        l.fx, l.fy, l.cx, l.cy, l.width, l.height);
     for (int k = 0; k < 12; ++k) {
       std::string value;
       numbers >> value;
@@ -268,9 +284,11 @@ inline Written scanner_app(uint64_t seed, const fs::path& folder) {
       std::istringstream numbers(capture.matrix(frame, true, " ", " "));
       std::string pose, value;
       while (numbers >> value) pose += (pose.empty() ? "" : ", ") + value;
-      write_text(folder / ("frame_" + number + ".json"),
-                 fmt::format(R"({{"frame_index": {}, "motionQuality": 1, "intrinsics": [{:.17g}, 0, {:.17g}, 0, {:.17g}, {:.17g}, 0, 0, 1], "cameraPoseARFrame": [{}]}})",
-                             2 * i + size_t(k), l.fx, l.cx, l.fy, l.cy, pose));
+      write_text(
+          folder / ("frame_" + number + ".json"),
+          fmt::format(
+              R"({{"frame_index": {}, "motionQuality": 1, "intrinsics": [{:.17g}, 0, {:.17g}, 0, {:.17g}, {:.17g}, 0, 0, 1], "cameraPoseARFrame": [{}]}})",
+              2 * i + size_t(k), l.fx, l.cx, l.fy, l.cy, pose));
       if (k == 1) continue;  // no photo of this one
       photo_of(out, i, folder / ("frame_" + number + ".jpg"));
       phone_depth(capture, frame, folder / ("depth_" + number + ".png"), folder / ("conf_" + number + ".png"));
@@ -302,26 +320,34 @@ inline Written colmap(uint64_t seed, const fs::path& folder) {
     image.translation = frame.world_to_camera.translation;
     if (frame.fault == Fault::kNanPose) image.translation.x = text ? std::nan("") : kSentinel;
     photo_of(out, i, folder / "images" / image.name);
-    lines += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 7 {}\n\n", image.id, image.rotation.w, image.rotation.x, image.rotation.y,
-                         image.rotation.z, image.translation.x, image.translation.y, image.translation.z, image.name);
+    lines += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 7 {}\n\n", image.id,
+                         image.rotation.w, image.rotation.x, image.rotation.y, image.rotation.z, image.translation.x,
+                         image.translation.y, image.translation.z, image.name);
     model.images.push_back(image);
   }
   const Vec3d middle = capture.frames[0].world_to_camera.inverse() * Vec3d{0, 0, 2};
   for (uint64_t i = 0; i < 20; ++i) {
-    model.points.push_back({i + 1, middle + Vec3d{capture.random.normal(), capture.random.normal(), capture.random.normal()} * 0.3, {1, 2, 3}, 0.5, {}});
+    model.points.push_back(
+        {i + 1,
+         middle + Vec3d{capture.random.normal(), capture.random.normal(), capture.random.normal()} * 0.3,
+         {1, 2, 3},
+         0.5,
+         {}});
   }
   if (!text) {
     write_colmap_binary(place, model);  // which writes no pose that is not finite
     std::string bytes = read_file(place / "images.bin");
     const double nan = std::nan("");
-    const std::string wanted(reinterpret_cast<const char*>(&kSentinel), sizeof kSentinel), lost(reinterpret_cast<const char*>(&nan), sizeof nan);
+    const std::string wanted(reinterpret_cast<const char*>(&kSentinel), sizeof kSentinel),
+        lost(reinterpret_cast<const char*>(&nan), sizeof nan);
     for (size_t at = 0; (at = bytes.find(wanted, at)) != std::string::npos;) bytes.replace(at, lost.size(), lost);
     write_file_atomically(place / "images.bin", bytes);
     return out;
   }
   std::string camera = fmt::format("# Camera list\n7 {} {} {}", l.model, l.width * size, l.height * size), points;
   for (const double p : l.parameters(size)) camera += fmt::format(" {:.17g}", p);
-  for (const ColmapPoint& p : model.points) points += fmt::format("{} {:.17g} {:.17g} {:.17g} 1 2 3 0.5\n", p.id, p.position.x, p.position.y, p.position.z);
+  for (const ColmapPoint& p : model.points)
+    points += fmt::format("{} {:.17g} {:.17g} {:.17g} 1 2 3 0.5\n", p.id, p.position.x, p.position.y, p.position.z);
   write_text(place / "cameras.txt", camera + "\n");
   write_text(place / "images.txt", lines);
   write_text(place / "points3D.txt", points);
@@ -336,9 +362,17 @@ inline void PrintTo(const Layout& layout, std::ostream* out) { *out << layout.na
 
 /// All of them.
 inline std::vector<Layout> random_layouts() {
-  return {{"rgbd", rgbd},       {"scannet", scannet},       {"seven_scenes", seven_scenes}, {"tum", tum},      {"neural_rgbd", neural_rgbd},
-          {"replica", replica}, {"transforms", transforms}, {"blender", blender},           {"colmap", colmap},
-          {"polycam", polycam}, {"scanner_app", scanner_app}};
+  return {{"rgbd", rgbd},
+          {"scannet", scannet},
+          {"seven_scenes", seven_scenes},
+          {"tum", tum},
+          {"neural_rgbd", neural_rgbd},
+          {"replica", replica},
+          {"transforms", transforms},
+          {"blender", blender},
+          {"colmap", colmap},
+          {"polycam", polycam},
+          {"scanner_app", scanner_app}};
 }
 
 }  // namespace aligngs

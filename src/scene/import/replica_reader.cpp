@@ -19,7 +19,7 @@ namespace {
 
 struct ReplicaCamera {
   double w = 1200, h = 680, fx = 600, fy = 600, cx = 599.5, cy = 339.5;  ///< pixels; from the centre of the first pixel
-  double scale = 6553.5;                                               ///< stored depth values per metre
+  double scale = 6553.5;                                                 ///< stored depth values per metre
 };
 
 ReplicaCamera read_camera(const fs::path& folder) {
@@ -27,16 +27,20 @@ ReplicaCamera read_camera(const fs::path& folder) {
   const fs::path file = first_existing({folder / "cam_params.json", folder.parent_path() / "cam_params.json"});
   if (file.empty()) return camera;
   const nlohmann::json document = parse_json(read_file(file));
-  if (document.is_discarded()) throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
+  if (document.is_discarded())
+    throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
   if (!document.is_object() || !document.contains("camera") || !document["camera"].is_object()) {
-    throw_bad_input(file, "camera", "an object with w, h, fx, fy, cx, cy and scale expected", "correct or remove the file");
+    throw_bad_input(file, "camera", "an object with w, h, fx, fy, cx, cy and scale expected",
+                    "correct or remove the file");
   }
-  const std::pair<const char*, double*> fields[] = {{"w", &camera.w},   {"h", &camera.h},   {"fx", &camera.fx},      {"fy", &camera.fy},
-                                                    {"cx", &camera.cx}, {"cy", &camera.cy}, {"scale", &camera.scale}};
+  const std::pair<const char*, double*> fields[] = {{"w", &camera.w},        {"h", &camera.h},   {"fx", &camera.fx},
+                                                    {"fy", &camera.fy},      {"cx", &camera.cx}, {"cy", &camera.cy},
+                                                    {"scale", &camera.scale}};
   for (const auto& [key, value] : fields) {
     const auto found = document["camera"].find(key);
     if (found == document["camera"].end()) continue;
-    if (!found->is_number() || !(found->get<double>() > 0)) throw_bad_input(file, key, "a positive number expected", "correct the value");
+    if (!found->is_number() || !(found->get<double>() > 0))
+      throw_bad_input(file, key, "a positive number expected", "correct the value");
     *value = found->get<double>();
   }
   return camera;
@@ -54,13 +58,16 @@ Capture read_replica(const fs::path& folder) {
   capture.depth_unit = 1 / camera.scale;
   const fs::path trajectory = folder / "traj.txt";
   const std::vector<double> poses = read_numbers(trajectory);
-  if (poses.size() % 16 != 0) throw_bad_input(trajectory, "lines", "the number of values is no multiple of 16", "traj.txt needs 16 numbers per frame");
+  if (poses.size() % 16 != 0)
+    throw_bad_input(trajectory, "lines", "the number of values is no multiple of 16",
+                    "traj.txt needs 16 numbers per frame");
   std::vector<fs::path> images;
   for (const fs::path& file : list_frame_photos(capture, folder / "results", {".jpg", ".png"})) {
     if (file.filename().string().rfind("frame", 0) == 0) images.push_back(file);
   }
   const std::vector<int> pose_of = poses_of_numbered(capture, images, poses.size() / 16, trajectory);
-  ColmapCamera model = pinhole_camera(camera.fx, camera.fy, camera.cx + kHalfPixel, camera.cy + kHalfPixel, int(camera.w), int(camera.h));
+  ColmapCamera model = pinhole_camera(camera.fx, camera.fy, camera.cx + kHalfPixel, camera.cy + kHalfPixel,
+                                      int(camera.w), int(camera.h));
   for (size_t i = 0; i < images.size(); ++i) {
     const std::string name = images[i].stem().string();
     add_frame(capture, name, [&] {
@@ -68,13 +75,16 @@ Capture read_replica(const fs::path& folder) {
       frame.name = name;
       frame.image = images[i];
       if (pose_of[i] < 0) throw_bad_input(trajectory, "", "it has no pose", "add the pose or remove the image");
-      frame.world_to_camera = rigid_from_matrix(&poses[16 * size_t(pose_of[i])], trajectory, "line " + std::to_string(pose_of[i] + 1)).inverse();
+      frame.world_to_camera =
+          rigid_from_matrix(&poses[16 * size_t(pose_of[i])], trajectory, "line " + std::to_string(pose_of[i] + 1))
+              .inverse();
       set_depth(frame, folder / "results" / ("depth" + name.substr(5) + ".png"));
       set_camera(frame, model);
       return frame;
     });
   }
-  capture.mesh = first_existing({folder / "mesh.ply", folder.parent_path() / (folder.filename().string() + "_mesh.ply")});
+  capture.mesh =
+      first_existing({folder / "mesh.ply", folder.parent_path() / (folder.filename().string() + "_mesh.ply")});
   return capture;
 }
 

@@ -23,11 +23,13 @@ struct Intrinsics {
 Intrinsics read_intrinsics(const fs::path& file) {
   const std::vector<double> k = read_numbers(file);
   if (k.size() != 9 && k.size() != 16) {
-    throw_bad_input(file, "matrix", "expected a 3x3 or 4x4 matrix, found " + std::to_string(k.size()) + " numbers", "write fx 0 cx / 0 fy cy / 0 0 1");
+    throw_bad_input(file, "matrix", "expected a 3x3 or 4x4 matrix, found " + std::to_string(k.size()) + " numbers",
+                    "write fx 0 cx / 0 fy cy / 0 0 1");
   }
   const size_t row = k.size() == 9 ? 3 : 4;
   const Intrinsics r{k[0], k[row + 1], k[2], k[row + 2]};
-  if (!(r.fx > 0) || !(r.fy > 0)) throw_bad_input(file, "fx, fy", "focal lengths must be positive", "check the order of the matrix");
+  if (!(r.fx > 0) || !(r.fy > 0))
+    throw_bad_input(file, "fx, fy", "focal lengths must be positive", "check the order of the matrix");
   return r;
 }
 
@@ -36,18 +38,23 @@ std::vector<std::string> read_names(const fs::path& file) {
 }
 
 /// A frame with its pose and intrinsics. Error{kBadInput} when it cannot be used.
-CapturedFrame posed_frame(const std::string& name, const fs::path& image, const fs::path& depth, const fs::path& pose_file, const Intrinsics& k) {
+CapturedFrame posed_frame(const std::string& name, const fs::path& image, const fs::path& depth,
+                          const fs::path& pose_file, const Intrinsics& k) {
   CapturedFrame frame;
   frame.name = as_utf8(name);
   frame.image = image;
   if (!fs::exists(pose_file)) throw_bad_input(pose_file, "", "it has no pose", "add the pose or remove the image");
   const std::vector<double> m = read_numbers(pose_file);
-  if (m.size() != 16 && m.size() != 12) throw_bad_input(pose_file, "matrix", "expected 4x4 numbers", "one camera-to-world matrix per file");
-  if (!all_finite(m.data(), m.size())) throw_bad_input(pose_file, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
+  if (m.size() != 16 && m.size() != 12)
+    throw_bad_input(pose_file, "matrix", "expected 4x4 numbers", "one camera-to-world matrix per file");
+  if (!all_finite(m.data(), m.size()))
+    throw_bad_input(pose_file, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
   frame.world_to_camera = rigid_from_scaled_matrix(m.data(), pose_file, "matrix", frame.depth_scale).inverse();
   set_depth(frame, depth);
-  if (k.width > 0) set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height));
-  else set_intrinsics(frame, k.fx, k.fy, k.cx, k.cy);
+  if (k.width > 0)
+    set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height));
+  else
+    set_intrinsics(frame, k.fx, k.fy, k.cx, k.cy);
   return frame;
 }
 
@@ -63,7 +70,9 @@ Capture read_rgbd_folder(const fs::path& folder) {
   note_poses_without_photo(capture, folder / "poses", photos);
   for (const fs::path& image : photos) {
     const std::string name = image.stem().string();
-    add_frame(capture, name, [&] { return posed_frame(name, image, folder / "depth" / (name + ".png"), folder / "poses" / (name + ".txt"), k); });
+    add_frame(capture, name, [&] {
+      return posed_frame(name, image, folder / "depth" / (name + ".png"), folder / "poses" / (name + ".txt"), k);
+    });
   }
   capture.train = read_names(folder / "train.txt");
   capture.test = read_names(folder / "test.txt");
@@ -78,13 +87,16 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
   capture.metric = true;
   if (options.intrinsics.empty() && !options.assume_registered) {
     throw_bad_input(folder, "intrinsics",
-                    "7-Scenes colour is not registered to depth (10 to 45 px) and its shipped intrinsics are those of the depth camera",
+                    "7-Scenes colour is not registered to depth (10 to 45 px) and its shipped intrinsics are those of "
+                    "the depth camera",
                     "give --intrinsics FILE (3x3, of the colour camera) or --assume-registered");
   }
-  const Intrinsics k = options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240, 640, 480} : read_intrinsics(options.intrinsics);
+  const Intrinsics k =
+      options.intrinsics.empty() ? Intrinsics{585, 585, 320, 240, 640, 480} : read_intrinsics(options.intrinsics);
   std::vector<fs::path> sequences;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq", 0) == 0) sequences.push_back(entry.path());
+    if (entry.is_directory() && entry.path().filename().string().rfind("seq", 0) == 0)
+      sequences.push_back(entry.path());
   }
   std::sort(sequences.begin(), sequences.end());
   if (sequences.empty()) sequences.push_back(folder);
@@ -96,10 +108,12 @@ Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options)
       if (cut == std::string::npos) continue;
       const std::string stem = file.substr(0, cut);
       const fs::path depth = options.assume_registered ? sequence / (stem + ".depth.png") : fs::path();
-      add_frame(capture, prefix + stem, [&] { return posed_frame(prefix + stem, image, depth, sequence / (stem + ".pose.txt"), k); });
+      add_frame(capture, prefix + stem,
+                [&] { return posed_frame(prefix + stem, image, depth, sequence / (stem + ".pose.txt"), k); });
     }
   }
-  if (!options.assume_registered) capture.notes.push_back("depth is not registered to colour and not used (--assume-registered uses it as it is)");
+  if (!options.assume_registered)
+    capture.notes.push_back("depth is not registered to colour and not used (--assume-registered uses it as it is)");
   return capture;
 }
 

@@ -1,4 +1,5 @@
-// ScanNet's Python export (SensReader): color/N.jpg, depth/N.png (uint16 mm), pose/N.txt (4x4 camera-to-world, -inf where
+// ScanNet's Python export (SensReader): color/N.jpg, depth/N.png (uint16 mm), pose/N.txt (4x4 camera-to-world, -inf
+// where
 // tracking was lost), intrinsic/{intrinsic,extrinsic}_{color,depth}.txt (4x4), *_vh_clean_2.ply beside or above.
 // Intrinsics count from the centre of the first pixel, so half a pixel is added.
 #include "core/error.h"
@@ -13,7 +14,9 @@ namespace {
 
 std::vector<double> read_matrix4(const fs::path& file) {
   std::vector<double> m = read_numbers(file);
-  if (m.size() != 16) throw_bad_input(file, "matrix", "expected 4x4 numbers, found " + std::to_string(m.size()), "export the scan again with SensReader");
+  if (m.size() != 16)
+    throw_bad_input(file, "matrix", "expected 4x4 numbers, found " + std::to_string(m.size()),
+                    "export the scan again with SensReader");
   return m;
 }
 
@@ -47,7 +50,8 @@ Capture read_scannet(const fs::path& folder) {
       frame.image = image;
       const fs::path pose = folder / "pose" / (name + ".txt");
       const std::vector<double> m = read_matrix4(pose);
-      if (!all_finite(m.data(), 16)) throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
+      if (!all_finite(m.data(), 16))
+        throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
       frame.world_to_camera = rigid_from_matrix(m.data(), pose, "matrix").inverse();
       set_depth(frame, folder / "depth" / (name + ".png"));
       set_intrinsics(frame, color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel);
@@ -57,7 +61,8 @@ Capture read_scannet(const fs::path& folder) {
   if (fs::exists(intrinsic / "intrinsic_depth.txt")) {
     const std::vector<double> d = read_matrix4(intrinsic / "intrinsic_depth.txt");
     DepthCamera camera{d[0], d[5], d[2] + kHalfPixel, d[6] + kHalfPixel, {}};
-    const fs::path color_extrinsic = intrinsic / "extrinsic_color.txt", depth_extrinsic = intrinsic / "extrinsic_depth.txt";
+    const fs::path color_extrinsic = intrinsic / "extrinsic_color.txt",
+                   depth_extrinsic = intrinsic / "extrinsic_depth.txt";
     if (fs::exists(color_extrinsic) && fs::exists(depth_extrinsic)) {
       // Extrinsics map each sensor's frame to the common one.
       camera.to_color = rigid_from_matrix(read_matrix4(color_extrinsic).data(), color_extrinsic, "matrix").inverse() *

@@ -19,8 +19,10 @@ AlignedSfm align_sfm(const Capture& capture, const std::filesystem::path& model_
   }
   const SimilarityFit fit = fit_similarity_of_cameras(from, to);
   if (!fit.well_posed) {
-    throw_bad_input(model_folder, "images", "only " + std::to_string(from.size()) + " of its cameras are in this capture, or they share one place",
-                    "the model's image names must be those of the capture, at least two of them apart");
+    throw_bad_input(
+        model_folder, "images",
+        "only " + std::to_string(from.size()) + " of its cameras are in this capture, or they share one place",
+        "the model's image names must be those of the capture, at least two of them apart");
   }
   AlignedSfm result;
   result.rmse = fit.rmse;
@@ -30,7 +32,8 @@ AlignedSfm align_sfm(const Capture& capture, const std::filesystem::path& model_
     result.cloud.positions.push_back((fit.similarity * point.position).cast<float>());
     result.cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
   }
-  if (result.cloud.size() == 0) throw_bad_input(model_folder, "points3D", "no usable points", "give a model with triangulated points");
+  if (result.cloud.size() == 0)
+    throw_bad_input(model_folder, "points3D", "no usable points", "give a model with triangulated points");
   return result;
 }
 

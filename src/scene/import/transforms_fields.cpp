@@ -13,24 +13,96 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::set<std::string> kUsed = {
-    "camera_model", "is_fisheye", "fl_x", "fl_y", "cx", "cy", "w", "h", "k1", "k2", "k3", "k4", "p1", "p2", "distortion_params",
-    "camera_angle_x", "camera_angle_y", "x_fov", "y_fov", "frames", "file_path", "transform_matrix", "depth_file_path", "depth_path",
-    "depth_unit_scale_factor", "integer_depth_scale", "mask_path", "ply_file_path", "train_filenames", "val_filenames", "test_filenames",
-    "fisheye_crop_radius", "rolling_shutter", "ftheta_p0", "ftheta_p1", "ftheta_p2", "ftheta_p3", "ftheta_p4", "latlong", "equirectangular",
-    "orthographic", "time"};
+const std::set<std::string> kUsed = {"camera_model",
+                                     "is_fisheye",
+                                     "fl_x",
+                                     "fl_y",
+                                     "cx",
+                                     "cy",
+                                     "w",
+                                     "h",
+                                     "k1",
+                                     "k2",
+                                     "k3",
+                                     "k4",
+                                     "p1",
+                                     "p2",
+                                     "distortion_params",
+                                     "camera_angle_x",
+                                     "camera_angle_y",
+                                     "x_fov",
+                                     "y_fov",
+                                     "frames",
+                                     "file_path",
+                                     "transform_matrix",
+                                     "depth_file_path",
+                                     "depth_path",
+                                     "depth_unit_scale_factor",
+                                     "integer_depth_scale",
+                                     "mask_path",
+                                     "ply_file_path",
+                                     "train_filenames",
+                                     "val_filenames",
+                                     "test_filenames",
+                                     "fisheye_crop_radius",
+                                     "rolling_shutter",
+                                     "ftheta_p0",
+                                     "ftheta_p1",
+                                     "ftheta_p2",
+                                     "ftheta_p3",
+                                     "ftheta_p4",
+                                     "latlong",
+                                     "equirectangular",
+                                     "orthographic",
+                                     "time"};
 
 /// They change nothing here: poses and points are in the file's own world, which its viewers alone move and scale.
-const std::set<std::string> kHarmless = {
-    "applied_transform", "applied_scale", "aabb_scale", "aabb", "scale", "offset", "render_aabb", "up", "n_frames", "sharpness", "sharpen",
-    "colmap_im_id", "rotation", "orientation_override", "auto_scale_poses_override", "white_transparent", "black_transparent", "from_na",
-    "from_mitsuba", "enable_depth_loading", "enable_ray_loading", "is_hdr", "fix_premult", "light_dir", "n_extra_learnable_dims", "wants_importance_sampling",
-    "timestamp", "camera_id", "image_id", "cam_id", "id", "name", "version", "average_focal_length", "near", "far", "camera", "envmap"};
+const std::set<std::string> kHarmless = {"applied_transform",
+                                         "applied_scale",
+                                         "aabb_scale",
+                                         "aabb",
+                                         "scale",
+                                         "offset",
+                                         "render_aabb",
+                                         "up",
+                                         "n_frames",
+                                         "sharpness",
+                                         "sharpen",
+                                         "colmap_im_id",
+                                         "rotation",
+                                         "orientation_override",
+                                         "auto_scale_poses_override",
+                                         "white_transparent",
+                                         "black_transparent",
+                                         "from_na",
+                                         "from_mitsuba",
+                                         "enable_depth_loading",
+                                         "enable_ray_loading",
+                                         "is_hdr",
+                                         "fix_premult",
+                                         "light_dir",
+                                         "n_extra_learnable_dims",
+                                         "wants_importance_sampling",
+                                         "timestamp",
+                                         "camera_id",
+                                         "image_id",
+                                         "cam_id",
+                                         "id",
+                                         "name",
+                                         "version",
+                                         "average_focal_length",
+                                         "near",
+                                         "far",
+                                         "camera",
+                                         "envmap"};
 
-const std::set<std::string> kPerspective = {"", "PERSPECTIVE", "SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV"};
-const std::set<std::string> kFisheye = {"FISHEYE", "OPENCV_FISHEYE", "SIMPLE_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE"};
+const std::set<std::string> kPerspective = {"",       "PERSPECTIVE", "SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL",
+                                            "RADIAL", "OPENCV",      "FULL_OPENCV"};
+const std::set<std::string> kFisheye = {"FISHEYE", "OPENCV_FISHEYE", "SIMPLE_FISHEYE", "SIMPLE_RADIAL_FISHEYE",
+                                        "RADIAL_FISHEYE"};
 
-const char* const kUndistort = "undistort the images with the program that estimated the lens, and write a transforms.json for those";
+const char* const kUndistort =
+    "undistort the images with the program that estimated the lens, and write a transforms.json for those";
 
 }  // namespace
 
@@ -45,7 +117,8 @@ const Json* TransformsFields::find(const char* key) const {
 double TransformsFields::number(const char* key, double fallback) const {
   const Json* value = find(key);
   if (!value) return fallback;
-  if (!value->is_number() || !std::isfinite(value->get<double>())) throw_bad_input(file_, key, "expected a finite number", "correct the value");
+  if (!value->is_number() || !std::isfinite(value->get<double>()))
+    throw_bad_input(file_, key, "expected a finite number", "correct the value");
   return value->get<double>();
 }
 
@@ -67,14 +140,16 @@ std::string TransformsFields::text(const char* key) const {
 void TransformsFields::refuse_unsupported() const {
   for (const char* key : {"ftheta_p0", "latlong", "equirectangular", "orthographic"}) {
     const Json* value = find(key);
-    if (value && !(value->is_boolean() && !value->get<bool>())) throw_bad_input(file_, key, "this lens is no pinhole view", kUndistort);
+    if (value && !(value->is_boolean() && !value->get<bool>()))
+      throw_bad_input(file_, key, "this lens is no pinhole view", kUndistort);
   }
 }
 
 ColmapCamera TransformsFields::camera(int width, int height) const {
   refuse_unsupported();
   const double w = number("w", width), h = number("h", height);
-  if (!(w >= 1 && h >= 1 && w <= 65535 && h <= 65535)) throw_bad_input(file_, "w, h", "impossible sizes", "the size of the images in pixels");
+  if (!(w >= 1 && h >= 1 && w <= 65535 && h <= 65535))
+    throw_bad_input(file_, "w, h", "impossible sizes", "the size of the images in pixels");
   const auto focal = [&](const char* pixels, const char* radians, const char* degrees, double side) {
     const double direct = number(pixels, 0), angle = number(radians, kRadiansPerDegree * number(degrees, 0));
     if (direct > 0) return direct;
@@ -91,9 +166,11 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
                     "perspective (OPENCV, PINHOLE, ...) and OPENCV_FISHEYE are; for others " + std::string(kUndistort));
   }
   const bool fisheye = kFisheye.count(model) > 0 || flag("is_fisheye");
-  double k[4] = {number("k1", 0), number("k2", 0), number("k3", 0), number("k4", 0)}, p1 = number("p1", 0), p2 = number("p2", 0);
+  double k[4] = {number("k1", 0), number("k2", 0), number("k3", 0), number("k4", 0)}, p1 = number("p1", 0),
+         p2 = number("p2", 0);
   if (const Json* list = find("distortion_params")) {  // nerfstudio's order
-    const bool good = list->is_array() && list->size() == 6 && std::all_of(list->begin(), list->end(), [](const Json& v) { return v.is_number(); });
+    const bool good = list->is_array() && list->size() == 6 &&
+                      std::all_of(list->begin(), list->end(), [](const Json& v) { return v.is_number(); });
     if (!good) throw_bad_input(file_, "distortion_params", "expected k1, k2, k3, k4, p1, p2", "correct the list");
     for (int i = 0; i < 4; ++i) k[i] = (*list)[size_t(i)].get<double>();
     p1 = (*list)[4].get<double>();

@@ -1,4 +1,5 @@
-// The fields of transforms.json: nerfstudio's, instant-ngp's and Blender's, each used, ignored because it is harmless here, or
+// The fields of transforms.json: nerfstudio's, instant-ngp's and Blender's, each used, ignored because it is harmless
+// here, or
 // refused by name. docs/formats.md lists them. src/scene/import internal.
 #pragma once
 
@@ -25,8 +26,10 @@ class TransformsFields {
   std::string text(const char* key) const;  ///< empty: absent
   const nlohmann::json* find(const char* key) const;
 
-  /// The camera at the size that the file states, else at width x height of the photo as stored. Error{kBadInput} naming the
-  /// field for lenses that are no view of a pinhole, for terms without a counterpart here, and without any focal length.
+  /// The camera at the size that the file states, else at width x height of the photo as stored. Error{kBadInput}
+  /// naming the
+  /// field for lenses that are no view of a pinhole, for terms without a counterpart here, and without any focal
+  /// length.
   ColmapCamera camera(int width, int height) const;
 
   /// Error{kBadInput} for fields whose meaning is not supported, by name.

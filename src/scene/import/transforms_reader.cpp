@@ -1,4 +1,5 @@
-// transforms.json of nerfstudio and instant-ngp, or Blender's transforms_train.json and transforms_test.json (transforms_val.json):
+// transforms.json of nerfstudio and instant-ngp, or Blender's transforms_train.json and transforms_test.json
+// (transforms_val.json):
 // OpenGL camera-to-world per frame, a lens for all of them or for each. transforms_fields.h has what the fields mean.
 #include <algorithm>
 #include <cmath>
@@ -32,14 +33,16 @@ struct Transforms {
 Transforms read_document(const fs::path& file) {
   Transforms transforms{file, parse_json(without_byte_order_mark(read_file(file)))};
   const Json& document = transforms.document;
-  if (document.is_discarded()) throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
+  if (document.is_discarded())
+    throw_bad_input(file, "", "this is no valid JSON", "find the place with `python3 -m json.tool FILE`");
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array()) {
     throw_bad_input(file, "frames", "this is no transforms.json", "expected a JSON object with a list \"frames\"");
   }
   return transforms;
 }
 
-/// Camera-to-world in OpenGL axes as world-to-camera in OpenCV ones. A matrix that scales space does so to depth as well.
+/// Camera-to-world in OpenGL axes as world-to-camera in OpenCV ones. A matrix that scales space does so to depth as
+/// well.
 Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& field, double& scale) {
   std::vector<double> m;
   for (const Json& row : matrix) {
@@ -63,13 +66,15 @@ class FrameReader {
     frame.name = path;
     frame.image = photo.file;
     const TransformsFields fields(transforms_.document, item, transforms_.file);
-    frame.world_to_camera = pose_of(item.at("transform_matrix"), transforms_.file, field + ".transform_matrix", frame.depth_scale);
+    frame.world_to_camera =
+        pose_of(item.at("transform_matrix"), transforms_.file, field + ".transform_matrix", frame.depth_scale);
     const ImageInfo info = read_image_info(frame.image);
     set_camera(frame, fields.camera(info.stored_width, info.stored_height));
     frame.depth = depth(fields);
     if (const std::string mask = fields.text("mask_path"); !mask.empty()) {
       frame.mask = folder_ / slashed_name(mask);
-      if (!fs::is_regular_file(frame.mask)) throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
+      if (!fs::is_regular_file(frame.mask))
+        throw_bad_input(frame.mask, "mask_path", "the mask is missing", "add it, or remove mask_path");
     }
     note_lens(fields);
     return frame;
@@ -77,7 +82,8 @@ class FrameReader {
 
  private:
   fs::path depth(const TransformsFields& fields) const {
-    const std::string path = slashed_name(fields.text("depth_file_path").empty() ? fields.text("depth_path") : fields.text("depth_file_path"));
+    const std::string path = slashed_name(fields.text("depth_file_path").empty() ? fields.text("depth_path")
+                                                                                 : fields.text("depth_file_path"));
     if (path.empty()) return {};
     const fs::path file = folder_ / path;
     if (file.extension() != ".png" && file.extension() != ".PNG") {
@@ -88,9 +94,12 @@ class FrameReader {
   }
 
   void note_lens(const TransformsFields& fields) const {
-    if (fields.number("fisheye_crop_radius", 0) != 0) note_once("fisheye_crop_radius is not used: pixels outside of the circle count; mask_path can leave them out");
+    if (fields.number("fisheye_crop_radius", 0) != 0)
+      note_once("fisheye_crop_radius is not used: pixels outside of the circle count; mask_path can leave them out");
     if (const Json* shutter = fields.find("rolling_shutter")) {
-      const bool any = !shutter->is_array() || std::any_of(shutter->begin(), shutter->end(), [](const Json& v) { return !v.is_number() || v.get<double>() != 0; });
+      const bool any = !shutter->is_array() || std::any_of(shutter->begin(), shutter->end(), [](const Json& v) {
+        return !v.is_number() || v.get<double>() != 0;
+      });
       if (any) note_once("rolling_shutter is not used: every photo counts as taken at one moment");
     }
     if (fields.find("time")) note_once("time is not used: the scene counts as one that does not move");
@@ -98,7 +107,8 @@ class FrameReader {
 
   void note_once(const std::string& note) const {
     const std::string line = transforms_.file.filename().string() + ": " + note;
-    if (std::find(capture_.notes.begin(), capture_.notes.end(), line) == capture_.notes.end()) capture_.notes.push_back(line);
+    if (std::find(capture_.notes.begin(), capture_.notes.end(), line) == capture_.notes.end())
+      capture_.notes.push_back(line);
   }
 
   const Transforms& transforms_;
@@ -118,7 +128,8 @@ std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLoo
     const std::string name = has_path ? slashed_name(item["file_path"].get<std::string>()) : field;
     names.push_back(name);
     add_frame(capture, name, [&] {
-      if (!has_path || !item.contains("transform_matrix")) throw_bad_input(transforms.file, field, "a frame needs file_path and transform_matrix", "correct the frame");
+      if (!has_path || !item.contains("transform_matrix"))
+        throw_bad_input(transforms.file, field, "a frame needs file_path and transform_matrix", "correct the frame");
       return reader.read(item, field);
     });
   }
@@ -136,7 +147,8 @@ void note_unknown(const Transforms& transforms, Capture& capture) {
   if (unknown.empty()) return;
   std::string list;
   for (const std::string& key : unknown) list += (list.empty() ? "" : ", ") + as_utf8(key);
-  capture.notes.push_back(transforms.file.filename().string() + ": fields that are not known here and not used: " + list);
+  capture.notes.push_back(transforms.file.filename().string() +
+                          ": fields that are not known here and not used: " + list);
 }
 
 /// Names of a list as names of frames; those of frames that were left out stay recognisable.
@@ -178,9 +190,13 @@ CapturedCloud read_points(const fs::path& file) {
 void set_depth_unit(const Transforms& transforms, Capture& capture) {
   const TransformsFields fields(transforms.document, transforms.document, transforms.file);
   const double nerfstudio = fields.number("depth_unit_scale_factor", 0), ngp = fields.number("integer_depth_scale", 0);
-  if (nerfstudio < 0 || ngp < 0) throw_bad_input(transforms.file, "integer_depth_scale", "a positive number expected", "scene units per stored depth value");
-  if (nerfstudio > 0) capture.depth_unit = nerfstudio;
-  else if (ngp > 0) capture.depth_unit = ngp;
+  if (nerfstudio < 0 || ngp < 0)
+    throw_bad_input(transforms.file, "integer_depth_scale", "a positive number expected",
+                    "scene units per stored depth value");
+  if (nerfstudio > 0)
+    capture.depth_unit = nerfstudio;
+  else if (ngp > 0)
+    capture.depth_unit = ngp;
 }
 
 }  // namespace
@@ -189,7 +205,10 @@ bool may_hold_transforms(const fs::path& folder) {
   return fs::is_regular_file(folder / "transforms.json") || fs::is_regular_file(folder / "transforms_train.json");
 }
 
-Capture read_transforms(const fs::path& folder) { return read_transforms(folder, PhotoLookup(fs::is_directory(folder / "images") ? folder / "images" : fs::path(), folder)); }
+Capture read_transforms(const fs::path& folder) {
+  return read_transforms(folder,
+                         PhotoLookup(fs::is_directory(folder / "images") ? folder / "images" : fs::path(), folder));
+}
 
 Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
@@ -203,7 +222,8 @@ Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
     add_frames(transforms, photos, capture);
     capture.train = listed_names(transforms, {"train_filenames"});
     capture.test = listed_names(transforms, {"test_filenames", "val_filenames"});
-    const std::string ply = TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
+    const std::string ply =
+        TransformsFields(transforms.document, transforms.document, transforms.file).text("ply_file_path");
     if (!ply.empty()) capture.cloud = read_points(folder / slashed_name(ply));
     note_unknown(transforms, capture);
   } else {

@@ -32,7 +32,8 @@ std::vector<Stamped> read_stamped(const fs::path& file) {
     if (line.empty() || line[0] == '#') continue;
     std::istringstream words(line);
     Stamped entry;
-    if (!(words >> entry.time)) throw_bad_input(file, "line " + std::to_string(number), "expected a time stamp", "lines are \"time value...\"");
+    if (!(words >> entry.time))
+      throw_bad_input(file, "line " + std::to_string(number), "expected a time stamp", "lines are \"time value...\"");
     std::getline(words >> std::ws, entry.rest);
     while (!entry.rest.empty() && std::isspace(static_cast<unsigned char>(entry.rest.back()))) entry.rest.pop_back();
     lines.push_back(entry);
@@ -43,7 +44,9 @@ std::vector<Stamped> read_stamped(const fs::path& file) {
 const Stamped* nearest(const std::vector<Stamped>& lines, double time) {
   const Stamped* best = nullptr;
   for (const Stamped& line : lines) {
-    if (std::fabs(line.time - time) <= kAssociationSeconds && (!best || std::fabs(line.time - time) < std::fabs(best->time - time))) best = &line;
+    if (std::fabs(line.time - time) <= kAssociationSeconds &&
+        (!best || std::fabs(line.time - time) < std::fabs(best->time - time)))
+      best = &line;
   }
   return best;
 }
@@ -52,10 +55,12 @@ const Stamped* nearest(const std::vector<Stamped>& lines, double time) {
 
 Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   if (options.intrinsics.empty()) {
-    throw_bad_input(folder, "intrinsics", "TUM sequences do not carry their intrinsics", "give --intrinsics FILE (3x3; freiburg1: 517.3 516.5 318.6 255.3)");
+    throw_bad_input(folder, "intrinsics", "TUM sequences do not carry their intrinsics",
+                    "give --intrinsics FILE (3x3; freiburg1: 517.3 516.5 318.6 255.3)");
   }
   const std::vector<double> k = read_numbers(options.intrinsics);
-  if (k.size() != 9 && k.size() != 16) throw_bad_input(options.intrinsics, "matrix", "expected a 3x3 or 4x4 matrix", "write fx 0 cx / 0 fy cy / 0 0 1");
+  if (k.size() != 9 && k.size() != 16)
+    throw_bad_input(options.intrinsics, "matrix", "expected a 3x3 or 4x4 matrix", "write fx 0 cx / 0 fy cy / 0 0 1");
   const size_t row = k.size() == 9 ? 3 : 4;
   Capture capture;
   capture.layout = layout_name(CaptureLayout::kTum);
@@ -64,10 +69,12 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
   capture.depth_unit = kDepthUnit;
   const fs::path truth = folder / "groundtruth.txt";
   const std::vector<Stamped> colors = read_stamped(folder / "rgb.txt"), poses = read_stamped(truth);
-  const std::vector<Stamped> depths = fs::exists(folder / "depth.txt") ? read_stamped(folder / "depth.txt") : std::vector<Stamped>{};
+  const std::vector<Stamped> depths =
+      fs::exists(folder / "depth.txt") ? read_stamped(folder / "depth.txt") : std::vector<Stamped>{};
   for (const Stamped& color : colors) {
     std::string name = fs::path(color.rest).stem().string();
-    std::replace(name.begin(), name.end(), '.', '_');  // time stamps hold a dot, which other tools take for the extension
+    // time stamps hold a dot, which other tools take for the extension
+    std::replace(name.begin(), name.end(), '.', '_');
     add_frame(capture, name, [&] {
       CapturedFrame frame;
       frame.name = name;

@@ -13,10 +13,10 @@
 namespace aligngs {
 namespace {
 
-constexpr int kGridColumns = 8, kGridRows = 6;    // rays per frame that become surface samples
-constexpr double kCosSameDirection = 0.99939;     // 2 degrees: less parallax adds no depth
-constexpr double kGain[3] = {1, 0.5, 0.25};       // value of the first, second, third view of a sample
-constexpr double kOcclusionSlack = 0.05;          // relative depth difference that still counts as seen
+constexpr int kGridColumns = 8, kGridRows = 6;  // rays per frame that become surface samples
+constexpr double kCosSameDirection = 0.99939;   // 2 degrees: less parallax adds no depth
+constexpr double kGain[3] = {1, 0.5, 0.25};     // value of the first, second, third view of a sample
+constexpr double kOcclusionSlack = 0.05;        // relative depth difference that still counts as seen
 
 struct Sample {
   Vec3d position;
@@ -32,7 +32,14 @@ struct PinholeView {
 
 PinholeView pinhole_view(const CapturedFrame& frame) {
   const Camera c = lens_of(frame.camera, frame.image).pinhole();
-  return {c.fx, c.fy, c.cx, c.cy, double(c.width), double(c.height), frame.world_to_camera, frame.world_to_camera.inverse().translation};
+  return {c.fx,
+          c.fy,
+          c.cx,
+          c.cy,
+          double(c.width),
+          double(c.height),
+          frame.world_to_camera,
+          frame.world_to_camera.inverse().translation};
 }
 
 constexpr double kUnreadable = -1;  // sharpness of a photo that cannot be decoded
@@ -96,7 +103,8 @@ std::vector<Sample> samples_of_frame(const Capture& capture, const CapturedFrame
       const double u = (c + 0.5) / kGridColumns, v = (r + 0.5) / kGridRows;
       const Vec3d ray{(u * view.width - view.cx) / view.fx, (v * view.height - view.cy) / view.fy, 1};
       if (depth.empty()) {
-        for (const double share : {0.5, 1.0, 1.6}) samples.push_back({to_world * (ray * (fallback_depth * share)), 0, {}});
+        for (const double share : {0.5, 1.0, 1.6})
+          samples.push_back({to_world * (ray * (fallback_depth * share)), 0, {}});
       } else {
         const double z = depth.at(static_cast<int>(u * depth.width), static_cast<int>(v * depth.height));
         if (z > 0) samples.push_back({to_world * (ray * z), 0, {}});
@@ -106,7 +114,8 @@ std::vector<Sample> samples_of_frame(const Capture& capture, const CapturedFrame
   return samples;
 }
 
-/// A typical viewing distance: to the cloud when there is one, 2.5 m in a metric capture, else 1.5 times the camera spread.
+/// A typical viewing distance: to the cloud when there is one, 2.5 m in a metric capture, else 1.5 times the camera
+/// spread.
 double typical_depth(const Capture& capture, const std::vector<PinholeView>& views) {
   std::vector<double> distances;
   const size_t step = std::max<size_t>(1, capture.cloud.size() / 2000);
@@ -139,7 +148,8 @@ CoarseDepth coarse_depth(const Capture& capture, const CapturedFrame& frame) {
   if (depth.empty()) return coarse;
   coarse.map = ImageF(64, 48, 1, 0.f);
   for (int y = 0; y < 48; ++y) {
-    for (int x = 0; x < 64; ++x) coarse.map.at(x, y) = depth.at((2 * x + 1) * depth.width / 128, (2 * y + 1) * depth.height / 96);
+    for (int x = 0; x < 64; ++x)
+      coarse.map.at(x, y) = depth.at((2 * x + 1) * depth.width / 128, (2 * y + 1) * depth.height / 96);
   }
   return coarse;
 }
@@ -154,7 +164,8 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
   if (options.count >= n) return all;
 
   std::vector<int> candidates = sharp_candidates(sharpness_of_frames(capture, pool), options);
-  if (static_cast<int>(candidates.size()) < options.count) candidates = all;  // what cannot be read is left out by the import
+  // what cannot be read is left out by the import
+  if (static_cast<int>(candidates.size()) < options.count) candidates = all;
   const int m = static_cast<int>(candidates.size());
   std::vector<PinholeView> views;
   for (const int i : candidates) views.push_back(pinhole_view(capture.frames[i]));
@@ -179,7 +190,8 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
       for (uint32_t s = 0; s < samples.size(); ++s) {
         const Vec3d p = view.pose * samples[s].position;
         if (!(p.z > 0)) continue;
-        const double u = (view.fx * p.x / p.z + view.cx) / view.width, v = (view.fy * p.y / p.z + view.cy) / view.height;
+        const double u = (view.fx * p.x / p.z + view.cx) / view.width,
+                     v = (view.fy * p.y / p.z + view.cy) / view.height;
         if (u >= 0 && v >= 0 && u < 1 && v < 1 && !depths[i].hides(u, v, p.z)) sees[i].push_back(s);
       }
     }
@@ -198,7 +210,8 @@ std::vector<int> select_views(const Capture& capture, const ViewSelectionOptions
           if (sample.seen >= 3) continue;
           const Vec3d direction = normalized(sample.position - views[i].centre);
           bool repeated = false;
-          for (int k = 0; k < sample.seen; ++k) repeated = repeated || dot(direction, sample.directions[k]) > kCosSameDirection;
+          for (int k = 0; k < sample.seen; ++k)
+            repeated = repeated || dot(direction, sample.directions[k]) > kCosSameDirection;
           if (!repeated) gain += kGain[sample.seen];
         }
         gains[i] = gain;

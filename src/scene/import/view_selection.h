@@ -9,9 +9,9 @@
 namespace aligngs {
 
 struct ViewSelectionOptions {
-  int count = 20;               ///< views to choose
+  int count = 20;                 ///< views to choose
   double blurry_share = 1.0 / 3;  ///< this share of the frames, the blurriest among their neighbours, is not considered
-  int max_candidates = 400;     ///< long captures are thinned to this many sharp frames first
+  int max_candidates = 400;       ///< long captures are thinned to this many sharp frames first
 };
 
 /// Indices into capture.frames, in capture order. Greedy: each step adds the frame that gains most. A surface sample

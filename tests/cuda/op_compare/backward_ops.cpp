@@ -3,12 +3,12 @@
 #include <limits>
 
 #include "compare_ops.h"
+#include "device/tolerances.h"
 #include "engine/cuda/blend_backward.h"
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/map_losses.h"
 #include "engine/cuda/parameter_gradients.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::op_compare {
 namespace {
@@ -30,15 +30,16 @@ void compare_map_losses(cuda::DeviceContext& context, const CpuStep& step, OpTab
   DeviceArray<LossTerms> terms(context, 1, "losses");
   const cuda::TrainingMaps training(context, step.scene.training);
   cuda::DeviceArena arena(context);
-  const cuda::MapLossInputs in{{maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(),
-                                expected.span(), {}},
-                               training.spans(),
-                               step.scene.request.losses};
+  const cuda::MapLossInputs in{
+      {maps.width, maps.height, color.span(), normal.span(), alpha.span(), distance.span(), expected.span(), {}},
+      training.spans(),
+      step.scene.request.losses};
   map_losses(arena, in, {{d_color.span(), d_normal.span(), d_distance.span(), {}}, residual.span(), terms.span()});
   const LossTerms got = terms.to_host()[0];
   const CudaTolerance t;
   for (const Loss loss : losses_of(LossStage::kColor, LossStage::kGeometry)) {
-    table.compare_number("map_losses", row_of(loss).name.data(), got[loss], step.map_terms[loss], absolute(tight(t.loss)));
+    table.compare_number("map_losses", row_of(loss).name.data(), got[loss], step.map_terms[loss],
+                         absolute(tight(t.loss)));
   }
   table.compare_number("map_losses", "psnr", got.psnr, step.map_terms.psnr, absolute(tight(t.psnr)));
   table.compare("map_losses", "d colour", d_color.to_host(), step.gradients.color, tight(t.gradient));
@@ -59,7 +60,8 @@ std::vector<cuda::SplatGradient> run_blend_backward(cuda::DeviceContext& context
   DeviceArray<cuda::SplatGradient> slots(context, step.view.lists.instances(), "slots");
   cuda::TestView& view = step.view;
   cuda::DeviceArena arena(context);
-  cuda::DeviceFrame frame = take_frame(arena, step.scene.training.data.camera, view.raster, step.scene.model.size(), true);
+  cuda::DeviceFrame frame =
+      take_frame(arena, step.scene.training.data.camera, view.raster, step.scene.model.size(), true);
   cuda::BlendBackwardInputs in;
   in.view = view.view_spans();
   in.lists = view.list_spans();
@@ -87,9 +89,9 @@ void compare_blend_backward(cuda::DeviceContext& context, const CpuStep& step, O
   const struct {
     const char* name;
     size_t first, count;
-  } fields[] = {{"colour", 0, 3},    {"weight", 3, 1},    {"normal", 4, 3},          {"distance", 7, 1},
-                {"moments", 8, 6},   {"residual", 14, 1}, {"unsupported", 15, 1},    {"photometric", 16, 2},
-                {"absolute", 18, 2}};
+  } fields[] = {{"colour", 0, 3},       {"weight", 3, 1},       {"normal", 4, 3},
+                {"distance", 7, 1},     {"moments", 8, 6},      {"residual", 14, 1},
+                {"unsupported", 15, 1}, {"photometric", 16, 2}, {"absolute", 18, 2}};
   const auto seen = [&](size_t slot) { return step.view.record.seen[slot] != 0; };
   for (const auto method : {cuda::BlendBackwardMethod::kPerPixel, cuda::BlendBackwardMethod::kPerSplat}) {
     const std::vector<cuda::SplatGradient> got = run_blend_backward(context, step, method);

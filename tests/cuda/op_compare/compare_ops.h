@@ -31,7 +31,8 @@ std::vector<std::remove_const_t<T>> to_host(const cuda::DeviceContext& context, 
 
 /// Field `first` to `first + count` (in floats) of the records whose index `keep(i)` wants, as one array.
 template <class Records, class Keep>
-std::vector<float> fields_of(const Records& records, size_t count_of_records, size_t first, size_t count, const Keep& keep) {
+std::vector<float> fields_of(const Records& records, size_t count_of_records, size_t first, size_t count,
+                             const Keep& keep) {
   std::vector<float> out;
   for (size_t i = 0; i < count_of_records; ++i) {
     if (!keep(i)) continue;

@@ -61,23 +61,24 @@ void CpuStep::run_backward() {
   }
   const ImageF& prior = scene.training.data.prior_depth;
   cpu::RowBatches batches;
-  cpu::backward_pass({view.view, view.lists, view.raster}, view.record,
-                     {gradients, residual.data(), prior.empty() ? nullptr : prior.data.data(),
-                      scene.request.losses.prior_depth_scale},
-                     true, true, semantics() ? &pass : nullptr, view.pool, view.scratch, batches, slots);
+  cpu::backward_pass(
+      {view.view, view.lists, view.raster}, view.record,
+      {gradients, residual.data(), prior.empty() ? nullptr : prior.data.data(), scene.request.losses.prior_depth_scale},
+      true, true, semantics() ? &pass : nullptr, view.pool, view.scratch, batches, slots);
   if (!semantics()) return;
   soft = pass.soft;
   hard = pass.hard;
   logit_gradients.assign(visible * padded, 0.0f);
   for (size_t row = 0; row < visible; ++row) {
     if (written[row] == 0) continue;
-    softmax_backward(features.data() + row * padded, row_gradients.data() + row * padded,
-                     scene.model.semantic_channels, &logit_gradients[row * padded]);
+    softmax_backward(features.data() + row * padded, row_gradients.data() + row * padded, scene.model.semantic_channels,
+                     &logit_gradients[row * padded]);
   }
 }
 
 cpu::ReduceInputs CpuStep::reduce_inputs(const StepRequest& request) const {
-  return {scene.model, view.view, view.lists, view.record, slots, request, view.visible, semantics() ? coupling_scale : 0.0f};
+  return {scene.model, view.view, view.lists,   view.record,
+          slots,       request,   view.visible, semantics() ? coupling_scale : 0.0f};
 }
 
 void CpuStep::run_reduction() {

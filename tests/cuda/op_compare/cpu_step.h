@@ -4,7 +4,7 @@
 
 #include "engine/benchmark/benchmark_room.h"
 #include "engine/cpu/semantic_visit.h"
-#include "engine/cuda/test_view.h"
+#include "engine/cuda/view_for_tests.h"
 
 namespace aligngs::op_compare {
 
@@ -33,18 +33,18 @@ struct CpuStep {
   size_t channels = 0, padded = 0;
   cpu::SemanticView cache;
   cpu::ClassCounts counts;
-  cpu::AlignedArray<float> features;      ///< [visible][padded] softmax of the rows in view
-  cpu::AlignedArray<float> row_gradients; ///< [visible][padded] dL/dfeatures where written
-  std::vector<uint8_t> written;           ///< [visible]
-  std::vector<float> logit_gradients;     ///< [visible][padded] dL/dlogits, zero where not written
+  cpu::AlignedArray<float> features;       ///< [visible][padded] softmax of the rows in view
+  cpu::AlignedArray<float> row_gradients;  ///< [visible][padded] dL/dfeatures where written
+  std::vector<uint8_t> written;            ///< [visible]
+  std::vector<float> logit_gradients;      ///< [visible][padded] dL/dlogits, zero where not written
   double soft = 0, hard = 0;
 
-  cpu::SlotGradients slots;               ///< of the maps and of the coupling
-  float coupling_scale = 0.5f;            ///< factor of the coupling, any
+  cpu::SlotGradients slots;     ///< of the maps and of the coupling
+  float coupling_scale = 0.5f;  ///< factor of the coupling, any
   cpu::ReduceTotals totals;
-  cpu::ParameterGradients parameters;     ///< without the shape terms
+  cpu::ParameterGradients parameters;  ///< without the shape terms
   LossTerms shape_terms;
-  cpu::ParameterGradients with_shape;     ///< with them
+  cpu::ParameterGradients with_shape;  ///< with them
   DensityStatistics statistics;
 
   bool semantics() const { return channels > 0; }

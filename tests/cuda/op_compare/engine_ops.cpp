@@ -1,9 +1,9 @@
 #include <memory>
 
 #include "compare_ops.h"
+#include "device/tolerances.h"
 #include "engine/cpu/cpu_engine.h"
 #include "engine/cuda/cuda_engine.h"
-#include "engine/cuda/tolerances.h"
 #include "engine/engine_arrays.h"
 
 namespace aligngs::op_compare {
@@ -29,13 +29,15 @@ struct Engines {
   }
 };
 
-void compare_models(const char* op, const std::string& prefix, GaussianModel got, GaussianModel want, const Limit& shape,
-                    const Limit& colour, const Limit& semantic, OpTable& table) {
+void compare_models(const char* op, const std::string& prefix, GaussianModel got, GaussianModel want,
+                    const Limit& shape, const Limit& colour, const Limit& semantic, OpTable& table) {
   const std::vector<NamedArray> a = arrays_of(got), b = arrays_of(want);
   for (size_t k = 0; k < b.size(); ++k) {
     const std::string name = b[k].name;
     table.compare(op, prefix + name, *a[k].values, *b[k].values,
-                  name == "sh" ? colour : name == "semantics" ? semantic : shape);
+                  name == "sh"          ? colour
+                  : name == "semantics" ? semantic
+                                        : shape);
   }
 }
 
@@ -109,7 +111,8 @@ void compare_restructuring(Engines& engines, OpTable& table) {
   engines.device.save_state(got);
   engines.cpu.save_state(want);
   compare_models("restructure", "", got.model, want.model, exact(), exact(), exact(), table);
-  for (const auto& [name, values] : want.arrays) table.compare("restructure", name, got.arrays.at(name), values, exact());
+  for (const auto& [name, values] : want.arrays)
+    table.compare("restructure", name, got.arrays.at(name), values, exact());
 }
 
 void compare_opacity_reset(Engines& engines, OpTable& table) {

@@ -1,9 +1,9 @@
 #include "compare_ops.h"
+#include "device/tolerances.h"
 #include "engine/cuda/binning.h"
 #include "engine/cuda/blend_forward.h"
 #include "engine/cuda/device_frame.h"
 #include "engine/cuda/project.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::op_compare {
 namespace {
@@ -17,8 +17,7 @@ void compare_project(cuda::DeviceContext& context, const CpuStep& step, OpTable&
   const CompareScene& scene = step.scene;
   cuda::DeviceModel model(context, scene.model);
   cuda::DeviceArena arena(context);
-  const DeviceFrame frame =
-      take_frame(arena, scene.training.data.camera, step.view.raster, scene.model.size(), true);
+  const DeviceFrame frame = take_frame(arena, scene.training.data.camera, step.view.raster, scene.model.size(), true);
   project_view(context, {model.spans(), step.view.raster, scene.request.sh_degree}, frame.view, frame.bad);
   const auto splats = to_host(context, frame.view.splats);
   const auto rects = to_host(context, frame.view.rects);
@@ -38,7 +37,7 @@ void compare_project(cuda::DeviceContext& context, const CpuStep& step, OpTable&
   const struct {
     const char* name;
     size_t first, count;
-  } fields[] = {{"mean", 0, 2},   {"conic factor", 2, 3}, {"opacity", 5, 1},  {"level", 6, 1},
+  } fields[] = {{"mean", 0, 2},   {"conic factor", 2, 3}, {"opacity", 5, 1},   {"level", 6, 1},
                 {"colour", 7, 3}, {"normal", 10, 3},      {"distance", 13, 1}, {"depths", 14, 3}};
   static_assert(offsetof(Splat, level) == 24 && offsetof(Splat, normal) == 40 && offsetof(Splat, z) == 56);
   for (const auto& f : fields) {

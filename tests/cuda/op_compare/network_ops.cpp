@@ -1,10 +1,10 @@
 #include "compare_ops.h"
-#include "engine/cuda/networks/network_device.h"
-#include "engine/cuda/tolerances.h"
+#include "device/tolerances.h"
 #include "nn/attention.h"
+#include "nn/cuda/network_device.h"
 #include "nn/ops/convolution.h"
 #include "nn/ops/linear.h"
-#include "nn/test_weights.h"
+#include "nn/weights_for_tests.h"
 
 namespace aligngs::op_compare {
 namespace {
@@ -29,9 +29,8 @@ class NetworkOps {
     nn::Matrix x(130, 200);
     x.data = nn::random_values(x.data.size(), 1);
     const std::vector<float> w = nn::random_values(200 * 70, 2), b = nn::random_values(70, 3);
-    compare("product", table, [&](Compute& c) {
-      return numbers_of(nn::Linear(c, w, 70, 200, b)(c, x, nn::Activation::kGelu).data);
-    });
+    compare("product", table,
+            [&](Compute& c) { return numbers_of(nn::Linear(c, w, 70, 200, b)(c, x, nn::Activation::kGelu).data); });
   }
   void compare_convolution(OpTable& table) {
     nn::FeatureMap x(17, 19, 12);
@@ -51,7 +50,8 @@ class NetworkOps {
     Compute cpu(pool_, {Precision::kFloat32, false, false});
     nn::AttentionOperands operands(cpu, shape);
     for (int64_t s = 0; s < shape.sequences; ++s) {
-      for (int64_t i = 0; i < shape.queries; ++i) operands.set_query_row(s, i, q.data() + (s * shape.queries + i) * width);
+      for (int64_t i = 0; i < shape.queries; ++i)
+        operands.set_query_row(s, i, q.data() + (s * shape.queries + i) * width);
       for (int64_t i = 0; i < shape.keys; ++i) {
         operands.set_key_row(s, i, k.data() + (s * shape.keys + i) * width);
         operands.set_value_row(s, i, v.data() + (s * shape.keys + i) * width);
@@ -61,8 +61,8 @@ class NetworkOps {
     nn::attention(cpu, operands, want.data(), nullptr);
     for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
       Values got(q.size());
-      device_->attention(shape, {q.on(*device_), width}, {k.on(*device_), width}, {v.on(*device_), width}, nullptr, precision,
-                         got.write_on(*device_));
+      device_->attention(shape, {q.on(*device_), width}, {k.on(*device_), width}, {v.on(*device_), width}, nullptr,
+                         precision, got.write_on(*device_));
       table.compare("attention", name_of(precision), numbers_of(got), numbers_of(want), limit_of(precision));
     }
   }

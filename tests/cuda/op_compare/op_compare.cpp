@@ -34,7 +34,8 @@ Options parse(int argc, char** argv) {
   Options o;
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i];
-    if (i + 1 == argc) throw_usage("option " + name + " needs a value, or does not exist", "see the head of op_compare.cpp");
+    if (i + 1 == argc)
+      throw_usage("option " + name + " needs a value, or does not exist", "see the head of op_compare.cpp");
     const char* value = argv[++i];
     if (name == "--device") {
       o.device = number_of<int>("--device", value);

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "engine/cuda/tolerances.h"
+#include "device/tolerances.h"
 #include "io/npy.h"
 
 namespace aligngs::op_compare {
@@ -13,9 +13,12 @@ namespace {
 
 const char* name_of(LimitKind kind) {
   switch (kind) {
-    case LimitKind::kExact: return "exact";
-    case LimitKind::kTight: return "tight";
-    case LimitKind::kLoose: return "loose";
+    case LimitKind::kExact:
+      return "exact";
+    case LimitKind::kTight:
+      return "tight";
+    case LimitKind::kLoose:
+      return "loose";
   }
   return "";
 }
@@ -103,7 +106,8 @@ std::string OpTable::text() const {
     std::snprintf(line, sizeof line, format, values...);
     out += line;
   };
-  put("%-20s %-24s %10s %10s %10s %8s %-6s %10s\n", "op", "channel", "entries", "worst", "RMS", "beyond", "kind", "limit");
+  put("%-20s %-24s %10s %10s %10s %8s %-6s %10s\n", "op", "channel", "entries", "worst", "RMS", "beyond", "kind",
+      "limit");
   for (const OpRow& r : rows_) {
     put("%-20s %-24s %10zu %10.2e %10.2e %8zu %-6s %10.2e  %s\n", r.op.c_str(), r.channel.c_str(), r.entries, r.worst,
         r.rms, r.beyond, name_of(r.limit.kind), r.limit.value, r.ok ? "ok" : "FAIL");

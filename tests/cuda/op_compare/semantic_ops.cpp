@@ -1,9 +1,9 @@
 #include "compare_ops.h"
 #include "core/half.h"
+#include "device/tolerances.h"
 #include "engine/cuda/parameter_gradients.h"
 #include "engine/cuda/semantic_visit.h"
 #include "engine/cuda/teacher_maps.h"
-#include "engine/cuda/tolerances.h"
 
 namespace aligngs::op_compare {
 namespace {
@@ -39,9 +39,11 @@ struct VisitResult {
 class SemanticOps {
  public:
   SemanticOps(cuda::DeviceContext& context, const CpuStep& step)
-      : context_(context), step_(step),
+      : context_(context),
+        step_(step),
         padded_(static_cast<size_t>(cuda::padded_channels(step.scene.model.semantic_channels))),
-        model_(context, step.scene.model), teacher_(context, step.scene.training, step.cache),
+        model_(context, step.scene.model),
+        teacher_(context, step.scene.training, step.cache),
         rows_(context, step.view.lists.visible.size() * padded_, "rows") {
     cuda::check_semantic_channels(context, step.scene.model.semantic_channels);
     touched_.assign(context, step.view.cpu_gradients.touched, "touched");

@@ -3,6 +3,7 @@
 
 #include "compare_ops.h"
 #include "core/random.h"
+#include "device/tolerances.h"
 #include "engine/cpu/optimiser.h"
 #include "engine/cpu/pose_gradient.h"
 #include "engine/cuda/density.h"
@@ -10,7 +11,6 @@
 #include "engine/cuda/pose_gradient.h"
 #include "engine/cuda/semantic_rows.h"
 #include "engine/cuda/shape_terms.h"
-#include "engine/cuda/tolerances.h"
 #include "engine/engine_arrays.h"
 
 namespace aligngs::op_compare {
@@ -53,7 +53,8 @@ void compare_shape_terms(cuda::DeviceContext& context, const CpuStep& step, OpTa
   const LossTerms got = terms.to_host()[0];
   const CudaTolerance t;
   for (const Loss loss : losses_of(LossStage::kShape)) {
-    table.compare_number("shape_terms", row_of(loss).name.data(), got[loss], step.shape_terms[loss], absolute(tight(t.loss)));
+    table.compare_number("shape_terms", row_of(loss).name.data(), got[loss], step.shape_terms[loss],
+                         absolute(tight(t.loss)));
   }
   table.compare("shape_terms", "d log scales", gradients.log_scales.to_host(), step.with_shape.log_scales,
                 tight(t.gradient));
@@ -70,13 +71,16 @@ void compare_pose_gradient(cuda::DeviceContext& context, const CpuStep& step, Op
   cuda::DeviceArena arena(context);
   const Camera& camera = step.scene.training.data.camera;
   const int degree = step.scene.request.sh_degree;
-  cuda::pose_gradient(arena, {model.spans(), gradients.spans(), touched.span(), pose_frame<float>(camera), degree}, out.span());
+  cuda::pose_gradient(arena, {model.spans(), gradients.spans(), touched.span(), pose_frame<float>(camera), degree},
+                      out.span());
   const PoseGradient<double> got = out.to_host()[0];
   ThreadPool pool(1);
   const PoseGradient<double> want = cpu::pose_gradient(step.scene.model, step.parameters, camera, degree, pool);
   const auto vector = [](const Vec3d& v) { return std::vector<double>{v.x, v.y, v.z}; };
-  table.compare("pose_gradient", "rotation", vector(got.rotation), vector(want.rotation), tight(CudaTolerance().pose_sum));
-  table.compare("pose_gradient", "translation", vector(got.translation), vector(want.translation), tight(CudaTolerance().pose_sum));
+  table.compare("pose_gradient", "rotation", vector(got.rotation), vector(want.rotation),
+                tight(CudaTolerance().pose_sum));
+  table.compare("pose_gradient", "translation", vector(got.translation), vector(want.translation),
+                tight(CudaTolerance().pose_sum));
 }
 
 void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable& table) {
@@ -93,10 +97,9 @@ void compare_density(cuda::DeviceContext& context, const CpuStep& step, OpTable&
   const std::vector<NamedArray> arrays = arrays_of(want);
   std::vector<DeviceArray<float>> got(arrays.size());
   for (DeviceArray<float>& a : got) a.assign(context, std::vector<float>(n, 0.0f), "statistics");
-  add_density_statistics(context,
-                         {step.view.view_spans(), touched.span(), device_sums.span(), {}},
-                         {got[0].span(), got[1].span(), got[2].span(), got[3].span(), got[4].span(), got[5].span(),
-                          got[6].span()});
+  add_density_statistics(
+      context, {step.view.view_spans(), touched.span(), device_sums.span(), {}},
+      {got[0].span(), got[1].span(), got[2].span(), got[3].span(), got[4].span(), got[5].span(), got[6].span()});
   for (size_t k = 0; k < arrays.size(); ++k) {
     table.compare("density", arrays[k].name, got[k].to_host(), *arrays[k].values, tight(CudaTolerance().statistic));
   }
@@ -135,8 +138,7 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
   std::copy(step.logit_gradients.begin(), step.logit_gradients.end(), rows.data());
   cpu::SemanticGradients semantic;
   if (semantics) semantic = {step.view.lists.rank.data(), step.written.data(), rows.data(), false, nullptr, 0, nullptr};
-  cpu::optimise(request, step.with_shape, semantic, step.view.view, step.view.pool, want,
-                want_moments);
+  cpu::optimise(request, step.with_shape, semantic, step.view.view, step.view.pool, want, want_moments);
 
   cuda::DeviceModel model(context, step.scene.model), m(context, start.m), v(context, start.v),
       gradients(context, as_model(step, step.with_shape));
@@ -170,8 +172,9 @@ void compare_optimiser(cuda::DeviceContext& context, const CpuStep& step, OpTabl
   optimise(context, request, in, {model.spans(), m.spans(), v.spans(), updates.span()}, start.sh_used);
 
   const auto compare = [&](const char* what, cuda::DeviceModel& got, GaussianModel& expected) {
-    const std::vector<float> arrays[] = {got.positions.to_host(),      got.log_scales.to_host(), got.rotations.to_host(),
-                                         got.opacity_logits.to_host(), got.sh.to_host(),         got.semantics.to_host()};
+    const std::vector<float> arrays[] = {got.positions.to_host(), got.log_scales.to_host(),
+                                         got.rotations.to_host(), got.opacity_logits.to_host(),
+                                         got.sh.to_host(),        got.semantics.to_host()};
     size_t k = 0;
     for (const NamedArray& a : arrays_of(expected)) {
       table.compare("optimiser", std::string(what) + a.name, arrays[k++], *a.values, tight(CudaTolerance().parameter));

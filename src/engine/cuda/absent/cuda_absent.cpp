@@ -1,8 +1,8 @@
 // Replaces the CUDA sources in builds without CUDA.
 #include "core/error.h"
+#include "device/device_ceilings.h"
 #include "engine/cuda/make_engine.h"
-#include "engine/cuda/networks/network_device.h"
-#include "engine/cuda/runtime/device_ceilings.h"
+#include "nn/cuda/network_device.h"
 
 namespace aligngs::cuda {
 
@@ -18,9 +18,7 @@ void throw_without_cuda(int device) {
 }
 
 CeilingEffort usual_effort() { return {}; }
-DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) {
-  throw_without_cuda(device);
-}
+DeviceCeilings measure_device_ceilings(int device, const CeilingEffort&) { throw_without_cuda(device); }
 
 }  // namespace aligngs::cuda
 
@@ -30,8 +28,6 @@ std::unique_ptr<Engine> make_cuda_engine(int index, uint64_t, int, const cuda::C
   cuda::throw_without_cuda(index);
 }
 
-std::shared_ptr<nn::NetworkDevice> make_cuda_network_device(int index, uint64_t) {
-  cuda::throw_without_cuda(index);
-}
+std::shared_ptr<nn::NetworkDevice> make_cuda_network_device(int index, uint64_t) { cuda::throw_without_cuda(index); }
 
 }  // namespace aligngs

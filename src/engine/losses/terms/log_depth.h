@@ -47,7 +47,8 @@ struct LogDepthTerm {
 
   ALIGNGS_HD explicit LogDepthTerm(const LossSettings& s)
       : scale(static_cast<T>(s.prior_depth_scale)),
-        delta(static_cast<T>(s.log_depth_huber > kHuberMinimum ? static_cast<double>(s.log_depth_huber) : kHuberMinimum)) {}
+        delta(static_cast<T>(s.log_depth_huber > kHuberMinimum ? static_cast<double>(s.log_depth_huber)
+                                                               : kHuberMinimum)) {}
 
   ALIGNGS_HD ALIGNGS_ALWAYS_INLINE T weight(const TermPixel<T>& p) const {
     const bool known = (p.prior_depth > 0) & (p.prior_depth < 1e30f) & (scale > T(0));  // as usable_prior_depth

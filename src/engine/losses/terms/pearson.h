@@ -1,4 +1,5 @@
-// The Pearson correlation of rendered and prior depth (AlignGS, Gao et al. 2025), from the sums over the pixels. It needs
+// The Pearson correlation of rendered and prior depth (AlignGS, Gao et al. 2025), from the sums over the pixels. It
+// needs
 // their means before it can compare them, so engines have loops of their own for it.
 #pragma once
 
@@ -8,8 +9,9 @@
 
 namespace aligngs {
 
-inline constexpr double kPearsonMinimumShare = 0.05;    ///< of the pixels must be valid: fewer say little
-inline constexpr double kPearsonMinimumSpread = 0.05;   ///< standard deviation / mean of the prior: a flat one correlates with noise
+inline constexpr double kPearsonMinimumShare = 0.05;  ///< of the pixels must be valid: fewer say little
+/// standard deviation / mean of the prior: a flat one correlates with noise
+inline constexpr double kPearsonMinimumSpread = 0.05;
 inline constexpr double kPearsonRenderedSpread = 0.01;  ///< of the rendered depth: the gradient grows as 1 / spread
 inline constexpr double kPearsonEpsilon = 1e-6;         ///< added to both standard deviations, as released
 

@@ -1,4 +1,5 @@
-// A pixel term: a loss that looks at one pixel alone, as the weighted mean over the pixels that take part. Its formula is
+// A pixel term: a loss that looks at one pixel alone, as the weighted mean over the pixels that take part. Its formula
+// is
 // a class template in a file of this folder, for host and device. The CPU rows (losses/pixel_rows.h) and the CUDA
 // kernels (cuda/pixel_terms.cuh) fold over the list of them (pixel_terms.h).
 //
@@ -35,9 +36,9 @@ struct TermPixel {
 
 template <class T>
 struct TermValue {
-  T value{};         ///< weight times the loss; 0 without a weight
-  T by_depth{};      ///< step times its derivative by the plane depth; only with kNeedsDepth
-  Vec3<T> by_normal; ///< step times its derivative by the blended normal N; only with kNeedsUnitNormal
+  T value{};          ///< weight times the loss; 0 without a weight
+  T by_depth{};       ///< step times its derivative by the plane depth; only with kNeedsDepth
+  Vec3<T> by_normal;  ///< step times its derivative by the blended normal N; only with kNeedsUnitNormal
 };
 
 }  // namespace aligngs

@@ -1,0 +1,7 @@
+#include "core/version.h"
+
+namespace aligngs {
+
+const char* version() { return ALIGNGS_VERSION; }
+
+}  // namespace aligngs

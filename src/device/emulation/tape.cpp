@@ -1,0 +1,27 @@
+#include "device/emulation/tape.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+
+namespace aligngs::cuda {
+namespace {
+thread_local EmulatedTape* current = nullptr;
+}
+
+bool EmulatedTape::like(const EmulatedTape& other) const {
+  return std::equal(operations_.begin(), operations_.end(), other.operations_.begin(), other.operations_.end(),
+                    [](const Operation& a, const Operation& b) { return a.name == b.name; });
+}
+
+EmulatedTape* recording_tape() { return current; }
+
+ScopedRecording::ScopedRecording(EmulatedTape& tape) { current = &tape; }
+ScopedRecording::~ScopedRecording() { current = nullptr; }
+
+void refuse_while_recording(const char* what) {
+  if (current == nullptr) return;
+  throw Error({ErrorKind::kFailed, std::string(what) + " cannot be part of a graph", {}, {}, {}});
+}
+
+}  // namespace aligngs::cuda

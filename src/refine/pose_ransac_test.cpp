@@ -1,0 +1,107 @@
+#include "refine/pose_ransac.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "core/rotation_vector.h"
+#include "refine/bundle_adjustment.h"
+
+namespace aligngs {
+namespace {
+
+Camera camera() {
+  Camera c;
+  c.width = 320;
+  c.height = 240;
+  c.fx = c.fy = 250;
+  c.cx = 160;
+  c.cy = 120;
+  c.world_to_camera.translation = {0.1, -0.2, 0.3};
+  return c;
+}
+
+/// `true_camera` turned by some degrees and shifted.
+Camera elsewhere(Camera c) {
+  c.world_to_camera = Rigidd{rotation_of({0.05, -0.08, 0.03}), {0.1, 0.05, -0.1}} * c.world_to_camera;
+  return c;
+}
+
+/// Projections to `of` of points in a box before it, within half a pixel. The first `wrong` of them are matched up to
+/// 40 pixels off.
+std::vector<PointMatch> matches(const Camera& of, int count, int wrong) {
+  Random random(3);
+  std::vector<PointMatch> out;
+  for (int i = 0; i < count; ++i) {
+    const Vec3d point = of.unproject(random.uniform(10, 310), random.uniform(10, 230), random.uniform(1.5, 4));
+    const double off = i < wrong ? 40 : 0.5;
+    const Vec2d at = of.project(of.world_to_camera * point);
+    out.push_back({point, {at.x + random.uniform(-off, off), at.y + random.uniform(-off, off)}});
+  }
+  return out;
+}
+
+TEST(RansacPose, IsFoundAmongFourTimesAsManyWrongMatches) {
+  const Camera truth = camera();
+  const auto found = ransac_pose(elsewhere(truth), matches(truth, 200, 160), {});
+  ASSERT_TRUE(found);
+  EXPECT_GE(found->agreeing, 38);
+  EXPECT_LT(found->agreeing, 60);
+  EXPECT_LT(norm(found->camera.centre() - truth.centre()), 0.02);
+  EXPECT_LT(rotation_angle_between_degrees(found->camera.world_to_camera.rotation, truth.world_to_camera.rotation),
+            0.3);
+}
+
+TEST(RansacPose, KeepsTheLens) {
+  const auto found = ransac_pose(elsewhere(camera()), matches(camera(), 50, 0), {});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->camera.fx, camera().fx);
+  EXPECT_EQ(found->camera.width, camera().width);
+}
+
+TEST(RansacPose, IsTheSameEveryTime) {
+  const std::vector<PointMatch> some = matches(camera(), 100, 70);
+  const auto a = ransac_pose(elsewhere(camera()), some, {}), b = ransac_pose(elsewhere(camera()), some, {});
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->camera.world_to_camera.translation.x, b->camera.world_to_camera.translation.x);
+}
+
+TEST(RansacPose, ThreeMatchesAgreeWithAnything) {
+  EXPECT_FALSE(ransac_pose(camera(), matches(camera(), 3, 0), {}));
+  EXPECT_FALSE(ransac_pose(camera(), {}, {}));
+}
+
+TEST(RansacPose, ThereIsNoneBehindTheCamera) {
+  std::vector<PointMatch> behind = matches(camera(), 20, 0);
+  for (PointMatch& match : behind) match.point.z = -10;
+  EXPECT_FALSE(ransac_pose(camera(), behind, {}));
+}
+
+TEST(RansacPose, AFartherTurnThanAllowedIsNone) {
+  PoseSearchSettings settings;
+  settings.largest_turn = 2;
+  const auto found = ransac_pose(elsewhere(camera()), matches(camera(), 100, 0), settings);
+  EXPECT_TRUE(!found || found->agreeing < 20);
+}
+
+TEST(RansacPose, PointsOnOneLineBreakNothing) {
+  std::vector<PointMatch> line = matches(camera(), 40, 0);
+  for (size_t i = 0; i < line.size(); ++i) {
+    line[i].point = {0.05 * static_cast<double>(i) - 1, 0, 3};
+    line[i].pixel = camera().project(camera().world_to_camera * line[i].point);
+  }
+  const auto found = ransac_pose(elsewhere(camera()), line, {});
+  EXPECT_TRUE(!found || std::isfinite(found->camera.world_to_camera.translation.x));
+}
+
+TEST(RansacPose, NoNumbersInAMatchAreLeftOut) {
+  std::vector<PointMatch> some = matches(camera(), 100, 0);
+  for (size_t i = 0; i < some.size(); i += 4) some[i].pixel.x = std::nan("");
+  const auto found = ransac_pose(elsewhere(camera()), some, {});
+  ASSERT_TRUE(found);
+  EXPECT_LT(norm(found->camera.centre() - camera().centre()), 0.02);
+}
+
+}  // namespace
+}  // namespace aligngs
