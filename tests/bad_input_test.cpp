@@ -8,6 +8,7 @@
 
 #include "io/image_file.h"
 #include "io/npy.h"
+#include "io/npz.h"
 #include "io/torch_archive.h"
 #include "support/process.h"
 #include "support/small_scene.h"
@@ -144,7 +145,7 @@ TEST_F(BadInput, TruncatedSemantics) {
 
 TEST_F(BadInput, TruncatedTorchSemantics) {
   const fs::path npy = file_in("segmentation_logits");
-  const FloatArray map = read_npy(npy);
+  const FloatArray map = read_npz(npy);
   fs::path pt = npy;
   pt.replace_extension(".pt");
   write_torch_tensor(pt, map.shape, map.data.data());
@@ -155,8 +156,8 @@ TEST_F(BadInput, TruncatedTorchSemantics) {
 
 TEST_F(BadInput, WrongClassCount) {
   const fs::path map = file_in("segmentation_logits");
-  const std::vector<float> values(7 * 12 * 16, 0.1f);
-  write_npy_float32(map, {7, 12, 16}, values.data());
+  const std::vector<uint16_t> values(7 * 12 * 16, 0x2e66);  // 0.1 as float16
+  write_npz_float16(map, {7, 12, 16}, values.data());
   expect_left_out({map.filename().string(), "7", "150"});
 }
 

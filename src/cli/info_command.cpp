@@ -17,6 +17,7 @@
 #include "io/image_file.h"
 #include "io/json_text.h"
 #include "io/npy.h"
+#include "io/npz.h"
 #include "io/ply.h"
 #include "io/safetensors.h"
 #include "io/torch_archive.h"
@@ -188,6 +189,7 @@ Json info_of(const fs::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
   if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
+  if (extension == ".npz") return info_of_array("compressed NumPy array", read_npz_header(path));
   // pytorch_model.bin
   if (extension == ".pt" || extension == ".pth" || extension == ".bin") return info_of_torch(path);
   if (extension == ".safetensors") return info_of_safetensors(path);
@@ -222,7 +224,8 @@ void add_info_command(CLI::App& program, CommandContext& context) {
                                .example = "aligngs info demo_run",
                                .advanced = "aligngs info demo_run/scene.ply --json"}));
   auto path = std::make_shared<std::string>();
-  command->add_option("path", *path, "PLY, npy, pt, safetensors or image file; scene folder; run folder")->required();
+  command->add_option("path", *path, "PLY, npy, npz, pt, safetensors or image file; scene folder; run folder")
+      ->required();
   command->callback([&context, path] {
     const Json info = info_of(*path);
     if (context.global.json)

@@ -107,6 +107,30 @@ TEST(GaussianPly, LabelsFollowTheStandardProperties) {
   EXPECT_EQ(read_gaussian_ply(file_in_temp("labels.ply")).size(), 2u);
 }
 
+TEST(GaussianPly, AFileWithLabelsLeavesOutHarmonicsThatAreZeroEverywhere) {
+  GaussianModel model = random_model(2);
+  for (size_t i = 0; i < model.sh.size(); ++i) {
+    if (i % (3 * kShCoefficients) / 3 >= 4) model.sh[i] = 0;  // degree 1 has four coefficients
+  }
+  const GaussianLabels labels{"ade20k150", {7, 3}, {1, 0}, {200, 0}};
+  write_labelled_gaussian_ply(file_in_temp("degree_1.ply"), model, labels);
+  const std::string file = content_of(file_in_temp("degree_1.ply"));
+  EXPECT_NE(file.find("property float f_rest_8\nproperty float opacity\n"), std::string::npos);
+  EXPECT_EQ(body_of(file).size(), 2u * (4 * 26 + 5));
+  const LabelledModel back = read_labelled_gaussian_ply(file_in_temp("degree_1.ply"));
+  EXPECT_EQ(back.model.sh, model.sh);
+  EXPECT_EQ(back.model.opacity_logits, model.opacity_logits);
+  EXPECT_EQ(back.labels.label, labels.label);
+}
+
+TEST(GaussianPly, AFileWithLabelsOfPlainColoursHasNoHarmonics) {
+  GaussianModel model = random_model(1);
+  for (size_t k = 3; k < model.sh.size(); ++k) model.sh[k] = 0;
+  write_labelled_gaussian_ply(file_in_temp("degree_0.ply"), model, {"ade20k150", {7}, {1}, {200}});
+  EXPECT_EQ(content_of(file_in_temp("degree_0.ply")).find("f_rest"), std::string::npos);
+  EXPECT_EQ(read_labelled_gaussian_ply(file_in_temp("degree_0.ply")).model.sh, model.sh);
+}
+
 TEST(GaussianPly, LabelsReadBack) {
   const GaussianModel model = random_model(700);
   GaussianLabels labels;

@@ -220,8 +220,8 @@ std::vector<float> convert(const Layout& layout, const char* data) {
   }
 }
 
-template <class T>
-void write_npy(const std::filesystem::path& path, const char* dtype, const std::vector<int64_t>& shape, const T* data) {
+/// What precedes the data.
+std::string header_for(const char* dtype, const std::vector<int64_t>& shape) {
   std::string dimensions;
   for (const int64_t n : shape) dimensions += std::to_string(n) + ", ";
   if (shape.size() > 1) dimensions.resize(dimensions.size() - 2);
@@ -231,20 +231,31 @@ void write_npy(const std::filesystem::path& path, const char* dtype, const std::
   constexpr size_t kPreamble = 10, kAlignment = 64;  // bytes; the data start on a multiple of 64
   header.append((kAlignment - (kPreamble + header.size() + 1) % kAlignment) % kAlignment, ' ');
   header += '\n';
-  std::string preamble("\x93NUMPY\x01\x00", 8);
-  append_little(preamble, static_cast<uint16_t>(header.size()));
+  std::string out("\x93NUMPY\x01\x00", 8);
+  append_little(out, static_cast<uint16_t>(header.size()));
+  return out + header;
+}
 
-  const uint64_t count = element_count(shape, sizeof(T), path, "shape");
-  AtomicFile file(path);
-  file.write(preamble);
-  file.write(header);
+/// Hands header and data to `write(pointer, bytes)`.
+template <class T, class Write>
+void encode_npy(const std::filesystem::path& name, const char* dtype, const std::vector<int64_t>& shape, const T* data,
+                Write&& write) {
+  const uint64_t count = element_count(shape, sizeof(T), name, "shape");
+  const std::string header = header_for(dtype, shape);
+  write(header.data(), header.size());
   if constexpr (std::endian::native == std::endian::little) {
-    file.write(data, count * sizeof(T));
+    write(reinterpret_cast<const char*>(data), count * sizeof(T));
   } else {
     std::string swapped;
     for (uint64_t i = 0; i < count; ++i) append_little(swapped, data[i]);
-    file.write(swapped);
+    write(swapped.data(), swapped.size());
   }
+}
+
+template <class T>
+void write_npy(const std::filesystem::path& path, const char* dtype, const std::vector<int64_t>& shape, const T* data) {
+  AtomicFile file(path);
+  encode_npy(path, dtype, shape, data, [&](const char* bytes, size_t count) { file.write(bytes, count); });
   file.commit();
 }
 
@@ -268,6 +279,10 @@ ArrayHeader read_npy_header(const std::filesystem::path& path) {
   return parse_layout(prefix, size, path).header;
 }
 
+ArrayHeader decode_npy_header(std::string_view beginning, uint64_t size, const std::filesystem::path& name_for_errors) {
+  return parse_layout(beginning, size, name_for_errors).header;
+}
+
 FloatArray decode_npy(const std::string& bytes, const std::filesystem::path& name_for_errors) {
   const Layout layout = parse_layout(bytes, bytes.size(), name_for_errors);
   return {layout.header.shape, convert(layout, bytes.data() + layout.data_offset)};
@@ -281,6 +296,13 @@ void write_npy_float32(const std::filesystem::path& path, const std::vector<int6
 
 void write_npy_float16(const std::filesystem::path& path, const std::vector<int64_t>& shape, const uint16_t* data) {
   write_npy(path, "<f2", shape, data);
+}
+
+std::string encode_npy_float16(const std::filesystem::path& name_for_errors, const std::vector<int64_t>& shape,
+                               const uint16_t* data) {
+  std::string out;
+  encode_npy(name_for_errors, "<f2", shape, data, [&](const char* bytes, size_t count) { out.append(bytes, count); });
+  return out;
 }
 
 }  // namespace aligngs

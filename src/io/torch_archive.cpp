@@ -10,6 +10,7 @@
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
 #include "io/torch_container.h"
+#include "io/zip_writer.h"
 
 namespace aligngs {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/half.h"
 #include "io/atomic_file.h"
 #include "io/byte_reader.h"
-#include "io/zip_archive.h"
+#include "io/zip_writer.h"
 
 namespace aligngs {
 namespace {

@@ -9,7 +9,7 @@
 #include "io/byte_reader.h"
 #include "io/safetensors.h"
 #include "io/safetensors_stream.h"
-#include "io/zip_archive.h"
+#include "io/zip_writer.h"
 
 namespace aligngs {
 namespace {

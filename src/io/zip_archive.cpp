@@ -10,14 +10,14 @@
 #include "core/error.h"
 #include "io/byte_reader.h"
 #include "io/damaged_file.h"
+#include "io/zip_format.h"
 
 namespace aligngs {
 namespace {
 
-constexpr uint32_t kLocalSignature = 0x04034b50, kDirectorySignature = 0x02014b50, kEndSignature = 0x06054b50,
-                   kEnd64Signature = 0x06064b50, kLocator64Signature = 0x07064b50;
-constexpr uint64_t kLocalBytes = 30, kDirectoryBytes = 46, kEndBytes = 22, kLocatorBytes = 20, kEnd64Bytes = 56;
-constexpr uint16_t kStored = 0, kDeflated = 8, kZip64Extra = 1, kEncryptedFlag = 1;
+constexpr uint32_t kEnd64Signature = 0x06064b50, kLocator64Signature = 0x07064b50;
+constexpr uint64_t kLocatorBytes = 20, kEnd64Bytes = 56;
+constexpr uint16_t kZip64Extra = 1, kEncryptedFlag = 1;
 constexpr uint64_t kMaxDirectoryBytes = uint64_t(256) << 20;  // millions of entries
 constexpr uint64_t kMaxDeflateRatio = 1032;                   // zlib's documentation: the best deflate can do
 
@@ -27,11 +27,11 @@ struct Directory {
 
 Directory find_directory(const ByteSource& source) {
   constexpr uint64_t kMaxComment = 65535;
-  const uint64_t tail_bytes = std::min<uint64_t>(source.size(), kEndBytes + kMaxComment);
+  const uint64_t tail_bytes = std::min<uint64_t>(source.size(), zip::kEndBytes + kMaxComment);
   const uint64_t tail_offset = source.size() - tail_bytes;
   const std::string tail = source.read(tail_offset, tail_bytes);
-  for (size_t at = tail.size() < kEndBytes ? 0 : tail.size() - kEndBytes + 1; at-- > 0;) {
-    if (load_number<uint32_t>(tail.data() + at, false) != kEndSignature) continue;
+  for (size_t at = tail.size() < zip::kEndBytes ? 0 : tail.size() - zip::kEndBytes + 1; at-- > 0;) {
+    if (load_number<uint32_t>(tail.data() + at, false) != zip::kEndSignature) continue;
     ByteReader end(std::string_view(tail).substr(at), source.name());
     end.take(4, "end of directory");
     const auto disk = end.little<uint16_t>("disk"), first_disk = end.little<uint16_t>("disk");
@@ -76,14 +76,16 @@ void read_zip64_extra(ByteReader extra, ZipEntry& entry) {
   }
 }
 
-std::string inflate_all(const std::string& compressed, const ZipEntry& entry, const std::filesystem::path& name) {
+/// Decompresses `wanted` bytes, and with `whole` makes sure that there are no others.
+std::string inflate_bytes(const std::string& compressed, uint64_t wanted, bool whole, const ZipEntry& entry,
+                          const std::filesystem::path& name) {
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw_resources(name, "not enough memory to decompress");
   struct Ender {
     z_stream* stream;
     ~Ender() { inflateEnd(stream); }
   } ender{&stream};
-  std::string content(entry.size, '\0');
+  std::string content(wanted, '\0');
   constexpr size_t kMaxPart = std::numeric_limits<unsigned>::max();
   size_t in = 0, out = 0;
   int status = Z_OK;
@@ -97,6 +99,7 @@ std::string inflate_all(const std::string& compressed, const ZipEntry& entry, co
     status = inflate(&stream, Z_NO_FLUSH);
     in += in_part - stream.avail_in;
     out += out_part - stream.avail_out;
+    if (!whole && out == content.size()) return content;
   }
   if (status != Z_STREAM_END || out != content.size() || in != compressed.size()) {
     throw_bad_input(name, entry.name, "the compressed data are damaged", kDamagedFileRemedy);
@@ -104,22 +107,19 @@ std::string inflate_all(const std::string& compressed, const ZipEntry& entry, co
   return content;
 }
 
-uint32_t checksum_of(std::string_view content) {
-  return static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
-}
-
 }  // namespace
 
 ZipArchive::ZipArchive(std::unique_ptr<ByteSource> source) : source_(std::move(source)) {
   const Directory directory = find_directory(*source_);
-  if (directory.bytes > kMaxDirectoryBytes || directory.entries > directory.bytes / kDirectoryBytes) {
+  if (directory.bytes > kMaxDirectoryBytes || directory.entries > directory.bytes / zip::kDirectoryBytes) {
     throw_bad_input(name(), "directory", "the number of entries cannot be right", kDamagedFileRemedy);
   }
   const std::string bytes = source_->read(directory.offset, directory.bytes);
   ByteReader reader(bytes, name());
   entries_.reserve(directory.entries);
   for (uint64_t i = 0; i < directory.entries; ++i) {
-    if (reader.little<uint32_t>("directory") != kDirectorySignature) reader.fail("directory", "an entry is damaged");
+    if (reader.little<uint32_t>("directory") != zip::kDirectorySignature)
+      reader.fail("directory", "an entry is damaged");
     ZipEntry entry;
     reader.take(4, "directory");  // versions
     const auto flags = reader.little<uint16_t>("directory");
@@ -148,90 +148,43 @@ const ZipEntry* ZipArchive::find(const std::string& entry_name) const {
   return found == index_.end() ? nullptr : &entries_[found->second];
 }
 
+/// The bytes of the entry as they are stored, once its sizes are found plausible.
+std::string ZipArchive::raw_content(const ZipEntry& entry) const {
+  const std::string header = source_->read(entry.header_offset, zip::kLocalBytes);
+  if (load_number<uint32_t>(header.data(), false) != zip::kLocalSignature) {
+    throw_bad_input(name(), entry.name, "the entry is not where the directory says", kDamagedFileRemedy);
+  }
+  const uint64_t data_offset = entry.header_offset + zip::kLocalBytes +
+                               load_number<uint16_t>(header.data() + 26, false) +
+                               load_number<uint16_t>(header.data() + 28, false);
+  if (entry.method != zip::kStored && entry.method != zip::kDeflated) {
+    throw_bad_input(name(), entry.name, "unknown compression method " + std::to_string(entry.method));
+  }
+  if (entry.method == zip::kStored ? entry.size != entry.compressed_size
+                                   : entry.size / kMaxDeflateRatio > entry.compressed_size) {
+    throw_bad_input(name(), entry.name, "the sizes contradict each other", kDamagedFileRemedy);
+  }
+  return source_->read(data_offset, entry.compressed_size);
+}
+
 std::string ZipArchive::read(const ZipEntry& entry, uint64_t limit) const {
   if (entry.size > limit) {
     throw_bad_input(name(), entry.name, "larger than " + std::to_string(limit) + " bytes");
   }
-  const std::string header = source_->read(entry.header_offset, kLocalBytes);
-  if (load_number<uint32_t>(header.data(), false) != kLocalSignature) {
-    throw_bad_input(name(), entry.name, "the entry is not where the directory says", kDamagedFileRemedy);
-  }
-  const uint64_t data_offset = entry.header_offset + kLocalBytes + load_number<uint16_t>(header.data() + 26, false) +
-                               load_number<uint16_t>(header.data() + 28, false);
-  if (entry.method != kStored && entry.method != kDeflated) {
-    throw_bad_input(name(), entry.name, "unknown compression method " + std::to_string(entry.method));
-  }
-  const bool stored = entry.method == kStored;
-  if (stored ? entry.size != entry.compressed_size : entry.size / kMaxDeflateRatio > entry.compressed_size) {
-    throw_bad_input(name(), entry.name, "the sizes contradict each other", kDamagedFileRemedy);
-  }
-  std::string content = source_->read(data_offset, entry.compressed_size);
-  if (!stored) content = inflate_all(content, entry, name());
-  if (checksum_of(content) != entry.checksum) {
+  std::string content = raw_content(entry);
+  if (entry.method == zip::kDeflated) content = inflate_bytes(content, entry.size, true, entry, name());
+  if (zip::checksum_of(content) != entry.checksum) {
     throw_bad_input(name(), entry.name, "the checksum does not match: the data are damaged", kDamagedFileRemedy);
   }
   return content;
 }
 
-namespace {
-
-/// An extra field that moves what follows `end` to a multiple of `alignment`; empty where it is there already.
-std::string padding(size_t end, size_t alignment) {
-  constexpr size_t kHead = 4;               // identifier and size
-  constexpr uint16_t kIdentifier = 0x1986;  // that of OpenUSD's writer
-  size_t bytes = (alignment - end % alignment) % alignment;
-  if (bytes == 0) return {};
-  while (bytes < kHead) bytes += alignment;
-  std::string out;
-  append_little(out, kIdentifier);
-  append_little(out, static_cast<uint16_t>(bytes - kHead));
-  out.resize(bytes, '\0');
-  return out;
-}
-
-}  // namespace
-
-std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries, size_t alignment) {
-  std::string out, directory;
-  for (const auto& [name, content] : entries) {
-    constexpr uint64_t kLimit = 0xffffffff;  // beyond it the 64-bit extension would be needed
-    if (out.size() + content.size() + kLocalBytes + name.size() + 2 * alignment > kLimit || entries.size() > 65534) {
-      throw Error({ErrorKind::kFailed, "an archive of more than 4 GiB or 65534 entries", {}, name, ""});
-    }
-    // Version 2.0, no flags, stored, the earliest date (1 January 1980) so that equal content gives
-    // equal bytes.
-    std::string common;
-    for (const int value : {20, 0, int(kStored), 0, 0x21}) append_little(common, static_cast<uint16_t>(value));
-    append_little(common, checksum_of(content));
-    append_little(common, static_cast<uint32_t>(content.size()));
-    append_little(common, static_cast<uint32_t>(content.size()));
-    append_little(common, static_cast<uint16_t>(name.size()));
-
-    append_little(directory, kDirectorySignature);
-    append_little(directory, uint16_t(20));
-    directory += common;
-    directory.append(12, '\0');  // lengths of extra field and comment, disk, attributes
-    append_little(directory, static_cast<uint32_t>(out.size()));
-    directory += name;
-
-    append_little(out, kLocalSignature);
-    out += common;
-    const std::string extra = padding(out.size() + 2 + name.size(), alignment);
-    append_little(out, static_cast<uint16_t>(extra.size()));
-    out += name;
-    out += extra;
-    out += content;
-  }
-  const uint64_t directory_offset = out.size();
-  out += directory;
-  append_little(out, kEndSignature);
-  append_little(out, uint32_t(0));
-  append_little(out, static_cast<uint16_t>(entries.size()));
-  append_little(out, static_cast<uint16_t>(entries.size()));
-  append_little(out, static_cast<uint32_t>(directory.size()));
-  append_little(out, static_cast<uint32_t>(directory_offset));
-  append_little(out, uint16_t(0));
-  return out;
+std::string ZipArchive::read_beginning(const ZipEntry& entry, uint64_t bytes) const {
+  const uint64_t wanted = std::min(bytes, entry.size);
+  std::string content = raw_content(entry);
+  if (entry.method == zip::kDeflated) return inflate_bytes(content, wanted, false, entry, name());
+  content.resize(wanted);
+  return content;
 }
 
 }  // namespace aligngs

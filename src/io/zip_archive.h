@@ -1,4 +1,4 @@
-// ZIP archives: the directory and the entries, stored or deflated, with the 64-bit extension.
+// Reading ZIP archives: the directory and the entries, stored or deflated, with the 64-bit extension.
 #pragma once
 
 #include <cstdint>
@@ -32,16 +32,16 @@ class ZipArchive {
   /// The content, its checksum verified. Error{kBadInput} for encrypted or damaged entries, other
   /// methods, sizes the file cannot hold, and entries of more than `limit` bytes.
   std::string read(const ZipEntry& entry, uint64_t limit = UINT64_MAX) const;
+  /// The first `bytes` of the content, or all of a shorter one; its checksum is not verified.
+  std::string read_beginning(const ZipEntry& entry, uint64_t bytes) const;
   const std::filesystem::path& name() const { return source_->name(); }
 
  private:
+  std::string raw_content(const ZipEntry& entry) const;
+
   std::unique_ptr<ByteSource> source_;
   std::vector<ZipEntry> entries_;
   std::unordered_map<std::string, size_t> index_;
 };
-
-/// The bytes of an archive with the given entries, all stored. For archives below 4 GiB
-/// (Error{kFailed} above). The content of each entry starts at a multiple of `alignment` bytes (USDZ: 64).
-std::string make_stored_zip(const std::vector<std::pair<std::string, std::string_view>>& entries, size_t alignment = 1);
 
 }  // namespace aligngs

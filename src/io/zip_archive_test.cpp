@@ -1,4 +1,5 @@
 #include "io/zip_archive.h"
+#include "io/zip_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,6 +13,7 @@
 #include "io/folder_replacement.h"
 #include "io/image_file.h"
 #include "io/npy.h"
+#include "io/npz.h"
 #include "nn/depther.h"
 #include "nn/huggingface.h"
 #include "nn/preprocess/pillow_resize.h"
@@ -67,15 +68,17 @@ class PriorFill {
     if (confidence) confidence_.emplace(scene.folder / "pred_confidence");
   }
 
-  void add(const std::string& view, const std::vector<int64_t>& shape, const std::vector<uint16_t>& half) {
-    const fs::path file = maps_.path() / (view + ".npy");
+  void add_semantics(const std::string& view, const std::vector<int64_t>& shape, const std::vector<uint16_t>& half) {
+    const fs::path file = maps_.path() / (view + ".npz");
     fs::create_directories(file.parent_path());
-    write_npy_float16(file, shape, half.data());
+    write_npz_float16(file, shape, half.data());
   }
   void add_depth(const std::string& view, const ImageF& depth) {
     std::vector<uint16_t> half(depth.data.size());
     std::transform(depth.data.begin(), depth.data.end(), half.begin(), float_to_half);
-    add(view, {depth.height, depth.width}, half);
+    const fs::path file = maps_.path() / (view + ".npy");
+    fs::create_directories(file.parent_path());
+    write_npy_float16(file, {depth.height, depth.width}, half.data());
   }
   void add_confidence(const std::string& view, const ImageF& map) {
     const fs::path file = confidence_->path() / (view + ".npy");
@@ -325,7 +328,7 @@ ScenePriorsReport fill_semantics(const fs::path& folder, const ModelStore& store
       for (int64_t c = 0; c < classes; ++c)
         half[size_t(c * places + p)] = float_to_half(map.data[size_t(p * classes + c)]);
     }
-    fill.add(view.name, {classes, map.height, map.width}, half);
+    fill.add_semantics(view.name, {classes, map.height, map.width}, half);
     report.width = size.width;
     report.height = size.height;
     progress.update(++report.written);

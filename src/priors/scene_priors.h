@@ -53,7 +53,7 @@ const PublishedModel* installed_depth_model(const ModelStore& store);
 ScenePriorsReport fill_depth(const std::filesystem::path& scene, const ModelStore& store, const PublishedModel& model,
                              const ScenePriorsOptions& options);
 
-/// Writes segmentation_logits/<view>.npy (float16 [150, h, w], one value per 8 pixels of the network's input). Writes
+/// Writes segmentation_logits/<view>.npz (float16 [150, h, w], one value per 8 pixels of the network's input). Writes
 /// priors.json with the kind: logits of the linear heads, scores of Mask2Former. Error{kBadInput} when the scene has
 /// other classes than ADE20K's.
 ScenePriorsReport fill_semantics(const std::filesystem::path& scene, const ModelStore& store,

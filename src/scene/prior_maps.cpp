@@ -3,12 +3,14 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "io/npz.h"
 #include "io/torch_archive.h"
 
 namespace aligngs {
 namespace {
 
 bool is_torch(const std::filesystem::path& path) { return path.extension() == ".pt" || path.extension() == ".pth"; }
+bool is_compressed(const std::filesystem::path& path) { return path.extension() == ".npz"; }
 
 constexpr int64_t kMaxSide = 65535;  // pixels; keeps sizes in int
 
@@ -23,11 +25,13 @@ std::string describe_shape(const std::vector<int64_t>& shape) {
 }
 
 FloatArray read_map(const std::filesystem::path& path) {
-  return is_torch(path) ? read_torch_tensor(path) : read_npy(path);
+  if (is_torch(path)) return read_torch_tensor(path);
+  return is_compressed(path) ? read_npz(path) : read_npy(path);
 }
 
 ArrayHeader read_map_header(const std::filesystem::path& path) {
-  return is_torch(path) ? read_torch_tensor_header(path) : read_npy_header(path);
+  if (is_torch(path)) return read_torch_tensor_header(path);
+  return is_compressed(path) ? read_npz_header(path) : read_npy_header(path);
 }
 
 MapShape depth_map_shape(const std::vector<int64_t>& shape, const std::filesystem::path& path) {

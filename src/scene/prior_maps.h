@@ -16,7 +16,7 @@ struct MapShape {
   int height = 0, width = 0;
 };
 
-/// .npy, or .pt / .pth (torch archive), told by the extension.
+/// .npy, .npz of one array, or .pt / .pth (torch archive), told by the extension.
 FloatArray read_map(const std::filesystem::path& path);
 ArrayHeader read_map_header(const std::filesystem::path& path);
 

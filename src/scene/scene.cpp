@@ -48,7 +48,8 @@ class MapNames {
     for (const ColmapImage& image : model.images) ++uses_[short_name(image.name)];
   }
 
-  /// The first existing <folder>/<stem><extension>; empty when there is none.
+  /// The first existing <folder>/<stem><extension>; empty when there is none. Error{kBadInput} where the first stem
+  /// that has a file has several: nobody could tell which one is meant.
   fs::path find(const fs::path& folder, const std::string& image_name,
                 std::initializer_list<const char*> extensions) const {
     std::vector<std::string> stems = {view_name_of(image_name)};
@@ -57,10 +58,17 @@ class MapNames {
     const std::string brief = short_name(image_name);
     if (uses_.at(brief) == 1) stems.push_back(brief);
     for (const std::string& stem : stems) {
+      fs::path found;
       for (const char* extension : extensions) {
         fs::path path = folder / (stem + extension);
-        if (fs::is_regular_file(path)) return path;
+        if (!fs::is_regular_file(path)) continue;
+        if (!found.empty()) {
+          throw_bad_input(path, "map", "the view has " + found.filename().string() + " as well",
+                          "remove one of the two");
+        }
+        found = std::move(path);
       }
+      if (!found.empty()) return found;
     }
     return {};
   }
@@ -194,7 +202,7 @@ std::vector<View> views_of(const ColmapModel& model, const fs::path& folder, con
     if (!use_or_leave_out(view.name, left_out, pair)) continue;
     view.mask = find_mask(view.image);
     view.prior_depth = maps.find(folder / "pred_depths", image.name, {".npy"});
-    view.semantics = maps.find(folder / "segmentation_logits", image.name, {".npy", ".pt", ".pth"});
+    view.semantics = maps.find(folder / "segmentation_logits", image.name, {".npz", ".npy", ".pt", ".pth"});
     view.truth_depth = maps.find(folder / "truth" / "depth", image.name, {".png"});
     view.truth_labels = maps.find(folder / "truth" / "labels", image.name, {".png"});
     if (const auto found = truth.find(view.name); found != truth.end()) {

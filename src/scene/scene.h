@@ -36,7 +36,7 @@ struct View {
   std::filesystem::path image;
   std::filesystem::path mask;          ///< of the photo (photo_mask.h)
   std::filesystem::path prior_depth;   ///< pred_depths/<stem>.npy
-  std::filesystem::path semantics;     ///< segmentation_logits/<stem>.npy or .pt
+  std::filesystem::path semantics;     ///< segmentation_logits/<stem>.npz, .npy or .pt
   std::filesystem::path truth_depth;   ///< truth/depth/<stem>.png, uint16 millimetres, 0 = none
   std::filesystem::path truth_labels;  ///< truth/labels/<stem>.png, uint8, 255 = none
   std::optional<Camera> truth_camera;  ///< from truth/sparse; never used by training

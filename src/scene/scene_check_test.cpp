@@ -50,7 +50,7 @@ TEST(CheckScene, EveryProblemIsListedOnce) {
   const ImageF wrong(kWidth, kWidth, 1, 1.0f);
   write_npy_float32(folder / "pred_depths" / "v2.npy", {kWidth, kWidth}, wrong.data.data());
   const SemanticMap two{2, 4, 3, std::vector<float>(24, 0.5f)};
-  write_npy_float32(folder / "segmentation_logits" / "v1.npy", {2, 3, 4}, two.values.data());
+  replace_semantics(folder, "v1", {2, 3, 4}, two.values);
   const std::vector<SceneProblem> problems = problems_of(folder);
   for (const char* file : {"v0.png", "v1.png", "v2.png", "v0.npy", "v2.npy"}) {
     EXPECT_EQ(of_file(problems, file).size(), 1u) << file;
@@ -103,7 +103,7 @@ TEST(CheckScene, ConstantDepthIsAWarning) {
 TEST(CheckScene, SemanticsWithoutAFiniteValueAreFatal) {
   const fs::path folder = write_scene();
   const std::vector<float> values(3 * 3 * 4, std::nanf(""));
-  write_npy_float32(folder / "segmentation_logits" / "v0.npy", {3, 3, 4}, values.data());
+  replace_semantics(folder, "v0", {3, 3, 4}, values);
   const auto problems = of_file(problems_of(folder), "v0.npy");
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_TRUE(problems[0].fatal);
@@ -123,7 +123,7 @@ TEST(CheckScene, RealLogitsOfUnstatedKindAreFine) {
   fs::remove(folder / "priors.json");
   std::vector<float> values(3 * 3 * 4, -5.0f);
   values[0] = 9;
-  write_npy_float32(folder / "segmentation_logits" / "v0.npy", {3, 3, 4}, values.data());
+  replace_semantics(folder, "v0", {3, 3, 4}, values);
   EXPECT_TRUE(problems_of(folder).empty());
 }
 

@@ -30,6 +30,14 @@ inline fs::path fresh_folder(const std::string& name) {
   return folder;
 }
 
+/// Gives a view scores of its own instead of those that write_scene() gave it.
+inline void replace_semantics(const fs::path& scene, const std::string& view, const std::vector<int64_t>& shape,
+                              const std::vector<float>& scores) {
+  const fs::path maps = scene / "segmentation_logits";
+  fs::remove(maps / (view + ".npz"));
+  write_npy_float32(maps / (view + ".npy"), shape, scores.data());
+}
+
 inline Camera camera_at(double x) {
   Camera camera;
   camera.width = kWidth;

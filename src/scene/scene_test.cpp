@@ -42,7 +42,7 @@ TEST(OpenScene, ThePublishedLayoutLoadsAsItIs) {
   // Their semantic maps are torch files of 150 classes at the size of the image.
   const std::vector<float> scores(size_t(150) * kWidth * kHeight, 0.1f);
   for (const char* name : {"v0", "v1", "v2"}) {
-    fs::remove(folder / "segmentation_logits" / (std::string(name) + ".npy"));
+    fs::remove(folder / "segmentation_logits" / (std::string(name) + ".npz"));
     write_torch_tensor(folder / "segmentation_logits" / (std::string(name) + ".pt"), {150, kHeight, kWidth},
                        scores.data());
   }

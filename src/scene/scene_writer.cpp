@@ -12,6 +12,7 @@
 #include "io/colmap.h"
 #include "io/image_file.h"
 #include "io/npy.h"
+#include "io/npz.h"
 #include "io/ply.h"
 #include "scene/colmap_model.h"
 #include "scene/confidence_file.h"
@@ -200,9 +201,9 @@ void SceneWriter::add_view(const SceneViewParts& view) {
     if (semantics.values.size() != size_t(semantics.channels) * semantics.width * semantics.height) {
       fail("the number of values is not C x height x width", replacement_.target() / view.name, "semantics");
     }
-    const fs::path path = replacement_.path() / "segmentation_logits" / (view.name + ".npy");
+    const fs::path path = replacement_.path() / "segmentation_logits" / (view.name + ".npz");
     make_folder(path.parent_path());
-    write_npy_float16(path, {semantics.channels, semantics.height, semantics.width}, to_half(semantics.values).data());
+    write_npz_float16(path, {semantics.channels, semantics.height, semantics.width}, to_half(semantics.values).data());
   }
   if (!view.truth_depth.empty()) {
     require_aspect(view.truth_depth.width, view.truth_depth.height, "truth_depth");

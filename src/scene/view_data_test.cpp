@@ -81,7 +81,7 @@ TEST(LoadView, PresetPaperTakesScoresAsLogits) {
 TEST(LoadView, ALeadingBatchDimensionIsAccepted) {
   const fs::path folder = write_scene();
   const SemanticMap map = three_class_scores(kWidth, kHeight);
-  write_npy_float32(folder / "segmentation_logits" / "v0.npy", {1, 3, kHeight, kWidth}, map.values.data());
+  replace_semantics(folder, "v0", {1, 3, kHeight, kWidth}, map.values);
   EXPECT_EQ(load_view(open_scene(folder), 0).semantics.width, kWidth);
 }
 

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "io/valid_files_for_tests.h"
 #include "io/zip_archive.h"
+#include "io/zip_writer.h"
 #include "split_input.h"
 
 namespace aligngs {
@@ -15,7 +16,10 @@ void make_seeds(const std::filesystem::path& out) {
   const auto seed = [&](const char* target, const char* name, const std::string& bytes) {
     write_file_atomically(out / target / name, bytes);
   };
-  seed("fuzz_npy", "c_order", valid::npy(scratch));
+  const std::string array = valid::npy(scratch);
+  seed("fuzz_npy", "c_order", array);
+  seed("fuzz_npz", "deflated", make_deflated_zip({{"arr_0.npy", array}}));
+  seed("fuzz_npz", "stored", make_stored_zip({{"arr_0.npy", array}}));
   const std::string torch = valid::torch(scratch);
   seed("fuzz_torch", "tensor", torch);
   seed("fuzz_weights", "tensors.safetensors", valid::safetensors(scratch));

@@ -12,7 +12,7 @@
 #include "edit/export/scene_export.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
-#include "io/zip_archive.h"
+#include "io/zip_writer.h"
 
 namespace aligngs {
 namespace {

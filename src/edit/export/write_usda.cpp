@@ -13,7 +13,7 @@
 #include "edit/export/upright.h"
 #include "io/atomic_file.h"
 #include "io/image_file.h"
-#include "io/zip_archive.h"
+#include "io/zip_writer.h"
 
 namespace aligngs {
 namespace {
