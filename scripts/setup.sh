@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what building and testing aligngs needs, from Debian 12 or Ubuntu packages.
-# Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages]     --clang adds clang 14 and the fuzzing runtime;
+# Usage: scripts/setup.sh [--clang] [--browser] [--python] [--packages] [--format]     --clang adds clang 14 and the fuzzing runtime;
 # --browser adds what the tests of the page, of exports, plans and videos want: chromium, node, npm, assimp-utils, ffmpeg,
 # readers of plans; --python adds what the tests of the Python package and of the Kubernetes manifest want: numpy, PyYAML,
-# jsonschema; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap
+# jsonschema; --packages adds what makes the packages and installs them in a clean Debian: dpkg-dev, file, patchelf, debootstrap;
+# --format adds clang-format-14, which scripts/format.sh runs
 set -euo pipefail
 
 packages=(
@@ -25,7 +26,8 @@ for option in "$@"; do
       ;;
     --python) packages+=(python3-numpy python3-yaml python3-jsonschema) ;;
     --packages) packages+=(dpkg-dev file patchelf debootstrap) ;;
-    -h|--help) sed -n '2,6p' "$0" | cut -c3-; exit 0 ;;
+    --format) packages+=(clang-format-14) ;;
+    -h|--help) sed -n '2,7p' "$0" | cut -c3-; exit 0 ;;
     *) echo "setup.sh: unknown option $option" >&2; exit 2 ;;
   esac
 done

@@ -65,6 +65,10 @@ nlohmann::json to_json(const AcceptanceReport& report) {
   return {{"teacher", report.teacher},
           {"accepted", report.accepted()},
           {"figures", figures},
+          {"published", report.published ? nlohmann::json{{"network", report.published->network},
+                                                          {"auc_30", report.published->auc_30},
+                                                          {"abs_rel", report.published->abs_rel}}
+                                         : nlohmann::json()},
           {"not_measured", "PSNR lost by training with the teacher's poses (needs two trainings)"}};
 }
 

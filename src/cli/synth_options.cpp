@@ -33,8 +33,10 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
       ->check(CLI::IsMember({"exact", "simulated"}))
       ->capture_default_str()
       ->group("Simulated priors");
-  command.add_option("--level", options->level, "size of the simulated errors")
-      ->check(CLI::IsMember({"low", "medium", "high"}))
+  command
+      .add_option("--level", options->level,
+                  "size of the simulated errors; medium imitates VGGT-1B, base and small DA3-Base and DA3-Small")
+      ->check(CLI::IsMember({"low", "medium", "high", "base", "small"}))
       ->capture_default_str()
       ->group("Simulated priors");
   command.add_option("--depth", options->depth, "kind of network that pred_depths/ imitates")

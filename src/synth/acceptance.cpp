@@ -36,6 +36,12 @@ std::string AcceptanceReport::table() const {
     out += fmt::format("  {:<34} {:>8.3f} {:<4} {:<14} {}\n", f.name, f.value, f.unit, range,
                        f.low || f.high ? (f.accepted() ? "ok" : "outside") : "");
   }
+  if (published) {
+    out += fmt::format(
+        "  published for {}, mean of 19 data sets: AUC at 30 degrees {:.3f}, AbsRel of depth {:.3f}\n"
+        "  (these include outdoor scenes and failures; the level keeps the ratios to VGGT-1B)\n",
+        published->network, published->auc_30, published->abs_rel);
+  }
   return out;
 }
 
@@ -43,6 +49,7 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports) {
   AcceptanceReport mean;
   if (reports.empty()) return mean;
   mean.teacher = reports[0].teacher;
+  mean.published = reports[0].published;
   for (AcceptanceFigure figure : reports[0].figures) {
     double sum = 0;
     size_t found = 0;
@@ -62,6 +69,7 @@ AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool) {
   AcceptanceReport report;
   const SynthOptions& o = scene.options;
   report.teacher = geometry_teacher_name(o) + ", " + semantic_teacher_name(o);
+  if (o.teacher == TeacherKind::kSimulated) report.published = published_geometry(o.level);
   const bool ranges = o.teacher == TeacherKind::kSimulated && o.level == TeacherLevel::kMedium;
   const auto add = [&](const char* name, double value, const char* unit, std::optional<double> low = {},
                        std::optional<double> high = {}, bool always = false) {
@@ -78,6 +86,7 @@ AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool) {
   const PoseFigures poses = measure_pair_poses(scene);
   add("pair pose error mean (max 3)", poses.clipped_mean, "deg", 1.0, 1.5);
   add("pair pose error mean, unclipped", poses.mean, "deg");
+  add("pair pose AUC at 30 degrees", poses.auc_30, "");
   add("focal error", 100 * poses.focal, "%");
   if (o.teacher == TeacherKind::kSimulated) {
     add("confidence rank correlation", measure_confidence(scene), "", 0.4, 0.6);

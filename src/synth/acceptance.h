@@ -19,7 +19,8 @@ struct AcceptanceFigure {
 };
 
 struct AcceptanceReport {
-  std::string teacher;  ///< e.g. "simulated feed-forward (medium)"
+  std::string teacher;                         ///< e.g. "simulated feed-forward (medium)"
+  std::optional<PublishedGeometry> published;  ///< of the network that the level imitates
   std::vector<AcceptanceFigure> figures;
   bool accepted() const;  ///< every figure with a range is inside it
   /// The figure's value; throws Error{kFailed} when there is none of that name.
@@ -38,7 +39,7 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports);
 ///   completeness mean (cm). The published completeness is of few views, so it is measured on groups of four; `on
 ///   cameras`: after the similarity of the cameras (for information);
 /// - pair pose error: over pairs of training views, the larger of rotation and direction-of-translation error,
-///   clipped at 3 degrees as AUC@3 does, mean;
+///   clipped at 3 degrees as AUC@3 does, mean; and the area under the curve up to 30 degrees;
 /// - rank correlation of confidence with the depth error that the view itself has;
 /// - mono depth: RMSE (m) and Pearson correlation, per view, mean;
 /// - semantics: pixel accuracy, mIoU of classes with >= 0.1 % of the pixels, accuracy within 3 px of a label edge. Also

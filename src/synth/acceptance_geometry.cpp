@@ -161,7 +161,7 @@ FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool
 
 PoseFigures measure_pair_poses(const SynthScene& scene) {
   PoseFigures f;
-  double count = 0;
+  double count = 0, beyond = 0;
   for (size_t a = 0; a < scene.train.size(); ++a) {
     const SynthView& va = scene.views[static_cast<size_t>(scene.train[a])];
     f.focal += std::fabs(va.teacher.camera.fx / va.truth.camera.fx - 1) / static_cast<double>(scene.train.size());
@@ -173,10 +173,11 @@ PoseFigures measure_pair_poses(const SynthScene& scene) {
       if (norm(e.translation) > 0.05) error = std::max(error, angle_degrees(t.translation, e.translation));
       f.mean += error;
       f.clipped_mean += std::min(error, 3.0);
+      beyond += std::min(error, 30.0) / 30;
       count += 1;
     }
   }
-  if (count > 0) f.mean /= count, f.clipped_mean /= count;
+  if (count > 0) f.mean /= count, f.clipped_mean /= count, f.auc_30 = 1 - beyond / count;
   return f;
 }
 

@@ -14,6 +14,7 @@ FusedPointFigures measure_fused_points(const SynthScene& scene, ThreadPool& pool
 
 struct PoseFigures {
   double clipped_mean = 0, mean = 0;  ///< degrees
+  double auc_30 = 1;                  ///< area under the share of pairs within an error, up to 30 degrees
   double focal = 0;                   ///< mean relative error
 };
 PoseFigures measure_pair_poses(const SynthScene& scene);

@@ -1,6 +1,7 @@
 // A simulated feed-forward reconstruction network: cameras, depth and confidence with its kinds of error.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,22 @@
 
 namespace aligngs {
 
-enum class TeacherLevel { kLow, kMedium, kHigh };
-const char* teacher_level_name(TeacherLevel level);         ///< "low", "medium", "high"
+/// kMedium imitates VGGT-1B. kBase and kSmall imitate the weaker DA3-Base and DA3-Small: their cameras and depth err
+/// more, their labels and monocular depth are those of kMedium, since other networks make them.
+enum class TeacherLevel { kLow, kMedium, kHigh, kBase, kSmall };
+constexpr TeacherLevel kTeacherLevels[] = {TeacherLevel::kLow, TeacherLevel::kMedium, TeacherLevel::kHigh,
+                                           TeacherLevel::kBase, TeacherLevel::kSmall};
+const char* teacher_level_name(TeacherLevel level);         ///< "low", "medium", "high", "base", "small"
 TeacherLevel parse_teacher_level(const std::string& name);  ///< Error{kUsage} for another name
+
+/// Published figures of the network that a level imitates (SpatialBench, means over 19 data sets, sparse views).
+struct PublishedGeometry {
+  const char* network = "";
+  double auc_30 = 0;   ///< area under the curve of pair pose errors up to 30 degrees
+  double abs_rel = 0;  ///< mean relative error of depth
+};
+/// Nothing for levels that imitate no network of that table.
+std::optional<PublishedGeometry> published_geometry(TeacherLevel level);
 
 /// Error sizes for a metric room of 4 to 6 m. Pose and point errors match those of published feed-forward networks
 /// (synth/acceptance.h). A bend of 1.8 cm and 3 degrees was tried first and was too much of both. Misjudged regions

@@ -8,7 +8,7 @@
 namespace aligngs {
 
 MonoDepthSettings mono_depth_settings(TeacherLevel level) {
-  const double k = level == TeacherLevel::kLow ? 0.6 : (level == TeacherLevel::kMedium ? 1.0 : 1.5);
+  const double k = level == TeacherLevel::kLow ? 0.6 : (level == TeacherLevel::kHigh ? 1.5 : 1.0);
   MonoDepthSettings s;
   s.view_scale *= k;
   s.view_shift *= k;

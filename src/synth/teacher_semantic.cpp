@@ -318,8 +318,9 @@ void scaled_size(const RenderedView& view, double scale, int& w, int& h) {
 
 SemanticTeacherSettings semantic_teacher_settings(TeacherLevel level) {
   SemanticTeacherSettings s;
-  s.outline_rms = level == TeacherLevel::kLow ? 2 : (level == TeacherLevel::kMedium ? 3.5 : 6);
-  s.confused_share = level == TeacherLevel::kLow ? 0.15 : (level == TeacherLevel::kMedium ? 0.22 : 0.30);
+  const bool low = level == TeacherLevel::kLow, high = level == TeacherLevel::kHigh;
+  s.outline_rms = low ? 2 : (high ? 6 : 3.5);
+  s.confused_share = low ? 0.15 : (high ? 0.30 : 0.22);
   return s;
 }
 

@@ -139,6 +139,21 @@ TEST(GeometryTeacher, DisturbsCamerasAndDepthByTheirSizes) {
   EXPECT_NEAR(std::sqrt(error / 30), 0.0118, 0.004);  // scale and warp of 0.8 %, noise of 0.3 %
 }
 
+TEST(GeometryTeacher, WeakerNetworksKeepThePublishedRatiosToVggt) {
+  const GeometryTeacherSettings medium = geometry_teacher_settings(TeacherLevel::kMedium),
+                                base = geometry_teacher_settings(TeacherLevel::kBase),
+                                small = geometry_teacher_settings(TeacherLevel::kSmall);
+  EXPECT_NEAR(base.rotation_degrees / medium.rotation_degrees, 0.434 / 0.300, 1e-9);  // 1 - AUC
+  EXPECT_NEAR(small.bend_rms / medium.bend_rms, 0.524 / 0.300, 1e-9);
+  EXPECT_NEAR(base.warp_rms / medium.warp_rms, 0.159 / 0.105, 1e-9);  // AbsRel
+  EXPECT_NEAR(small.warp_rms / medium.warp_rms, 0.191 / 0.105, 1e-9);
+}
+
+TEST(TeacherLevel, EveryNameIsRead) {
+  for (const TeacherLevel level : kTeacherLevels) EXPECT_EQ(parse_teacher_level(teacher_level_name(level)), level);
+  EXPECT_THROW(parse_teacher_level("tiny"), Error);
+}
+
 TEST(GeometryTeacher, OutliersAreAsManyAsTheShareSays) {
   ThreadPool pool(2);
   GeometryTeacherSettings s = geometry_teacher_settings(TeacherLevel::kHigh);
