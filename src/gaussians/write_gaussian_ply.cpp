@@ -11,7 +11,7 @@ namespace {
 constexpr int kHead = 9;  ///< numbers before the harmonics: x y z, n x y z, f_dc 3
 constexpr int kTail = 8;  ///< and after them: opacity, scale 3, rot 4
 
-/// Which harmonics a file has, and whether labels follow them.
+/// The harmonics of a file, and the labels that follow them.
 struct RowLayout {
   int rest = 0;  ///< coefficients per colour channel beyond the constant one
   const GaussianLabels* labels = nullptr;

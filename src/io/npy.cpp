@@ -220,7 +220,7 @@ std::vector<float> convert(const Layout& layout, const char* data) {
   }
 }
 
-/// What precedes the data.
+/// The bytes before the data.
 std::string header_for(const char* dtype, const std::vector<int64_t>& shape) {
   std::string dimensions;
   for (const int64_t n : shape) dimensions += std::to_string(n) + ", ";

@@ -38,8 +38,8 @@ AcceptanceReport mean_acceptance(const std::vector<AcceptanceReport>& reports);
 ///   that these views see. Measured after the similarity that fits corresponding points best: accuracy mean and median,
 ///   completeness mean (cm). The published completeness is of few views, so it is measured on groups of four; `on
 ///   cameras`: after the similarity of the cameras (for information);
-/// - pair pose error: over pairs of training views, the larger of rotation and direction-of-translation error,
-///   clipped at 3 degrees as AUC@3 does, mean; and the area under the curve up to 30 degrees;
+/// - pair pose error: over pairs of training views, the larger of rotation and direction-of-translation error. Its mean
+///   is clipped at 3 degrees as AUC@3 does; the area under its curve goes up to 30 degrees;
 /// - rank correlation of confidence with the depth error that the view itself has;
 /// - mono depth: RMSE (m) and Pearson correlation, per view, mean;
 /// - semantics: pixel accuracy, mIoU of classes with >= 0.1 % of the pixels, accuracy within 3 px of a label edge. Also

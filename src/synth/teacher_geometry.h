@@ -13,8 +13,8 @@
 
 namespace aligngs {
 
-/// kMedium imitates VGGT-1B. kBase and kSmall imitate the weaker DA3-Base and DA3-Small: their cameras and depth err
-/// more, their labels and monocular depth are those of kMedium, since other networks make them.
+/// kMedium imitates VGGT-1B. kBase and kSmall imitate the weaker DA3-Base and DA3-Small, whose cameras and depth err
+/// more. Their labels and monocular depth are those of kMedium, since other networks make them.
 enum class TeacherLevel { kLow, kMedium, kHigh, kBase, kSmall };
 constexpr TeacherLevel kTeacherLevels[] = {TeacherLevel::kLow, TeacherLevel::kMedium, TeacherLevel::kHigh,
                                            TeacherLevel::kBase, TeacherLevel::kSmall};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/error.h"
 #include "scene/look_at.h"
 #include "scene/triangle_mesh.h"
 #include "synth/image_degradation.h"
