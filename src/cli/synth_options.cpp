@@ -23,6 +23,12 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
                   "number of test views among them (default: 8, or a third of few views)")
       ->check(CLI::NonNegativeNumber)
       ->group("Room");
+  command
+      .add_option("--exposure", options->exposure,
+                  "each photo by itself, or an automatic exposure and white balance that drift along the walk")
+      ->check(CLI::IsMember({"photo", "walk"}))
+      ->capture_default_str()
+      ->group("Room");
   command.add_option("--size", options->size, "image size WxH (default 320x240)")->group("Room");
   command.add_option("--room-seed", synth.seed, "seed of room, furniture, light, camera path and teachers")
       ->capture_default_str()
@@ -39,8 +45,12 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
       ->check(CLI::IsMember({"low", "medium", "high", "base", "small"}))
       ->capture_default_str()
       ->group("Simulated priors");
-  command.add_option("--depth", options->depth, "kind of network that pred_depths/ imitates")
-      ->check(CLI::IsMember({"feedforward", "mono"}))
+  command
+      .add_option(
+          "--depth", options->depth,
+          "what pred_depths/ imitates: a network for many or for single photos, or a phone's time-of-flight sensor "
+          "with its tracked cameras")
+      ->check(CLI::IsMember({"feedforward", "mono", "sensor"}))
       ->capture_default_str()
       ->group("Simulated priors");
   command
@@ -75,7 +85,10 @@ SynthOptions synth_options(const SynthCommandOptions& options) {
   }
   synth.teacher = options.teacher == "exact" ? TeacherKind::kExact : TeacherKind::kSimulated;
   synth.level = parse_teacher_level(options.level);
-  synth.depth_teacher = options.depth == "mono" ? DepthTeacher::kMono : DepthTeacher::kFeedForward;
+  synth.depth_teacher = options.depth == "mono"     ? DepthTeacher::kMono
+                        : options.depth == "sensor" ? DepthTeacher::kSensor
+                                                    : DepthTeacher::kFeedForward;
+  synth.exposure = options.exposure == "walk" ? ExposureKind::kWalk : ExposureKind::kPerPhoto;
   synth.cloud = options.cloud == "sfm" ? CloudTeacher::kSfm : CloudTeacher::kFeedForward;
   for (const LabelTeacher teacher :
        {LabelTeacher::kTeacher, LabelTeacher::kTrue, LabelTeacher::kConstant, LabelTeacher::kShuffled}) {

@@ -13,8 +13,8 @@ namespace aligngs {
 struct SynthCommandOptions {
   SynthOptions synth;
   std::optional<int> test_views;
-  std::string size, teacher = "simulated", level = "medium", depth = "feedforward", cloud = "feedforward",
-                    labels = "teacher";
+  std::string size, teacher = "simulated", level = "medium", depth = "feedforward", exposure = "photo",
+                    cloud = "feedforward", labels = "teacher";
 };
 
 void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOptions>& options);

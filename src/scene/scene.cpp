@@ -327,9 +327,13 @@ bool all_have(const Scene& scene, fs::path View::*map) {
 
 }  // namespace
 
+bool is_sensor_depth(const std::string& prior_source) {
+  return prior_source == kSensorDepth || prior_source == kSimulatedSensorDepth;
+}
+
 bool Scene::has_prior_depth() const { return all_have(*this, &View::prior_depth); }
 bool Scene::has_network_depth() const {
-  return has_prior_depth() && prior_source != kSensorDepth && prior_source != kStereoDepth;
+  return has_prior_depth() && !is_sensor_depth(prior_source) && prior_source != kStereoDepth;
 }
 
 bool Scene::has_semantics() const { return all_have(*this, &View::semantics); }

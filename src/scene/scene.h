@@ -46,6 +46,9 @@ struct View {
 /// priors.json depth.model of depth that no network made: a depth camera's, or measured in the photos
 /// (refine/measured_scene.h).
 inline constexpr const char* kSensorDepth = "sensor";
+inline constexpr const char* kSimulatedSensorDepth = "simulated time-of-flight sensor";  ///< `synth --depth sensor`
+/// True for either.
+bool is_sensor_depth(const std::string& prior_source);
 inline constexpr const char* kStereoDepth = "stereo";
 
 /// scene.json units_estimate: a network guessed the metres of a scene whose photos do not tell them.

@@ -69,8 +69,9 @@ AcceptanceReport measure_acceptance(const SynthScene& scene, ThreadPool& pool) {
   AcceptanceReport report;
   const SynthOptions& o = scene.options;
   report.teacher = geometry_teacher_name(o) + ", " + semantic_teacher_name(o);
-  if (o.teacher == TeacherKind::kSimulated) report.published = published_geometry(o.level);
-  const bool ranges = o.teacher == TeacherKind::kSimulated && o.level == TeacherLevel::kMedium;
+  const bool sensor = o.depth_teacher == DepthTeacher::kSensor;
+  const bool ranges = o.teacher == TeacherKind::kSimulated && o.level == TeacherLevel::kMedium && !sensor;
+  if (o.teacher == TeacherKind::kSimulated && !sensor) report.published = published_geometry(o.level);
   const auto add = [&](const char* name, double value, const char* unit, std::optional<double> low = {},
                        std::optional<double> high = {}, bool always = false) {
     if (!ranges && !always) low.reset(), high.reset();

@@ -43,14 +43,31 @@ ImageF blurred(const ImageF& in, double sigma) {
   return out;
 }
 
+constexpr double kExposureSpread = 0.35;  // standard deviation of the logarithm: a third of a stop below a half
+constexpr double kBalanceSpread = 0.10;   // the same of red and blue against green
+constexpr double kExposureDrift = 0.85;   // correlation between neighbouring photos
+
 }  // namespace
+
+std::array<double, 3> exposure_walk(Random random, size_t index) {
+  const double fresh = std::sqrt(1 - kExposureDrift * kExposureDrift), most = std::log(2.0);
+  double gain = random.normal(), red = random.normal(), blue = random.normal();
+  for (size_t i = 0; i < index; ++i) {
+    for (double* state : {&gain, &red, &blue}) *state = kExposureDrift * *state + fresh * random.normal();
+  }
+  const auto limited = [&](double x) { return std::clamp(x, -most, most); };
+  const double common = kExposureSpread * gain;
+  return {limited(common + kBalanceSpread * red), limited(common), limited(common + kBalanceSpread * blue)};
+}
 
 Image<uint8_t> degrade_image(const ImageF& color, const ImageDegradationSettings& s, Random random) {
   const double gain = 1 + random.uniform(-s.gain, s.gain);
   const double red = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
   const double blue = gain * (1 + random.uniform(-s.white_balance, s.white_balance));
   const double sigma = random.uniform(0, s.blur) / 2.355;  // full width at half maximum to standard deviation
-  const float factors[3] = {static_cast<float>(red), static_cast<float>(gain), static_cast<float>(blue)};
+  const float factors[3] = {static_cast<float>(red * std::exp(s.log_gain[0])),
+                            static_cast<float>(gain * std::exp(s.log_gain[1])),
+                            static_cast<float>(blue * std::exp(s.log_gain[2]))};
   ImageF out = color;
   for (size_t i = 0; i < out.data.size(); ++i) out.data[i] = srgb_encode(srgb_decode(out.data[i]) * factors[i % 3]);
   out = blurred(out, sigma);

@@ -7,6 +7,7 @@
 #include "synth/removal_truth.h"
 #include "synth/room_truth.h"
 #include "synth/synth_scene.h"
+#include "synth/teacher_sensor.h"
 
 namespace aligngs {
 namespace {
@@ -25,7 +26,16 @@ PriorsJson priors_of(const SynthScene& scene) {
   d["poses"] = geometry_teacher_name(o);
   d["world"] = o.unknown_similarity && !exact ? "unknown scale and rotation" : "metric, true scale and rotation";
   d["confidence"] = "pred_confidence/<stem>.npy, float16, >= 1, 0 = no value";
-  if (!exact) {
+  const bool sensor = !exact && o.depth_teacher == DepthTeacher::kSensor;
+  if (sensor) {
+    const DepthSensorSettings t;
+    d["seed"] = std::to_string(o.teacher_seed != 0 ? o.teacher_seed : o.seed);
+    d["range_m"] = number(t.range);
+    d["noise_m"] = fmt::format("{:g} + {:g} z^2", t.noise, t.noise_growth);
+    d["multipath_m"] = number(t.multipath);
+    d["rotation_degrees"] = number(t.rotation_degrees);
+    d["translation_m"] = number(t.translation);
+  } else if (!exact) {
     d["seed"] = std::to_string(o.teacher_seed != 0 ? o.teacher_seed : o.seed);
     d["bend_rms_m"] = number(g.bend_rms);
     d["bend_degrees"] = number(g.bend_degrees);

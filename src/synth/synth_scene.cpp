@@ -7,11 +7,13 @@
 
 #include "core/error.h"
 #include "io/image_file.h"
+#include "scene/scene.h"
 #include "synth/image_degradation.h"
 #include "synth/mesh_builder.h"
 #include "synth/sfm_cloud.h"
 #include "synth/teacher_cloud.h"
 #include "synth/teacher_monodepth.h"
+#include "synth/teacher_sensor.h"
 
 namespace aligngs {
 namespace {
@@ -30,6 +32,8 @@ void check_options(const SynthOptions& o) {
   require(o.views <= kMaxViews, "at most 1000 views can be made", "lower --views");
   require(o.semantic_scale > 0 && o.semantic_scale <= 0.5, "score maps are at most half the image's size",
           "use a semantic scale in (0, 0.5]");
+  require(o.depth_teacher != DepthTeacher::kSensor || !o.unknown_similarity,
+          "a depth sensor measures metres: its world has no unknown scale", "leave --unknown-similarity out");
   require(o.samples_per_side >= 1 && o.samples_per_side <= 8, "1 to 8 samples per pixel side are possible",
           "use 2 or 3");
 }
@@ -72,7 +76,9 @@ LightingOptions lighting_of(const SynthOptions& options) { return {48, 3, option
 
 Image<uint8_t> photo_of(const SynthOptions& options, size_t index, const ImageF& color) {
   if (!options.degrade_images) return to_bytes(color);
-  return degrade_image(color, {}, room_random(options).fork(2).fork(index));
+  ImageDegradationSettings settings;
+  if (options.exposure == ExposureKind::kWalk) settings.log_gain = exposure_walk(room_random(options).fork(3), index);
+  return degrade_image(color, settings, room_random(options).fork(2).fork(index));
 }
 
 TriangleMesh truth_mesh(const RoomModel& room, const LightCache& lights) {
@@ -98,13 +104,13 @@ const ImageF& SynthScene::prior_depth(const SynthView& view) const {
 }
 
 std::string geometry_teacher_name(const SynthOptions& o) {
+  if (o.teacher == TeacherKind::kSimulated && o.depth_teacher == DepthTeacher::kSensor) return kSimulatedSensorDepth;
   return o.teacher == TeacherKind::kExact ? "exact"
                                           : fmt::format("simulated feed-forward ({})", teacher_level_name(o.level));
 }
 
 std::string depth_teacher_name(const SynthOptions& o) {
-  if (o.teacher == TeacherKind::kExact || o.depth_teacher == DepthTeacher::kFeedForward)
-    return geometry_teacher_name(o);
+  if (o.teacher == TeacherKind::kExact || o.depth_teacher != DepthTeacher::kMono) return geometry_teacher_name(o);
   return fmt::format("simulated mono-depth ({})", teacher_level_name(o.level));
 }
 
@@ -161,8 +167,10 @@ SynthScene make_synth_scene(const SynthOptions& options, ThreadPool& pool, const
       scene.room.room_to_world * Vec3d{scene.room.width / 2, scene.room.depth / 2, scene.room.height / 2};
   GeometryTeacher geometry =
       exact ? exact_geometry_teacher(rendered)
-            : simulate_geometry_teacher(rendered, settings, centre, std::max(scene.room.width, scene.room.depth),
-                                        scene.up, teacher_base.fork(1), pool);
+      : options.depth_teacher == DepthTeacher::kSensor
+          ? simulate_depth_sensor(rendered, {}, teacher_base.fork(1), pool)
+          : simulate_geometry_teacher(rendered, settings, centre, std::max(scene.room.width, scene.room.depth),
+                                      scene.up, teacher_base.fork(1), pool);
   scene.teacher_world = geometry.world;
   report(0.85, "running the semantic teacher");
   std::vector<ScoreMap> scores =

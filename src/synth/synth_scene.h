@@ -20,8 +20,11 @@
 namespace aligngs {
 
 enum class TeacherKind { kExact, kSimulated };
-enum class CloudTeacher { kFeedForward, kSfm };   ///< where sparse/points3D comes from
-enum class DepthTeacher { kFeedForward, kMono };  ///< which simulated network fills pred_depths/
+enum class CloudTeacher { kFeedForward, kSfm };  ///< where sparse/points3D comes from
+/// Who fills pred_depths/. kSensor also replaces the cameras by those of a phone's tracker.
+enum class DepthTeacher { kFeedForward, kMono, kSensor };
+/// How a camera exposes: each photo by itself, or an automatic exposure that drifts along the walk.
+enum class ExposureKind { kPerPhoto, kWalk };
 
 struct SynthOptions {
   std::string room = "bedroom";   ///< bedroom, living, kitchen or office
@@ -37,10 +40,11 @@ struct SynthOptions {
   LabelTeacher labels = LabelTeacher::kTeacher;
   bool unknown_similarity = false;  ///< teacher's world with unknown scale and rotation, as a real network's
   bool degrade_images = true;       ///< noise, blur, exposure, white balance, JPEG
-  bool glossy = true;               ///< polished floor and table tops
-  double semantic_scale = 0.4;      ///< size of the score maps relative to the images, at most 0.5
-  int samples_per_side = 2;         ///< antialiasing: n x n rays per pixel
-  bool shadows = true;              ///< false: a draft without shadows and interreflection, in a tenth of the time
+  ExposureKind exposure = ExposureKind::kPerPhoto;
+  bool glossy = true;           ///< polished floor and table tops
+  double semantic_scale = 0.4;  ///< size of the score maps relative to the images, at most 0.5
+  int samples_per_side = 2;     ///< antialiasing: n x n rays per pixel
+  bool shadows = true;          ///< false: a draft without shadows and interreflection, in a tenth of the time
 };
 
 /// One view with everything that is known of it.

@@ -119,6 +119,19 @@ std::vector<RenderedView> row_of_views(int n) {
   return views;
 }
 
+TEST(ExposureWalk, NeighboursAreAlikeAndNoneIsBeyondAFactorOfTwo) {
+  double step = 0, spread = 0;
+  constexpr int kPhotos = 200;
+  for (int i = 0; i < kPhotos; ++i) {
+    const std::array<double, 3> here = exposure_walk(Random(7), i), next = exposure_walk(Random(7), i + 1);
+    step += std::pow(next[1] - here[1], 2);
+    spread += std::pow(here[1], 2);
+    for (const double gain : here) EXPECT_LE(std::fabs(gain), std::log(2.0));
+  }
+  EXPECT_LT(step, 0.6 * spread);
+  EXPECT_NEAR(std::sqrt(spread / kPhotos), 0.35, 0.12);
+}
+
 TEST(GeometryTeacher, DisturbsCamerasAndDepthByTheirSizes) {
   const std::vector<RenderedView> views = row_of_views(30);
   ThreadPool pool(2);

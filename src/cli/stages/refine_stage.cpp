@@ -66,7 +66,7 @@ bool should_refine(const fs::path& scene, const TrainConfig& config) {
   if (!config.data.refine_cameras || is_refined_scene(scene)) return false;
   const Scene opened = open_scene(scene);
   if (opened.prior_source == kStereoDepth) return false;  // with these very cameras
-  if (opened.prior_source == kSensorDepth) {
+  if (is_sensor_depth(opened.prior_source)) {
     log_info("cameras stay unrefined, because they come with a sensor's depth (`aligngs refine` corrects them)");
     return false;
   }

@@ -34,7 +34,7 @@ double confidence_of(const LabelledGaussians& g, int label, int instance) {
 ScaleSource scale_source_of(const Scene& scene) {
   if (!scene.metric) return ScaleSource::kUnknown;
   if (scene.units_estimate) return ScaleSource::kNetwork;
-  if (scene.prior_source == kSensorDepth) return ScaleSource::kSensor;
+  if (is_sensor_depth(scene.prior_source)) return ScaleSource::kSensor;
   return scene.prior_source == "exact" ? ScaleSource::kTruth : ScaleSource::kNetwork;
 }
 
