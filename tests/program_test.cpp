@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -73,6 +74,72 @@ TEST_F(Program, AnUnknownOptionNamesTheHelp) {
   const ProcessResult result = run("doctor --wat");
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("aligngs doctor --help"));
+}
+
+TEST_F(Program, ANearOptionIsSuggestedAndProgramsGetTheError) {
+  const ProcessResult result = run("export run --formt glb --json");
+  EXPECT_EQ(result.status, 2);
+  EXPECT_THAT(result.err, HasSubstr("there is no option \"--formt\""));
+  EXPECT_THAT(result.err, HasSubstr("did you mean: --format"));
+  EXPECT_EQ(parse_json(result.out)["error"]["status"], 2);
+}
+
+TEST_F(Program, EmptyAndInfiniteValuesAreUsageErrors) {
+  const ProcessResult empty = run("export run -f glb --object ''");
+  EXPECT_EQ(empty.status, 2);
+  EXPECT_THAT(empty.err, HasSubstr("--object has an empty value"));
+  const ProcessResult nan = run("export run -f glb --mesh-only --error nan");
+  EXPECT_EQ(nan.status, 2);
+  EXPECT_THAT(nan.err, HasSubstr("no finite number"));
+}
+
+TEST_F(Program, ANumberBelowItsLimitIsNamedWithoutTheLargestDouble) {
+  for (const char* option : {"-n 0", "-n x", "--memory -1", "--seed -3"}) {
+    const ProcessResult result = run(std::string("run nowhere -o run ") + option);
+    EXPECT_EQ(result.status, 2) << option;
+    EXPECT_THAT(result.err, HasSubstr("zero")) << option;
+    EXPECT_LT(result.err.size(), 300u) << option;
+  }
+}
+
+TEST_F(Program, ConditionsAreReadBeforeTheWork) {
+  for (const char* condition : {"foo=1", "psnr", "psnr=high", "psnr=nan"}) {
+    const ProcessResult result = run(std::string("run nowhere -o run --fail-under ") + condition);
+    EXPECT_EQ(result.status, 2) << condition;
+    EXPECT_THAT(result.err, HasSubstr("--fail-under")) << condition;
+  }
+}
+
+TEST_F(Program, InfoTellsTextAndModelsFromBrokenPictures) {
+  fs::create_directories(scratch());
+  for (const char* name : {"config.toml", "cameras.txt"}) {
+    std::ofstream(scratch() / name) << "1";
+    const ProcessResult result = run("info '" + (scratch() / name).string() + "'");
+    EXPECT_EQ(result.status, 3) << name;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("convert the picture"))) << name;
+  }
+}
+
+TEST_F(Program, ADeviceIsNoPlaceForAnExport) {
+  for (const char* file : {"/dev/null", "/dev/fd/1", "-", "/tmp"}) {
+    const ProcessResult result = run(std::string("export nowhere -f glb -o ") + file);
+    EXPECT_EQ(result.status, 2) << file;
+    EXPECT_THAT(result.err, HasSubstr("name a file")) << file;
+  }
+  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
+TEST_F(Program, TheCaseOfAnExportFormatDoesNotMatter) {
+  EXPECT_EQ(run("export nowhere -f Plan.SVG").status, 3) << "the run is missing, not the format";
+  EXPECT_EQ(run("export nowhere -f fbx").status, 2);
+}
+
+TEST_F(Program, OutputThatDoesNotArriveIsStatus5) {
+  for (const char* command : {"--help", "completion bash", "doctor --json"}) {
+    const ProcessResult result = run(std::string(command) + " >/dev/full");
+    EXPECT_EQ(result.status, 5) << command;
+    EXPECT_THAT(result.err, HasSubstr("standard output")) << command;
+  }
 }
 
 TEST_F(Program, ADeviceThatIsNotThereIsStatus5) {

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,6 +72,12 @@ class Scene:
                               ("confidences", self.confidences), ("logits", self.logits)):
             if values is not None and len(values) != count:
                 raise UsageError(f"has {len(values)} entries for {count} images", field=field)
+        for i, camera in enumerate(self.intrinsics):
+            self._check_intrinsics(camera, i)
+        if confidences is not None and depths is None:
+            raise UsageError("is of no use without depths", field="confidences")
+        if isinstance(test, str):
+            raise UsageError(f"is one text, not a list of names: give [{test!r}]", field="test")
         if len(set(self.names)) != count:
             raise UsageError("two photos have one name", field="names")
         for name in self.names:
@@ -86,8 +93,26 @@ class Scene:
         if depth_scale not in ("scene", "metres", "own", "per_view"):
             raise UsageError(f"must be scene, metres, own or per_view, not {depth_scale!r}", field="depth_scale")
         self.points, self.test, self.depth_scale, self.logits_kind, self.metres = points, list(test), depth_scale, logits_kind, metres
-        if points is not None and (np.shape(points.positions) != np.shape(points.colors) or np.ndim(points.positions) != 2 or np.shape(points.positions)[1] != 3):
+        if points is not None:
+            self._check_points(points)
+
+    @staticmethod
+    def _check_intrinsics(camera: Any, index: int) -> None:
+        field = f"intrinsics[{index}]" if index else "intrinsics"
+        if not isinstance(camera, Intrinsics):
+            raise UsageError(f"is {type(camera).__name__}, not Intrinsics", field=field)
+        if not np.all(np.isfinite([camera.fx, camera.fy, camera.cx, camera.cy])) or camera.fx <= 0 or camera.fy <= 0:
+            raise UsageError(f"has no finite numbers with positive focal lengths: {camera}", field=field)
+
+    @staticmethod
+    def _check_points(points: Points) -> None:
+        positions, colors = np.asarray(points.positions), np.asarray(points.colors)
+        if positions.shape != colors.shape or positions.ndim != 2 or positions.shape[1] != 3:
             raise UsageError("positions and colors must both be of shape (n, 3)", field="points")
+        if positions.dtype.kind not in "fiu" or not np.all(np.isfinite(positions)):
+            raise UsageError("positions must be finite numbers", field="points")
+        if colors.dtype.kind not in "iu" or np.any(colors < 0) or np.any(colors > 255):
+            raise UsageError(f"colors must be integers from 0 to 255, not {colors.dtype} as these", field="points")
 
     @staticmethod
     def _checked(array: np.ndarray, field: str, dimensions: int, kind: Any = None) -> np.ndarray:
@@ -101,7 +126,11 @@ class Scene:
     def _maps(self, maps: Optional[Sequence[np.ndarray]], field: str, dimensions: int) -> Optional[List[np.ndarray]]:
         if maps is None:
             return None
-        return [self._checked(m, f"{field}[{i}]", dimensions).astype(np.float32) for i, m in enumerate(maps)]
+        checked = [self._checked(m, f"{field}[{i}]", dimensions) for i, m in enumerate(maps)]
+        for i, m in enumerate(checked):
+            if m.dtype.kind not in "fiu":
+                raise UsageError(f"is {m.dtype}, which is no real number", field=f"{field}[{i}]")
+        return [m.astype(np.float32) for m in checked]
 
     @staticmethod
     def _pose(pose: np.ndarray, index: int) -> np.ndarray:
@@ -112,30 +141,38 @@ class Scene:
         rotation = pose[:3, :3]
         if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-4) or np.linalg.det(rotation) < 0:
             raise UsageError("its upper left (3, 3) is no rotation", field=field)
+        if not np.allclose(pose[3], [0, 0, 0, 1], atol=1e-4):
+            transposed = np.allclose(pose[:, 3], [0, 0, 0, 1], atol=1e-4)
+            raise UsageError("is transposed: its last row has the translation" if transposed else "its last row is not 0 0 0 1", field=field)
         return pose
 
     def write(self, folder: Union[str, Path], overwrite: bool = False) -> Path:
         """Writes the scene folder. An existing folder is replaced only with `overwrite`, and only where this class wrote it."""
         folder = Path(folder)
-        mark = folder / "scene.json"
+        place = folder.resolve()  # what a link points to, and a name also for "."
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
             try:
-                ours = json.loads(mark.read_text(encoding="utf-8")).get("written_by") == "aligngs"
+                ours = json.loads((folder / "scene.json").read_text(encoding="utf-8")).get("written_by") == "aligngs"
             except (OSError, ValueError, AttributeError):
                 ours = False
             if not overwrite or not ours:
                 raise UsageError("the folder exists", str(folder), remedy="name a new folder" if not ours else "give overwrite=True")
-        made = folder.with_name(folder.name + ".tmp-python")
-        shutil.rmtree(made, ignore_errors=True)
+        made, old = (place.with_name(f"{place.name}{kind}.tmp-{os.getpid()}") for kind in ("", ".old"))
         try:
             self._write_into(made)
-            if folder.exists():
-                shutil.rmtree(folder)
-            made.rename(folder)
+            if place.exists():
+                place.rename(old)  # it comes back if the new one cannot take its place
+            try:
+                made.rename(place)
+            except OSError:
+                if old.exists():
+                    old.rename(place)
+                raise
         except OSError as error:
             raise BadInputError(f"cannot be written: {error.strerror}", str(folder)) from error
         finally:
             shutil.rmtree(made, ignore_errors=True)
+        shutil.rmtree(old, ignore_errors=True)
         return folder
 
     def _write_into(self, folder: Path) -> None:

@@ -66,6 +66,29 @@ class WriteScene(unittest.TestCase):
             with self.subTest(field), self.assertRaisesRegex(aligngs.UsageError, field):
                 make()
 
+    def test_arrays_that_would_mean_something_else_are_refused(self):
+        third, depth = [p.T for p in self.poses], np.ones((6, 8))
+        third[0] = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1.0]])
+        for words, make in (("poses\\[0\\]: is transposed", lambda: aligngs.Scene(self.images, CAMERA, third)),
+                            ("depths\\[0\\]: is bool", lambda: self.scene(depths=[depth > 0] * 3)),
+                            ("depths\\[0\\]: is complex", lambda: self.scene(depths=[depth + 0j] * 3)),
+                            ("confidences", lambda: self.scene(confidences=[depth] * 3)),
+                            ("colors must be integers", lambda: self.scene(points=aligngs.Points(np.ones((4, 3)), np.ones((4, 3))))),
+                            ("positions must be finite", lambda: self.scene(points=aligngs.Points(np.full((4, 3), np.nan), np.ones((4, 3), np.uint8)))),
+                            ("intrinsics", lambda: aligngs.Scene(self.images, aligngs.Intrinsics(-7, 7, 4, 3), self.poses)),
+                            ("intrinsics: is int", lambda: aligngs.Scene(self.images, (7, 7, 4), self.poses)),
+                            ("test: is one text", lambda: self.scene(test="0002"))):
+            with self.assertRaisesRegex(aligngs.UsageError, words):
+                make()
+
+    def test_a_linked_folder_is_replaced_where_it_lies(self):
+        self.scene().write(self.folder)
+        link = self.folder.with_name("link")
+        link.symlink_to(self.folder)
+        self.scene(names=["a", "b", "c"]).write(link, overwrite=True)
+        self.assertTrue((self.folder / "images" / "a.png").exists())
+        self.assertEqual(sorted(p.name for p in self.folder.parent.iterdir()), ["link", "scene"])
+
     def test_quaternions_turn_as_their_matrices(self):
         rng = np.random.default_rng(2)
         for _ in range(50):

@@ -35,25 +35,6 @@ std::vector<std::string> split_words(std::string_view text) {
   return words;
 }
 
-std::string quote_word(const std::string& word) {
-  constexpr const char* kHarmless = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=.,/:@%";
-  if (!word.empty() && word.find_first_not_of(kHarmless) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) {
-    if (c == '\'')
-      quoted += "'\\''";
-    else
-      quoted += c;
-  }
-  return quoted + "'";
-}
-
-std::string join_words(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + quote_word(word);
-  return text;
-}
-
 bool has_option(const std::vector<std::string>& words, const std::string& name) {
   for (const std::string& word : words) {
     if (word == name || word.rfind(name + "=", 0) == 0) return true;

@@ -5,15 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/shell_word.h"
+
 namespace aligngs {
 
 /// Splits at blanks; single quotes, double quotes and a backslash keep them. Error{kUsage} for a quote that is not
 /// closed.
 std::vector<std::string> split_words(std::string_view text);
-
-/// The word as a shell reads it back, in single quotes where it holds more than harmless characters.
-std::string quote_word(const std::string& word);
-std::string join_words(const std::vector<std::string>& words);
 
 /// Whether the words have an option of that name: "--memory", "--memory=2".
 bool has_option(const std::vector<std::string>& words, const std::string& name);

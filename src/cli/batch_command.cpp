@@ -15,6 +15,7 @@
 #include "batch/worker.h"
 #include "cli/batch_command.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
@@ -101,7 +102,7 @@ void add_batch_work_options(CLI::App& command, BatchWorkOptions& options) {
   command
       .add_option("--memory", options.memory_gigabytes,
                   "memory of all rooms at a time in GB (default: 80 % of the free memory)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Machine");
   command
       .add_option("--stale", options.stale_seconds,

@@ -50,6 +50,7 @@ void compare(const CommandContext& context, const CompareOptions& options) {
   require_extension(options.csv, "csv");
   require_extension(options.html, "html");
   for (const std::string& file : {options.csv, options.html}) {
+    if (!file.empty()) require_file_place(file);
     for (const std::string& run : options.runs) {
       if (!file.empty()) RunFolder(run).require_not_of_run(file);
     }

@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "cli/stages/render_stage.h"
 #include "core/error.h"
@@ -228,6 +229,7 @@ void run_edit(const CommandContext& context, const EditOptions& options) {
   if (!picture_file.empty()) {
     if (options.undo || options.list || options.measure || !options.output.empty())
       throw_usage("--picture shows one edit before and after", "use it with an edit or with --dry-run");
+    require_file_place(picture_file);
     require_extension(picture_file, "png");
     RunFolder(options.run).require_not_of_run(picture_file, options.scene);
   }
@@ -332,7 +334,7 @@ void add_edit_command(CLI::App& program, CommandContext& context) {
       ->group("Stack and output");
   command->add_flag("--undo", options->undo, "take the last edit back")->group("Stack and output");
   command->add_option("--wait", options->wait, "seconds to wait for another edit of this run")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str()
       ->group("Stack and output");
   command->add_flag("--list", options->list, "list the edits and the objects of the room")->group("Selection");

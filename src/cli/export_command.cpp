@@ -75,6 +75,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       ->excludes("--keep-frame");
   command->callback([&context, options] {
     // Before the run is opened, which takes seconds.
+    for (char& c : options->format) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     require_export_format(options->format, run_export_formats());
     const bool both = options->format == "glb" || options->format == "usda";
     RunExportOptions& what = options->what;
@@ -92,6 +93,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
       throw_usage("a collision mesh has no colours", "leave --textured out");
     if (!what.object.empty() && options->format.starts_with("plan."))
       throw_usage("a plan is of the whole room", "leave --object out");
+    if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, options->format);
     if (!options->output.empty()) RunFolder(options->run).require_not_of_run(options->output, options->scene);
     what.file = options->output;

@@ -7,8 +7,10 @@
 
 #include "cli/command.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "core/log.h"
+#include "core/shell_word.h"
 #include "scene/import/capture_text.h"
 #include "scene/import/import_capture.h"
 
@@ -28,6 +30,13 @@ struct Options {
 
 std::vector<std::string> names_in(const std::string& file) {
   return file.empty() ? std::vector<std::string>{} : read_name_list(file);
+}
+
+void show_warnings(const ImportReport& report, const std::string& scene) {
+  constexpr size_t kShown = 3;
+  for (size_t i = 0; i < report.warnings.size() && i < kShown; ++i) log_warning("{}", report.warnings[i]);
+  if (report.warnings.size() > kShown)
+    log_warning("and {} more: `aligngs data check {}` lists them", report.warnings.size() - kShown, quote_word(scene));
 }
 
 void run_import(const CommandContext& context, Options& options) {
@@ -51,6 +60,7 @@ void run_import(const CommandContext& context, Options& options) {
   ThreadPool pool(context.global.threads);
   const ImportReport report = import_capture(capture, options.output, import, pool);
   warn_left_out(report.train + report.test, report.left_out);
+  show_warnings(report, options.output);
   if (context.global.json) {
     nlohmann::json left_out = nlohmann::json::array();
     for (const LeftOut& frame : report.left_out) left_out.push_back({{"name", frame.name}, {"reason", frame.reason}});
@@ -58,7 +68,7 @@ void run_import(const CommandContext& context, Options& options) {
         {"scene", options.output},     {"layout", capture.layout},          {"train", report.train},
         {"test", report.test},         {"skipped", report.left_out.size()}, {"left_out", left_out},
         {"notes", capture.notes},      {"points", report.points},           {"cloud_source", report.cloud_source},
-        {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}};
+        {"sfm_rmse", report.sfm_rmse}, {"depth_prior", report.depth_prior}, {"warnings", report.warnings}};
     print_json(document);
     return;
   }
@@ -92,17 +102,17 @@ void add_import_command(CLI::App& program, CommandContext& context) {
       ->capture_default_str()
       ->group("Layout");
   command->add_option("--views", options->import.views, "number of training views to choose, sharp and well spread")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Frames");
   command->add_option("--stride", options->import.stride, "train on every n-th frame")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Frames");
   command->add_option("--train", options->train_file, "file with the names of the training frames")->group("Frames");
   command->add_option("--test", options->test_file, "file with the names of the test frames")->group("Frames");
   command
       ->add_option("--test-views", options->import.test_views,
                    "number of test views from the other frames (default: a third of the training views)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->group("Frames");
   command->add_option("--intrinsics", options->intrinsics, "TUM, 7-Scenes: file with the 3x3 camera matrix")
       ->group("Layout");
@@ -119,7 +129,7 @@ void add_import_command(CLI::App& program, CommandContext& context) {
   command
       ->add_option("--voxel", options->import.voxel,
                    "edge of the cubes that thin the fused cloud, in scene units (default: automatic)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->group("Points and depth");
   command
       ->add_flag("--strict", options->import.strict,

@@ -18,6 +18,7 @@
 #include "io/json_text.h"
 #include "io/npy.h"
 #include "io/npz.h"
+#include "io/picture_format.h"
 #include "io/ply.h"
 #include "io/safetensors.h"
 #include "io/torch_archive.h"
@@ -183,16 +184,32 @@ Json info_of_scene(const fs::path& folder) {
           {"fingerprint", scene_fingerprint(scene)}};
 }
 
+/// Files of known kinds that are shown with their folder or not at all are no broken pictures.
+void require_picture(const fs::path& path) {
+  if (has_picture_extension(path) || path.extension().empty()) return;
+  throw_bad_input(path, "", "this is no kind of file that is shown",
+                  "kinds: PLY, npy, pt, safetensors, JPEG, PNG, WebP and HEIF files; scene folders; run folders");
+}
+
+/// Whether a name is one of the files of a COLMAP model.
+bool is_of_colmap_model(const fs::path& path) {
+  const std::string stem = path.stem().string(), extension = path.extension().string();
+  return (extension == ".bin" || extension == ".txt") && (stem == "cameras" || stem == "images" || stem == "points3D");
+}
+
 Json info_of(const fs::path& path) {
   if (!fs::exists(path)) throw_bad_input(path, "", "there is no such file or folder", "check the name");
   if (fs::is_directory(path)) return fs::exists(path / "run.json") ? info_of_run(path) : info_of_scene(path);
   const std::string extension = path.extension().string();
   if (extension == ".ply") return info_of_ply(path);
+  if (is_of_colmap_model(path))
+    throw_bad_input(path, "", "this file belongs to a COLMAP model", "give the folder that holds images/ and sparse/");
   if (extension == ".npy") return info_of_array("NumPy array", read_npy_header(path));
   if (extension == ".npz") return info_of_array("compressed NumPy array", read_npz_header(path));
   // pytorch_model.bin
   if (extension == ".pt" || extension == ".pth" || extension == ".bin") return info_of_torch(path);
   if (extension == ".safetensors") return info_of_safetensors(path);
+  require_picture(path);
   const ImageInfo image = read_image_info(path);
   return {{"kind", "image"},
           {"width", image.width},

@@ -42,6 +42,7 @@ void add_mesh_command(CLI::App& program, CommandContext& context) {
   command->add_option("--set", options->sets, "override a mesh setting, e.g. mesh.voxel=0.01");
   add_device_option(*command, options->device);
   command->callback([&context, options] {
+    if (!options->output.empty()) require_file_place(options->output);
     if (!options->output.empty()) require_extension(options->output, "ply");
     OpenRun run = open_run(options->run, {options->scene, context.global.threads, engine_of_device(options->device)});
     for (const std::string& assignment : options->sets) apply_config_set(assignment, run.config);

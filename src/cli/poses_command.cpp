@@ -7,9 +7,11 @@
 
 #include "cli/device_option.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/error.h"
+#include "core/shell_word.h"
 
 namespace aligngs {
 namespace {
@@ -17,8 +19,8 @@ namespace {
 /// Without its weights a network cannot run: the method without one is worth a line.
 [[noreturn]] void offer_colmap(const Error& error, const std::string& photos, const std::string& scene) {
   Error::Details details = error.details();
-  details.remedy +=
-      fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap", photos, scene);
+  details.remedy += fmt::format("\n  or let COLMAP find the cameras: aligngs poses {} -o {} --method colmap",
+                                quote_word(photos), quote_word(scene));
   throw Error(details);
 }
 
@@ -51,7 +53,8 @@ void print_report(const CommandContext& context, const std::string& scene, const
               report.reprojection_error > 0
                   ? fmt::format(", reprojection error {:.2f} px", report.reprojection_error).c_str()
                   : "");
-  std::printf("next: aligngs priors %s   then: aligngs run %s -o run\n", scene.c_str(), scene.c_str());
+  const std::string word = quote_word(scene);
+  std::printf("next: aligngs priors %s   then: aligngs run %s -o run\n", word.c_str(), word.c_str());
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ void add_poses_command(CLI::App& program, CommandContext& context) {
                  "a photo that cannot be used is an error (status 3); without this it is left out")
       ->group("Cameras of photos");
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Machine");
   add_device_option(*command, options->device);
   add_photo_options(*command, options);

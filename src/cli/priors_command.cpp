@@ -4,13 +4,16 @@
 
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/device_option.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/photo_options.h"
 #include "cli/print_json.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "io/folder_replacement.h"
 #include "refine/scene_copy.h"
 #include "scene/scene_place.h"
 
@@ -40,7 +43,7 @@ std::string line_of(const ScenePriorsReport& report) {
 
 /// Priors are filled in a scene that this program wrote, or in a copy of it.
 void require_place(const Options& options) {
-  if (!options.output.empty()) return require_scene_place(options.output, false, {options.scene});
+  if (!options.output.empty()) return require_scene_place(options.output, options.fill.overwrite, {options.scene});
   if (!fs::is_directory(options.scene) || is_own_scene(options.scene)) return;  // opening reports non-folders
   throw Error({ErrorKind::kUsage, "aligngs did not write this folder, as its scene.json shows, so it is not changed",
                options.scene, "scene", "name a folder for a copy with the priors: -o OUT"});
@@ -74,14 +77,17 @@ void run_priors(const CommandContext& context, Options& options) {
     throw Error({ErrorKind::kWeights, "no weights for depth or classes are on this machine", options.scene, "",
                  how_to_get(store, light)});
   }
+  std::optional<FolderReplacement> copy;  // which appears with its priors, or not at all
+  const std::string shown = options.output.empty() ? options.scene : options.output;
   if (!options.output.empty()) {
-    write_scene_copy(options.scene, options.output, false);
-    options.scene = options.output;
+    copy.emplace(options.output);
+    write_scene_copy(options.scene, copy->path(), false);
+    options.scene = copy->path().string();
   }
   options.fill.memory_limit = static_cast<uint64_t>(options.memory_gigabytes * 1e9);
   options.fill.threads = context.global.threads;
   options.fill.progress = context.progress();
-  nlohmann::json document = {{"scene", options.scene}, {"depth", nullptr}, {"semantics", nullptr}};
+  nlohmann::json document = {{"scene", shown}, {"depth", nullptr}, {"semantics", nullptr}};
   std::string depth_line = scene.has_prior_depth() ? "kept as it is (" + scene.prior_source + ")" : "none";
   std::string semantics_line = scene.has_semantics() ? "kept as it is (" + scene.semantic_source + ")" : "none";
   if (depth) {
@@ -94,6 +100,7 @@ void run_priors(const CommandContext& context, Options& options) {
     document["semantics"] = json_of(report);
     semantics_line = line_of(report);
   }
+  if (copy) copy->commit();
   if (context.global.json)
     print_json(document);
   else
@@ -146,9 +153,10 @@ void add_priors_command(CLI::App& program, CommandContext& context) {
       ->capture_default_str()
       ->group("Networks");
   command->add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Machine");
-  command->add_flag("--overwrite", options->fill.overwrite, "replace existing priors")->group("Output folder");
+  command->add_flag("--overwrite", options->fill.overwrite, "replace existing priors, or the scene at OUT")
+      ->group("Output folder");
   add_device_option(*command, options->device);
   command->callback([&context, options] { run_priors(context, *options); });
 }

@@ -1,16 +1,24 @@
 #include "cli/program.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "cli/batch_command.h"
 #include "cli/command.h"
+#include "cli/given_options.h"
 #include "cli/print_json.h"
 #include "core/edit_distance.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/shell_word.h"
 #include "core/stop_signal.h"
 #include "core/version.h"
 
@@ -32,11 +40,7 @@ constexpr const char* kStart =
 
 std::string join(int argc, char** argv) {
   std::string text = "aligngs";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool quote = argument.empty() || argument.find_first_of(" \t\"'$&|;<>()*?#") != std::string::npos;
-    text += quote ? " '" + argument + "'" : " " + argument;
-  }
+  for (int i = 1; i < argc; ++i) text += " " + quote_word(argv[i]);
   return text;
 }
 
@@ -51,6 +55,16 @@ void add_global_options(CLI::App& program, GlobalOptions& global) {
       ->group("Everywhere");
 }
 
+/// The status, unless what was printed did not arrive: a full disk shows at any earlier flush, or at the last one.
+int finish_output(int status) {
+  errno = 0;
+  std::cout.flush();
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout;
+  if (!lost || status != 0) return status;
+  log_error("standard output cannot be written{}{}", errno != 0 ? ": " : "", errno != 0 ? std::strerror(errno) : "");
+  return static_cast<int>(ErrorKind::kResources);
+}
+
 std::vector<std::string> command_names(const CLI::App& program) {
   std::vector<std::string> names;
   for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; }))
@@ -58,12 +72,22 @@ std::vector<std::string> command_names(const CLI::App& program) {
   return names;
 }
 
+/// The same on standard output for programs. Parsing ended early, so that the flag may not have been read yet.
+void print_usage_error(const std::string& message, const std::string& remedy, int argc, char** argv) {
+  if (std::find(argv, argv + argc, std::string_view("--json")) == argv + argc) return;
+  const nlohmann::json document = {
+      {"error", {{"status", kUsageStatus}, {"message", message}, {"path", ""}, {"field", ""}, {"remedy", remedy}}}};
+  print_json(document);
+}
+
 int report_usage_error(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
   std::string hint;
   if (argc > 1 && argv[1][0] != '-') {
     const std::vector<std::string> names = command_names(program);
     if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-      log_error("there is no command \"{}\"", argv[1]);
+      const std::string message = fmt::format("there is no command \"{}\"", argv[1]);
+      print_usage_error(message, "`aligngs --help` lists the commands", argc, argv);
+      log_error("{}", message);
       const std::string near = nearest_word(argv[1], names);
       if (!near.empty()) std::fprintf(stderr, "  did you mean: aligngs %s\n", near.c_str());
       std::fputs("  remedy: `aligngs --help` lists the commands\n", stderr);
@@ -71,8 +95,14 @@ int report_usage_error(const CLI::App& program, const CLI::ParseError& error, in
     }
     hint = std::string(" ") + argv[1];
   }
-  log_error("{}", error.what());
-  std::fprintf(stderr, "  remedy: `aligngs%s --help` shows the options and an example\n", hint.c_str());
+  const std::string remedy = "`aligngs" + hint + " --help` shows the options and an example";
+  std::string message = error.what();
+  const UnknownOption unknown = find_unknown_option(program, {argv + 1, argv + argc});
+  if (!unknown.name.empty()) message = fmt::format("there is no option \"{}\"", unknown.name);
+  print_usage_error(message, remedy, argc, argv);
+  log_error("{}", message);
+  if (!unknown.nearest.empty()) std::fprintf(stderr, "  did you mean: %s\n", unknown.nearest.c_str());
+  std::fprintf(stderr, "  remedy: %s\n", remedy.c_str());
   return kUsageStatus;
 }
 
@@ -124,7 +154,8 @@ int run_program(int argc, char** argv) {
   program.get_formatter()->column_width(36);
   add_global_options(program, context.global);
   // Options are parsed completely before any command runs, so that --json after the command counts.
-  program.parse_complete_callback([&context] {
+  program.parse_complete_callback([&context, &program] {
+    require_given_values(program);
     if (context.global.quiet) set_log_level(LogLevel::kWarning);
     if (context.global.verbose > 0) set_log_level(LogLevel::kDebug);
   });
@@ -141,20 +172,22 @@ int run_program(int argc, char** argv) {
   install_stop_handlers();
   try {
     program.parse(argc, argv);
-    return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::kResources);
+    return finish_output(0);
   } catch (const CLI::Success& request) {  // --help, --version
-    return program.exit(request);
+    return finish_output(program.exit(request));
   } catch (const CLI::ParseError& error) {
     return report_usage_error(program, error, argc, argv);
   } catch (const Error& error) {
     return report_error(error, context.global.json);
   } catch (const std::bad_alloc&) {
     return report_error(
-        Error({ErrorKind::kResources,
-               "out of memory",
-               {},
-               {},
-               "use fewer Gaussians or smaller images (--set densify.max_gaussians, --set data.scale)"}),
+        Error(
+            {ErrorKind::kResources,
+             "out of memory",
+             {},
+             {},
+             "free memory, or raise the limit (ulimit -v); training needs less with fewer Gaussians or smaller images "
+             "(--set densify.max_gaussians=100000, --set data.scale=0.5)"}),
         context.global.json);
   } catch (const std::filesystem::filesystem_error& error) {
     return report_error(Error({ErrorKind::kResources, error.code().message(), error.path1(), {}, {}}),

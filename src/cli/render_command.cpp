@@ -6,6 +6,7 @@
 #include "cli/command.h"
 #include "cli/device_option.h"
 #include "cli/help_text.h"
+#include "cli/number_checks.h"
 #include "cli/print_json.h"
 #include "cli/stages/path_stage.h"
 #include "cli/stages/render_stage.h"
@@ -89,6 +90,7 @@ void draw_path(const CommandContext& context, const RenderCommandOptions& option
 
 void draw_view(const CommandContext& context, const RenderCommandOptions& options) {
   const std::string file = options.output.empty() ? options.view + ".png" : options.output;
+  require_file_place(file);
   require_extension(file, "png");
   RunFolder(options.run).require_not_of_run(file, options.scene);
   const PictureSize size = parse_picture_size(options.size);
@@ -139,7 +141,7 @@ void add_render_command(CLI::App& program, CommandContext& context) {
           ->check(CLI::Range(kShortest, kLongest))
           ->group("Camera");
   CLI::Option* at = command->add_option("--at", options->at, "with -o FILE.png: seconds from the begin")
-                        ->check(CLI::NonNegativeNumber)
+                        ->check(number_from_zero())
                         ->group("Camera");
   CLI::Option* original =
       command->add_flag("--original", options->original, "the room before its edits")->group("Camera");

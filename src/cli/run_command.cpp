@@ -14,6 +14,7 @@
 #include "cli/train_options.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/shell_word.h"
 #include "io/colmap.h"
 #include "io/output_place.h"
 #include "priors/video_frames.h"
@@ -49,7 +50,7 @@ void require_weights(const ModelStore& store, RunCommandOptions& options, bool p
     Error::Details details = error.details();
     details.remedy += fmt::format(
         "\n  or go without networks (no class labels): aligngs run {} -o {} --method colmap --semantics none",
-        options.source, options.train.output);
+        quote_word(options.source), quote_word(options.train.output));
     throw Error(details);
   }
 }
@@ -236,7 +237,8 @@ void add_run_command(CLI::App& program, CommandContext& context) {
   command->callback([&context, options, train, photos] {
     options->train = *train;
     options->photos = *photos;
-    require_at_least(run_everything(*options, context), options->fail_under);
+    const std::vector<LeastValue> least = least_values(options->fail_under);
+    require_at_least(run_everything(*options, context), least);
   });
 }
 

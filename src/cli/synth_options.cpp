@@ -1,4 +1,5 @@
 #include "cli/synth_options.h"
+#include "cli/number_checks.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,7 +22,7 @@ void add_synth_options(CLI::App& command, const std::shared_ptr<SynthCommandOpti
   command
       .add_option("--test-views", options->test_views,
                   "number of test views among them (default: 8, or a third of few views)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->group("Room");
   command
       .add_option("--exposure", options->exposure,

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cli/device_option.h"
+#include "cli/number_checks.h"
 #include "core/error.h"
 
 namespace aligngs {
@@ -12,7 +13,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
   const char* const folder = "Output folder";
   const char* const page = "Page";
   command.add_option("-n,--iterations", options->iterations, "training iterations (default: the preset's)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group(training);
   command.add_option("--preset", options->preset, "preview, default, paper, high or pgsr")
       ->check(CLI::IsMember({"preview", "default", "paper", "high", "pgsr"}))
@@ -27,9 +28,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
       .add_option("--ignore", options->ignore,
                   "classes to leave out of the photos, e.g. \"person, cat, dog\", or none (default: person)")
       ->group(training);
-  command.add_option("--seed", options->seed, "seed of all random numbers")
-      ->check(CLI::NonNegativeNumber)
-      ->group(training);
+  command.add_option("--seed", options->seed, "seed of all random numbers")->check(number_from_zero())->group(training);
   command
       .add_flag("--resume", options->resume,
                 "continue the run in the output folder; a larger -n extends it, if it has checkpoint.keep_finished")
@@ -44,7 +43,7 @@ void add_train_options(CLI::App& command, const std::shared_ptr<TrainCommandOpti
       ->group(training);
   add_device_option(command, options->device);
   command.add_option("--memory", options->memory_gigabytes, "memory budget in GB (default: 80 % of the free memory)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->group("Machine");
   command
       .add_flag("--view", options->view,

@@ -90,6 +90,8 @@ void install_stop_handlers() {
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
+  // A write beyond the limit of file sizes (ulimit -f) is an error of that write, after which half a file is removed.
+  std::signal(SIGXFSZ, SIG_IGN);
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);

@@ -14,6 +14,8 @@
 #include "core/error.h"
 #include "core/stop_signal.h"
 #include "core/temporary_paths.h"
+#include "io/output_place.h"
+#include "io/waiting_file.h"
 
 namespace aligngs {
 namespace {
@@ -54,6 +56,7 @@ void sync_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+  require_file_place(path_);
   static std::atomic<unsigned> counter{0};
   std::error_code error;
   std::filesystem::create_directories(folder_of(path_), error);
@@ -127,6 +130,7 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 }
 
 std::string read_file(const std::filesystem::path& path, uint64_t limit) {
+  require_no_waiting(path);
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) throw_bad_input(path, "", "cannot open: " + system_message(errno), "check the path");
   struct Closer {

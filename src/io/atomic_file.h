@@ -10,8 +10,8 @@
 
 namespace aligngs {
 
-/// Writes to `<path>.tmp-<pid>-<n>` and renames on commit(); without commit the temporary file is removed.
-/// Every failure (full disk, no permission) is an Error{kResources} and leaves the old file in place.
+/// Writes to `<path>.tmp-<pid>-<n>` and renames on commit(); else the temporary file is removed. Failures (full disk, no
+/// permission) are Error{kResources} and leave the old file. Only files are replaced (require_file_place).
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);  ///< creates the parent folder when needed

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 
@@ -51,6 +52,18 @@ TEST(AtomicFile, WritesAndCreatesTheFolder) {
   file.commit();
   EXPECT_EQ(read_file(path), "hello " + std::string(3 << 20, 'x'));
   EXPECT_EQ(files_in(path.parent_path()), 1u);
+}
+
+TEST(AtomicFile, APipeIsNotReplaced) {
+  const auto pipe = fresh_folder("pipe") / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  try {
+    write_file_atomically(pipe, "x");
+    ADD_FAILURE() << "written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {

@@ -13,6 +13,7 @@
 #include "io/colmap_validity.h"
 #include "io/ply.h"
 #include "io/text_tokens.h"
+#include "io/waiting_file.h"
 
 namespace aligngs {
 namespace {
@@ -118,6 +119,7 @@ uint64_t count_images(const fs::path& folder) {
   const auto path = find_file(folder, "images");
   if (!path) return 0;
   if (path->extension() == ".bin") {
+    require_no_waiting(*path);
     char bytes[8];
     std::ifstream file(*path, std::ios::binary);
     return file.read(bytes, 8) ? load_number<uint64_t>(bytes, false) : 0;

@@ -13,6 +13,7 @@
 #include "io/jpeg_codec.h"
 #include "io/picture_format.h"
 #include "io/png_codec.h"
+#include "io/waiting_file.h"
 #include "io/webp_codec.h"
 
 namespace aligngs {
@@ -77,6 +78,7 @@ std::string_view view_of(const std::vector<uint8_t>& bytes) {
 }  // namespace
 
 ImageInfo read_image_info(const std::filesystem::path& path) {
+  require_no_waiting(path);
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path)) throw_bad_input(path, "", "cannot open", "check the path");
   // The header is usually within the first kilobytes, but profiles and previews may precede it.

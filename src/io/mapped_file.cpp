@@ -15,6 +15,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "io/waiting_file.h"
 
 namespace aligngs {
 namespace {
@@ -71,6 +72,7 @@ struct Descriptor {
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) : path_(path) {
+  require_no_waiting(path);
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) {
     throw_bad_input(path, "", std::string("cannot open: ") + std::strerror(errno), "check the path");

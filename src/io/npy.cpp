@@ -14,6 +14,7 @@
 #include "io/byte_reader.h"
 #include "io/damaged_file.h"
 #include "io/text_tokens.h"
+#include "io/waiting_file.h"
 
 namespace aligngs {
 namespace {
@@ -262,6 +263,7 @@ void write_npy(const std::filesystem::path& path, const char* dtype, const std::
 }  // namespace
 
 ArrayHeader read_npy_header(const std::filesystem::path& path) {
+  require_no_waiting(path);
   std::ifstream file(path, std::ios::binary);
   std::error_code error;
   const uint64_t size = std::filesystem::file_size(path, error);

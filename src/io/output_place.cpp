@@ -55,6 +55,19 @@ void require_apart(const fs::path& output, const std::vector<fs::path>& sources)
   }
 }
 
+void require_file_place(const fs::path& file) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error({ErrorKind::kUsage, what, file, "output", "name a file"});
+  };
+  if (file.empty() || file == "-") refuse("this is no name of a file; nothing is written to standard output");
+  if (file.filename().empty()) refuse("this is the name of a folder");
+  std::error_code error;
+  const fs::file_type type = fs::status(file, error).type();
+  if (type == fs::file_type::directory) refuse("this is a folder");
+  if (fs::exists(fs::file_status(type)) && type != fs::file_type::regular)
+    refuse("this is a device or a pipe, which a file would replace");
+}
+
 void require_extension(const fs::path& file, const std::string& extension) {
   const std::string has = lower_case(file.extension().string());
   const std::string wanted = "." + extension.substr(extension.rfind('.') + 1);

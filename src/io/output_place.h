@@ -21,6 +21,10 @@ bool lies_within(const std::filesystem::path& path, const std::filesystem::path&
 /// paths among the sources are left out.
 void require_apart(const std::filesystem::path& output, const std::vector<std::filesystem::path>& sources);
 
+/// Error{kUsage} unless `file` is absent, a regular file or a link to one. Files appear by a rename, which would remove a
+/// device, a pipe or a socket of that name (/dev/null). "-" and an empty name are no files either.
+void require_file_place(const std::filesystem::path& file);
+
 /// Error{kUsage} when the name of `file` promises another format than `extension` ("glb", "labels.ply"), whatever its
 /// case. A name that ends in a known extension must end in this one. A name without such an ending promises nothing.
 void require_extension(const std::filesystem::path& file, const std::string& extension);

@@ -1,8 +1,12 @@
 #include "io/output_place.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <optional>
 
 #include "core/error.h"
+#include "io/atomic_file.h"
 
 namespace aligngs {
 namespace {
@@ -66,6 +70,24 @@ TEST_F(OutputPlace, ASourceMayBeAbsent) { EXPECT_NO_THROW(require_apart(base_ / 
 TEST_F(OutputPlace, RealPlaceKeepsWhatIsNotThereYet) {
   EXPECT_EQ(real_place(base_ / "new" / "deep" / ""), fs::canonical(base_) / "new" / "deep");
   EXPECT_EQ(real_place("/"), "/");
+}
+
+TEST_F(OutputPlace, OnlyAFileOrNothingIsReplacedByAFile) {
+  const auto kind = [](const fs::path& file) -> std::optional<ErrorKind> {
+    try {
+      require_file_place(file);
+    } catch (const Error& error) {
+      return error.kind();
+    }
+    return std::nullopt;
+  };
+  write_file_atomically(base_ / "file", "x");
+  fs::create_symlink(base_ / "file", base_ / "link");
+  ASSERT_EQ(mkfifo((base_ / "pipe").c_str(), 0600), 0);
+  for (const fs::path& good : {base_ / "file", base_ / "link", base_ / "new", base_ / "new" / "deep"})
+    EXPECT_EQ(kind(good), std::nullopt) << good;
+  for (const fs::path& bad : {base_ / "pipe", base_, base_ / "", fs::path("/dev/null"), fs::path("-"), fs::path()})
+    EXPECT_EQ(kind(bad), ErrorKind::kUsage) << bad;
 }
 
 TEST(OutputExtension, ANameThatPromisesAnotherFormatIsAUsageError) {

@@ -63,6 +63,36 @@ std::string latin1_of_utf8(std::string_view text) {
   return out;
 }
 
+std::u32string characters_of_utf8(std::string_view text) {
+  std::u32string out;
+  for (size_t at = 0; at < text.size();) out += static_cast<char32_t>(next_character(text, at));
+  return out;
+}
+
+std::string utf8_of_characters(std::u32string_view characters) {
+  std::string out;
+  const auto add = [&](char32_t bits) { out += static_cast<char>(bits); };
+  for (const char32_t c : characters) {
+    if (c < 0x80) {
+      add(c);
+      continue;
+    }
+    if (c < 0x800) {
+      add(0xc0 | c >> 6);
+    } else {
+      if (c < 0x10000) {
+        add(0xe0 | c >> 12);
+      } else {
+        add(0xf0 | c >> 18);
+        add(0x80 | (c >> 12 & 0x3f));
+      }
+      add(0x80 | (c >> 6 & 0x3f));
+    }
+    add(0x80 | (c & 0x3f));
+  }
+  return out;
+}
+
 std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   if (text.substr(0, kMark.size()) == kMark) text.remove_prefix(kMark.size());

@@ -13,6 +13,9 @@ std::string utf8_of_latin1(std::string_view text);
 std::string as_utf8(std::string_view text);
 /// Empty when a character has no place in latin-1, or when the text is no UTF-8.
 std::string latin1_of_utf8(std::string_view text);
+/// The characters of a text that is UTF-8, and back.
+std::u32string characters_of_utf8(std::string_view text);
+std::string utf8_of_characters(std::u32string_view characters);
 /// Without the byte order mark that Windows programs put before UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);
 

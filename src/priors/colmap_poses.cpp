@@ -190,8 +190,7 @@ std::string why_unplaced(const ColmapDatabase& database, const std::string& phot
   return fmt::format("it overlaps with {} ({} points), which is not connected with the others", with, best);
 }
 
-ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,
-                                   const ColmapPosesOptions& options) {
+void require_colmap() {
   if (find_program("colmap").empty()) {
     throw Error({ErrorKind::kFailed,
                  "the program colmap is not in PATH",
@@ -199,6 +198,11 @@ ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::p
                  "--method colmap",
                  "apt-get install colmap, or use --method vggt"});
   }
+}
+
+ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,
+                                   const ColmapPosesOptions& options) {
+  require_colmap();
   setenv("QT_QPA_PLATFORM", "offscreen", 0);  // it links to Qt, and there may be no screen
   bool one_camera = options.shared_camera;
   for (const Photo& photo : photos) {

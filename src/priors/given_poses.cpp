@@ -31,6 +31,9 @@ fs::path find_given_cameras(const fs::path& photos, const fs::path& given) {
   if (!given.empty()) {
     const bool file = given.filename() == "transforms.json" && fs::is_regular_file(given);
     if (file || has_cameras(given)) return given;
+    const bool of_model = given.stem() == "cameras" || given.stem() == "images" || given.stem() == "points3D";
+    if (of_model && fs::is_regular_file(given) && may_hold_colmap_model(given.parent_path()))
+      return fs::absolute(given).parent_path();
     throw_bad_input(given, "--cameras", "there are no cameras here",
                     "give a COLMAP model (sparse/, cameras.bin or cameras.txt) or a transforms.json");
   }

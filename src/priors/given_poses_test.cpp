@@ -150,6 +150,13 @@ TEST_F(GivenPosesTest, ACameraForTheTurnedPictureIsExplained) {
   EXPECT_THAT(error_of_make(), HasSubstr("turned by a quarter"));
 }
 
+TEST_F(GivenPosesTest, AFileOfAModelStandsForIt) {
+  write_model(80, 40, 4);
+  ScenePhotosOptions options;
+  options.cameras = capture / "sparse" / "0" / "cameras.bin";
+  EXPECT_EQ(make(options).placed, 4u);
+}
+
 TEST_F(GivenPosesTest, WithoutCamerasThePlacesAreNamed) {
   EXPECT_THAT(error_of_make(), testing::AllOf(HasSubstr(capture.string()), HasSubstr("--cameras")));
   EXPECT_THROW(find_given_cameras(capture / "images", capture / "images"), Error);

@@ -356,6 +356,7 @@ ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path&
                 "give the folder of these photos, or another --method");
   }
   if (uses_network(options.method)) store.require(published_model(options.model));
+  if (options.method == PosesMethod::kColmap) require_colmap();  // before frames of a video are taken, for minutes
   std::optional<WorkFolder> work;
   if (video) {
     work.emplace(scene);

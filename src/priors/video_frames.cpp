@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/log.h"
@@ -27,12 +28,14 @@ constexpr int kSmallWidth = 384;       // pixels of a candidate: enough to tell 
   throw_bad_input(video, "", message, "give a video that ffmpeg plays, or a folder of photos");
 }
 
+/// The last line of messages; ffprobe mixes them with the braces of an empty answer.
 std::string last_line(const std::string& text) {
-  const size_t end = text.find_last_not_of('\n');
-  if (end == std::string::npos) return {};
-  const size_t begin = text.rfind('\n', end);
-  return text.substr(begin == std::string::npos ? 0 : begin + 1,
-                     end - (begin == std::string::npos ? 0 : begin + 1) + 1);
+  std::istringstream lines(text);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find_first_not_of("{}[], \t\r") != std::string::npos) last = line;
+  }
+  return last;
 }
 
 struct VideoStream {

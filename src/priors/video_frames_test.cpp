@@ -81,7 +81,8 @@ TEST_F(VideoFrames, AnAutomaticExposureIsReported) {
 TEST_F(VideoFrames, AFileThatIsNoVideoIsNamed) {
   std::ofstream(folder / "clip.mp4") << "no video";
   EXPECT_THAT(error_of(folder / "clip.mp4"),
-              testing::AllOf(testing::HasSubstr("clip.mp4"), testing::HasSubstr("ffprobe cannot read it")));
+              testing::AllOf(testing::HasSubstr("clip.mp4"), testing::HasSubstr("ffprobe cannot read it"),
+                             testing::HasSubstr("Invalid data")));
 }
 
 TEST_F(VideoFrames, AMissingFileIsNamed) {

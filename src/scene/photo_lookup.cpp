@@ -5,6 +5,7 @@
 #include <set>
 
 #include "io/text_encoding.h"
+#include "io/unicode_letters.h"
 #include "scene/photo_mask.h"
 
 namespace aligngs {
@@ -89,8 +90,15 @@ PhotoLookup::Answer PhotoLookup::find(const std::string& given) const {
       }
     }
   }
-  const Answer elsewhere = by_ending(name);
-  return decided(elsewhere) ? elsewhere : Answer{{}, kMissing};
+  for (const Folders& place : places_) {
+    Answer answer = by_other_spelling(place, name);
+    if (decided(answer)) return answer;
+  }
+  for (const bool any_spelling : {false, true}) {
+    Answer answer = by_ending(name, any_spelling);
+    if (decided(answer)) return answer;
+  }
+  return {{}, kMissing};
 }
 
 bool PhotoLookup::is_ambiguous(const Answer& answer) { return answer.problem.rfind(kSeveral, 0) == 0; }
@@ -119,17 +127,52 @@ PhotoLookup::Answer PhotoLookup::by_other_extension(const Folders& folders, cons
   return answer_of(same.empty() ? others : same);
 }
 
-PhotoLookup::Answer PhotoLookup::by_ending(const std::string& name) const {
+PhotoLookup::Answer PhotoLookup::by_other_spelling(const Folders& folders, const std::string& name) const {
+  std::vector<std::string> wanted;
+  for (const fs::path& part : fs::path(name).lexically_normal()) wanted.push_back(common_spelling(part.string()));
+  if (wanted.empty() || fs::path(name).is_absolute()) return {};
+  wanted.back() = common_spelling(stem_of(fs::path(name).filename()));
+  Folders level = folders;  // all folders that the parts of the name so far may mean
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    const bool last = i + 1 == wanted.size();
+    Folders next;
+    for (const fs::path& folder : level) {
+      for (const Entry& entry : entries(folder)) {
+        if ((last ? entry.stem : entry.name) != wanted[i]) continue;
+        if (last ? has_picture_extension(entry.path) && is_file(entry.path) : fs::is_directory(entry.path))
+          next.push_back(entry.path);
+      }
+    }
+    level = std::move(next);
+  }
+  return answer_of(std::move(level));
+}
+
+const std::vector<PhotoLookup::Entry>& PhotoLookup::entries(const fs::path& folder) const {
+  const auto [found, fresh] = entries_.try_emplace(folder);
+  if (!fresh) return found->second;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (is_hidden(path)) continue;
+    found->second.push_back({path, common_spelling(path.filename().string()), common_spelling(path.stem().string())});
+  }
+  return found->second;
+}
+
+PhotoLookup::Answer PhotoLookup::by_ending(const std::string& name, bool any_spelling) const {
   std::vector<std::string> wanted;
   for (const fs::path& part : fs::path(as_utf8(name)).relative_path()) wanted.push_back(part.string());
   if (wanted.empty()) return {};
   wanted.back() = stem_of(wanted.back());
+  if (any_spelling) std::transform(wanted.begin(), wanted.end(), wanted.begin(), common_spelling);
   std::vector<fs::path> found;
   size_t longest = 0;
   for (const Candidate& candidate : candidates()) {
-    const size_t common = std::min(wanted.size(), candidate.parts.size());
+    const std::vector<std::string>& parts = any_spelling ? candidate.spellings : candidate.parts;
+    const size_t common = std::min(wanted.size(), parts.size());
     if (common < longest ||
-        !std::equal(wanted.rbegin(), wanted.rbegin() + static_cast<ptrdiff_t>(common), candidate.parts.rbegin()))
+        !std::equal(wanted.rbegin(), wanted.rbegin() + static_cast<ptrdiff_t>(common), parts.rbegin()))
       continue;
     if (common > longest) found.clear();
     longest = common;
@@ -150,9 +193,10 @@ const std::vector<PhotoLookup::Candidate>& PhotoLookup::candidates() const {
       continue;
     }
     if (!has_picture_extension(file) || !is_file(file)) continue;
-    Candidate candidate{file, {}};
+    Candidate candidate{file, {}, {}};
     for (const fs::path& part : file.lexically_relative(photos_)) candidate.parts.push_back(as_utf8(part.string()));
     candidate.parts.back() = as_utf8(file.stem().string());
+    for (const std::string& part : candidate.parts) candidate.spellings.push_back(common_spelling(part));
     candidates_.push_back(std::move(candidate));
   }
   return candidates_;

@@ -21,7 +21,9 @@ std::string view_name_of(const std::string& image_name);
 ///   1. the very path below one of the folders;
 ///   2. the same with the name written in the other encoding (UTF-8, latin-1);
 ///   3. the same folder and stem, with another picture extension or none in the name ("a.JPG", "a.png" for "a.jpg");
-///   4. a photo elsewhere below `photos` whose path and the name end alike, up to the whole of the shorter one.
+///   4. the same in another spelling: cases, and letters that macOS decomposes (unicode_letters.h);
+///   5. a photo elsewhere below `photos` whose path and the name end alike, up to the whole of the shorter one;
+///   6. the same in another spelling.
 /// Two files under one rule are no answer, since a guess would be silent.
 class PhotoLookup {
  public:
@@ -44,18 +46,26 @@ class PhotoLookup {
  private:
   struct Candidate {
     std::filesystem::path file;
-    std::vector<std::string> parts;  ///< folders and stem below `photos`, in UTF-8
+    std::vector<std::string> parts;      ///< folders and stem below `photos`, in UTF-8
+    std::vector<std::string> spellings;  ///< the common spelling of each part
+  };
+  struct Entry {
+    std::filesystem::path path;
+    std::string name, stem;  ///< in the common spelling
   };
   using Folders = std::vector<std::filesystem::path>;
   Answer exact(const Folders& folders, const std::string& name) const;
   Answer by_other_extension(const Folders& folders, const std::string& name) const;
-  Answer by_ending(const std::string& name) const;
+  Answer by_other_spelling(const Folders& folders, const std::string& name) const;
+  Answer by_ending(const std::string& name, bool any_spelling) const;
   const std::vector<Candidate>& candidates() const;
+  const std::vector<Entry>& entries(const std::filesystem::path& folder) const;
 
   std::vector<Folders> places_;  ///< in order of preference; the folders of one place are equals
   std::filesystem::path photos_;
   mutable bool listed_ = false;
   mutable std::vector<Candidate> candidates_;
+  mutable std::map<std::filesystem::path, std::vector<Entry>> entries_;  ///< of folders that were listed
 };
 
 /// The folders in which photos of a data set may lie: images/ when it is there, and the data set's own folder. Each

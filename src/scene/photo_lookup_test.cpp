@@ -66,6 +66,22 @@ TEST_F(PhotoLookupTest, NamesInLatinOneAreFoundAsUtf8AndBack) {
   EXPECT_EQ(view_name_of("left\\T\xfcr.jpg"), "left/T\xc3\xbcr");
 }
 
+TEST_F(PhotoLookupTest, OtherSpellingsOfANameAreFoundWhereOneFileHasThem) {
+  file("images/Ku\u0308che/Bild 1.JPG");  // as macOS writes it
+  EXPECT_EQ(found("K\u00fcche/bild 1.jpg"), "images/Ku\u0308che/Bild 1.JPG");
+  EXPECT_EQ(found("/Users/x/K\u00dcche/k\u00fcche/Bild 1.jpg"), "images/Ku\u0308che/Bild 1.JPG");
+  EXPECT_THAT(found("Kuche/Bild 1.jpg"), HasSubstr("missing"));
+  file("images/a.jpg");
+  file("images/A.jpg");
+  EXPECT_EQ(found("A.jpg"), "images/A.jpg");  // the name as written goes first
+  file("images/b1.png");
+  file("images/B1.png");
+  EXPECT_THAT(found("b1.jpg"), "images/b1.png");
+  file("images/IMG_7.jpg");
+  file("images/img_7.jpg");
+  EXPECT_THAT(found("Img_7.jpg"), HasSubstr("several photos"));
+}
+
 TEST_F(PhotoLookupTest, HiddenFilesAreNoPhotos) {
   file("images/._a.jpg");
   file("images/.thumbnails/a.jpg");

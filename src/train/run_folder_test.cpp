@@ -165,7 +165,9 @@ TEST_F(RunFolderTest, SceneIsFoundFromAMovedRun) {
   EXPECT_EQ(relative, "../../scene");
   RunRecord r;
   r.scene = relative;
-  EXPECT_EQ(scene_of_run(base_ / "runs" / "a", r), (base_ / "scene").lexically_normal());
+  EXPECT_EQ(scene_of_run(base_ / "runs" / "a", r), fs::canonical(base_ / "scene"));
+  fs::create_directory_symlink(base_ / "runs" / "a", base_ / "link");
+  EXPECT_EQ(scene_of_run(base_ / "link", r), fs::canonical(base_ / "scene"));
   EXPECT_EQ(scene_of_run(base_ / "runs" / "a", r, "/elsewhere"), "/elsewhere");
 }
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/json_text.h"
+#include "io/output_place.h"
 
 namespace aligngs {
 namespace {
@@ -131,7 +132,8 @@ RunRecord read_run_record(const fs::path& path) {
 fs::path scene_of_run(const fs::path& run_folder, const RunRecord& record, const fs::path& override_folder) {
   if (!override_folder.empty()) return override_folder;
   const fs::path scene = record.scene;
-  return scene.is_absolute() ? scene : (run_folder / scene).lexically_normal();
+  // relative_scene_path() counts from the folder itself, not from a link to it
+  return scene.is_absolute() ? scene : (real_place(run_folder) / scene).lexically_normal();
 }
 
 std::string relative_scene_path(const fs::path& run_folder, const fs::path& scene) {

@@ -1,6 +1,7 @@
 #include "train/train_run.h"
 #include "core/version.h"
 #include "scene/ignored_classes.h"
+#include "scene/view_data.h"
 
 #include <fmt/format.h>
 
@@ -10,11 +11,13 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/memory_budget.h"
+#include "core/shell_word.h"
 #include "core/stop_signal.h"
 #include "gaussians/morton_order.h"
 #include "gaussians/object_labels.h"
 #include "io/atomic_file.h"
 #include "io/colmap.h"
+#include "io/output_place.h"
 #include "refine/refined_scene.h"
 #include "train/camera_outputs.h"
 #include "train/live_snapshot.h"
@@ -36,8 +39,25 @@ RunMode mode_of(const TrainOptions& options) {
 
 std::string resume_command_of(const TrainOptions& options) {
   if (!options.resume_command.empty()) return options.resume_command;
-  return fmt::format("aligngs train {}-o {} --resume", options.scene.empty() ? "" : options.scene.string() + " ",
-                     options.run.string());
+  return fmt::format("aligngs train {}-o {} --resume",
+                     options.scene.empty() ? "" : quote_word(options.scene.string()) + " ",
+                     quote_word(options.run.string()));
+}
+
+[[noreturn]] void refuse_other_scene(const std::filesystem::path& run, const std::filesystem::path& scene) {
+  throw_bad_input(
+      run, "scene",
+      fmt::format("this run was trained on another scene than {}, or the scene has changed since", scene.string()),
+      "give the scene the run began with, or start again with --overwrite");
+}
+
+/// A finished run keeps its measurements: they are not made again with the scene of another room.
+void require_scene_of_finished(const TrainOptions& options, const RunRecord& record) {
+  if (options.scene.empty() || record.fingerprint.empty()) return;
+  if (real_place(options.scene) == real_place(scene_of_run(options.run, record))) return;
+  Scene scene = open_scene(options.scene);
+  leave_out_views(scene, record.left_out);
+  if (scene_fingerprint(scene) != record.fingerprint) refuse_other_scene(options.run, options.scene);
 }
 
 TrainResult result_of_finished(const RunRecord& record) {
@@ -62,6 +82,8 @@ class Run {
         budget_(options.memory_limit) {}
 
   void open_scene_and_check();
+  /// Before anything of the run is written: a resumed run keeps its scene.
+  void require_own_scene() const;
   void prepare_folder();
   TrainResult train();
   void record_failure(const std::string& status, const std::string& reason) noexcept;
@@ -142,6 +164,16 @@ void Run::open_scene_and_check() {
   extent_ = robust_extent(scene_);
   budget_.add("training views", predicted_view_bytes(scene_, config_, use_));
   budget_.require("training", kMemoryRemedy);
+}
+
+void Run::require_own_scene() const {
+  if (!resolved_.exists || !std::filesystem::exists(folder_.record())) return;
+  const RunRecord record = read_run_record(folder_.record());
+  std::error_code none;
+  const bool begun = !record.trained.empty() || std::filesystem::directory_iterator(folder_.checkpoints(), none) !=
+                                                    std::filesystem::directory_iterator();
+  if (begun && !record.fingerprint.empty() && record.fingerprint != fingerprint_)
+    refuse_other_scene(folder_.path(), scene_.folder);
 }
 
 void Run::prepare_folder() {
@@ -326,8 +358,10 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   const ResolvedRun resolved = resolve_run(options);
   folder.check(mode_of(options));
   if (resolved.finished) {
+    const RunRecord record = read_run_record(folder.record());
+    require_scene_of_finished(options, record);
     log_info("the run in {} is finished: nothing to do", options.run.string());
-    return result_of_finished(read_run_record(folder.record()));
+    return result_of_finished(record);
   }
   if (RunControl(options.run).active()) {
     throw Error({ErrorKind::kUsage, "another process is working on this run", options.run, "-o",
@@ -335,6 +369,7 @@ TrainResult train_run(const TrainOptions& options, const EngineFactory& make_eng
   }
   Run run(options, resolved, make_engine);
   run.open_scene_and_check();
+  run.require_own_scene();
   run.prepare_folder();
   const RunLock lock(options.run);
   struct RemoveSnapshot {

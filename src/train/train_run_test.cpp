@@ -132,6 +132,33 @@ TEST_F(TrainRun, ResumeTakesItsSettingsFromTheRun) {
   EXPECT_TRUE(ply(o) == ply(whole));
 }
 
+TEST_F(TrainRun, ResumeWithAnotherSceneTouchesNothing) {
+  const fs::path other = base_ / "other";
+  fs::copy(scene_, other, fs::copy_options::recursive);
+  fs::remove_all(other / "pred_depths");
+  for (const int64_t kill_at : {int64_t(20), int64_t(-1)}) {  // stopped, and finished
+    TrainOptions o = options(kill_at < 0 ? "finished" : "stopped");
+    try {
+      train_run(o, engine_killed_at(kill_at));
+    } catch (const Killed&) {
+    }
+    const std::string before = read_file(RunFolder(o.run).record());
+    o.resume = true;
+    o.scene = other;
+    try {
+      train_run(o, plain_engine());
+      ADD_FAILURE() << "trained";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+      EXPECT_THAT(error.what(), HasSubstr("another scene"));
+    }
+    EXPECT_EQ(read_file(RunFolder(o.run).record()), before);
+    o.scene = base_ / "moved";
+    fs::copy(scene_, o.scene, fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    EXPECT_NO_THROW(train_run(o, plain_engine())) << "the same scene in another place";
+  }
+}
+
 TEST_F(TrainRun, ResumeRefusesOtherSettings) {
   TrainOptions o = options("a");
   EXPECT_THROW(train_run(o, engine_killed_at(20)), Killed);

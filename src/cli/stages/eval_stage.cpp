@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "cli/report/json_field.h"
 #include "cli/stages/perceptual_metric.h"
@@ -328,28 +330,40 @@ Json evaluate_run(OpenRun& run, const EvalStageOptions& options) {
   return metrics;
 }
 
-void require_at_least(const Json& metrics, const std::vector<std::string>& conditions) {
+std::vector<LeastValue> least_values(const std::vector<std::string>& conditions) {
   const std::vector<std::pair<std::string, std::string>> short_names = {
       {"psnr", "nvs.psnr"}, {"ssim", "nvs.ssim"}, {"fscore", "geometry.fscore"}, {"miou", "semantics.miou"}};
+  std::vector<LeastValue> values;
   for (const std::string& condition : conditions) {
     const size_t equals = condition.find('=');
     char* end = nullptr;
     const double wanted = equals == std::string::npos ? 0 : std::strtod(condition.c_str() + equals + 1, &end);
-    if (equals == std::string::npos || end == condition.c_str() + equals + 1 || *end != '\0') {
+    if (equals == std::string::npos || end == condition.c_str() + equals + 1 || *end != '\0' || !std::isfinite(wanted))
       throw_usage("--fail-under needs name=number, got \"" + condition + "\"", "for example --fail-under psnr=24");
-    }
     std::string path = condition.substr(0, equals);
-    for (const auto& [name, full] : short_names) {
-      if (path == name) path = full;
+    const auto is_short = [&](const auto& name) { return name.first == path; };
+    const auto known = std::find_if(short_names.begin(), short_names.end(), is_short);
+    if (known != short_names.end()) path = known->second;
+    constexpr std::array<std::string_view, 4> kParts = {"nvs", "geometry", "semantics", "train"};
+    if (std::find(kParts.begin(), kParts.end(), path.substr(0, path.find('.'))) == kParts.end()) {
+      throw_usage("--fail-under: there is no figure \"" + path + "\"",
+                  "names are psnr, ssim, fscore, miou, and those of metrics.json, as geometry.recall");
     }
+    values.push_back({path, wanted});
+  }
+  return values;
+}
+
+void require_at_least(const Json& metrics, const std::vector<LeastValue>& values) {
+  for (const auto& [path, least] : values) {
     const double value = number_at(metrics, path);
     if (std::isnan(value)) {
       throw_usage("--fail-under: this run has no number \"" + path + "\"",
                   "names are those of metrics.json, e.g. nvs.psnr, geometry.fscore");
     }
-    if (value < wanted) {
+    if (value < least) {
       throw Error(
-          {ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, wanted), {}, {}, {}});
+          {ErrorKind::kBelow, fmt::format("{} is {:.4g}, below the required {:.4g}", path, value, least), {}, {}, {}});
     }
   }
 }

@@ -24,8 +24,16 @@ struct EvalStageOptions {
 /// never a substitute.
 nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
-/// Checks conditions such as "psnr=24" or "geometry.fscore=0.5" against metrics. Error{kBelow} (status 6) when one is
-/// not met. Error{kUsage} when one cannot be read or names no number. Short names: psnr, ssim, fscore, miou.
-void require_at_least(const nlohmann::json& metrics, const std::vector<std::string>& conditions);
+/// A condition of --fail-under.
+struct LeastValue {
+  std::string path;  ///< "nvs.psnr"
+  double least = 0;  ///< in the figure's unit
+};
+/// Reads conditions such as "psnr=24" or "geometry.fscore=0.5"; call before long work. Error{kUsage} when one cannot be
+/// read, is not finite or names no part of metrics.json. Short names: psnr, ssim, fscore, miou.
+std::vector<LeastValue> least_values(const std::vector<std::string>& conditions);
+
+/// Error{kBelow} (status 6) when a figure is lower, Error{kUsage} when the metrics do not have it.
+void require_at_least(const nlohmann::json& metrics, const std::vector<LeastValue>& values);
 
 }  // namespace aligngs

@@ -116,12 +116,16 @@ void require_path_place(const std::filesystem::path& run, const PathStageOptions
     require_apart(options.output, {options.path});
     read_camera_path(options.path);
   }
+  for (const char* other : {".gif", ".webp", ".apng", ".avi", ".mov", ".mkv", ".webm", ".jpg", ".jpeg"}) {
+    if (ending == other)
+      throw Error({ErrorKind::kUsage, "files that end in " + ending + " are not written here", options.output, "-o",
+                   "name FILE.mp4, FILE.png or a folder"});
+  }
+  if (ending == ".png" || ending == ".mp4") require_file_place(options.output);
   if (ending == ".png") return;
   if (ending == ".mp4" && can_write_video()) {
     if (options.size.width % 2 != 0 || options.size.height % 2 != 0)
       throw_usage("a video has even numbers of pixels", "choose another --size");
-    if (fs::is_directory(options.output))
-      throw Error({ErrorKind::kUsage, "a folder has this name", options.output, "-o", "name a file"});
     return;
   }
   require_free_folder(ending == ".mp4" ? fs::path(options.output).replace_extension("") : options.output);

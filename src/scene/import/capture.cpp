@@ -7,6 +7,7 @@
 #include "io/image_file.h"
 #include "scene/import/capture_frames.h"
 #include "scene/import/capture_text.h"
+#include "scene/import/unknown_layout.h"
 #include "scene/lens_model.h"
 
 namespace aligngs {
@@ -20,25 +21,6 @@ bool has_seven_scenes_frames(const fs::path& folder) {
     if (file.filename().string().find(".pose.txt") != std::string::npos) return true;
   }
   return false;
-}
-
-CaptureLayout detect_layout(const fs::path& folder) {
-  if (fs::exists(folder / "poses") && fs::exists(folder / "intrinsics.txt")) return CaptureLayout::kRgbd;
-  if (fs::exists(folder / "color") && fs::exists(folder / "pose")) return CaptureLayout::kScanNet;
-  if (fs::exists(folder / "focal.txt") &&
-      (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt")))
-    return CaptureLayout::kNeuralRgbd;
-  if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
-  if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
-  if (may_hold_polycam(folder)) return CaptureLayout::kPolycam;
-  if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
-  if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0)
-      return CaptureLayout::kSevenScenes;
-  }
-  if (may_hold_scanner_app(folder)) return CaptureLayout::kScannerApp;
-  return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
 }
 
 /// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map. The map has
@@ -66,6 +48,25 @@ ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const Col
 }
 
 }  // namespace
+
+CaptureLayout recognise_layout(const fs::path& folder) {
+  if (fs::exists(folder / "poses") && fs::exists(folder / "intrinsics.txt")) return CaptureLayout::kRgbd;
+  if (fs::exists(folder / "color") && fs::exists(folder / "pose")) return CaptureLayout::kScanNet;
+  if (fs::exists(folder / "focal.txt") &&
+      (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt")))
+    return CaptureLayout::kNeuralRgbd;
+  if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
+  if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
+  if (may_hold_polycam(folder)) return CaptureLayout::kPolycam;
+  if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
+  if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0)
+      return CaptureLayout::kSevenScenes;
+  }
+  if (may_hold_scanner_app(folder)) return CaptureLayout::kScannerApp;
+  return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
+}
 
 std::string layout_name(CaptureLayout layout) {
   switch (layout) {
@@ -96,9 +97,8 @@ std::string layout_name(CaptureLayout layout) {
 }
 
 Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
-  if (!fs::is_directory(folder))
-    throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
-  const CaptureLayout layout = options.layout == CaptureLayout::kAuto ? detect_layout(folder) : options.layout;
+  require_capture_folder(folder);
+  const CaptureLayout layout = options.layout == CaptureLayout::kAuto ? recognise_layout(folder) : options.layout;
   Capture capture;
   switch (layout) {
     case CaptureLayout::kRgbd:
@@ -132,12 +132,7 @@ Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
       capture = read_colmap_capture(folder);
       break;
     case CaptureLayout::kAuto:
-      throw_bad_input(
-          folder, "layout", "this is none of the known layouts",
-          "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
-          "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
-          "(frame-*.pose.txt), transforms.json or transforms_train.json, Polycam (keyframes/), 3D Scanner App "
-          "(frame_*.json), COLMAP (sparse/)");
+      refuse_layout(folder);
   }
   finish_capture(capture);
   return capture;
@@ -146,6 +141,8 @@ Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
 ImageF read_capture_depth(const Capture& capture, const CapturedFrame& frame) {
   if (frame.depth.empty()) return {};
   constexpr uint16_t kInvalid = 65535;
+  if (read_image_info(frame.depth).bit_depth < 16)
+    throw_bad_input(frame.depth, "", kDepthOfEightBits, "save depth as 16-bit PNG");
   const Image<uint16_t> raw = read_gray_png(frame.depth);
   const double unit = capture.depth_unit * frame.depth_scale;
   ImageF depth(raw.width, raw.height, 1, 0.f);

@@ -86,6 +86,8 @@ struct CaptureOptions {
 /// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left.
 Capture read_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});
 std::string layout_name(CaptureLayout layout);
+/// The layout that the names of a folder's files tell; kAuto: none.
+CaptureLayout recognise_layout(const std::filesystem::path& folder);
 
 // One reader per layout; each documents the files it expects at the top of its .cpp.
 Capture read_rgbd_folder(const std::filesystem::path& folder);

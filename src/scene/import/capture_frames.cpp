@@ -56,6 +56,23 @@ void leave_out_repeated(Capture& capture) {
   });
 }
 
+/// Whether a PNG of depth holds fewer than 16 bits; a file that is no picture is left to what reads it.
+bool has_few_bits(const fs::path& file) {
+  try {
+    return read_image_info(file).bit_depth < 16;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// Depth of 8 bits is the same for all frames of a capture, or an accident of single ones, which are left out later.
+void leave_out_eight_bits(Capture& capture) {
+  const auto eight = [](const CapturedFrame& frame) { return !frame.depth.empty() && has_few_bits(frame.depth); };
+  if (capture.frames.empty() || !std::all_of(capture.frames.begin(), capture.frames.end(), eight)) return;
+  capture.notes.emplace_back("depth is not used: it has 8 bits, as pictures of depth have, and so no unit");
+  for (CapturedFrame& frame : capture.frames) frame.depth.clear();
+}
+
 /// A depth prior is of use when every training view has one.
 void leave_out_without_depth(Capture& capture) {
   const auto without = [](const CapturedFrame& frame) { return frame.depth.empty(); };
@@ -211,6 +228,7 @@ void shorten_names(Capture& capture) {
 void finish_capture(Capture& capture) {
   leave_out_repeated(capture);
   leave_out_without_depth(capture);
+  leave_out_eight_bits(capture);
   require_enough(capture.folder, capture.frames.size(), capture.left_out, 1, false);
   if (capture.frames.empty())
     throw_bad_input(capture.folder, "frames", "no frame with a finite pose was found",

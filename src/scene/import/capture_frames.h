@@ -10,6 +10,9 @@
 
 namespace aligngs {
 
+/// Why depth is not used whose PNG has 8 bits: a picture of depth, which has no unit.
+inline constexpr const char* kDepthOfEightBits = "its depth has 8 bits, as pictures of depth have: it has no unit";
+
 /// Adds what `read` returns; what it throws as bad input leaves this frame out with a line.
 template <class Read>
 void add_frame(Capture& capture, const std::string& name, Read read) {

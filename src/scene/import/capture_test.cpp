@@ -242,6 +242,15 @@ TEST_F(TransformsTest, DepthHasTheUnitThatTheFileStates) {
   }
 }
 
+TEST_F(TransformsTest, DepthFilesThatAreMissingAreReported) {
+  EXPECT_THAT(read("", R"(, "depth_file_path": "depth/a.png")").notes,
+              ElementsAre(HasSubstr("depth_file_path: none of its files is there")));
+}
+
+TEST_F(TransformsTest, AnAngleInDegreesIsNamed) {
+  EXPECT_THAT(error_of(R"(, "fl_x": 0, "fl_y": 0, "camera_angle_x": 60)"), HasSubstr("radians"));
+}
+
 TEST_F(TransformsTest, AUniformScaleOfTheMatrixAppliesToDepth) {
   depth("depth/a.png", 2000);
   const Capture capture =
@@ -371,6 +380,57 @@ TEST_F(CaptureTest, AMatrixThatIsNoRotationIsRefused) {
   write("poses/a.txt", "2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
   write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
   EXPECT_THROW(read_capture(folder_), Error);
+}
+
+TEST_F(CaptureTest, AColumnMajorMatrixIsRefusedByName) {
+  image("images/a.jpg");
+  write("poses/a.txt", "0 1 0 0\n-1 0 0 0\n0 0 1 0\n1 2 3 1\n");  // pose_opencv() column by column
+  write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
+  try {
+    read_capture(folder_);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("column-major"));
+  }
+}
+
+TEST_F(CaptureTest, DepthOfEightBitsIsNotUsed) {
+  for (const char* name : {"a", "b"}) {
+    image(fmt::format("images/{}.jpg", name));
+    write(fmt::format("poses/{}.txt", name), pose_opencv());
+  }
+  write("intrinsics.txt", "30 0 16\n0 31 12\n0 0 1\n");
+  fs::create_directories(folder_ / "depth");
+  for (const char* name : {"a.png", "b.png"})
+    write_png(folder_ / "depth" / name, Image<uint8_t>(kWidth, kHeight, 1, 90));
+  const Capture capture = read_capture(folder_);
+  EXPECT_THAT(capture.notes, ElementsAre(HasSubstr("8 bits")));
+  EXPECT_TRUE(capture.frames[0].depth.empty());
+  depth("depth/a.png", 2000);
+  EXPECT_THAT(reasons(read_capture(folder_)), ElementsAre(HasSubstr("b: its depth has 8 bits")));
+}
+
+TEST_F(CaptureTest, TheFolderBelowThatHoldsAKnownLayoutIsNamed) {
+  image("export 1/keyframes/images/a.jpg");
+  fs::create_directories(folder_ / "export 1" / "keyframes" / "cameras");
+  try {
+    read_capture(folder_);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr((folder_ / "export 1").string()));
+    EXPECT_THAT(error.what(), HasSubstr("polycam"));
+  }
+}
+
+TEST_F(CaptureTest, FormatsThatAreKnownAndNotReadAreNamed) {
+  write("EXR_RGBD/metadata.json", R"({"K": [1], "poses": []})");
+  image("EXR_RGBD/rgb/0.jpg");
+  try {
+    read_capture(folder_);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("Record3D"));
+  }
 }
 
 TEST_F(CaptureTest, SelectionSpreadsOverTheSceneAndPrefersSharpFrames) {

@@ -62,7 +62,7 @@ std::vector<std::string> read_name_list(const fs::path& file) {
   return names;
 }
 
-Rigidd rigid_from_matrix(const double* m, const fs::path& file, const std::string& field) {
+Rigidd rigid_from_matrix(std::span<const double> m, const fs::path& file, const std::string& field) {
   constexpr double kTolerance = 1e-2;  // six printed digits and accumulated tracking leave less than this
   double scale = 1;
   const Rigidd pose = rigid_from_scaled_matrix(m, file, field, scale);
@@ -73,9 +73,28 @@ Rigidd rigid_from_matrix(const double* m, const fs::path& file, const std::strin
   return pose;
 }
 
-Rigidd rigid_from_scaled_matrix(const double* m, const fs::path& file, const std::string& field, double& scale) {
+namespace {
+
+/// A matrix that was written column by column has a rotation as well: only its last row shows it.
+void require_last_row(std::span<const double> m, const fs::path& file, const std::string& field) {
+  constexpr double kTolerance = 1e-4;  // of numbers that are exact but for their printing
+  if (m.size() != 16) return;
+  const auto far = [&](size_t i, double value) { return std::fabs(m[i] - value) > kTolerance; };
+  if (!far(12, 0) && !far(13, 0) && !far(14, 0) && !far(15, 1)) return;
+  const bool transposed = !far(3, 0) && !far(7, 0) && !far(11, 0) && !far(15, 1);
+  throw_bad_input(file, field,
+                  transposed ? "the matrix is column-major: its last row has the translation"
+                             : "the last row of the matrix is not 0 0 0 1",
+                  "poses must be rigid 4x4 matrices in row-major order");
+}
+
+}  // namespace
+
+Rigidd rigid_from_scaled_matrix(std::span<const double> m, const fs::path& file, const std::string& field,
+                                double& scale) {
   constexpr double kTolerance = 1e-2;  // as above, of a rotation's entries
-  if (!all_finite(m, 12)) throw_bad_input(file, field, "the pose is not finite", "leave this frame out");
+  if (!all_finite(m.data(), m.size())) throw_bad_input(file, field, "the pose is not finite", "leave this frame out");
+  require_last_row(m, file, field);
   Rigidd pose;
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c < 3; ++c) pose.rotation(r, c) = m[4 * r + c];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,11 @@ std::vector<double> read_numbers(const std::filesystem::path& file);
 /// are comments.
 std::vector<std::string> read_name_list(const std::filesystem::path& file);
 
-/// A rigid motion from 16 (or 12) row-major numbers. Error{kBadInput} unless the rotation is one within 1e-2.
-Rigidd rigid_from_matrix(const double* m, const std::filesystem::path& file, const std::string& field);
+/// A rigid motion from 16 (or 12) row-major numbers. Error{kBadInput} unless the rotation is one within 1e-2 and the
+/// last of four rows is 0 0 0 1. A column-major matrix, which has the translation there, is named.
+Rigidd rigid_from_matrix(std::span<const double> m, const std::filesystem::path& file, const std::string& field);
 /// The same for a matrix whose rotation is scaled by one factor, which is returned: its columns are that long.
-Rigidd rigid_from_scaled_matrix(const double* m, const std::filesystem::path& file, const std::string& field,
+Rigidd rigid_from_scaled_matrix(std::span<const double> m, const std::filesystem::path& file, const std::string& field,
                                 double& scale);
 bool all_finite(const double* values, size_t count);
 

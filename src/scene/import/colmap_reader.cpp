@@ -56,10 +56,18 @@ Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   std::sort(capture.frames.begin(), capture.frames.end(),
             [](const CapturedFrame& a, const CapturedFrame& b) { return natural_less(a.name, b.name); });
   constexpr double kMaxError = 2;  // pixels; what 3DGS' readers keep
+  size_t inexact = 0;
   for (const ColmapPoint& point : model.points) {
-    if (point.error > kMaxError) continue;
+    if (point.error > kMaxError) {
+      ++inexact;
+      continue;
+    }
     capture.cloud.positions.push_back(point.position);
     capture.cloud.colors.push_back({point.color[0] / 255.f, point.color[1] / 255.f, point.color[2] / 255.f});
+  }
+  if (2 * inexact > model.points.size()) {
+    capture.notes.push_back(std::to_string(inexact) + " of " + std::to_string(model.points.size()) +
+                            " points have an error above 2 pixels and are not used");
   }
   return capture;
 }

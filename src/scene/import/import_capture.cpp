@@ -300,14 +300,16 @@ void set_truth_mesh(const Capture& capture, SceneParts& parts) {
 }
 
 /// The same check that training begins with; views that it refuses leave the split.
-void check_as_training_does(const fs::path& folder, SplitJson& split, std::vector<LeftOut>& left_out) {
+void check_as_training_does(const fs::path& folder, SplitJson& split, ImportReport& report) {
   Scene scene = open_scene(folder);
   const std::vector<SceneProblem> problems = leave_out_bad_views(scene, check_scene(scene));
   for (const SceneProblem& problem : problems) {
     if (problem.fatal) throw_bad_input(problem.path, problem.field, problem.message, problem.remedy);
+    const std::string place = problem.path.lexically_relative(folder).generic_string();
+    report.warnings.push_back((place == "." ? "" : place + ": ") + problem.message);
   }
   if (scene.left_out.empty()) return;
-  left_out.insert(left_out.end(), scene.left_out.begin(), scene.left_out.end());
+  report.left_out.insert(report.left_out.end(), scene.left_out.begin(), scene.left_out.end());
   for (const LeftOut& view : scene.left_out) {
     for (auto* list : {&*split.train, &*split.test}) std::erase(*list, view.name);
   }
@@ -381,7 +383,7 @@ ImportReport import_capture(const Capture& capture, const fs::path& output, cons
   }
   set_truth_mesh(capture, parts);
   writer.write(parts);
-  check_as_training_does(writer.folder(), parts.split, report.left_out);
+  check_as_training_does(writer.folder(), parts.split, report);
   require_enough_frames();
   writer.commit();
   report.train = parts.split.train->size();

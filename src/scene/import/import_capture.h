@@ -43,6 +43,7 @@ struct ImportReport {
   double sfm_rmse = 0;       ///< residual of the alignment on camera centres, scene units
   size_t sfm_cameras = 0;    ///< cameras it was aligned on
   bool depth_prior = false;
+  std::vector<std::string> warnings;  ///< of the check that training begins with, which do not forbid it
 };
 
 /// Frames that cannot be used are left out, with a line each and a summary in the log. Error{kBadInput} for names that

@@ -215,6 +215,15 @@ TEST_F(ImportCaptureTest, AWorldInMillimetresIsScaled) {
       1e-6);
 }
 
+TEST_F(ImportCaptureTest, WhatTrainingWarnsOfIsReported) {
+  for (const char* name : {"a.jpg", "b.jpg", "c.jpg"}) photo(name);
+  model({"a.jpg", "b.jpg", "c.jpg"}, kWidth, kHeight, {}, 1);
+  EXPECT_THAT(import().warnings, testing::IsEmpty());
+  fs::remove_all(folder / "scene");
+  fs::remove(source / "sparse" / "0" / "points3D.bin");
+  EXPECT_THAT(import().warnings, ElementsAre("sparse: the cloud has only 0 points to start from"));
+}
+
 TEST_F(ImportCaptureTest, UpIsRecordedWithItsSource) {
   for (const char* name : {"a.jpg", "b.jpg"}) photo(name);
   model({"a.jpg", "b.jpg"});

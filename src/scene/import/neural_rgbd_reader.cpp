@@ -1,6 +1,7 @@
 // Neural RGB-D: images/imgN.png, depth/ or depth_filtered/ depthN.png (uint16 mm), focal.txt (one number), poses.txt
 // and trainval_poses.txt, gt_mesh.ply. Poses are 4N x 4 camera-to-world, OpenGL axes; a matrix whose first line holds
 // "nan" is invalid. The principal point is not stored; it is the image centre.
+#include <span>
 #include <string>
 
 #include "core/error.h"
@@ -51,8 +52,8 @@ Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) 
       frame.image = images[i];
       if (pose_of[i] < 0) throw_bad_input(pose_file, "", "it has no pose", "add the pose or remove the image");
       const std::string field = "matrix " + std::to_string(pose_of[i]);
-      frame.world_to_camera =
-          opencv_world_to_camera_from_opengl(rigid_from_matrix(&poses[16 * size_t(pose_of[i])], pose_file, field));
+      frame.world_to_camera = opencv_world_to_camera_from_opengl(
+          rigid_from_matrix(std::span(poses).subspan(16 * size_t(pose_of[i]), 16), pose_file, field));
       if (!depth_folder.empty()) set_depth(frame, depth_folder / ("depth" + digits_of(name) + ".png"));
       const ImageInfo info = read_image_info(frame.image);
       set_intrinsics(frame, focal[0], focal[0], info.stored_width / 2.0, info.stored_height / 2.0);

@@ -51,7 +51,7 @@ std::vector<double> numbers_of(const Json& document, const char* key, size_t cou
 Rigidd pose_of(const std::vector<double>& camera_to_world, const fs::path& file, const char* field) {
   if (!all_finite(camera_to_world.data(), camera_to_world.size()))
     throw_bad_input(file, field, "lost tracking (pose is not finite)", "leave this frame out");
-  return opencv_world_to_camera_from_opengl(rigid_from_matrix(camera_to_world.data(), file, field));
+  return opencv_world_to_camera_from_opengl(rigid_from_matrix(camera_to_world, file, field));
 }
 
 Capture arkit_capture(CaptureLayout layout, const fs::path& folder) {

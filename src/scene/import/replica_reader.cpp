@@ -3,6 +3,7 @@
 // 339.5) counted from the centre of the first pixel. A cam_params.json beside or above replaces these.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -75,9 +76,9 @@ Capture read_replica(const fs::path& folder) {
       frame.name = name;
       frame.image = images[i];
       if (pose_of[i] < 0) throw_bad_input(trajectory, "", "it has no pose", "add the pose or remove the image");
-      frame.world_to_camera =
-          rigid_from_matrix(&poses[16 * size_t(pose_of[i])], trajectory, "line " + std::to_string(pose_of[i] + 1))
-              .inverse();
+      frame.world_to_camera = rigid_from_matrix(std::span(poses).subspan(16 * size_t(pose_of[i]), 16), trajectory,
+                                                "line " + std::to_string(pose_of[i] + 1))
+                                  .inverse();
       set_depth(frame, folder / "results" / ("depth" + name.substr(5) + ".png"));
       set_camera(frame, model);
       return frame;

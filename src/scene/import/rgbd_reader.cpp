@@ -49,7 +49,7 @@ CapturedFrame posed_frame(const std::string& name, const fs::path& image, const 
     throw_bad_input(pose_file, "matrix", "expected 4x4 numbers", "one camera-to-world matrix per file");
   if (!all_finite(m.data(), m.size()))
     throw_bad_input(pose_file, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
-  frame.world_to_camera = rigid_from_scaled_matrix(m.data(), pose_file, "matrix", frame.depth_scale).inverse();
+  frame.world_to_camera = rigid_from_scaled_matrix(m, pose_file, "matrix", frame.depth_scale).inverse();
   set_depth(frame, depth);
   if (k.width > 0)
     set_camera(frame, pinhole_camera(k.fx, k.fy, k.cx, k.cy, k.width, k.height));

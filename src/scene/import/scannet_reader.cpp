@@ -52,7 +52,7 @@ Capture read_scannet(const fs::path& folder) {
       const std::vector<double> m = read_matrix4(pose);
       if (!all_finite(m.data(), 16))
         throw_bad_input(pose, "matrix", "lost tracking (pose is not finite)", "leave this frame out");
-      frame.world_to_camera = rigid_from_matrix(m.data(), pose, "matrix").inverse();
+      frame.world_to_camera = rigid_from_matrix(m, pose, "matrix").inverse();
       set_depth(frame, folder / "depth" / (name + ".png"));
       set_intrinsics(frame, color[0], color[5], color[2] + kHalfPixel, color[6] + kHalfPixel);
       return frame;
@@ -65,8 +65,8 @@ Capture read_scannet(const fs::path& folder) {
                    depth_extrinsic = intrinsic / "extrinsic_depth.txt";
     if (fs::exists(color_extrinsic) && fs::exists(depth_extrinsic)) {
       // Extrinsics map each sensor's frame to the common one.
-      camera.to_color = rigid_from_matrix(read_matrix4(color_extrinsic).data(), color_extrinsic, "matrix").inverse() *
-                        rigid_from_matrix(read_matrix4(depth_extrinsic).data(), depth_extrinsic, "matrix");
+      camera.to_color = rigid_from_matrix(read_matrix4(color_extrinsic), color_extrinsic, "matrix").inverse() *
+                        rigid_from_matrix(read_matrix4(depth_extrinsic), depth_extrinsic, "matrix");
     }
     capture.depth_camera = camera;
   }

@@ -158,6 +158,11 @@ ColmapCamera TransformsFields::camera(int width, int height) const {
   double fx = focal("fl_x", "camera_angle_x", "x_fov", w), fy = focal("fl_y", "camera_angle_y", "y_fov", h);
   if (!(fx > 0)) fx = fy;
   if (!(fy > 0)) fy = fx;
+  for (const char* key : {"camera_angle_x", "camera_angle_y"}) {
+    if (!(fx > 0) && number(key, 0) >= kPi)
+      throw_bad_input(file_, key, "an angle of view above 3.14",
+                      "this angle is in radians; x_fov and y_fov are degrees");
+  }
   if (!(fx > 0)) throw_bad_input(file_, "fl_x", "no focal length (fl_x or camera_angle_x)", "add fl_x in pixels");
 
   const std::string model = text("camera_model");

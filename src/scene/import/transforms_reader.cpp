@@ -50,7 +50,7 @@ Rigidd pose_of(const Json& matrix, const fs::path& file, const std::string& fiel
     for (const Json& v : row) m.push_back(v.is_number() ? v.get<double>() : NAN);
   }
   if (m.size() != 16 && m.size() != 12) throw_bad_input(file, field, "expected 4x4 numbers", "correct the matrix");
-  return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m.data(), file, field, scale));
+  return opencv_world_to_camera_from_opengl(rigid_from_scaled_matrix(m, file, field, scale));
 }
 
 class FrameReader {
@@ -80,6 +80,12 @@ class FrameReader {
     return frame;
   }
 
+  /// To be called after the last frame.
+  void note_missing_depth() const {
+    if (depths_named_ > 0 && depths_found_ == 0)
+      note_once("depth_file_path: none of its files is there, so depth is not used");
+  }
+
  private:
   fs::path depth(const TransformsFields& fields) const {
     const std::string path = slashed_name(fields.text("depth_file_path").empty() ? fields.text("depth_path")
@@ -90,7 +96,10 @@ class FrameReader {
       note_once("depth in " + file.extension().string() + " files is not read and not used: 16-bit PNG is");
       return {};
     }
-    return fs::is_regular_file(file) ? file : fs::path();
+    ++depths_named_;
+    if (!fs::is_regular_file(file)) return {};
+    ++depths_found_;
+    return file;
   }
 
   void note_lens(const TransformsFields& fields) const {
@@ -115,6 +124,7 @@ class FrameReader {
   const PhotoLookup& photos_;
   Capture& capture_;
   fs::path folder_;
+  mutable size_t depths_named_ = 0, depths_found_ = 0;
 };
 
 /// Adds the frames of a file; returns their names as the file writes them.
@@ -133,6 +143,7 @@ std::vector<std::string> add_frames(const Transforms& transforms, const PhotoLoo
       return reader.read(item, field);
     });
   }
+  reader.note_missing_depth();
   return names;
 }
 

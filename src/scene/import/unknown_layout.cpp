@@ -1,0 +1,127 @@
+#include "scene/import/unknown_layout.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "scene/import/capture.h"
+#include "scene/photo_lookup.h"
+
+namespace aligngs {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The files of a program's export, and the way to here.
+struct ForeignExport {
+  std::vector<std::string> files;  ///< all of them are there
+  const char* what;
+  const char* remedy;
+};
+
+const std::vector<ForeignExport>& foreign_exports() {
+  static const std::vector<ForeignExport> kAll = {
+      {{"metadata.json", "rgb"},
+       "this is an export of Record3D, which is not read",
+       "nerfstudio's `ns-process-data record3d` makes a transforms.json of it"},
+      {{"lowres_wide.traj"},
+       "this is a scan of ARKitScenes, which is not read",
+       "write the RGB-D layout of docs/formats.md: images/ depth/ poses/ intrinsics.txt"},
+      {{"poses_bounds.npy"},
+       "these are poses of LLFF, which are not read",
+       "give the COLMAP model that they were made from (sparse/), or a transforms.json"},
+      {{"database.db"},
+       "this is a COLMAP project without a model",
+       "run `colmap mapper` first, or `aligngs poses` on the photos"},
+      {{"sfm_data.json"},
+       "this is a model of OpenMVG or AliceVision, which is not read",
+       "export it as a COLMAP model"},
+      {{"bundle.out"}, "this is a model of Bundler, which is not read", "convert it to a COLMAP model"},
+      {{"dslr", "iphone"},
+       "this is a scan of ScanNet++",
+       "give its folder dslr/: dslr/colmap and its photos, or a transforms.json"},
+  };
+  return kAll;
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  constexpr size_t kMost = 200;  // a folder of more folders is no export that was unpacked once too deep
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end && folders.size() < kMost;
+       entry.increment(error)) {
+    if (!is_hidden(entry->path()) && is_folder(entry->path())) folders.push_back(entry->path());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+/// "FOLDER (LAYOUT)" of the nearest folders below that hold something known.
+std::vector<std::string> known_below(const fs::path& folder) {
+  std::vector<fs::path> level = folders_in(folder);
+  constexpr int kLevels = 2;
+  for (int depth = 0; depth < kLevels; ++depth) {
+    std::vector<std::string> known;
+    std::vector<fs::path> next;
+    for (const fs::path& place : level) {
+      std::error_code unreadable;
+      fs::directory_iterator(place, unreadable);
+      if (unreadable) continue;
+      const CaptureLayout layout = recognise_layout(place);
+      if (layout != CaptureLayout::kAuto) known.push_back(place.string() + " (" + layout_name(layout) + ")");
+      const std::vector<fs::path> below = folders_in(place);
+      next.insert(next.end(), below.begin(), below.end());
+    }
+    if (!known.empty()) return known;
+    level = std::move(next);
+  }
+  return {};
+}
+
+}  // namespace
+
+void require_capture_folder(const fs::path& folder) {
+  if (is_folder(folder)) return;
+  std::error_code error;
+  if (!fs::exists(folder, error))
+    throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
+  const std::string extension = folder.extension().string();
+  const bool archive = extension == ".zip" || extension == ".tar" || extension == ".gz" || extension == ".7z";
+  throw_bad_input(folder, "", archive ? "this is an archive, not a folder" : "this is a file, not a folder",
+                  archive ? "unpack it, and give the folder" : "give the folder of the capture");
+}
+
+void refuse_layout(const fs::path& folder) {
+  if (const std::vector<std::string> known = known_below(folder); !known.empty()) {
+    constexpr size_t kShown = 3;
+    std::string list;
+    for (size_t i = 0; i < known.size() && i < kShown; ++i) list += (i ? ", " : "") + known[i];
+    throw_bad_input(folder, "layout", "this is none of the known layouts, but a folder in it is",
+                    "give " + list + (known.size() > kShown ? ", or another" : ""));
+  }
+  std::vector<fs::path> places = folders_in(folder);
+  places.insert(places.begin(), folder);
+  for (const fs::path& place : places) {
+    for (const ForeignExport& program : foreign_exports()) {
+      const bool all = std::all_of(program.files.begin(), program.files.end(), [&](const std::string& name) {
+        std::error_code error;
+        return fs::exists(place / name, error);
+      });
+      if (all) throw_bad_input(place, "layout", program.what, program.remedy);
+    }
+  }
+  throw_bad_input(folder, "layout", "this is none of the known layouts",
+                  "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), "
+                  "Neural RGB-D (images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt "
+                  "groundtruth.txt), 7-Scenes (frame-*.pose.txt), transforms.json or transforms_train.json, Polycam "
+                  "(keyframes/), 3D Scanner App (frame_*.json), COLMAP (sparse/)");
+}
+
+}  // namespace aligngs
