@@ -241,7 +241,7 @@ void write_splats(Writer& out, const GaussianModel& model, const std::vector<uin
 /// The file as text. `texture`: the name by which the surfaces refer to their texture.
 void write_stage(Writer& out, const Parts& parts, const GaussianModel& splats, const Mat3d& rotation,
                  const std::string& texture) {
-  out.line(0, "#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs " + version() +
+  out.line(0, std::string("#usda 1.0\n(\n    defaultPrim = \"room\"\n    doc = \"aligngs ") + version() +
                   "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n");
   out.line(0, "def Xform \"room\"\n{");
   if (!texture.empty()) write_material(out, texture);
