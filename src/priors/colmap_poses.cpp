@@ -191,13 +191,12 @@ std::string why_unplaced(const ColmapDatabase& database, const std::string& phot
 }
 
 void require_colmap() {
-  if (find_program("colmap").empty()) {
-    throw Error({ErrorKind::kFailed,
-                 "the program colmap is not in PATH",
-                 {},
-                 "--method colmap",
-                 "apt-get install colmap, or use --method vggt"});
-  }
+  if (!find_program("colmap").empty()) return;
+  throw Error({ErrorKind::kFailed,
+               "the program colmap is not in PATH",
+               {},
+               "--method colmap",
+               "apt-get install colmap, or use --method vggt"});
 }
 
 ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,

@@ -27,7 +27,7 @@ struct ColmapPoses {
   double reprojection_error = 0;  ///< mean over its points, pixels
 };
 
-/// Error{kFailed} when the program is not in PATH.
+/// Error{kFailed} where the program is not in PATH.
 void require_colmap();
 
 /// Photos lie in `work`/images (prepare_photos); everything else that COLMAP makes goes to `work`,

@@ -31,7 +31,8 @@ void track_cameras(const std::vector<RenderedView>& views, const DepthSensorSett
     Camera& camera = out.views[i].camera;
     camera = views[i].camera;
     const Rigidd exact = camera.world_to_camera.inverse();
-    const Vec3d axis = turn * (s.rotation_degrees * kRadiansPerDegree / root3), offset = shift * (s.translation / root3);
+    const Vec3d axis = turn * (s.rotation_degrees * kRadiansPerDegree / root3),
+                offset = shift * (s.translation / root3);
     camera.world_to_camera = Rigidd{exact.rotation * rotation_of(axis), exact.translation + offset}.inverse();
     camera.fx *= focal;
     camera.fy *= focal;

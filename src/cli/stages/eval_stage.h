@@ -2,12 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "cli/stages/open_run.h"
 #include "core/progress.h"
+#include "metrics/run_metrics.h"
 
 namespace aligngs {
 
@@ -20,9 +20,8 @@ struct EvalStageOptions {
   ProgressStyle progress;
 };
 
-/// Measures and writes metrics.json (unless another mesh was given); returns its content. Parts without truth are null,
-/// never a substitute.
-nlohmann::json evaluate_run(OpenRun& run, const EvalStageOptions& options);
+/// Measures and writes metrics.json (unless another mesh was given). Parts without truth stay empty, never a substitute.
+RunMetrics evaluate_run(OpenRun& run, const EvalStageOptions& options);
 
 /// A condition of --fail-under.
 struct LeastValue {
@@ -34,6 +33,6 @@ struct LeastValue {
 std::vector<LeastValue> least_values(const std::vector<std::string>& conditions);
 
 /// Error{kBelow} (status 6) when a figure is lower, Error{kUsage} when the metrics do not have it.
-void require_at_least(const nlohmann::json& metrics, const std::vector<LeastValue>& values);
+void require_at_least(const RunMetrics& metrics, const std::vector<LeastValue>& values);
 
 }  // namespace aligngs

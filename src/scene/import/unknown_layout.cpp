@@ -74,8 +74,8 @@ std::vector<std::string> known_below(const fs::path& folder) {
       std::error_code unreadable;
       fs::directory_iterator(place, unreadable);
       if (unreadable) continue;
-      const CaptureLayout layout = recognise_layout(place);
-      if (layout != CaptureLayout::kAuto) known.push_back(place.string() + " (" + layout_name(layout) + ")");
+      if (const CaptureLayout* layout = recognise_layout(place))
+        known.push_back(place.string() + " (" + layout->title + ")");
       const std::vector<fs::path> below = folders_in(place);
       next.insert(next.end(), below.begin(), below.end());
     }
@@ -117,11 +117,7 @@ void refuse_layout(const fs::path& folder) {
       if (all) throw_bad_input(place, "layout", program.what, program.remedy);
     }
   }
-  throw_bad_input(folder, "layout", "this is none of the known layouts",
-                  "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), "
-                  "Neural RGB-D (images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt "
-                  "groundtruth.txt), 7-Scenes (frame-*.pose.txt), transforms.json or transforms_train.json, Polycam "
-                  "(keyframes/), 3D Scanner App (frame_*.json), COLMAP (sparse/)");
+  throw_bad_input(folder, "layout", "this is none of the known layouts", "known: " + known_layouts());
 }
 
 }  // namespace aligngs
