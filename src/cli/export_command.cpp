@@ -16,20 +16,20 @@
 namespace aligngs {
 
 void add_export_command(CLI::App& program, CommandContext& context) {
+  std::string notes;  // a line for each format
+  for (const ExportFormat& format : export_format_rows()) notes += fmt::format("{}: {}\n", format.name, format.help);
+  notes +=
+      "html: one page that opens without a server\n"
+      "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json\n"
+      "Photos are the texture of --textured.";
   CLI::App* command = program.add_subcommand("export", "Write the room with its edits for other programs");
   command->group("Use");
-  command->footer(help_footer(
-      {.reads = "a run folder, with its edits",
-       .writes = "RUN/scene.FORMAT, or the file of -o",
-       .example = "aligngs export demo_run -f glb",
-       .advanced = "aligngs export demo_run -f glb --mesh-only --textured --triangles 50000 -o room.glb",
-       .notes =
-           "ply, splat: splats; labels.ply: splats with class, object and confidence; sog, spz: compressed splats.\n"
-           "glb: a node per object, and the splats; obj: groups per object; html: one page that opens without a "
-           "server.\n"
-           "collision.glb: the mesh for physics; usda: USD with a prim per object: label, splats, mesh and collider;\n"
-           "usdz: the mesh with a texture, for phones. Photos are the texture of --textured.\n"
-           "plan.svg, plan.dxf, plan.pdf: floor plan to scale, from room.json."}));
+  command->footer(
+      help_footer({.reads = "a run folder, with its edits",
+                   .writes = "RUN/scene.FORMAT, or the file of -o",
+                   .example = "aligngs export demo_run -f glb",
+                   .advanced = "aligngs export demo_run -f glb --mesh-only --textured --triangles 50000 -o room.glb",
+                   .notes = notes.c_str()}));
   struct Options {
     std::string run, scene, format, output, only;
     bool keep_frame = false, original_coordinates = false, mesh_only = false, splats_only = false;
@@ -38,10 +38,7 @@ void add_export_command(CLI::App& program, CommandContext& context) {
   auto options = std::make_shared<Options>();
   command->add_option("run", options->run, "run folder")->required();
   command->add_option("--scene", options->scene, "the scene's new place, if it was moved");
-  command
-      ->add_option(
-          "-f,--format", options->format,
-          "ply, labels.ply, glb, collision.glb, obj, sog, spz, splat, usda, usdz, html, plan.svg, plan.dxf or plan.pdf")
+  command->add_option("-f,--format", options->format, fmt::format("format: {}", fmt::join(run_export_formats(), ", ")))
       ->required();
   command->add_option("-o,--output", options->output,
                       "file to write (default: scene.<format> in the run, and scene.export.ply for ply)");

@@ -15,11 +15,6 @@
 namespace aligngs {
 namespace {
 
-constexpr CaptureLayout kLayouts[] = {
-    CaptureLayout::kAuto,    CaptureLayout::kRgbd,       CaptureLayout::kSevenScenes, CaptureLayout::kTum,
-    CaptureLayout::kScanNet, CaptureLayout::kNeuralRgbd, CaptureLayout::kReplica,     CaptureLayout::kTransforms,
-    CaptureLayout::kPolycam, CaptureLayout::kScannerApp, CaptureLayout::kColmap};
-
 struct Options {
   std::string source, output, layout = "auto", intrinsics, train_file, test_file, sfm;
   bool assume_registered = false, trajectory = false, no_depth_prior = false;
@@ -32,9 +27,7 @@ std::vector<std::string> names_in(const std::string& file) {
 
 void run_import(const CommandContext& context, Options& options) {
   CaptureOptions capture_options;
-  for (const CaptureLayout layout : kLayouts) {
-    if (layout_name(layout) == options.layout) capture_options.layout = layout;
-  }
+  capture_options.layout = options.layout;
   capture_options.intrinsics = options.intrinsics;
   capture_options.assume_registered = options.assume_registered;
   capture_options.neural_rgbd_trajectory = options.trajectory;
@@ -72,19 +65,24 @@ void run_import(const CommandContext& context, Options& options) {
 }  // namespace
 
 void add_import_command(CLI::App& program, CommandContext& context) {
-  CLI::App* command = program.add_subcommand(
-      "import",
-      "Turn an RGB-D, ScanNet, Neural RGB-D, Replica, TUM, 7-Scenes, nerfstudio or COLMAP folder into a scene");
+  std::vector<std::string> layouts = {"auto"};
+  std::string titles, notes = "Layouts, in the order of auto:\n";
+  for (const CaptureLayout& layout : capture_layouts()) {
+    layouts.push_back(layout.name);
+    titles += std::string(titles.empty() ? "" : ", ") + layout.title;
+    notes += fmt::format("  {:<11} {}: {}\n", layout.name, layout.title, layout.files);
+  }
+  notes.pop_back();
+  CLI::App* command = program.add_subcommand("import", "Turn a capture with poses into a scene: " + titles);
   command->group("Data");
   command->footer(help_footer(
       {.reads = "a capture with poses; docs/formats.md lists the layouts",
        .writes = "SCENE: a scene folder",
        .example = "aligngs import scans/scene0085_00 -o scene --views 36",
        .advanced =
-           "aligngs import capture -o scene --layout rgbd --train train.txt --test test.txt --sfm sparse/0 --strict"}));
+           "aligngs import capture -o scene --layout rgbd --train train.txt --test test.txt --sfm sparse/0 --strict",
+       .notes = notes.c_str()}));
   auto options = std::make_shared<Options>();
-  std::vector<std::string> layouts;
-  for (const CaptureLayout layout : kLayouts) layouts.push_back(layout_name(layout));
   command->add_option("source", options->source, "folder of the capture")->required();
   command->add_option("-o,--output", options->output, "scene folder to write")->required()->group("Output folder");
   command->add_option("--layout", options->layout, "layout of the source")

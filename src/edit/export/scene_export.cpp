@@ -7,10 +7,72 @@
 
 namespace aligngs {
 
+namespace {
+
+ExportReport write_ply_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool&,
+                              const ExportOptions&) {
+  write_gaussian_ply(path, room.gaussians.model);
+  return {.files = {path}, .gaussians = room.gaussians.model.size()};
+}
+
+ExportReport write_labels_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool&,
+                                 const ExportOptions&) {
+  const LabelledGaussians& g = room.gaussians;
+  if (!g.has_labels()) {
+    throw_bad_input({}, "-f labels.ply", "this run was trained without semantics: there are no labels",
+                    "export another format, or train a scene that has segmentation_logits/");
+  }
+  write_labelled_gaussian_ply(path, g.model, g.labels);
+  return {.files = {path}, .gaussians = g.model.size(), .objects = list_instances(g.model, g.labels).size()};
+}
+
+ExportReport write_sog_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                              const ExportOptions&) {
+  return write_sog(path, room.gaussians.model, pool);
+}
+
+ExportReport write_spz_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool&,
+                              const ExportOptions&) {
+  return write_spz(path, room.gaussians.model);
+}
+
+ExportReport write_splat_export(const std::filesystem::path& path, const EditableRoom& room, ThreadPool&,
+                                const ExportOptions&) {
+  return write_splat(path, room.gaussians.model);
+}
+
+/// Null without one of that name.
+const ExportFormat* find_format(const std::string& name) {
+  for (const ExportFormat& format : export_format_rows()) {
+    if (name == format.name) return &format;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+const std::vector<ExportFormat>& export_format_rows() {
+  static const std::vector<ExportFormat> rows = {
+      {"ply", "splats in the standard layout of 3DGS", true, false, write_ply_export},
+      {"labels.ply", "splats with class, object and confidence", true, false, write_labels_export},
+      {"glb", "a node per object, and the splats", true, true, write_glb},
+      {"collision.glb", "the mesh for physics", false, true, write_collision_glb},
+      {"obj", "the mesh with a group per object", false, true, write_obj},
+      {"sog", "compressed splats of PlayCanvas", true, false, write_sog_export},
+      {"spz", "compressed splats of Niantic", true, false, write_spz_export},
+      {"splat", "splats of 32 bytes each", true, false, write_splat_export},
+      {"usda", "USD with a prim per object: label, splats, mesh and collider", true, true, write_usda},
+      {"usdz", "the mesh with a texture, for phones", false, true, write_usdz}};
+  return rows;
+}
+
 const std::vector<std::string>& export_formats() {
-  static const std::vector<std::string> formats = {"ply", "labels.ply", "glb",   "collision.glb", "obj",
-                                                   "sog", "spz",        "splat", "usda",          "usdz"};
-  return formats;
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const ExportFormat& format : export_format_rows()) all.emplace_back(format.name);
+    return all;
+  }();
+  return names;
 }
 
 void require_export_format(const std::string& format, const std::vector<std::string>& known) {
@@ -24,11 +86,13 @@ void require_export_format(const std::string& format, const std::vector<std::str
               (near.empty() ? "" : "did you mean " + near + "? ") + "formats: " + list);
 }
 
-bool holds_splats(const std::string& format) {
-  return format != "obj" && format != "usdz" && format != "collision.glb";
+bool holds_splats(const std::string& name) {
+  const ExportFormat* const format = find_format(name);
+  return !format || format->splats;  // the page has them, a plan is no such file
 }
-bool holds_mesh(const std::string& format) {
-  return format == "glb" || format == "collision.glb" || format == "obj" || format == "usda" || format == "usdz";
+bool holds_mesh(const std::string& name) {
+  const ExportFormat* const format = find_format(name);
+  return format && format->mesh;
 }
 
 void ExportReport::describe(const ExportMesh& mesh) {
@@ -41,29 +105,8 @@ void ExportReport::describe(const ExportMesh& mesh) {
 
 ExportReport export_room(const EditableRoom& room, const std::string& format, const std::filesystem::path& path,
                          ThreadPool& pool, const ExportOptions& options) {
-  const LabelledGaussians& g = room.gaussians;
-  if (format == "ply") {
-    write_gaussian_ply(path, g.model);
-    return {.files = {path}, .gaussians = g.model.size()};
-  }
-  if (format == "labels.ply") {
-    if (!g.has_labels()) {
-      throw_bad_input({}, "-f labels.ply", "this run was trained without semantics: there are no labels",
-                      "export another format, or train a scene that has segmentation_logits/");
-    }
-    write_labelled_gaussian_ply(path, g.model, g.labels);
-    return {.files = {path}, .gaussians = g.model.size(), .objects = list_instances(g.model, g.labels).size()};
-  }
-  if (format == "glb") return write_glb(path, room, pool, options);
-  if (format == "collision.glb") return write_collision_glb(path, room, pool, options);
-  if (format == "usda") return write_usda(path, room, pool, options);
-  if (format == "usdz") return write_usdz(path, room, pool, options);
-  if (format == "obj") return write_obj(path, room, pool, options);
-  if (format == "sog") return write_sog(path, g.model, pool);
-  if (format == "spz") return write_spz(path, g.model);
-  if (format == "splat") return write_splat(path, g.model);
   require_export_format(format);
-  return {};
+  return find_format(format)->write(path, room, pool, options);
 }
 
 }  // namespace aligngs

@@ -11,7 +11,20 @@
 
 namespace aligngs {
 
-/// "ply", "labels.ply", "glb", "collision.glb", "obj", "sog", "spz", "splat", "usda", "usdz".
+struct ExportReport;
+
+/// A format as a row. The choices and the help of `export`, its checks, its messages and the table of docs/editing.md
+/// follow from it.
+struct ExportFormat {
+  const char* name;   ///< of -f, and the ending of the file
+  const char* help;   ///< what the file has, one line
+  bool splats, mesh;  ///< what it can hold
+  ExportReport (*write)(const std::filesystem::path& path, const EditableRoom& room, ThreadPool& pool,
+                        const ExportOptions& options);
+};
+const std::vector<ExportFormat>& export_format_rows();
+
+/// Their names.
 const std::vector<std::string>& export_formats();
 
 /// Error{kUsage} with a suggestion unless the format is one of `known`.

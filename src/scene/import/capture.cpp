@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "core/error.h"
 #include "io/image_file.h"
@@ -15,30 +16,38 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool has_seven_scenes_frames(const fs::path& folder) {
+bool holds(const fs::path& folder, std::initializer_list<const char*> names) {
+  return std::all_of(names.begin(), names.end(), [&](const char* name) { return fs::exists(folder / name); });
+}
+
+bool is_rgbd(const fs::path& folder) { return holds(folder, {"poses", "intrinsics.txt"}); }
+bool is_scannet(const fs::path& folder) { return holds(folder, {"color", "pose"}); }
+bool is_neural_rgbd(const fs::path& folder) {
+  return holds(folder, {"focal.txt", "poses.txt"}) || holds(folder, {"focal.txt", "trainval_poses.txt"});
+}
+bool is_replica(const fs::path& folder) { return holds(folder, {"traj.txt", "results"}); }
+bool is_tum(const fs::path& folder) { return holds(folder, {"groundtruth.txt", "rgb.txt"}); }
+
+/// Frames of one sequence, or sequences.
+bool is_seven_scenes(const fs::path& folder) {
   for (const fs::path& file : list_files(folder, {".txt"})) {
     if (file.filename().string().find(".pose.txt") != std::string::npos) return true;
+  }
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0) return true;
   }
   return false;
 }
 
-CaptureLayout detect_layout(const fs::path& folder) {
-  if (fs::exists(folder / "poses") && fs::exists(folder / "intrinsics.txt")) return CaptureLayout::kRgbd;
-  if (fs::exists(folder / "color") && fs::exists(folder / "pose")) return CaptureLayout::kScanNet;
-  if (fs::exists(folder / "focal.txt") &&
-      (fs::exists(folder / "poses.txt") || fs::exists(folder / "trainval_poses.txt")))
-    return CaptureLayout::kNeuralRgbd;
-  if (fs::exists(folder / "traj.txt") && fs::exists(folder / "results")) return CaptureLayout::kReplica;
-  if (fs::exists(folder / "groundtruth.txt") && fs::exists(folder / "rgb.txt")) return CaptureLayout::kTum;
-  if (may_hold_polycam(folder)) return CaptureLayout::kPolycam;
-  if (may_hold_transforms(folder)) return CaptureLayout::kTransforms;
-  if (has_seven_scenes_frames(folder)) return CaptureLayout::kSevenScenes;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && entry.path().filename().string().rfind("seq-", 0) == 0)
-      return CaptureLayout::kSevenScenes;
+/// The row of a name, or of the first layout that is recognised.
+const CaptureLayout& layout_of(const fs::path& folder, const std::string& name) {
+  std::string known;
+  for (const CaptureLayout& layout : capture_layouts()) {
+    if (name == layout.name || (name == "auto" && layout.found(folder))) return layout;
+    known += std::string(known.empty() ? "" : ", ") + layout.title + " (" + layout.files + ")";
   }
-  if (may_hold_scanner_app(folder)) return CaptureLayout::kScannerApp;
-  return may_hold_colmap_model(folder) ? CaptureLayout::kColmap : CaptureLayout::kAuto;
+  if (name != "auto") throw_usage("there is no layout \"" + name + "\"", "known: " + known);
+  throw_bad_input(folder, "layout", "this is none of the known layouts", "known: " + known);
 }
 
 /// Moves depth from its own camera to the colour camera: each sample goes to the nearest pixel of a map. The map has
@@ -67,78 +76,27 @@ ImageF register_to_color(const ImageF& depth, const DepthCamera& from, const Col
 
 }  // namespace
 
-std::string layout_name(CaptureLayout layout) {
-  switch (layout) {
-    case CaptureLayout::kAuto:
-      return "auto";
-    case CaptureLayout::kRgbd:
-      return "rgbd";
-    case CaptureLayout::kSevenScenes:
-      return "7scenes";
-    case CaptureLayout::kTum:
-      return "tum";
-    case CaptureLayout::kScanNet:
-      return "scannet";
-    case CaptureLayout::kNeuralRgbd:
-      return "nrgbd";
-    case CaptureLayout::kReplica:
-      return "replica";
-    case CaptureLayout::kTransforms:
-      return "nerfstudio";
-    case CaptureLayout::kPolycam:
-      return "polycam";
-    case CaptureLayout::kScannerApp:
-      return "3dscanner";
-    case CaptureLayout::kColmap:
-      return "colmap";
-  }
-  return "unknown";
+const std::vector<CaptureLayout>& capture_layouts() {
+  static const std::vector<CaptureLayout> layouts = {
+      {"rgbd", "RGB-D", "images/ depth/ poses/ intrinsics.txt", is_rgbd, read_rgbd_folder},
+      {"scannet", "ScanNet", "color/ depth/ pose/ intrinsic/", is_scannet, read_scannet},
+      {"nrgbd", "Neural RGB-D", "images/ poses.txt focal.txt", is_neural_rgbd, read_neural_rgbd},
+      {"replica", "Replica", "results/ traj.txt", is_replica, read_replica},
+      {"tum", "TUM RGB-D", "rgb.txt groundtruth.txt", is_tum, read_tum},
+      {"polycam", "Polycam", "keyframes/", may_hold_polycam, read_polycam},
+      {"nerfstudio", "nerfstudio", "transforms.json or transforms_train.json", may_hold_transforms, read_transforms},
+      {"7scenes", "7-Scenes", "frame-*.pose.txt or seq-*/", is_seven_scenes, read_seven_scenes},
+      {"3dscanner", "3D Scanner App", "frame_*.json", may_hold_scanner_app, read_scanner_app},
+      {"colmap", "COLMAP", "sparse/", may_hold_colmap_model, read_colmap_capture}};
+  return layouts;
 }
 
 Capture read_capture(const fs::path& folder, const CaptureOptions& options) {
   if (!fs::is_directory(folder))
     throw_bad_input(folder, "", "there is no such folder", "give the folder of the capture");
-  const CaptureLayout layout = options.layout == CaptureLayout::kAuto ? detect_layout(folder) : options.layout;
-  Capture capture;
-  switch (layout) {
-    case CaptureLayout::kRgbd:
-      capture = read_rgbd_folder(folder);
-      break;
-    case CaptureLayout::kSevenScenes:
-      capture = read_seven_scenes(folder, options);
-      break;
-    case CaptureLayout::kTum:
-      capture = read_tum(folder, options);
-      break;
-    case CaptureLayout::kScanNet:
-      capture = read_scannet(folder);
-      break;
-    case CaptureLayout::kNeuralRgbd:
-      capture = read_neural_rgbd(folder, options);
-      break;
-    case CaptureLayout::kReplica:
-      capture = read_replica(folder);
-      break;
-    case CaptureLayout::kTransforms:
-      capture = read_transforms(folder);
-      break;
-    case CaptureLayout::kPolycam:
-      capture = read_polycam(folder);
-      break;
-    case CaptureLayout::kScannerApp:
-      capture = read_scanner_app(folder);
-      break;
-    case CaptureLayout::kColmap:
-      capture = read_colmap_capture(folder);
-      break;
-    case CaptureLayout::kAuto:
-      throw_bad_input(
-          folder, "layout", "this is none of the known layouts",
-          "known: RGB-D (images/ depth/ poses/ intrinsics.txt), ScanNet (color/ depth/ pose/ intrinsic/), Neural RGB-D "
-          "(images/ poses.txt focal.txt), Replica (results/ traj.txt), TUM (rgb.txt groundtruth.txt), 7-Scenes "
-          "(frame-*.pose.txt), transforms.json or transforms_train.json, Polycam (keyframes/), 3D Scanner App "
-          "(frame_*.json), COLMAP (sparse/)");
-  }
+  const CaptureLayout& layout = layout_of(folder, options.layout);
+  Capture capture = layout.read(folder, options);
+  capture.layout = layout.name;
   finish_capture(capture);
   return capture;
 }

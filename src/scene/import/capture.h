@@ -59,48 +59,47 @@ struct Capture {
   CapturedCloud cloud;                      ///< SfM points that come with it; may be empty
 };
 
-enum class CaptureLayout {
-  kAuto,
-  kRgbd,
-  kSevenScenes,
-  kTum,
-  kScanNet,
-  kNeuralRgbd,
-  kReplica,
-  kTransforms,
-  kPolycam,
-  kScannerApp,
-  kColmap
-};
-
 struct CaptureOptions {
-  CaptureLayout layout = CaptureLayout::kAuto;
+  std::string layout = "auto";          ///< a name of capture_layouts(), or "auto"
   std::filesystem::path intrinsics;     ///< 3x3 or 4x4 matrix file; required by TUM and unregistered 7-Scenes
   bool assume_registered = false;       ///< 7-Scenes: treat the shipped colour as registered to depth
   bool neural_rgbd_trajectory = false;  ///< Neural RGB-D: trainval_poses.txt (BundleFusion) instead of poses.txt
 };
 
+/// A layout of the field, as a row. The choices, the help and the messages of `import --layout` follow from it, as do
+/// the order of "auto" and the table of docs/formats.md.
+struct CaptureLayout {
+  const char* name;   ///< of --layout
+  const char* title;  ///< as people call it
+  const char* files;  ///< by which its folder is recognised
+  bool (*found)(const std::filesystem::path& folder);
+  Capture (*read)(const std::filesystem::path& folder, const CaptureOptions& options);
+};
+
+/// In the order of recognition: the first that is found is taken.
+const std::vector<CaptureLayout>& capture_layouts();
+
 /// Recognises the layout and reads the frame list. Frames that cannot be used are left out and listed. A world far from
 /// its
 /// origin, or of arbitrary units and a size far from 1, is moved and scaled (place_near_origin).
-/// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left.
+/// Error{kBadInput} when nothing matches, naming what was looked for, and when no frame is left. Error{kUsage} for a
+/// layout that is no name of one.
 Capture read_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});
-std::string layout_name(CaptureLayout layout);
 
 // One reader per layout; each documents the files it expects at the top of its .cpp.
-Capture read_rgbd_folder(const std::filesystem::path& folder);
+Capture read_rgbd_folder(const std::filesystem::path& folder, const CaptureOptions& options);
 Capture read_seven_scenes(const std::filesystem::path& folder, const CaptureOptions& options);
 Capture read_tum(const std::filesystem::path& folder, const CaptureOptions& options);
-Capture read_scannet(const std::filesystem::path& folder);
+Capture read_scannet(const std::filesystem::path& folder, const CaptureOptions& options);
 Capture read_neural_rgbd(const std::filesystem::path& folder, const CaptureOptions& options);
-Capture read_replica(const std::filesystem::path& folder);
-Capture read_polycam(const std::filesystem::path& folder);
-Capture read_scanner_app(const std::filesystem::path& folder);
+Capture read_replica(const std::filesystem::path& folder, const CaptureOptions& options);
+Capture read_polycam(const std::filesystem::path& folder, const CaptureOptions& options);
+Capture read_scanner_app(const std::filesystem::path& folder, const CaptureOptions& options);
 /// Whether a folder looks like one of these two.
 bool may_hold_polycam(const std::filesystem::path& folder);
 bool may_hold_scanner_app(const std::filesystem::path& folder);
-Capture read_transforms(const std::filesystem::path& folder);
-Capture read_colmap_capture(const std::filesystem::path& folder);
+Capture read_transforms(const std::filesystem::path& folder, const CaptureOptions& options = {});
+Capture read_colmap_capture(const std::filesystem::path& folder, const CaptureOptions& options = {});
 
 /// The same two for photos that lie elsewhere than their cameras.
 Capture read_transforms(const std::filesystem::path& folder, const PhotoLookup& photos);

@@ -22,11 +22,13 @@ bool is_plain(const fs::path& name) {
 
 }  // namespace
 
-Capture read_colmap_capture(const fs::path& folder) { return read_colmap_capture(folder, photos_of_data_set(folder)); }
+Capture read_colmap_capture(const fs::path& folder, const CaptureOptions&) {
+  return read_colmap_capture(folder, photos_of_data_set(folder));
+}
 
 Capture read_colmap_capture(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kColmap);
+  capture.layout = "colmap";
   capture.folder = folder;
   const ColmapModel model = read_colmap_model(find_colmap_folder(folder));
   capture.left_out = model.left_out;

@@ -26,7 +26,6 @@ std::string digits_of(const std::string& name) {
 
 Capture read_neural_rgbd(const fs::path& folder, const CaptureOptions& options) {
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kNeuralRgbd);
   capture.folder = folder;
   capture.metric = true;
   const fs::path focal_file = folder / "focal.txt";

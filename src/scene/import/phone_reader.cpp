@@ -54,9 +54,8 @@ Rigidd pose_of(const std::vector<double>& camera_to_world, const fs::path& file,
   return opencv_world_to_camera_from_opengl(rigid_from_matrix(camera_to_world.data(), file, field));
 }
 
-Capture arkit_capture(CaptureLayout layout, const fs::path& folder) {
+Capture arkit_capture(const fs::path& folder) {
   Capture capture;
-  capture.layout = layout_name(layout);
   capture.folder = folder;
   capture.metric = true;
   capture.up = Vec3d{0, 1, 0};
@@ -136,8 +135,8 @@ bool may_hold_scanner_app(const fs::path& folder) {
   });
 }
 
-Capture read_polycam(const fs::path& folder) {
-  Capture capture = arkit_capture(CaptureLayout::kPolycam, folder);
+Capture read_polycam(const fs::path& folder, const CaptureOptions&) {
+  Capture capture = arkit_capture(folder);
   const fs::path keyframes = folder / "keyframes";
   const fs::path cameras = better_of(keyframes / "corrected_cameras", keyframes / "cameras", {".json"});
   const fs::path images = better_of(keyframes / "corrected_images", keyframes / "images", picture_extensions());
@@ -153,8 +152,8 @@ Capture read_polycam(const fs::path& folder) {
   return capture;
 }
 
-Capture read_scanner_app(const fs::path& folder) {
-  Capture capture = arkit_capture(CaptureLayout::kScannerApp, folder);
+Capture read_scanner_app(const fs::path& folder, const CaptureOptions&) {
+  Capture capture = arkit_capture(folder);
   for (const fs::path& image : list_frame_photos(capture, folder)) {  // most frames have a JSON and no photo
     if (!is_scanner_frame(image)) continue;
     add_frame(capture, image.stem().string(), [&] { return scanner_frame(image, folder); });

@@ -48,11 +48,10 @@ ReplicaCamera read_camera(const fs::path& folder) {
 
 }  // namespace
 
-Capture read_replica(const fs::path& folder) {
+Capture read_replica(const fs::path& folder, const CaptureOptions&) {
   constexpr double kHalfPixel = 0.5;  // integer-centre convention of the files to the corner convention used here
   const ReplicaCamera camera = read_camera(fs::absolute(folder / "").parent_path());
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kReplica);
   capture.folder = folder;
   capture.metric = true;
   capture.depth_unit = 1 / camera.scale;

@@ -60,9 +60,8 @@ CapturedFrame posed_frame(const std::string& name, const fs::path& image, const 
 
 }  // namespace
 
-Capture read_rgbd_folder(const fs::path& folder) {
+Capture read_rgbd_folder(const fs::path& folder, const CaptureOptions&) {
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kRgbd);
   capture.folder = folder;
   capture.metric = true;
   const Intrinsics k = read_intrinsics(folder / "intrinsics.txt");
@@ -82,7 +81,6 @@ Capture read_rgbd_folder(const fs::path& folder) {
 
 Capture read_seven_scenes(const fs::path& folder, const CaptureOptions& options) {
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kSevenScenes);
   capture.folder = folder;
   capture.metric = true;
   if (options.intrinsics.empty() && !options.assume_registered) {

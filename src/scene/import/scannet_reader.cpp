@@ -30,10 +30,9 @@ fs::path find_mesh(const fs::path& folder) {
 
 }  // namespace
 
-Capture read_scannet(const fs::path& folder) {
+Capture read_scannet(const fs::path& folder, const CaptureOptions&) {
   constexpr double kHalfPixel = 0.5;  // integer-centre convention of the files to the corner convention used here
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kScanNet);
   capture.folder = folder;
   capture.metric = true;
   capture.up = Vec3d{0, 0, 1};

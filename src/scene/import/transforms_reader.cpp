@@ -205,14 +205,14 @@ bool may_hold_transforms(const fs::path& folder) {
   return fs::is_regular_file(folder / "transforms.json") || fs::is_regular_file(folder / "transforms_train.json");
 }
 
-Capture read_transforms(const fs::path& folder) {
+Capture read_transforms(const fs::path& folder, const CaptureOptions&) {
   return read_transforms(folder,
                          PhotoLookup(fs::is_directory(folder / "images") ? folder / "images" : fs::path(), folder));
 }
 
 Capture read_transforms(const fs::path& folder, const PhotoLookup& photos) {
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kTransforms);
+  capture.layout = "nerfstudio";
   capture.folder = folder;
   capture.up = Vec3d{0, 0, 1};
   capture.up_source = "nerfstudio's convention (+z)";

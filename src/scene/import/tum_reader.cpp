@@ -63,7 +63,6 @@ Capture read_tum(const fs::path& folder, const CaptureOptions& options) {
     throw_bad_input(options.intrinsics, "matrix", "expected a 3x3 or 4x4 matrix", "write fx 0 cx / 0 fy cy / 0 0 1");
   const size_t row = k.size() == 9 ? 3 : 4;
   Capture capture;
-  capture.layout = layout_name(CaptureLayout::kTum);
   capture.folder = folder;
   capture.metric = true;
   capture.depth_unit = kDepthUnit;

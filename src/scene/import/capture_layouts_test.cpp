@@ -1,0 +1,50 @@
+// The rows of the layouts, and what is made from them.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "scene/import/capture.h"
+
+namespace aligngs {
+namespace {
+
+TEST(CaptureLayouts, NamesAreUnique) {
+  std::set<std::string> names = {"auto"};
+  for (const CaptureLayout& layout : capture_layouts()) EXPECT_TRUE(names.insert(layout.name).second) << layout.name;
+}
+
+TEST(CaptureLayouts, TheManualHasTheRowsInTheirOrder) {
+  const std::string manual = read_file(std::string(ALIGNGS_SOURCE_DIR) + "/docs/formats.md");
+  std::string table = "| `--layout` | layout | recognised by |\n|---|---|---|\n";
+  for (const CaptureLayout& layout : capture_layouts())
+    table += std::string("| `") + layout.name + "` | " + layout.title + " | " + layout.files + " |\n";
+  EXPECT_NE(manual.find(table + "\n"), std::string::npos) << "docs/formats.md should have:\n" << table;
+}
+
+TEST(CaptureLayouts, AnUnknownFolderIsToldAllOfThem) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "no_layout";
+  std::filesystem::create_directories(folder);
+  try {
+    read_capture(folder);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kBadInput);
+    for (const CaptureLayout& layout : capture_layouts())
+      EXPECT_NE(error.details().remedy.find(layout.files), std::string::npos) << layout.name;
+  }
+}
+
+TEST(CaptureLayouts, AnUnknownNameIsAUsageError) {
+  try {
+    read_capture(testing::TempDir(), {.layout = "rgdb"});
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
+  }
+}
+
+}  // namespace
+}  // namespace aligngs
