@@ -190,15 +190,18 @@ std::string why_unplaced(const ColmapDatabase& database, const std::string& phot
   return fmt::format("it overlaps with {} ({} points), which is not connected with the others", with, best);
 }
 
+void require_colmap() {
+  if (!find_program("colmap").empty()) return;
+  throw Error({ErrorKind::kFailed,
+               "the program colmap is not in PATH",
+               {},
+               "--method colmap",
+               "apt-get install colmap, or use --method vggt"});
+}
+
 ColmapPoses find_poses_with_colmap(const std::vector<Photo>& photos, const fs::path& work,
                                    const ColmapPosesOptions& options) {
-  if (find_program("colmap").empty()) {
-    throw Error({ErrorKind::kFailed,
-                 "the program colmap is not in PATH",
-                 {},
-                 "--method colmap",
-                 "apt-get install colmap, or use --method vggt"});
-  }
+  require_colmap();
   setenv("QT_QPA_PLATFORM", "offscreen", 0);  // it links to Qt, and there may be no screen
   bool one_camera = options.shared_camera;
   for (const Photo& photo : photos) {

@@ -27,6 +27,9 @@ struct ColmapPoses {
   double reprojection_error = 0;  ///< mean over its points, pixels
 };
 
+/// Error{kFailed} where the program is not in PATH.
+void require_colmap();
+
 /// Photos lie in `work`/images (prepare_photos); everything else that COLMAP makes goes to `work`,
 /// its messages to `work`/colmap.log. A second attempt with slower, more sensitive features follows
 /// when not all photos could be placed; the better one counts. Error{kFailed} when the program is

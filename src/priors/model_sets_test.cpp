@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "priors/camera_networks.h"
 
 namespace aligngs {
 namespace {
@@ -50,17 +49,6 @@ TEST(ModelSets, EveryModelOfASetHasAnExpectedTime) {
   for (const ModelSet& set : model_sets()) {
     for (const std::string& model : set.models) EXPECT_GT(tera_operations_per_photo(model), 0) << model;
   }
-}
-
-TEST(CameraNetworks, EveryNetworkIsPublishedAndThoseWithTermsComeLast) {
-  bool terms = false;
-  for (const CameraNetwork& network : camera_networks()) {
-    const ModelLicence& licence = published_model(network.model).licence;
-    const bool free = licence.commercial && licence.question.empty();
-    EXPECT_FALSE(terms && free) << network.model << " comes after a network with terms";
-    terms = terms || !free;
-  }
-  EXPECT_TRUE(terms);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/log.h"
 #include "io/atomic_file.h"
 #include "io/exif_focal_length.h"
 #include "io/image_file.h"
@@ -131,7 +130,7 @@ PhotoList list_photos(const fs::path& given) {
   }
   constexpr size_t kFewest = 2;  // one photo has no parallax
   if (list.photos.size() >= kFewest) {
-    if (!unread.empty()) log_warning("left out, as their formats are not read:{}", unread);
+    list.unread = unread;
     return list;
   }
   if (!files.empty()) require_enough(list.folder, list.photos.size(), list.left_out, kFewest, false, "photos");

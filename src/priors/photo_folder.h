@@ -20,12 +20,13 @@ struct PhotoList {
   std::filesystem::path folder;  ///< that holds the photos: the given one or its images/
   std::vector<Photo> photos;
   std::vector<LeftOut> left_out;  ///< hidden, empty, cut and unreadable files, and second ones of a name
+  std::string unread;             ///< names of pictures whose formats are not read, a blank before each
 };
 
 /// Pictures (io/picture_format.h) of the folder, in natural order (2 before 10). If it holds none, those of its
 /// images/,
 /// else of all its subfolders but masks/. Error{kBadInput}: fewer than two photos that can be used. Pictures in formats
-/// that are not read (TIFF, raw, ...) are named in the error or a warning.
+/// that are not read (TIFF, raw, ...) are named in the error or in `unread`.
 PhotoList list_photos(const std::filesystem::path& folder);
 
 /// Whether list_photos would find any.

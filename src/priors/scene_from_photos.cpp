@@ -344,38 +344,67 @@ void take_frames(const fs::path& video, const fs::path& folder, const ScenePhoto
   }
 }
 
-}  // namespace
+bool is_video(const fs::path& source) { return is_video_name(source) && !fs::is_directory(source); }
 
-ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene, const ModelStore& store,
-                                         const ScenePhotosOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  require_scene_place(scene, options.overwrite, {source, options.cameras});
-  const bool video = is_video_name(source) && !fs::is_directory(source);
-  if (video && options.method == PosesMethod::kGiven) {
-    throw_usage("--method given needs the photos that the cameras were found for, not a video",
-                "give the folder of these photos, or another --method");
-  }
-  if (uses_network(options.method)) store.require(published_model(options.model));
-  std::optional<WorkFolder> work;
-  if (video) {
-    work.emplace(scene);
-    take_frames(source, work->path() / "frames", options);
-  }
-  const PhotoList listed = list_photos(video ? work->path() / "frames" : source);
-  fs::path cameras;
-  if (options.method == PosesMethod::kGiven) cameras = find_given_cameras(listed.folder, options.cameras);
+/// The photos of a folder, and the given cameras.
+CheckedPhotos check_folder(const fs::path& folder, const fs::path& source, const ScenePhotosOptions& options) {
+  CheckedPhotos checked;
+  checked.listed = list_photos(folder);
+  const PhotoList& listed = checked.listed;
+  if (options.method == PosesMethod::kGiven) checked.cameras = find_given_cameras(listed.folder, options.cameras);
   if (!uses_network(options.method) && listed.photos.size() < kFewestPlaced) {
     throw_bad_input(source, "", fmt::format("{} photos are too few", listed.photos.size()),
                     fmt::format("take at least {}, or use --method vggt or da3", kFewestPlaced));
   }
   require_enough(listed.folder, listed.photos.size(), listed.left_out, 0, options.strict, "photos");
+  return checked;
+}
+
+}  // namespace
+
+PosesMethod poses_method(const std::string& name) {
+  if (name == "da3") return PosesMethod::kDa3;
+  if (name == "colmap") return PosesMethod::kColmap;
+  return name == "given" ? PosesMethod::kGiven : PosesMethod::kVggt;
+}
+
+CheckedPhotos check_photos(const fs::path& source, const fs::path& scene, const ModelStore& store,
+                           const ScenePhotosOptions& options) {
+  require_scene_place(scene, options.overwrite, {source, options.cameras});
+  const bool video = is_video(source);
+  if (video && options.method == PosesMethod::kGiven) {
+    throw_usage("--method given needs the photos that the cameras were found for, not a video",
+                "give the folder of these photos, or another --method");
+  }
+  if (uses_network(options.method)) store.require(published_model(options.model));
+  CheckedPhotos checked;
+  if (video)
+    require_readable_video(source);
+  else
+    checked = check_folder(source, source, options);
+  if (options.method == PosesMethod::kColmap) require_colmap();
+  return checked;
+}
+
+ScenePhotosReport make_scene_from_photos(const fs::path& source, const fs::path& scene, const ModelStore& store,
+                                         const ScenePhotosOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  CheckedPhotos checked = check_photos(source, scene, store, options);
+  std::optional<WorkFolder> work;
+  if (is_video(source)) {
+    work.emplace(scene);
+    take_frames(source, work->path() / "frames", options);
+    checked = check_folder(work->path() / "frames", source, options);
+  }
+  const PhotoList& listed = checked.listed;
+  if (!listed.unread.empty()) log_warning("left out, as their formats are not read:{}", listed.unread);
   ThreadPool pool(options.threads);
   ScenePhotosReport report;
   report.photos = listed.photos.size() + listed.left_out.size();
   report.unplaced = listed.left_out;
   if (options.method == PosesMethod::kGiven) {
     report.method = "given";
-    scene_by_given_poses(source, cameras, listed, scene, options, pool, report);
+    scene_by_given_poses(source, checked.cameras, listed, scene, options, pool, report);
   } else {
     if (!work) work.emplace(scene);
     const std::vector<Photo> photos = prepare_photos(listed.photos, work->path() / "images", options.max_side, pool);

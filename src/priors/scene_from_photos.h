@@ -11,6 +11,7 @@
 #include "priors/colmap_poses.h"
 #include "priors/metres_estimate.h"
 #include "priors/model_store.h"
+#include "priors/photo_folder.h"
 
 namespace aligngs {
 
@@ -18,6 +19,9 @@ enum class PosesMethod { kVggt, kDa3, kColmap, kGiven };
 
 /// Whether a network finds the cameras.
 inline bool uses_network(PosesMethod method) { return method == PosesMethod::kVggt || method == PosesMethod::kDa3; }
+
+/// The method of "--method": vggt, da3, colmap or given.
+PosesMethod poses_method(const std::string& name);
 
 struct ScenePhotosOptions {
   PosesMethod method = PosesMethod::kVggt;
@@ -61,6 +65,15 @@ struct ScenePhotosReport {
   std::optional<MetresEstimate> metres;  ///< Depth Anything 3 beside a metric network
   double seconds = 0;
 };
+
+struct CheckedPhotos {
+  PhotoList listed;               ///< nothing of a video, whose frames are not there yet
+  std::filesystem::path cameras;  ///< of kGiven
+};
+/// The checks of make_scene_from_photos() before it makes anything; changes nothing. Its errors, those of photos that
+/// could not be placed aside; Error{kFailed} where the program colmap or ffmpeg is needed and missing.
+CheckedPhotos check_photos(const std::filesystem::path& photos, const std::filesystem::path& scene,
+                           const ModelStore& store, const ScenePhotosOptions& options);
 
 /// `photos`: a folder, or a video, whose frames become photos (priors/video_frames.h).
 /// Error{kUsage} when the scene exists, or for a video with given cameras. Error{kWeights} when the network's weights

@@ -15,7 +15,9 @@
 #include "io/npy.h"
 #include "nn/depther.h"
 #include "nn/huggingface.h"
+#include "nn/preprocess/da3_images.h"
 #include "nn/preprocess/pillow_resize.h"
+#include "nn/preprocess/vggt_images.h"
 #include "priors/da3_prediction.h"
 #include "priors/network_memory.h"
 #include "priors/semantic_teacher.h"
@@ -140,9 +142,6 @@ void fill_with_vggt(const Scene& scene, const ModelStore& store, const Published
   const std::vector<Photo> photos = photos_of(scene);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   VggtInputs inputs = vggt_inputs(photos, pool);
-  MemoryBudget budget(options.memory_limit);
-  add_vggt_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
-  budget.require("VGGT", "use fewer views, --depth dpt-s, or more memory with --memory");
   notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Vggt network(compute, weights);
@@ -159,9 +158,6 @@ void fill_with_da3(const Scene& scene, const ModelStore& store, const PublishedM
   for (const int i : scene.train) cameras.push_back(scene.views[size_t(i)].camera);
   const nn::Weights weights = nn::Weights::open(store.require(model).at(0));
   Da3Inputs inputs = da3_inputs(photos, pool);
-  MemoryBudget budget(options.memory_limit);
-  add_da3_memory(budget, weights, options.precision, photos.size(), inputs.images[0].width, inputs.images[0].height);
-  budget.require("Depth Anything 3", "use fewer views, --depth da3-small, or more memory with --memory");
   notes.depth->weights = digest_of(store, model);  // reads the whole file: only now
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const nn::Da3 network(compute, weights);
@@ -214,15 +210,6 @@ ImageF halved(const nn::FeatureMap& depth) {
 void fill_with_depther(const Scene& scene, const ModelStore& store, const PublishedModel& model, PriorsJson notes,
                        const ScenePriorsOptions& options, ThreadPool& pool, ScenePriorsReport& report) {
   const DepthWeights weights = depth_weights(store, model);
-  NetworkInput largest;
-  for (const NetworkInput& size : photo_sizes(scene)) {
-    if (size.width * size.height > largest.width * largest.height) largest = size;
-  }
-  MemoryBudget budget(options.memory_limit);
-  add_depth_network_memory(budget, weights.backbone, weights.head, largest, {options.precision, pool.size()});
-  budget.require(model.name,
-                 "use a smaller network (--depth dpt-s or linear-s), smaller photos, or "
-                 "more memory with --memory");
   notes.depth->weights = digest_of(store, model);
   nn::Compute compute(pool, {options.precision, true, true, options.make_device ? options.make_device() : nullptr});
   const std::unique_ptr<nn::DepthNetwork> network = nn::make_depth_network(compute, weights.backbone, weights.head);
@@ -240,6 +227,44 @@ void fill_with_depther(const Scene& scene, const ModelStore& store, const Publis
   fill.finish(&PriorsJson::depth, notes);
 }
 
+/// All photos of VGGT get the largest height, or a square where one is upright.
+void add_vggt_depth(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                    const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  const bool landscape = std::all_of(photos.begin(), photos.end(), [](const auto& p) { return p.width >= p.height; });
+  nn::ImageSize size;
+  for (const NetworkInput& photo : photos) {
+    const nn::ImageSize one =
+        nn::vggt_image_size(int(photo.width), int(photo.height), landscape ? nn::VggtFit::kCrop : nn::VggtFit::kPad);
+    size = {std::max(size.width, one.width), std::max(size.height, one.height)};
+  }
+  add_vggt_memory(budget, nn::Weights::open(store.require(model).at(0)), options.precision, photos.size(), size.width,
+                  size.height);
+}
+
+/// All photos of Depth Anything 3 are cut to the smallest sides.
+void add_da3_depth(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                   const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  nn::ImageSize size{nn::kDa3Size, nn::kDa3Size};
+  for (const NetworkInput& photo : photos) {
+    const nn::ImageSize one = nn::da3_image_size(int(photo.width), int(photo.height));
+    size = {std::min(size.width, one.width), std::min(size.height, one.height)};
+  }
+  add_da3_memory(budget, nn::Weights::open(store.require(model).at(0)), options.precision, photos.size(), size.width,
+                 size.height);
+}
+
+void add_depther(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                 const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  NetworkInput largest;
+  for (const NetworkInput& size : photos) {
+    if (size.width * size.height > largest.width * largest.height) largest = size;
+  }
+  const DepthWeights weights = depth_weights(store, model);
+  add_depth_network_memory(budget, weights.backbone, weights.head, largest, options);
+}
+
+using AddDepthMemory = void (*)(MemoryBudget&, const ModelStore&, const PublishedModel&,
+                                const std::vector<NetworkInput>& photos, const NetworkMemoryOptions&);
 using FillDepth = void (*)(const Scene&, const ModelStore&, const PublishedModel&, PriorsJson,
                            const ScenePriorsOptions&, ThreadPool&, ScenePriorsReport&);
 
@@ -249,11 +274,15 @@ struct DepthFamily {
   DepthScale scale;     ///< of its depth
   bool has_confidence;  ///< so that the lowest can be left out
   FillDepth fill;
+  AddDepthMemory add_memory;
+  const char* lighter;  ///< remedy where memory is too small
 };
-constexpr DepthFamily kDepthFamilies[] = {{"vggt", DepthScale::kOwn, true, fill_with_vggt},
-                                          {"lingbot-map", DepthScale::kOwn, true, fill_with_vggt},
-                                          {"da3-", DepthScale::kScene, true, fill_with_da3},
-                                          {"nyu-", DepthScale::kMetres, false, fill_with_depther}};
+constexpr DepthFamily kDepthFamilies[] = {
+    {"vggt", DepthScale::kOwn, true, fill_with_vggt, add_vggt_depth, "use fewer views, --depth dpt-s"},
+    {"lingbot-map", DepthScale::kOwn, true, fill_with_vggt, add_vggt_depth, "use fewer views, --depth dpt-s"},
+    {"da3-", DepthScale::kScene, true, fill_with_da3, add_da3_depth, "use fewer views, --depth da3-small"},
+    {"nyu-", DepthScale::kMetres, false, fill_with_depther, add_depther,
+     "use a smaller network (--depth dpt-s or linear-s), smaller photos"}};
 
 const DepthFamily& depth_family(const PublishedModel& model) {
   for (const DepthFamily& family : kDepthFamilies) {
@@ -263,6 +292,11 @@ const DepthFamily& depth_family(const PublishedModel& model) {
 }
 
 }  // namespace
+
+void add_depth_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                      const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options) {
+  depth_family(model).add_memory(budget, store, model, photos, options);
+}
 
 ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store, const PublishedModel& model,
                              const ScenePriorsOptions& options) {
@@ -276,6 +310,9 @@ ScenePriorsReport fill_depth(const fs::path& folder, const ModelStore& store, co
   }
   ThreadPool pool(options.threads);
   const DepthFamily& family = depth_family(model);
+  MemoryBudget budget(options.memory_limit);
+  family.add_memory(budget, store, model, photo_sizes(scene), {options.precision, pool.size()});
+  budget.require(model.name, std::string(family.lighter) + ", or more memory with --memory");
   notes.depth = PriorJson{model.name, "", {}};
   if (family.has_confidence) notes.depth->settings["drop_percent"] = fmt::format("{:g}", options.drop_percent);
   notes.depth_scale = family.scale;

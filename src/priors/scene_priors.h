@@ -8,6 +8,7 @@
 #include "core/progress.h"
 #include "nn/compute.h"
 #include "priors/model_store.h"
+#include "priors/network_memory.h"
 #include "scene/scene.h"
 
 namespace aligngs {
@@ -31,9 +32,7 @@ struct ScenePriorsReport {
   int width = 0, height = 0;  ///< of the last map
 };
 
-/// Names of weights for `aligngs priors`: what a person says, and which model that is.
-/// semantics: "m2f", "linear-s" .. "linear-g", "ms-s" .. "ms-g"; depth: "vggt",
-/// "vggt-commercial", "dpt-s" .. "dpt-g", "linear-s" .. "linear-g". Error{kUsage} otherwise.
+/// The model of a word of teacher_list.h. Error{kUsage} for another word.
 const PublishedModel& semantic_model(const std::string& choice);
 const PublishedModel& depth_model(const std::string& choice);
 
@@ -46,6 +45,11 @@ const std::vector<std::string>& depth_choices();
 /// The first of those that are installed; null: none.
 const PublishedModel* installed_semantic_model(const ModelStore& store);
 const PublishedModel* installed_depth_model(const ModelStore& store);
+
+/// Memory of a network for depth or cameras and of what it makes of `photos` (pixels), item by item. Reads the headers
+/// of its weight files only. Error{kWeights} when they are missing, Error{kUsage} for another network.
+void add_depth_memory(MemoryBudget& budget, const ModelStore& store, const PublishedModel& model,
+                      const std::vector<NetworkInput>& photos, const NetworkMemoryOptions& options);
 
 /// Writes pred_depths/<view>.npy (float16) and priors.json. Depth of VGGT has the network's own
 /// scale (DepthScale::kOwn); that of the others is in metres. Training lays both on the scene.

@@ -1,5 +1,7 @@
 #include "priors/teacher_list.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "priors/scene_priors.h"
 
@@ -68,6 +70,60 @@ const std::vector<TeacherWord>& depth_teachers() {
                                                     {"dpt", "nyu-dpt-s", false},
                                                     {"linear", "nyu-linear4-s", false}};
   return teachers;
+}
+
+// AUC at 30 degrees: mean over 19 data sets, by the publishers of the benchmark. The commercial weights are of the same
+// network as VGGT-1B; their own figure is not published.
+const std::vector<CameraTeacher>& camera_teachers() {
+  const auto row = [](const char* model, const char* method, const char* reason, bool method_default = false) {
+    return CameraTeacher{{model, model, true}, method, reason, method_default};
+  };
+  static const std::vector<CameraTeacher> teachers = {
+      row("vggt-1b-commercial", "vggt", "the most accurate cameras (pose AUC 0.70) with commercial use allowed"),
+      row("da3-base", "da3", "free to use, pose AUC 0.57 with a ninth of the arithmetic", true),
+      row("da3-small", "da3", "free to use, pose AUC 0.48, the smallest"),
+      row("lingbot-map", "vggt", "no published accuracy, and its provenance is an open question"),
+      row("vggt-1b", "vggt", "pose AUC 0.70, non-commercial use only", true),
+      row("da3-giant", "da3", "non-commercial use only"),
+      row("da3-large", "da3", "non-commercial use only"),
+  };
+  return teachers;
+}
+
+const CameraTeacher* find_camera_teacher(const std::string& model) {
+  const auto& teachers = camera_teachers();
+  const auto found = std::find_if(teachers.begin(), teachers.end(), [&](const auto& t) { return t.model == model; });
+  return found == teachers.end() ? nullptr : &*found;
+}
+
+const std::vector<std::string>& camera_network_methods() {
+  static const std::vector<std::string> methods = [] {
+    std::vector<std::string> found;
+    for (const CameraTeacher& teacher : camera_teachers()) {
+      if (std::find(found.begin(), found.end(), teacher.method) == found.end()) found.push_back(teacher.method);
+    }
+    return found;
+  }();
+  return methods;
+}
+
+bool is_camera_network_method(const std::string& method) {
+  const std::vector<std::string>& methods = camera_network_methods();
+  return std::find(methods.begin(), methods.end(), method) != methods.end();
+}
+
+const CameraTeacher& default_camera_teacher(const std::string& method) {
+  for (const CameraTeacher& teacher : camera_teachers()) {
+    if (teacher.method == method && teacher.method_default) return teacher;
+  }
+  throw_usage("--method " + method + " is no network", "see `aligngs poses --help` for the methods");
+}
+
+const CameraTeacher* installed_camera_teacher(const ModelStore& store) {
+  for (const CameraTeacher& teacher : camera_teachers()) {
+    if (store.installed(published_model(teacher.model))) return &teacher;
+  }
+  return nullptr;
 }
 
 const PublishedModel& semantic_model(const std::string& choice) { return model_of_word(semantic_teachers(), choice); }

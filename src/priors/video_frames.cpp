@@ -116,13 +116,16 @@ bool is_video_name(const fs::path& file) {
   return has_extension(file, kExtensions);
 }
 
-VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
+void require_readable_video(const fs::path& video) {
   if (!fs::is_regular_file(video))
     throw_bad_input(video, "", "there is no such file", "give a video, or a folder of photos");
-  if (find_program("ffmpeg").empty() || find_program("ffprobe").empty()) {
-    throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
-                 "apt-get install ffmpeg, or give a folder of photos"});
-  }
+  if (!find_program("ffmpeg").empty() && !find_program("ffprobe").empty()) return;
+  throw Error({ErrorKind::kFailed, "a video needs the program ffmpeg, which is not in PATH", video, "",
+               "apt-get install ffmpeg, or give a folder of photos"});
+}
+
+VideoFramesReport take_video_frames(const fs::path& video, const fs::path& folder, const VideoFramesOptions& options) {
+  require_readable_video(video);
   fs::create_directories(folder);
   const VideoStream stream = stream_of(video, folder);
   const double wanted = double(options.views) * kCandidatesPerView / stream.seconds;

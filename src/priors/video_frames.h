@@ -23,6 +23,9 @@ struct VideoFramesReport {
   double exposure_walk = 1;
 };
 
+/// Error{kBadInput} without such a file, Error{kFailed} where ffmpeg or ffprobe is not in PATH. The file is not read.
+void require_readable_video(const std::filesystem::path& video);
+
 /// Writes the frames as frame_00001.jpg, ... into `folder`, turned as the video is shown. Error{kFailed}: ffmpeg is not
 /// installed. Error{kBadInput}: no video can be read, or it has fewer than two frames.
 VideoFramesReport take_video_frames(const std::filesystem::path& video, const std::filesystem::path& folder,

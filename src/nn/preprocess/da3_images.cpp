@@ -57,19 +57,33 @@ void cut(Image<uint8_t>& image, ImagePlacement& placement, int width, int height
   image = part_of(image, left, top, width, height);
 }
 
+/// The size after the first resize.
+ImageSize scaled_for_da3(int width, int height, const Da3ImageOptions& options) {
+  const int side = options.shortest_side ? std::min(width, height) : std::max(width, height);
+  if (side == options.size) return {width, height};
+  const double scale = double(options.size) / side;
+  const auto scaled = [&](int n) { return std::max(1, int(std::lrint(n * scale))); };  // half to even
+  return {scaled(width), scaled(height)};
+}
+
+/// The size after the second resize or the cut.
+ImageSize whole_patches(ImageSize scaled, const Da3ImageOptions& options) {
+  if (options.cropped) return {scaled.width / kDa3Patch * kDa3Patch, scaled.height / kDa3Patch * kDa3Patch};
+  return {nearest_multiple(scaled.width), nearest_multiple(scaled.height)};
+}
+
 }  // namespace
+
+ImageSize da3_image_size(int width, int height, const Da3ImageOptions& options) {
+  return whole_patches(scaled_for_da3(width, height, options), options);
+}
 
 Image<uint8_t> da3_image(const Image<uint8_t>& photo, const Da3ImageOptions& options, ImagePlacement* placement) {
   if (photo.empty()) throw_bad_input({}, "photo", "it has no pixels");
   Image<uint8_t> image = rgb_of(photo);
   ImagePlacement where;
-  const auto [least, most] = std::minmax(image.width, image.height);
-  const int side = options.shortest_side ? least : most;
-  if (side != options.size) {
-    const double scale = double(options.size) / side;
-    const auto scaled = [&](int n) { return std::max(1, int(std::lrint(n * scale))); };  // half to even
-    resize(image, where, scaled(image.width), scaled(image.height), scale > 1);
-  }
+  const ImageSize scaled = scaled_for_da3(image.width, image.height, options);
+  resize(image, where, scaled.width, scaled.height, scaled.width > image.width || scaled.height > image.height);
   if (std::min(image.width, image.height) < kDa3Patch / 2 ||
       (options.cropped && std::min(image.width, image.height) < kDa3Patch)) {
     throw_bad_input({}, "photo",
@@ -77,12 +91,11 @@ Image<uint8_t> da3_image(const Image<uint8_t>& photo, const Da3ImageOptions& opt
                         " pixels are too long and narrow for the network",
                     "crop the photo");
   }
-  if (options.cropped) {
-    cut(image, where, image.width / kDa3Patch * kDa3Patch, image.height / kDa3Patch * kDa3Patch);
-  } else {
-    const int width = nearest_multiple(image.width), height = nearest_multiple(image.height);
+  const auto [width, height] = whole_patches({image.width, image.height}, options);
+  if (options.cropped)
+    cut(image, where, width, height);
+  else
     resize(image, where, width, height, width > image.width || height > image.height);
-  }
   if (placement) *placement = where;
   return image;
 }

@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "nn/preprocess/image_placement.h"
+#include "nn/preprocess/normalised_image.h"
 #include "nn/tensor.h"
 
 namespace aligngs::nn {
@@ -25,6 +26,9 @@ struct Da3ImageOptions {
 /// would become smaller than a patch.
 Image<uint8_t> da3_image(const Image<uint8_t>& photo, const Da3ImageOptions& options = {},
                          ImagePlacement* placement = nullptr);
+
+/// Its size for a photo of so many pixels; may be smaller than a patch.
+ImageSize da3_image_size(int width, int height, const Da3ImageOptions& options = {});
 
 /// Cuts all to the smallest height and the smallest width, in the middle.
 void da3_common_size(std::vector<Image<uint8_t>>& images, std::vector<ImagePlacement>* placements = nullptr);

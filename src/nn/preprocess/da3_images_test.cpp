@@ -25,6 +25,17 @@ TEST(Da3Images, CommonShapesGetThePublishedSizes) {
   }
 }
 
+TEST(Da3Images, TheSizeIsKnownBeforeThePhotoIsRead) {
+  for (const Da3ImageOptions& options : {Da3ImageOptions{}, Da3ImageOptions{56, true, true}}) {
+    for (const auto& [width, height] : {std::pair{640, 480}, {480, 640}, {1600, 900}, {504, 378}}) {
+      const Image<uint8_t> image = da3_image(Image<uint8_t>(width, height, 3, 9), options);
+      const ImageSize size = da3_image_size(width, height, options);
+      EXPECT_EQ(size.width, image.width) << width << " x " << height;
+      EXPECT_EQ(size.height, image.height) << width << " x " << height;
+    }
+  }
+}
+
 TEST(Da3Images, CutImagesKeepTheirMiddle) {
   ImagePlacement where;
   const Image<uint8_t> image = da3_image(Image<uint8_t>(504, 301, 3), {504, false, true}, &where);

@@ -63,6 +63,17 @@ TEST(VggtImages, AnExtremelyWideImageKeepsOnePatchOfHeight) {
   EXPECT_EQ(vggt_image(picture(1000, 2), VggtFit::kCrop).height, 14);
 }
 
+TEST(VggtImages, TheSizeIsKnownBeforeThePhotoIsRead) {
+  for (const VggtFit fit : {VggtFit::kCrop, VggtFit::kPad}) {
+    for (const auto& [width, height] : {std::pair{640, 480}, {480, 640}, {1600, 900}, {2000, 40}}) {
+      const Image<uint8_t> image = vggt_image(Image<uint8_t>(width, height, 3, 9), fit);
+      const ImageSize size = vggt_image_size(width, height, fit);
+      EXPECT_EQ(size.width, image.width) << width << " x " << height;
+      EXPECT_EQ(size.height, image.height) << width << " x " << height;
+    }
+  }
+}
+
 TEST(SegmentationImage, TheShortSideDecidesWithinTheLongOne) {
   EXPECT_EQ(segmentation_image(picture(64, 48), {99999999, 96, 0}).width, 128);
   EXPECT_EQ(segmentation_image(picture(64, 48), {100, 96, 0}).width, 100);

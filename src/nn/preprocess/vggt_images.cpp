@@ -22,17 +22,22 @@ Image<uint8_t> centred(const Image<uint8_t>& image, int width, int height, uint8
 
 constexpr uint8_t kWhite = 255, kBlack = 0;
 
+/// Before it is cut or padded.
+ImageSize resized_for_vggt(int width, int height, VggtFit fit) {
+  if (fit == VggtFit::kPad && width < height) return {to_patches(width * (double(kVggtSize) / height)), kVggtSize};
+  return {kVggtSize, to_patches(height * (double(kVggtSize) / width))};
+}
+
 }  // namespace
+
+ImageSize vggt_image_size(int width, int height, VggtFit fit) {
+  if (fit == VggtFit::kPad) return {kVggtSize, kVggtSize};
+  return {kVggtSize, std::min(resized_for_vggt(width, height, fit).height, kVggtSize)};
+}
 
 Image<uint8_t> vggt_image(const Image<uint8_t>& photo, VggtFit fit, VggtPlacement* placement) {
   const Image<uint8_t> rgb = pillow_rgb_on_white(photo);
-  int width = kVggtSize, height;
-  if (fit == VggtFit::kPad && rgb.width < rgb.height) {
-    width = to_patches(rgb.width * (double(kVggtSize) / rgb.height));
-    height = kVggtSize;
-  } else {
-    height = to_patches(rgb.height * (double(kVggtSize) / rgb.width));
-  }
+  const auto [width, height] = resized_for_vggt(rgb.width, rgb.height, fit);
   Image<uint8_t> out = pillow_resize_bicubic(rgb, width, height);
   VggtPlacement place{double(width) / rgb.width, double(height) / rgb.height, 0, 0};
   if (fit == VggtFit::kCrop && height > kVggtSize) {

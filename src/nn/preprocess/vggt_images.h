@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "nn/preprocess/image_placement.h"
+#include "nn/preprocess/normalised_image.h"
 
 namespace aligngs::nn {
 
@@ -21,6 +22,9 @@ using VggtPlacement = ImagePlacement;
 
 /// RGB of 8 bits. Grey and RGBA images are accepted (alpha over white).
 Image<uint8_t> vggt_image(const Image<uint8_t>& photo, VggtFit fit, VggtPlacement* placement = nullptr);
+
+/// Its size for a photo of so many pixels.
+ImageSize vggt_image_size(int width, int height, VggtFit fit);
 
 /// Pads all with white to the largest height and width, centred.
 void vggt_common_size(std::vector<Image<uint8_t>>& images, std::vector<VggtPlacement>* placements = nullptr);

@@ -1,0 +1,98 @@
+#include "priors/camera_choice.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/progress.h"
+#include "priors/model_sets.h"
+#include "priors/teacher_list.h"
+
+namespace aligngs {
+namespace {
+
+constexpr const char* kMetricNetwork = "da3metric-large";
+
+[[noreturn]] void throw_no_camera_network() {
+  const auto size = [](const char* set) {
+    uint64_t bytes = 0;
+    for (const PublishedModel* model : models_of({set})) bytes += download_bytes(*model);
+    return format_bytes(bytes);
+  };
+  throw Error({ErrorKind::kWeights,
+               "no network that finds cameras is installed",
+               {},
+               "method",
+               fmt::format("aligngs models download recommended   ({}), or light ({}); weights that anyone may use",
+                           size("recommended"), size("light"))});
+}
+
+/// The named weights, else the method's own.
+std::string weights_of_method(const CameraRequest& request, const std::string& method) {
+  if (request.model.empty()) return default_camera_teacher(method).model;
+  const CameraTeacher* const named = find_camera_teacher(request.model);
+  if (named && named->method == method) return request.model;
+  throw_usage(request.model + " is no network of --method " + method,
+              named ? "with it goes --method " + named->method : "see `aligngs poses --help` for the weights");
+}
+
+/// Options of one method go with no other.
+void require_options_of(const std::string& method, const CameraRequest& request) {
+  if (!request.cameras.empty() && method != "given")
+    throw_usage("--cameras goes with --method given", "add --method given, or leave --cameras out");
+  if (request.camera_from_rays && method != "da3")
+    throw_usage("--camera-from-rays goes with --method da3", "add --method da3, or leave --camera-from-rays out");
+  if (request.metric_model == kMetricNetwork && method != "da3")
+    throw_usage("--metres goes with --method da3", "add --method da3, or leave --metres out");
+}
+
+CameraChoice choice_of(const CameraRequest& request, const ModelStore& store) {
+  if (request.method == "colmap") return {"colmap", "", "the program COLMAP finds the cameras", false};
+  if (request.method == "given") return {"given", "", "the cameras are given", false};
+  if (request.method != "auto") {
+    const std::string model = weights_of_method(request, request.method);
+    return {request.method, model, model + " finds the cameras, as asked for", false};
+  }
+  if (!request.cameras.empty()) return {"given", "", "the cameras are given", false};
+  if (request.model.empty() && (request.camera_from_rays || request.metric_model == kMetricNetwork)) {
+    const std::string& model = default_camera_teacher("da3").model;
+    return {"da3", model, model + " finds the cameras: an option asks for da3", false};
+  }
+  if (!request.model.empty()) {
+    const CameraTeacher* const named = find_camera_teacher(request.model);
+    if (!named) throw_usage(request.model + " finds no cameras", "see `aligngs poses --help` for the weights");
+    return {named->method, request.model, request.model + " finds the cameras, as asked for", false};
+  }
+  const CameraTeacher* const best = installed_camera_teacher(store);
+  if (!best) throw_no_camera_network();
+  return {best->method, best->model, "cameras by " + best->model + ": " + best->reason, true};
+}
+
+}  // namespace
+
+CameraChoice choose_cameras(const CameraRequest& request, const ModelStore& store) {
+  CameraChoice choice = choice_of(request, store);
+  require_options_of(choice.method, request);
+  return choice;
+}
+
+const PublishedModel* installed_camera_network(const CameraRequest& request, const ModelStore& store) {
+  std::string model = request.model;
+  if (is_camera_network_method(request.method))
+    model = weights_of_method(request, request.method);
+  else if (model.empty()) {
+    const CameraTeacher* const best = installed_camera_teacher(store);
+    if (!best) return nullptr;
+    model = best->model;
+  }
+  const PublishedModel& published = published_model(model);
+  return store.installed(published) ? &published : nullptr;
+}
+
+std::string terms_of_choice(const PublishedModel& model, const char* purpose) {
+  const ModelLicence& licence = model.licence;
+  if (licence.commercial && licence.question.empty()) return {};
+  return fmt::format("{} by {}, as no other network for them is installed: licence {}, {}", purpose, model.name,
+                     licence.id, licence.question.empty() ? licence.note : licence.question);
+}
+
+}  // namespace aligngs
